@@ -1,0 +1,67 @@
+/* Scene files: libconfig behind a layer that knows which keys were asked for, so that an unknown
+ * key is an error with file, line and the nearest known key. */
+#ifndef TOSUI_COMMON_CONFIG_H
+#define TOSUI_COMMON_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "common/units.h"
+
+struct config;                             /* an open file */
+typedef struct config_setting_t config_node; /* a group, list or value in it; owned by the file */
+
+/* Reads `path`, then applies `overrides` ("isph.tau=0.05 s", "regions.[1].porosity=0.4"; created
+ * where missing; count n). Free with config_close. */
+enum status config_open(const char *path, const char *const *overrides, size_t n,
+                        struct config **config);
+void config_close(struct config *config);
+config_node *config_root(struct config *config);
+/* The file's text with overrides appended as comments, for /run/scene. Owned by `config`. */
+const char *config_text(const struct config *config);
+/* Folder of the file ("" for the current), for paths inside it. */
+const char *config_folder(const struct config *config);
+
+/* The child of that name or NULL. Marks the name as known in `parent`. */
+config_node *config_child(struct config *config, config_node *parent, const char *name);
+config_node *config_item(config_node *list, size_t i);
+size_t config_count(const config_node *node);
+bool config_is_list(const config_node *node);  /* list or array */
+bool config_is_group(const config_node *node);
+bool config_is_text(const config_node *node);
+bool config_is_number(const config_node *node);
+
+/* An input error at `node`: "scene.cfg:12: wcsph.dt: MESSAGE". */
+enum status config_error(const struct config *config, const config_node *node, const char *format,
+                         ...) __attribute__((format(printf, 3, 4)));
+
+/* Typed reads of a child `name` of `group` (which may be NULL: then nothing is given). When the key
+ * is missing *value stays and *given (may be NULL) is false. */
+enum status config_quantity(struct config *config, config_node *group, const char *name,
+                            struct dimension dimension, double *value, bool *given);
+enum status config_number(struct config *config, config_node *group, const char *name,
+                          double *value, bool *given);
+enum status config_integer(struct config *config, config_node *group, const char *name,
+                           long long *value, bool *given);
+enum status config_bool(struct config *config, config_node *group, const char *name, bool *value,
+                        bool *given);
+enum status config_string(struct config *config, config_node *group, const char *name,
+                          const char **value, bool *given);
+/* A string that must be one of `choices` (NULL-terminated); its index. The error names the
+ * nearest. */
+enum status config_choice(struct config *config, config_node *group, const char *name,
+                          const char *const *choices, int *value, bool *given);
+/* An array or list of quantities: at least min, at most max values; *count says how many. */
+enum status config_quantities(struct config *config, config_node *group, const char *name,
+                              struct dimension dimension, int min, int max, double *values,
+                              int *count, bool *given);
+/* "auto" or a quantity: *automatic is set. */
+enum status config_auto_quantity(struct config *config, config_node *group, const char *name,
+                                 struct dimension dimension, double *value, bool *automatic,
+                                 bool *given);
+
+/* After all reads: every key of the file that no read asked for is an error. */
+enum status config_refuse_unknown(struct config *config);
+
+#endif

@@ -1,0 +1,62 @@
+/* HDF5 behind checked reads and atomic writes. The only header that programs see of HDF5.
+ *
+ * A file being written lives at PATH.part until h5_commit renames it; a crash never leaves half a
+ * file under its final name. Reads check rank, type class and sizes before memory is allocated;
+ * external links and unknown filters are refused. */
+#ifndef TOSUI_COMMON_HDF5_FILE_H
+#define TOSUI_COMMON_HDF5_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+
+struct h5_file;
+enum h5_type { H5_U8, H5_I32, H5_U32, H5_I64, H5_U64, H5_F32, H5_F64 };
+size_t h5_type_size(enum h5_type type);
+
+enum status h5_create(const char *path, struct h5_file **file);
+enum status h5_open(const char *path, struct h5_file **file); /* read only */
+/* Flushes, syncs, renames to the final name, frees. On failure the part file is removed. */
+enum status h5_commit(struct h5_file *file);
+/* Closes; a file being written is removed. NULL is fine. */
+void h5_close(struct h5_file *file);
+const char *h5_path(const struct h5_file *file);
+
+/* Intermediate groups of `name` are created. */
+enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                     const size_t *dims, const void *data, bool compress);
+enum status h5_write_text(struct h5_file *file, const char *name, const char *text);
+/* A 1-D array of strings. */
+enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
+                           const char *const *texts);
+enum status h5_make_group(struct h5_file *file, const char *name);
+/* `target` may be absent yet. */
+enum status h5_soft_link(struct h5_file *file, const char *target, const char *name);
+
+/* Attributes of the object `name` ("/" for the root). count 1 writes a scalar. */
+enum status h5_write_attribute(struct h5_file *file, const char *name, const char *attribute,
+                               enum h5_type type, size_t count, const void *data);
+enum status h5_write_attribute_text(struct h5_file *file, const char *name, const char *attribute,
+                                    const char *text); /* fixed length, as VTKHDF wants */
+
+bool h5_exists(struct h5_file *file, const char *name);
+bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute);
+/* Shape of a dataset: rank <= max_rank, dims filled. */
+enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank,
+                     size_t *dims);
+/* Reads a whole dataset of exactly `rank` dimensions, converted to `type`, into new memory
+ * (memory_free); dims filled. Any integer or float type on disk is accepted for a number. */
+enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                    size_t *dims, void *data);
+enum status h5_read_text(struct h5_file *file, const char *name, char **text);
+enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count, char ***texts);
+void h5_free_texts(size_t count, char ***texts);
+/* Reads exactly `count` values. */
+enum status h5_read_attribute(struct h5_file *file, const char *name, const char *attribute,
+                              enum h5_type type, size_t count, void *data);
+enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
+                                   char **text);
+
+#endif

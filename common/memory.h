@@ -1,0 +1,34 @@
+/* Memory whose size comes from checked arithmetic and whose total is counted and limited. */
+#ifndef TOSUI_COMMON_MEMORY_H
+#define TOSUI_COMMON_MEMORY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+
+/* a * b into *product; false on overflow. */
+bool size_multiply(size_t a, size_t b, size_t *product);
+
+/* count * size bytes, zeroed, aligned to 64 bytes, into *pointer; `what` names it in the error
+ * ("density of 219600 particles"). A count of 0 gives NULL and succeeds. Free with memory_free. */
+enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what);
+
+/* Like realloc for a block of memory_allocate; new bytes are zero. On failure the block stays. */
+enum status memory_resize(void *pointer, size_t count, size_t size, const char *what);
+
+/* Frees what `pointer` (a T **) points to and sets it to NULL. */
+void memory_free(void *pointer);
+
+/* Bytes held now and at the highest; for /run/timing and explain. */
+size_t memory_in_use(void);
+size_t memory_peak(void);
+
+/* Refuses allocations that would bring the bytes in use above `bytes` (--max-memory); 0: none. */
+void memory_set_limit(size_t bytes);
+
+/* Tests only: the n-th allocation from now fails (0: never). */
+void memory_fail_after(long n);
+
+#endif

@@ -1,0 +1,36 @@
+/* model.hdf: the voxel model between ct2model and sphsolve. See docs/formats.md. */
+#ifndef TOSUI_COMMON_MODEL_FILE_H
+#define TOSUI_COMMON_MODEL_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "common/hdf5_file.h"
+
+/* Sizes and vectors are in the order x, y, z in memory; arrays are [z][y][x], x fastest. The file
+ * stores attribute vectors as z, y, x. */
+struct voxel_model {
+  size_t size[3];
+  double spacing[3];  /* m */
+  bool periodic[3];
+  int mirror_plane;   /* layer index along the mirror axis, -1: none */
+  double void_ratio;  /* of the model, counted */
+  double void_ratio_measured, threshold; /* NAN where unknown */
+  uint8_t *solid;        /* 1 grain, 0 pore */
+  float *wall_distance;  /* m, positive in the pore; NULL if absent */
+  float *grain_fraction; /* 0..1; NULL if absent */
+};
+
+size_t model_site_count(const struct voxel_model *model);
+/* Frees the arrays. */
+void model_free(struct voxel_model *model);
+/* Reads and validates: values, finiteness, sizes. Only /model/solid and its attribute `spacing` are
+ * required (periodic by default). */
+enum status model_read(const char *path, struct voxel_model *model);
+/* Writes /model and the /VTKHDF view (ImageData 1.0, PointData by soft links) into an open file;
+ * ct2model adds calibration and provenance, then commits. */
+enum status model_write(struct h5_file *file, const struct voxel_model *model);
+
+#endif

@@ -1,0 +1,34 @@
+/* Means with honest errors, fits, histograms. */
+#ifndef TOSUI_COMMON_STATISTICS_H
+#define TOSUI_COMMON_STATISTICS_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+
+/* Sum in a fixed order with Neumaier's compensation. */
+double sum_compensated(const double *values, size_t n);
+
+/* Mean of a correlated series and its standard error by batch means (Flegal, Jones 2010): about
+ * sqrt(n) batches; the error is NAN for n < 4. */
+void batch_means(const double *values, size_t n, double *mean, double *standard_error);
+
+/* Least squares y = a + b x: coefficients, standard errors (NAN for n < 3), R^2. With
+ * `through_origin` a = 0 and R^2 is about zero as for a model without intercept. */
+struct linear_fit {
+  double intercept, slope, intercept_error, slope_error, r_squared;
+};
+enum status fit_linear(const double *x, const double *y, size_t n, int through_origin,
+                       struct linear_fit *fit);
+
+/* Two-sided 95 % quantile of Student's t with `dof` degrees of freedom. */
+double student_t95(double dof);
+
+/* Counts of values in `bins` equal bins of [low, high]; those outside are not counted. */
+void histogram(const double *values, size_t n, double low, double high, size_t bins,
+               double *counts);
+
+/* The q-quantile (0..1) by linear interpolation; sorts a copy. NAN for n = 0 or no memory. */
+double quantile(const double *values, size_t n, double q);
+
+#endif
