@@ -1,0 +1,41 @@
+/* The sites a scene starts from: one per voxel of the model, or per spacing of the domain. wcsph
+ * puts a particle on each site, stokes solves on the sites.
+ *
+ * Where an axis is not periodic and the domain is closed there, `wall_layers` layers of wall are
+ * added outside on each side, so that the lattice itself is periodic for wcsph and stokes and no
+ * kernel reaches around. isph makes its own walls and asks for 0 layers. */
+#ifndef TOSUI_SPHSOLVE_LATTICE_H
+#define TOSUI_SPHSOLVE_LATTICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "sphsolve/scene.h"
+
+enum site_kind { SITE_EMPTY = 0, SITE_FLUID = 1, SITE_WALL = 2 };
+
+struct lattice {
+  int dimensions;    /* 2: size[1] == 1 and y is no direction of the kernel */
+  size_t size[3];    /* x, y, z; site (i, j, k) at index (k * ny + j) * nx + i */
+  double spacing[3]; /* m */
+  double origin[3];  /* m: centre of site (0, 0, 0) */
+  size_t count;      /* product of size */
+  size_t fluid_count, wall_count;
+  size_t bulk_count; /* sites without added wall layers: the bulk of the Darcy velocity */
+  uint8_t *kind;     /* enum site_kind */
+  /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
+   * model's wall_distance, else its grain_fraction, else the voxel faces; from the boxes of a
+   * domain exactly. NULL when there is no wall. */
+  float *wall_distance;
+  /* Region that claimed a site + 1, 0 for none (outer walls); NULL for a model. Wall velocity and
+   * slip come from scene.regions. */
+  uint16_t *region;
+  uint64_t model_hash; /* of the model file; 0 without */
+};
+
+enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
+void lattice_free(struct lattice *lattice);
+
+#endif

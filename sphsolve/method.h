@@ -1,0 +1,22 @@
+/* The three methods behind one signature. They share lattice, plan and recorder, nothing else. */
+#ifndef TOSUI_SPHSOLVE_METHOD_H
+#define TOSUI_SPHSOLVE_METHOD_H
+
+#include "common/error.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/plan.h"
+#include "sphsolve/recorder.h"
+#include "sphsolve/scene.h"
+
+/* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. */
+enum status wcsph_run(const struct scene *scene, const struct plan *plan,
+                      const struct lattice *lattice, struct recorder *recorder,
+                      struct run_result *result);
+enum status stokes_run(const struct scene *scene, const struct plan *plan,
+                       const struct lattice *lattice, struct recorder *recorder,
+                       struct run_result *result);
+enum status isph_run(const struct scene *scene, const struct plan *plan,
+                     const struct lattice *lattice, struct recorder *recorder,
+                     struct run_result *result);
+
+#endif

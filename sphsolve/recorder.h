@@ -1,0 +1,94 @@
+/* Everything a run leaves behind: history, snapshots, run record, checkpoints, progress line. A
+ * method calls it; it knows no method. Output files are PREFIX.hdf, PREFIX-NNNN.hdf,
+ * PREFIX.hdf.series, PREFIX.ckpt.hdf. */
+#ifndef TOSUI_SPHSOLVE_RECORDER_H
+#define TOSUI_SPHSOLVE_RECORDER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "common/hdf5_file.h"
+#include "common/snapshot_file.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/plan.h"
+#include "sphsolve/scene.h"
+
+struct recorder;
+
+struct history_row {
+  double time;
+  int64_t step;
+  double dt;
+  double darcy_velocity[3]; /* m/s: sum over fluid / bulk sites, or volume integral / bulk volume */
+  double density_max, density_mean; /* kg/m^3 */
+  double kinetic_energy;            /* J */
+  double momentum[3];               /* kg m/s */
+  double mass;                      /* kg */
+  double reynolds;
+};
+
+/* How a run ended; fills stdout's JSON and /run. */
+struct run_result {
+  const char *status; /* "steady", "end_time", "converged", "interrupted", "blocked" */
+  double k;           /* m/s, v/i along the force; NAN where there is none */
+  double k_error;     /* relative, of averaging, steadiness or residual; NAN unknown */
+  double intrinsic_permeability; /* m^2 */
+  double darcy_velocity[3];
+  double reynolds;
+  int64_t steps;
+  double wall_time;
+  double pair_interactions;            /* directed pairs evaluated, all passes */
+  double pair_interactions_per_second; /* over the time in pair loops */
+};
+
+enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
+                          const struct lattice *lattice, const char *command_line, bool resume,
+                          struct recorder **recorder);
+void recorder_close(struct recorder *recorder);
+
+/* Registers a further column of the history before the first row. */
+enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
+                                int components);
+/* Appends a row; `extra` holds the values of the added columns, in the order of registration. */
+enum status recorder_row(struct recorder *recorder, const struct history_row *row,
+                         const double *extra);
+/* Interval of history rows the scene asks for, s; NAN: the method chooses. */
+double recorder_row_interval(const struct recorder *recorder);
+/* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
+double recorder_next_snapshot(const struct recorder *recorder);
+
+/* Writes PREFIX-NNNN.hdf and the series. points [count][3]. Fields not in output.fields are
+ * dropped. */
+enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
+                              const double *points, size_t field_count,
+                              const struct snapshot_field *fields);
+
+/* The live line: done in 0..1. */
+void recorder_progress(struct recorder *recorder, double done, const char *note);
+
+/* True after SIGINT or SIGTERM: the method writes a checkpoint and returns STATUS_INTERRUPTED. */
+bool recorder_interrupted(const struct recorder *recorder);
+
+/* Checkpoints, due by wall time or after a signal. The method writes its state under /state of
+ * *file, then commits; the recorder adds its own. On resume recorder_resume gives the newest valid
+ * checkpoint (NULL: none, start anew) and has taken its own part of it. */
+bool recorder_checkpoint_due(const struct recorder *recorder);
+enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file **file);
+enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file *file);
+enum status recorder_resume(struct recorder *recorder, struct h5_file **file);
+
+/* Seconds spent per effect or pass, for /run/timing and /run/effects; names may be effects. */
+void recorder_add_time(struct recorder *recorder, const char *name, double seconds);
+/* A fact for /run as an attribute ("residual", "iterations", ...). Overwrites. */
+void recorder_set_fact(struct recorder *recorder, const char *name, double value);
+
+/* Writes the whole PREFIX.hdf (atomically). */
+enum status recorder_finish(struct recorder *recorder, const struct run_result *result);
+
+/* Darcy velocity along the driving force -> k = v/i and intrinsic permeability v nu / driving. */
+void result_from_darcy(const struct scene *scene, const double darcy_velocity[3],
+                       struct run_result *result);
+
+#endif
