@@ -1,0 +1,132 @@
+# Tosui: one Makefile, no recursion but for the set-up.
+#   make demo    install what is missing, build, and go from CT slices to k with plots
+#   make check   install what is missing, build, and run all fast tests
+#   make         build the three programs into build/bin
+BUILD ?= build
+PREFIX ?= /usr/local
+MPI ?= 0
+V ?= 0
+Q := $(if $(filter 1,$(V)),,@)
+say = $(if $(filter 1,$(V)),,@printf '  %-8s %s\n' $(1) $(2))
+
+CC = gcc
+CXX = g++
+OPT ?= -O3 -g
+WARN = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
+WARNXX = -Wall -Wextra -Wshadow
+SANITIZE ?=
+# Errno and traps of libm are never looked at; values stay exactly IEEE (no fast-math).
+MATH = -fno-math-errno -fno-trapping-math
+CFLAGS_ALL = -std=gnu11 $(OPT) $(MATH) -fopenmp $(WARN) -I. -I$(BUILD) $(DEP_CFLAGS) $(SANITIZE) $(CFLAGS)
+CXXFLAGS_ALL = -std=c++17 $(OPT) -fopenmp $(WARNXX) -I. -isystem /usr/include/opencv4 $(SANITIZE) $(CXXFLAGS)
+LDFLAGS_ALL = -fopenmp $(SANITIZE) $(LDFLAGS)
+
+MODULES = ct2model sphsolve analyze
+PROGRAMS = $(foreach p,$(MODULES),$(if $(wildcard $(p)/$(p).c),$(p)))
+SOURCES_common = $(sort $(wildcard common/*.c))
+SOURCES_ct2model = $(sort $(wildcard ct2model/*.c ct2model/*.cc))
+SOURCES_sphsolve = $(sort $(wildcard sphsolve/*.c sphsolve/*/*.c))
+SOURCES_analyze = $(sort $(wildcard analyze/*.c))
+SOURCES_generator = $(sort $(wildcard data-samples/*.c))
+SOURCES_unit = $(sort $(wildcard tests/unit/test_*.c))
+SOURCES_long = $(sort $(wildcard tests/verify/verify_*.c tests/hard/hard_*.c tests/bench/bench_*.c))
+
+object = $(patsubst %,$(BUILD)/obj/%.o,$(1))
+main_of = $(BUILD)/obj/$(1)/$(1).c.o
+library = $(BUILD)/lib/lib$(1).a
+LIBRARIES = $(call library,ct2model) $(call library,sphsolve) $(call library,analyze) $(call library,common)
+LIBS_OPENCV = -lopencv_photo -lopencv_imgproc -lopencv_core -lstdc++
+BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/generate_sand)
+UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
+LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
+
+.PHONY: all check demo deps s06 m15 verify hard tradeoff bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+all: $(BINARIES)
+
+# ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
+NEEDS_NOTHING = clean format deps dist uninstall
+INSTALLS = $(filter demo check s06 m15 verify hard tradeoff bench,$(MAKECMDGOALS))
+PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
+ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
+-include $(BUILD)/config.mk
+endif
+$(BUILD)/config.mk: Makefile scripts/install-deps
+	$(Q)scripts/install-deps $(if $(INSTALLS),,--check)
+	$(Q)mkdir -p $(@D)
+	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" "$$(pkg-config --libs $(PACKAGES))" > $@
+deps:
+	scripts/install-deps
+
+# ---- a changed flag rebuilds what it concerns ----
+FLAGS_NOW = $(CC) $(CXX) $(CFLAGS_ALL) $(CXXFLAGS_ALL) $(LDFLAGS_ALL) $(DEP_LIBS) MPI=$(MPI)
+$(BUILD)/flags: FORCE
+	@mkdir -p $(@D); echo '$(FLAGS_NOW)' | cmp -s - $@ || echo '$(FLAGS_NOW)' > $@
+FORCE:
+.PHONY: FORCE
+
+# ---- compile ----
+ISA_FLAGS = $(if $(filter %.avx512.c,$<),-mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(filter %.avx2.c,$<),-mavx2 -mfma)
+$(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
+	$(call say,CC,$<)
+	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(ISA_FLAGS) -MMD -MP -c $< -o $@
+$(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
+	$(call say,CXX,$<)
+	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
+-include $(shell test -d $(BUILD)/obj && find $(BUILD)/obj -name '*.d')
+
+# ---- libraries (everything but the mains) and programs ----
+define library_rule
+$(call library,$(1)): $(filter-out $(call main_of,$(1)),$(call object,$(SOURCES_$(1))))
+	$$(call say,AR,$$@)
+	$$(Q)mkdir -p $$(@D) && rm -f $$@ && ar rcs $$@ $$(filter %.o,$$^)
+endef
+$(foreach p,common $(MODULES),$(eval $(call library_rule,$(p))))
+
+define program_rule
+$(BUILD)/bin/$(1): $(call main_of,$(1)) $(call library,$(1)) $(call library,common)
+	$$(call say,LINK,$$@)
+	$$(Q)mkdir -p $$(@D) && $$(CC) $$(LDFLAGS_ALL) -o $$@ $$^ $(if $(filter ct2model,$(1)),$(LIBS_OPENCV)) $$(DEP_LIBS)
+endef
+$(foreach p,$(PROGRAMS),$(eval $(call program_rule,$(p))))
+
+$(BUILD)/bin/generate_sand: $(call object,$(SOURCES_generator)) $(call library,common)
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(DEP_LIBS)
+
+# ---- tests ----
+define test_rule
+$(BUILD)/tests/$(basename $(notdir $(1))): $(call object,$(1)) $(LIBRARIES)
+	$$(call say,LINK,$$@)
+	$$(Q)mkdir -p $$(@D) && $$(CC) $$(LDFLAGS_ALL) -o $$@ $$< $(LIBRARIES) $(LIBS_OPENCV) -lcmocka $$(DEP_LIBS)
+endef
+$(foreach s,$(SOURCES_unit) $(SOURCES_long),$(eval $(call test_rule,$(s))))
+tests: $(UNIT_TESTS) $(LONG_TESTS)
+
+check: all $(UNIT_TESTS)
+	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(sort $(wildcard tests/cli/*.bats))
+
+# ---- the main job ----
+demo: all
+	$(Q)BUILD=$(BUILD) scripts/demo
+
+clean:
+	rm -rf $(BUILD)
+format:
+	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
+lint:
+	scripts/check-includes
+	cppcheck --quiet --error-exitcode=1 --enable=warning,performance,portability --inline-suppr --suppress=missingIncludeSystem --std=c11 -I. $(PROGRAMS) common
+asan:
+	$(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
+ubsan:
+	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
+tsan:
+	$(MAKE) check BUILD=$(BUILD)-tsan OPT="-O1 -g" SANITIZE="-fsanitize=thread"
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin
+	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(DESTDIR)$(PREFIX)/bin
+uninstall:
+	rm -f $(PROGRAMS:%=$(DESTDIR)$(PREFIX)/bin/%)
+dist:
+	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD

@@ -1,0 +1,96 @@
+#include "common/log.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+static const char *program = "tosui";
+static enum log_level level = LOG_NORMAL;
+
+void log_start(const char *name, enum log_level new_level) {
+  program = name;
+  level = new_level;
+}
+const char *log_program(void) { return program; }
+enum log_level log_level(void) { return level; }
+
+void log_info(const char *format, ...) {
+  if (level < LOG_NORMAL) return;
+  va_list arguments;
+  va_start(arguments, format);
+  vfprintf(stderr, format, arguments);
+  va_end(arguments);
+  fputc('\n', stderr);
+}
+
+void log_verbose(const char *format, ...) {
+  if (level < LOG_VERBOSE) return;
+  va_list arguments;
+  va_start(arguments, format);
+  vfprintf(stderr, format, arguments);
+  va_end(arguments);
+  fputc('\n', stderr);
+}
+
+void log_warning(const char *format, ...) {
+  if (level < LOG_NORMAL) return;
+  fprintf(stderr, "%s: warning: ", program);
+  va_list arguments;
+  va_start(arguments, format);
+  vfprintf(stderr, format, arguments);
+  va_end(arguments);
+  fputc('\n', stderr);
+}
+
+void log_pending_error(void) {
+  fprintf(stderr, "%s: %s\n", program, error_message());
+  if (level >= LOG_VERBOSE) fprintf(stderr, "  at %s\n", error_trail());
+}
+
+double clock_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void progress_start(struct progress *progress, const char *what, const char *unit, double total) {
+  progress->what = what;
+  progress->unit = unit;
+  progress->total = total;
+  progress->started = progress->last = clock_seconds();
+  progress->terminal = isatty(STDERR_FILENO) != 0;
+  progress->shown = false;
+}
+
+static void format_seconds(double seconds, char *text, size_t size) {
+  if (!(seconds < 360000)) snprintf(text, size, "?");
+  else if (seconds < 100) snprintf(text, size, "%.0f s", seconds);
+  else if (seconds < 6000) snprintf(text, size, "%.0f min", seconds / 60);
+  else snprintf(text, size, "%.1f h", seconds / 3600);
+}
+
+void progress_update(struct progress *progress, double done, const char *note) {
+  if (level < LOG_NORMAL) return;
+  double now = clock_seconds();
+  if (now - progress->last < (progress->terminal ? 0.2 : 10.0)) return;
+  progress->last = now;
+  double elapsed = now - progress->started;
+  double fraction = progress->total > 0 ? done / progress->total : 0;
+  double rate = elapsed > 0 ? done / elapsed : 0;
+  char eta[32];
+  format_seconds(fraction > 0 ? elapsed * (1 - fraction) / fraction : INFINITY, eta, sizeof eta);
+  fprintf(stderr, "%s%s %3.0f %%  %.3g %s/s  ETA %s%s%s%s", progress->terminal ? "\r\033[K" : "",
+          progress->what, 100 * fraction, rate, progress->unit, eta, note ? "  " : "",
+          note ? note : "", progress->terminal ? "" : "\n");
+  fflush(stderr);
+  progress->shown = true;
+}
+
+void progress_end(struct progress *progress) {
+  if (progress->shown && progress->terminal) fputs("\r\033[K", stderr);
+  progress->shown = false;
+}

@@ -1,0 +1,92 @@
+#include "common/memory.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A header in front of each block holds its size, so that the bytes in use can be counted. */
+#define HEADER 64
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static size_t in_use, peak, limit;
+static long fail_after;
+
+bool size_multiply(size_t a, size_t b, size_t *product) {
+  return !__builtin_mul_overflow(a, b, product);
+}
+
+/* Books `bytes` more; false when that is over the limit or a test wants this allocation to fail. */
+static bool reserve(size_t bytes, bool *over_limit) {
+  pthread_mutex_lock(&lock);
+  bool injected = fail_after > 0 && --fail_after == 0;
+  *over_limit = limit > 0 && (bytes > limit || in_use > limit - bytes);
+  bool ok = !injected && !*over_limit;
+  if (ok) {
+    in_use += bytes;
+    if (in_use > peak) peak = in_use;
+  }
+  pthread_mutex_unlock(&lock);
+  return ok;
+}
+
+static void release(size_t bytes) {
+  pthread_mutex_lock(&lock);
+  in_use -= bytes;
+  pthread_mutex_unlock(&lock);
+}
+
+static size_t *block_size(void *data) { return (size_t *)(void *)((char *)data - HEADER); }
+
+enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what) {
+  void *data = NULL;
+  size_t bytes, with_header;
+  memcpy(pointer, &data, sizeof data);
+  if (count == 0 || size == 0) return STATUS_OK;
+  if (!size_multiply(count, size, &bytes) ||
+      __builtin_add_overflow(bytes, (size_t)(2 * HEADER), &with_header))
+    return FAIL(STATUS_RUN, "memory for %s: %zu x %zu bytes is more than can be addressed", what,
+                count, size);
+  with_header = with_header / HEADER * HEADER;
+  bool over_limit;
+  if (!reserve(bytes, &over_limit))
+    return FAIL(STATUS_RUN, "memory for %s: %.1f MB more%s", what, (double)bytes / 1e6,
+                over_limit ? " would exceed the limit (--max-memory)" : " could not be had");
+  char *block = aligned_alloc(HEADER, with_header);
+  if (block == NULL) {
+    release(bytes);
+    return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
+  }
+  data = block + HEADER;
+  memset(data, 0, bytes);
+  *block_size(data) = bytes;
+  memcpy(pointer, &data, sizeof data);
+  return STATUS_OK;
+}
+
+enum status memory_resize(void *pointer, size_t count, size_t size, const char *what) {
+  void *old, *data;
+  memcpy(&old, pointer, sizeof old);
+  enum status status = memory_allocate(&data, count, size, what);
+  if (status != STATUS_OK) return status;
+  if (old != NULL && data != NULL) {
+    size_t had = *block_size(old), has = *block_size(data);
+    memcpy(data, old, had < has ? had : has);
+  }
+  memory_free(&old);
+  memcpy(pointer, &data, sizeof data);
+  return STATUS_OK;
+}
+
+void memory_free(void *pointer) {
+  void *data, *null = NULL;
+  memcpy(&data, pointer, sizeof data);
+  if (data == NULL) return;
+  release(*block_size(data));
+  free((char *)data - HEADER);
+  memcpy(pointer, &null, sizeof null);
+}
+
+size_t memory_in_use(void) { return in_use; }
+size_t memory_peak(void) { return peak; }
+void memory_set_limit(size_t bytes) { limit = bytes; }
+void memory_fail_after(long n) { fail_after = n; }

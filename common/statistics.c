@@ -1,0 +1,113 @@
+#include "common/statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+double sum_compensated(const double *values, size_t n) {
+  double sum = 0, lost = 0;
+  for (size_t i = 0; i < n; i++) {
+    double next = sum + values[i];
+    lost += fabs(sum) >= fabs(values[i]) ? (sum - next) + values[i] : (values[i] - next) + sum;
+    sum = next;
+  }
+  return sum + lost;
+}
+
+void batch_means(const double *values, size_t n, double *mean, double *standard_error) {
+  *mean = n > 0 ? sum_compensated(values, n) / (double)n : NAN;
+  *standard_error = NAN;
+  if (n < 4) return;
+  size_t batches = (size_t)sqrt((double)n), length = n / batches, skip = n - batches * length;
+  double spread = 0;
+  for (size_t b = 0; b < batches; b++) {
+    double d = sum_compensated(values + skip + b * length, length) / (double)length - *mean;
+    spread += d * d;
+  }
+  *standard_error = sqrt(spread / (double)(batches - 1) / (double)batches);
+}
+
+enum status fit_linear(const double *x, const double *y, size_t n, int through_origin,
+                       struct linear_fit *fit) {
+  *fit = (struct linear_fit){0, NAN, NAN, NAN, NAN};
+  if (n < (through_origin ? 1u : 2u))
+    return FAIL(STATUS_INPUT, "a line needs %d points or more", through_origin ? 1 : 2);
+  double mean_x = 0, mean_y = 0;
+  if (!through_origin) {
+    mean_x = sum_compensated(x, n) / (double)n;
+    mean_y = sum_compensated(y, n) / (double)n;
+  }
+  double sxx = 0, sxy = 0, syy = 0;
+  for (size_t i = 0; i < n; i++) {
+    sxx += (x[i] - mean_x) * (x[i] - mean_x);
+    sxy += (x[i] - mean_x) * (y[i] - mean_y);
+    syy += (y[i] - mean_y) * (y[i] - mean_y);
+  }
+  if (!(sxx > 0)) return FAIL(STATUS_INPUT, "all points have the same abscissa: no line fits");
+  fit->slope = sxy / sxx;
+  fit->intercept = through_origin ? 0 : mean_y - fit->slope * mean_x;
+  double residual = 0;
+  for (size_t i = 0; i < n; i++) {
+    double d = y[i] - fit->intercept - fit->slope * x[i];
+    residual += d * d;
+  }
+  fit->r_squared = syy > 0 ? 1 - residual / syy : 1;
+  size_t parameters = through_origin ? 1 : 2;
+  if (n > parameters) {
+    double variance = residual / (double)(n - parameters);
+    fit->slope_error = sqrt(variance / sxx);
+    fit->intercept_error =
+        through_origin ? 0 : sqrt(variance * (1 / (double)n + mean_x * mean_x / sxx));
+  }
+  return STATUS_OK;
+}
+
+double student_t95(double dof) {
+  if (!(dof >= 1)) return NAN;
+  /* Exact to three digits where the expansion (Abramowitz, Stegun 26.7.5) is not. */
+  static const double small[] = {12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060};
+  if (dof < 9) {
+    int i = (int)dof;
+    double rest = dof - i, high = i < 8 ? small[i] : 2.2622;
+    return small[i - 1] + rest * (high - small[i - 1]);
+  }
+  double z = 1.959963985, z3 = z * z * z, z5 = z3 * z * z;
+  return z + (z3 + z) / (4 * dof) + (5 * z5 + 16 * z3 + 3 * z) / (96 * dof * dof);
+}
+
+void histogram(const double *values, size_t n, double low, double high, size_t bins,
+               double *counts) {
+  for (size_t b = 0; b < bins; b++) counts[b] = 0;
+  double scale = (double)bins / (high - low);
+  for (size_t i = 0; i < n; i++) {
+    if (!(values[i] >= low && values[i] <= high)) continue;
+    size_t b = (size_t)((values[i] - low) * scale);
+    counts[b < bins ? b : bins - 1] += 1;
+  }
+}
+
+static int compare_doubles(const void *a, const void *b) {
+  double x, y;
+  memcpy(&x, a, sizeof x);
+  memcpy(&y, b, sizeof y);
+  return (x > y) - (x < y);
+}
+
+double quantile(const double *values, size_t n, double q) {
+  double *sorted;
+  if (n == 0) return NAN;
+  if (memory_allocate(&sorted, n, sizeof *sorted, "a sorted copy") != STATUS_OK) {
+    error_clear();
+    return NAN;
+  }
+  memcpy(sorted, values, n * sizeof *sorted);
+  qsort(sorted, n, sizeof *sorted, compare_doubles);
+  double position = q * (double)(n - 1);
+  size_t i = (size_t)position;
+  double result = i + 1 < n ? sorted[i] + (position - (double)i) * (sorted[i + 1] - sorted[i])
+                            : sorted[n - 1];
+  memory_free(&sorted);
+  return result;
+}
