@@ -1,0 +1,404 @@
+#include "common/config.h"
+
+#include <libconfig.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/options.h"
+
+#define KNOWN_MAX 2048
+
+/* A key some read asked for in the group at `parent`. */
+struct known_key {
+  const config_setting_t *parent;
+  const char *name;
+};
+
+struct config {
+  config_t tree;
+  char *path, *folder, *text;
+  struct known_key known[KNOWN_MAX];
+  size_t known_count;
+};
+
+static enum status read_text(const char *path, char **text) {
+  enum status status = STATUS_OK;
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return FAIL(STATUS_INPUT, "%s: cannot be opened; is the path right?", path);
+  size_t capacity = 1 << 16, used = 0;
+  *text = NULL;
+  TRY(memory_allocate(text, capacity, 1, "the scene's text"));
+  for (;;) {
+    used += fread(*text + used, 1, capacity - used - 1, file);
+    if (used < capacity - 1) break;
+    capacity *= 2;
+    if (capacity > (1 << 24)) TRY_FAIL(STATUS_INPUT, "%s: over 8 MB: no scene file", path);
+    TRY(memory_resize(text, capacity, 1, "the scene's text"));
+  }
+  if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  if (memchr(*text, 0, used)) TRY_FAIL(STATUS_INPUT, "%s: holds zero bytes: no scene file", path);
+cleanup:
+  fclose(file);
+  if (status != STATUS_OK) memory_free(text);
+  return status;
+}
+
+/* Goes to `path` ("isph.tau", "regions.[1].porosity"), creating groups, and gives the last group
+ * and the last name. */
+static config_setting_t *walk_path(config_setting_t *root, const char *path, char *last,
+                                   size_t last_size) {
+  config_setting_t *at = root;
+  char word[128];
+  while (at != NULL) {
+    size_t n = strcspn(path, ".");
+    if (n == 0 || n >= sizeof word) return NULL;
+    memcpy(word, path, n);
+    word[n] = '\0';
+    if (path[n] == '\0') {
+      snprintf(last, last_size, "%s", word);
+      return at;
+    }
+    path += n + 1;
+    if (word[0] == '[') {
+      at = config_setting_get_elem(at, (unsigned)strtoul(word + 1, NULL, 10));
+    } else {
+      config_setting_t *child = config_setting_get_member(at, word);
+      if (child == NULL) child = config_setting_add(at, word, CONFIG_TYPE_GROUP);
+      at = child;
+    }
+  }
+  return NULL;
+}
+
+static enum status copy_setting(config_setting_t *parent, const char *name,
+                                const config_setting_t *from);
+
+static enum status copy_children(config_setting_t *to, const config_setting_t *from) {
+  for (int i = 0; i < config_setting_length(from); i++) {
+    const config_setting_t *item = config_setting_get_elem(from, (unsigned)i);
+    enum status status = copy_setting(to, config_setting_name(item), item);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
+static enum status copy_setting(config_setting_t *parent, const char *name,
+                                const config_setting_t *from) {
+  int type = config_setting_type(from);
+  config_setting_t *to = config_setting_add(parent, name, type);
+  if (to == NULL) return FAIL(STATUS_USAGE, "cannot be set");
+  switch (type) {
+  case CONFIG_TYPE_INT: config_setting_set_int(to, config_setting_get_int(from)); break;
+  case CONFIG_TYPE_INT64: config_setting_set_int64(to, config_setting_get_int64(from)); break;
+  case CONFIG_TYPE_FLOAT: config_setting_set_float(to, config_setting_get_float(from)); break;
+  case CONFIG_TYPE_STRING: config_setting_set_string(to, config_setting_get_string(from)); break;
+  case CONFIG_TYPE_BOOL: config_setting_set_bool(to, config_setting_get_bool(from)); break;
+  default: return copy_children(to, from);
+  }
+  return STATUS_OK;
+}
+
+/* "path=value": value as libconfig reads it ("0.4", "true", "[1, 2]"), else as a string. */
+static enum status apply_override(struct config *config, const char *text) {
+  enum status status = STATUS_OK;
+  const char *equals = strchr(text, '=');
+  char path[512], name[128];
+  if (equals == NULL || equals == text || (size_t)(equals - text) >= sizeof path)
+    return FAIL(STATUS_USAGE, "--set %s: write it as path=value, like --set isph.tau='0.05 s'",
+                text);
+  memcpy(path, text, (size_t)(equals - text));
+  path[equals - text] = '\0';
+  config_t parsed;
+  config_init(&parsed);
+  char *source = NULL;
+  TRY(memory_allocate(&source, strlen(equals) + 16, 1, "an override"));
+  sprintf(source, "value = %s;", equals + 1);
+  config_setting_t *value = NULL;
+  if (config_read_string(&parsed, source) == CONFIG_TRUE) value = config_lookup(&parsed, "value");
+  if (value == NULL) {
+    config_destroy(&parsed);
+    config_init(&parsed);
+    value = config_setting_add(config_root_setting(&parsed), "value", CONFIG_TYPE_STRING);
+    config_setting_set_string(value, equals + 1);
+  }
+  config_setting_t *group = walk_path(config_root_setting(&config->tree), path, name, sizeof name);
+  if (group == NULL)
+    TRY_FAIL(STATUS_USAGE, "--set %s: there is no such place in %s", text, config->path);
+  if (config_setting_is_group(group) == CONFIG_TRUE) {
+    config_setting_remove(group, name);
+    if (copy_setting(group, name, value) != STATUS_OK)
+      TRY_FAIL(STATUS_USAGE, "--set %s: '%s' cannot be set in %s", text, name, config->path);
+  } else {
+    TRY_FAIL(STATUS_USAGE, "--set %s: '%s' is no group of %s", text, path, config->path);
+  }
+cleanup:
+  memory_free(&source);
+  config_destroy(&parsed);
+  return status == STATUS_OK ? STATUS_OK : STATUS_USAGE;
+}
+
+enum status config_open(const char *path, const char *const *overrides, size_t n,
+                        struct config **result) {
+  enum status status = STATUS_OK;
+  struct config *config;
+  *result = NULL;
+  TRY(memory_allocate(&config, 1, sizeof *config, "a scene file"));
+  config_init(&config->tree);
+  size_t length = strlen(path);
+  TRY(memory_allocate(&config->path, length + 1, 1, "a path"));
+  memcpy(config->path, path, length);
+  TRY(memory_allocate(&config->folder, length + 1, 1, "a path"));
+  const char *slash = strrchr(path, '/');
+  if (slash != NULL) memcpy(config->folder, path, (size_t)(slash - path) + 1);
+  TRY(read_text(path, &config->text));
+  config_set_options(&config->tree, CONFIG_OPTION_AUTOCONVERT);
+  /* No include function: a scene is one file, and none may read another. */
+  if (strstr(config->text, "@include") != NULL)
+    TRY_FAIL(STATUS_INPUT, "%s: @include is not supported; a scene is one file", path);
+  if (config_read_string(&config->tree, config->text) != CONFIG_TRUE)
+    TRY_FAIL(STATUS_INPUT, "%s:%d: %s; a setting is written name = value; and a text in quotes",
+             path, config_error_line(&config->tree), config_error_text(&config->tree));
+  size_t used = strlen(config->text);
+  for (size_t i = 0; i < n; i++) {
+    TRY(apply_override(config, overrides[i]));
+    size_t more = strlen(overrides[i]) + 32;
+    TRY(memory_resize(&config->text, used + more, 1, "the scene's text"));
+    used += (size_t)sprintf(config->text + used, "%s# --set %s\n",
+                            used && config->text[used - 1] != '\n' ? "\n" : "", overrides[i]);
+  }
+  *result = config;
+cleanup:
+  if (status != STATUS_OK) config_close(config);
+  return status;
+}
+
+void config_close(struct config *config) {
+  if (config == NULL) return;
+  config_destroy(&config->tree);
+  memory_free(&config->path);
+  memory_free(&config->folder);
+  memory_free(&config->text);
+  memory_free(&config);
+}
+
+config_node *config_root(struct config *config) { return config_root_setting(&config->tree); }
+const char *config_text(const struct config *config) { return config->text; }
+const char *config_folder(const struct config *config) { return config->folder; }
+
+config_node *config_child(struct config *config, config_node *parent, const char *name) {
+  if (parent == NULL) return NULL;
+  if (config->known_count < KNOWN_MAX)
+    config->known[config->known_count++] = (struct known_key){parent, name};
+  if (config_setting_is_group(parent) != CONFIG_TRUE) return NULL;
+  return config_setting_get_member(parent, name);
+}
+
+config_node *config_item(config_node *list, size_t i) {
+  return list == NULL ? NULL : config_setting_get_elem(list, (unsigned)i);
+}
+size_t config_count(const config_node *node) {
+  return node == NULL ? 0 : (size_t)config_setting_length(node);
+}
+bool config_is_list(const config_node *node) {
+  return config_setting_is_list(node) == CONFIG_TRUE || config_setting_is_array(node) == CONFIG_TRUE;
+}
+bool config_is_group(const config_node *node) { return config_setting_is_group(node) == CONFIG_TRUE; }
+bool config_is_text(const config_node *node) {
+  return config_setting_type(node) == CONFIG_TYPE_STRING;
+}
+bool config_is_number(const config_node *node) {
+  return config_setting_is_number(node) == CONFIG_TRUE;
+}
+
+/* "regions.[1].porosity" for a setting. */
+static void format_path(const config_node *node, char *text, size_t size) {
+  const config_node *parent = config_setting_parent(node);
+  if (parent == NULL) {
+    text[0] = '\0';
+    return;
+  }
+  format_path(parent, text, size);
+  size_t used = strlen(text);
+  const char *name = config_setting_name(node);
+  if (name != NULL) snprintf(text + used, size - used, "%s%s", used ? "." : "", name);
+  else snprintf(text + used, size - used, "%s[%d]", used ? "." : "", config_setting_index(node));
+}
+
+enum status config_error(const struct config *config, const config_node *node, const char *format,
+                         ...) {
+  char path[256] = "", message[768];
+  if (node != NULL) format_path(node, path, sizeof path);
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(message, sizeof message, format, arguments);
+  va_end(arguments);
+  unsigned line = node != NULL ? config_setting_source_line(node) : 0;
+  char place[32] = "";
+  if (line > 0) snprintf(place, sizeof place, "%u:", line);
+  else if (node != NULL && *path) snprintf(place, sizeof place, "(--set)");
+  return FAIL(STATUS_INPUT, "%s:%s %s%s%s", config->path, place, path, *path ? ": " : "", message);
+}
+
+static enum status parse_quantity(const struct config *config, config_node *node,
+                                  struct dimension dimension, double *value) {
+  if (config_is_number(node)) {
+    double number = config_setting_get_float(node);
+    bool plain = dimension.m == 0 && dimension.kg == 0 && dimension.s == 0;
+    if (!isfinite(number)) return config_error(config, node, "is not finite");
+    if (!plain && number != 0)
+      return config_error(config, node, "%g has no unit; write it like \"%s\"", number,
+                          dimension_example(dimension));
+    *value = number;
+    return STATUS_OK;
+  }
+  if (!config_is_text(node))
+    return config_error(config, node, "a quantity is wanted, like \"%s\"",
+                        dimension_example(dimension));
+  enum status status = quantity_parse(config_setting_get_string(node), dimension, value);
+  if (status == STATUS_OK) return STATUS_OK;
+  char message[768];
+  snprintf(message, sizeof message, "%s", error_message());
+  error_clear();
+  return config_error(config, node, "%s", message);
+}
+
+enum status config_quantity(struct config *config, config_node *group, const char *name,
+                            struct dimension dimension, double *value, bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  return node == NULL ? STATUS_OK : parse_quantity(config, node, dimension, value);
+}
+
+enum status config_number(struct config *config, config_node *group, const char *name,
+                          double *value, bool *given) {
+  return config_quantity(config, group, name, DIM_NONE, value, given);
+}
+
+enum status config_integer(struct config *config, config_node *group, const char *name,
+                           long long *value, bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  if (node == NULL) return STATUS_OK;
+  int type = config_setting_type(node);
+  if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
+    return config_error(config, node, "a whole number is wanted");
+  *value = config_setting_get_int64(node);
+  return STATUS_OK;
+}
+
+enum status config_bool(struct config *config, config_node *group, const char *name, bool *value,
+                        bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  if (node == NULL) return STATUS_OK;
+  if (config_setting_type(node) != CONFIG_TYPE_BOOL)
+    return config_error(config, node, "true or false is wanted");
+  *value = config_setting_get_bool(node) != 0;
+  return STATUS_OK;
+}
+
+enum status config_string(struct config *config, config_node *group, const char *name,
+                          const char **value, bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  if (node == NULL) return STATUS_OK;
+  if (!config_is_text(node)) return config_error(config, node, "a text in quotes is wanted");
+  *value = config_setting_get_string(node);
+  return STATUS_OK;
+}
+
+enum status config_choice(struct config *config, config_node *group, const char *name,
+                          const char *const *choices, int *value, bool *given) {
+  const char *text = NULL;
+  bool found;
+  enum status status = config_string(config, group, name, &text, &found);
+  if (given != NULL) *given = found;
+  if (status != STATUS_OK || !found) return status;
+  char list[256] = "";
+  for (int i = 0; choices[i]; i++) {
+    if (!strcmp(choices[i], text)) {
+      *value = i;
+      return STATUS_OK;
+    }
+    size_t used = strlen(list);
+    snprintf(list + used, sizeof list - used, "%s\"%s\"", i ? ", " : "", choices[i]);
+  }
+  const char *near = nearest_name(text, choices);
+  return config_error(config, config_child(config, group, name), "\"%s\"%s%s%s is none of %s", text,
+                      near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "", list);
+}
+
+enum status config_quantities(struct config *config, config_node *group, const char *name,
+                              struct dimension dimension, int min, int max, double *values,
+                              int *count, bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  if (node == NULL) return STATUS_OK;
+  int n = config_is_list(node) ? config_setting_length(node) : 0;
+  if (n < min || n > max || !config_is_list(node)) {
+    char range[32];
+    if (min == max) snprintf(range, sizeof range, "%d", min);
+    else snprintf(range, sizeof range, "%d to %d", min, max);
+    return config_error(config, node, "a list of %s quantities is wanted, like [\"%s\", ...]",
+                        range, dimension_example(dimension));
+  }
+  for (int i = 0; i < n; i++) {
+    enum status status =
+        parse_quantity(config, config_setting_get_elem(node, (unsigned)i), dimension, &values[i]);
+    if (status != STATUS_OK) return status;
+  }
+  if (count != NULL) *count = n;
+  return STATUS_OK;
+}
+
+enum status config_auto_quantity(struct config *config, config_node *group, const char *name,
+                                 struct dimension dimension, double *value, bool *automatic,
+                                 bool *given) {
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  *automatic = node == NULL;
+  if (node == NULL) return STATUS_OK;
+  *automatic = config_is_text(node) && !strcmp(config_setting_get_string(node), "auto");
+  return *automatic ? STATUS_OK : parse_quantity(config, node, dimension, value);
+}
+
+static enum status refuse_unknown_in(struct config *config, config_node *node) {
+  bool group = config_is_group(node);
+  for (int i = 0; i < config_setting_length(node) && (group || config_is_list(node)); i++) {
+    config_node *child = config_setting_get_elem(node, (unsigned)i);
+    if (group) {
+      const char *name = config_setting_name(child), *names[256];
+      size_t n = 0;
+      bool known = false;
+      for (size_t k = 0; k < config->known_count; k++)
+        if (config->known[k].parent == node) {
+          known = known || !strcmp(config->known[k].name, name);
+          if (n < 255) names[n++] = config->known[k].name;
+        }
+      names[n] = NULL;
+      if (!known) {
+        const char *near = nearest_name(name, names);
+        char list[400] = "";
+        for (size_t k = 0; near == NULL && k < n; k++) {
+          size_t used = strlen(list);
+          if (!strstr(list, names[k]))
+            snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
+        }
+        return config_error(config, child, "unknown key%s%s%s%s%s",
+                            near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "",
+                            *list ? "; known here: " : "", list);
+      }
+    }
+    enum status status = refuse_unknown_in(config, child);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
+enum status config_refuse_unknown(struct config *config) {
+  return refuse_unknown_in(config, config_root(config));
+}

@@ -1,0 +1,137 @@
+#include "common/model_file.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+size_t model_site_count(const struct voxel_model *model) {
+  return model->size[0] * model->size[1] * model->size[2];
+}
+
+void model_free(struct voxel_model *model) {
+  memory_free(&model->solid);
+  memory_free(&model->wall_distance);
+  memory_free(&model->grain_fraction);
+}
+
+static enum status read_optional_field(struct h5_file *file, const char *name,
+                                       const struct voxel_model *model, double low, double high,
+                                       float **values) {
+  enum status status = STATUS_OK;
+  size_t dims[3];
+  *values = NULL;
+  if (!h5_exists(file, name)) return STATUS_OK;
+  TRY(h5_read(file, name, H5_F32, 3, dims, values));
+  for (int a = 0; a < 3; a++)
+    if (dims[a] != model->size[2 - a])
+      TRY_FAIL(STATUS_INPUT, "%s: %s is %zux%zux%zu, but /model/solid is %zux%zux%zu (z, y, x)",
+               h5_path(file), name, dims[0], dims[1], dims[2], model->size[2], model->size[1],
+               model->size[0]);
+  size_t count = model_site_count(model);
+  for (size_t i = 0; i < count; i++)
+    if (!((*values)[i] >= low && (*values)[i] <= high))
+      TRY_FAIL(STATUS_INPUT, "%s: %s holds %g at x=%zu y=%zu z=%zu; %g to %g is possible",
+               h5_path(file), name, (double)(*values)[i], i % model->size[0],
+               i / model->size[0] % model->size[1], i / model->size[0] / model->size[1], low,
+               high);
+cleanup:
+  return status;
+}
+
+static enum status read_optional_number(struct h5_file *file, const char *attribute,
+                                        double *value) {
+  *value = NAN;
+  if (!h5_attribute_exists(file, "/model", attribute)) return STATUS_OK;
+  return h5_read_attribute(file, "/model", attribute, H5_F64, 1, value);
+}
+
+enum status model_read(const char *path, struct voxel_model *model) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  size_t dims[3], grains = 0;
+  double spacing[3];
+  int periodic[3] = {1, 1, 1};
+  *model = (struct voxel_model){.mirror_plane = -1};
+  TRY(h5_open(path, &file));
+  if (!h5_exists(file, "/model/solid"))
+    TRY_FAIL(STATUS_INPUT, "%s: has no /model/solid; is it a model (ct2model build)?", path);
+  TRY(h5_read(file, "/model/solid", H5_U8, 3, dims, &model->solid));
+  for (int a = 0; a < 3; a++) {
+    model->size[a] = dims[2 - a];
+    if (dims[a] == 0 || dims[a] > 1u << 20)
+      TRY_FAIL(STATUS_INPUT, "%s: /model/solid is %zux%zux%zu: impossible", path, dims[0], dims[1],
+               dims[2]);
+  }
+  size_t count = model_site_count(model);
+  for (size_t i = 0; i < count; i++) {
+    if (model->solid[i] > 1)
+      TRY_FAIL(STATUS_INPUT, "%s: /model/solid holds %d; only 0 (pore) and 1 (grain) are possible",
+               path, model->solid[i]);
+    grains += model->solid[i];
+  }
+  if (!h5_attribute_exists(file, "/model", "spacing"))
+    TRY_FAIL(STATUS_INPUT, "%s: /model has no attribute 'spacing' (m; z, y, x)", path);
+  TRY(h5_read_attribute(file, "/model", "spacing", H5_F64, 3, spacing));
+  if (h5_attribute_exists(file, "/model", "periodic"))
+    TRY(h5_read_attribute(file, "/model", "periodic", H5_I32, 3, periodic));
+  if (h5_attribute_exists(file, "/model", "mirror_plane"))
+    TRY(h5_read_attribute(file, "/model", "mirror_plane", H5_I32, 1, &model->mirror_plane));
+  for (int a = 0; a < 3; a++) {
+    model->spacing[a] = spacing[2 - a];
+    model->periodic[a] = periodic[2 - a] != 0;
+    if (!(spacing[a] > 0 && spacing[a] < 1e3))
+      TRY_FAIL(STATUS_INPUT, "%s: spacing %g m: metres, greater than 0, are wanted", path,
+               spacing[a]);
+  }
+  TRY(read_optional_number(file, "void_ratio", &model->void_ratio));
+  TRY(read_optional_number(file, "void_ratio_measured", &model->void_ratio_measured));
+  TRY(read_optional_number(file, "threshold", &model->threshold));
+  model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
+  TRY(read_optional_field(file, "/model/wall_distance", model, -1e6, 1e6, &model->wall_distance));
+  TRY(read_optional_field(file, "/model/grain_fraction", model, 0, 1, &model->grain_fraction));
+cleanup:
+  h5_close(file);
+  if (status != STATUS_OK) model_free(model);
+  return status;
+}
+
+enum status model_write(struct h5_file *file, const struct voxel_model *model) {
+  enum status status = STATUS_OK;
+  size_t dims[3] = {model->size[2], model->size[1], model->size[0]};
+  double spacing[3] = {model->spacing[2], model->spacing[1], model->spacing[0]};
+  int periodic[3] = {model->periodic[2], model->periodic[1], model->periodic[0]};
+  TRY(h5_write(file, "/model/solid", H5_U8, 3, dims, model->solid, true));
+  if (model->wall_distance != NULL)
+    TRY(h5_write(file, "/model/wall_distance", H5_F32, 3, dims, model->wall_distance, true));
+  if (model->grain_fraction != NULL)
+    TRY(h5_write(file, "/model/grain_fraction", H5_F32, 3, dims, model->grain_fraction, true));
+  TRY(h5_write_attribute(file, "/model", "spacing", H5_F64, 3, spacing));
+  TRY(h5_write_attribute(file, "/model", "periodic", H5_I32, 3, periodic));
+  TRY(h5_write_attribute(file, "/model", "mirror_plane", H5_I32, 1, &model->mirror_plane));
+  TRY(h5_write_attribute(file, "/model", "void_ratio", H5_F64, 1, &model->void_ratio));
+  TRY(h5_write_attribute(file, "/model", "void_ratio_measured", H5_F64, 1,
+                         &model->void_ratio_measured));
+  TRY(h5_write_attribute(file, "/model", "threshold", H5_F64, 1, &model->threshold));
+
+  /* ParaView: ImageData with a point at each voxel centre. */
+  int version[2] = {1, 0};
+  int extent[6] = {0, (int)model->size[0] - 1, 0, (int)model->size[1] - 1, 0,
+                   (int)model->size[2] - 1};
+  double origin[3] = {model->spacing[0] / 2, model->spacing[1] / 2, model->spacing[2] / 2};
+  double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  TRY(h5_make_group(file, "/VTKHDF"));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
+  TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "ImageData"));
+  TRY(h5_write_attribute(file, "/VTKHDF", "WholeExtent", H5_I32, 6, extent));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Origin", H5_F64, 3, origin));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Spacing", H5_F64, 3, model->spacing));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Direction", H5_F64, 9, direction));
+  TRY(h5_soft_link(file, "/model/solid", "/VTKHDF/PointData/solid"));
+  if (model->wall_distance != NULL)
+    TRY(h5_soft_link(file, "/model/wall_distance", "/VTKHDF/PointData/wall_distance"));
+  if (model->grain_fraction != NULL)
+    TRY(h5_soft_link(file, "/model/grain_fraction", "/VTKHDF/PointData/grain_fraction"));
+cleanup:
+  return status;
+}

@@ -1,0 +1,67 @@
+#include "common/provenance.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "common/memory.h"
+
+uint64_t hash_bytes(const void *data, size_t size) { return XXH3_64bits(data, size); }
+
+enum status hash_file(const char *path, uint64_t *hash) {
+  enum status status = STATUS_OK;
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  enum { BLOCK = 1 << 20 };
+  char *block = NULL;
+  XXH3_state_t *state = XXH3_createState();
+  TRY(memory_allocate(&block, BLOCK, 1, "a block to hash"));
+  if (state == NULL) TRY_FAIL(STATUS_RUN, "memory for a hash could not be had");
+  XXH3_64bits_reset(state);
+  size_t n;
+  while ((n = fread(block, 1, BLOCK, file)) > 0) XXH3_64bits_update(state, block, n);
+  if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  *hash = XXH3_64bits_digest(state);
+cleanup:
+  XXH3_freeState(state);
+  memory_free(&block);
+  fclose(file);
+  return status;
+}
+
+enum status provenance_write(struct h5_file *file, const char *program, const char *command_line,
+                             size_t input_count, const char *const *input_paths,
+                             const uint64_t *input_hashes) {
+  enum status status = STATUS_OK;
+  char host[256] = "unknown", now[32];
+  int schema = TOSUI_SCHEMA_VERSION;
+  char(*hashes)[17] = NULL;
+  const char **hash_texts = NULL;
+  gethostname(host, sizeof host - 1);
+  time_t seconds = time(NULL);
+  struct tm utc;
+  gmtime_r(&seconds, &utc);
+  strftime(now, sizeof now, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  TRY(h5_make_group(file, "/provenance"));
+  TRY(h5_write_attribute_text(file, "/provenance", "program", program));
+  TRY(h5_write_attribute_text(file, "/provenance", "version", TOSUI_VERSION));
+  TRY(h5_write_attribute(file, "/provenance", "schema_version", H5_I32, 1, &schema));
+  TRY(h5_write_attribute_text(file, "/provenance", "command_line", command_line));
+  TRY(h5_write_attribute_text(file, "/provenance", "host", host));
+  TRY(h5_write_attribute_text(file, "/provenance", "time", now));
+  TRY(memory_allocate(&hashes, input_count, sizeof *hashes, "hashes"));
+  TRY(memory_allocate(&hash_texts, input_count, sizeof *hash_texts, "hashes"));
+  for (size_t i = 0; i < input_count; i++) {
+    snprintf(hashes[i], sizeof hashes[i], "%016llx", (unsigned long long)input_hashes[i]);
+    hash_texts[i] = hashes[i];
+  }
+  TRY(h5_write_texts(file, "/provenance/input_files", input_count, input_paths));
+  TRY(h5_write_texts(file, "/provenance/input_hashes", input_count, hash_texts));
+cleanup:
+  memory_free(&hash_texts);
+  memory_free(&hashes);
+  return status;
+}

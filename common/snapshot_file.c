@@ -1,0 +1,116 @@
+#include "common/snapshot_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+/* An UnstructuredGrid of one vertex cell (VTK type 1) per particle. */
+static enum status write_cells(struct h5_file *file, size_t count) {
+  enum status status = STATUS_OK;
+  int64_t *numbers = NULL, total = (int64_t)count;
+  uint8_t *types = NULL;
+  size_t one = 1, next = count + 1;
+  TRY(memory_allocate(&numbers, next, sizeof *numbers, "cells of a snapshot"));
+  TRY(memory_allocate(&types, count, 1, "cells of a snapshot"));
+  for (size_t i = 0; i < next; i++) numbers[i] = (int64_t)i;
+  if (count > 0) memset(types, 1, count);
+  TRY(h5_write(file, "/VTKHDF/Connectivity", H5_I64, 1, &count, numbers, true));
+  TRY(h5_write(file, "/VTKHDF/Offsets", H5_I64, 1, &next, numbers, true));
+  TRY(h5_write(file, "/VTKHDF/Types", H5_U8, 1, &count, types, true));
+  TRY(h5_write(file, "/VTKHDF/NumberOfPoints", H5_I64, 1, &one, &total, false));
+  TRY(h5_write(file, "/VTKHDF/NumberOfCells", H5_I64, 1, &one, &total, false));
+  TRY(h5_write(file, "/VTKHDF/NumberOfConnectivityIds", H5_I64, 1, &one, &total, false));
+cleanup:
+  memory_free(&types);
+  memory_free(&numbers);
+  return status;
+}
+
+enum status snapshot_write(const char *path, double time, int64_t step, size_t count,
+                           const double *points, size_t field_count,
+                           const struct snapshot_field *fields) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  int version[2] = {1, 0};
+  size_t dims[2] = {count, 3};
+  TRY(h5_create(path, &file));
+  TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
+  TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
+  TRY(h5_make_group(file, "/VTKHDF"));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
+  TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "UnstructuredGrid"));
+  TRY(h5_write(file, "/VTKHDF/Points", H5_F64, 2, dims, points, true));
+  TRY(write_cells(file, count));
+  for (size_t i = 0; i < field_count; i++) {
+    const struct snapshot_field *field = &fields[i];
+    char name[128];
+    dims[1] = (size_t)field->components;
+    snprintf(name, sizeof name, "/VTKHDF/PointData/%s", field->name);
+    TRY(h5_write(file, name, field->type, field->components > 1 ? 2 : 1, dims, field->data, true));
+    TRY(h5_write_attribute_text(file, name, "unit", field->unit));
+    TRY(h5_write_attribute_text(file, name, "description", field->description));
+  }
+  status = h5_commit(file);
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+enum status series_write(const char *path, size_t count, char *const *names,
+                         const double *times) {
+  char part[4200];
+  snprintf(part, sizeof part, "%s.part", path);
+  FILE *file = fopen(part, "w");
+  if (file == NULL) return FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
+  fputs("{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n", file);
+  for (size_t i = 0; i < count; i++)
+    fprintf(file, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n", names[i], times[i],
+            i + 1 < count ? "," : "");
+  fputs("  ]\n}\n", file);
+  int failed = ferror(file);
+  if (fclose(file) != 0 || failed || rename(part, path) != 0) {
+    remove(part);
+    return FAIL(STATUS_RUN, "%s: cannot be written; is the disk full?", path);
+  }
+  return STATUS_OK;
+}
+
+enum status snapshot_open(const char *path, struct snapshot *snapshot) {
+  enum status status = STATUS_OK;
+  size_t dims[2];
+  *snapshot = (struct snapshot){0};
+  TRY(h5_open(path, &snapshot->file));
+  if (!h5_exists(snapshot->file, "/VTKHDF/Points"))
+    TRY_FAIL(STATUS_INPUT, "%s: holds no points; is it a snapshot (OUT-NNNN.hdf)?", path);
+  TRY(h5_read_attribute(snapshot->file, "/", "time", H5_F64, 1, &snapshot->time));
+  TRY(h5_read(snapshot->file, "/VTKHDF/Points", H5_F64, 2, dims, &snapshot->points));
+  if (dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: points have %zu coordinates, not 3", path, dims[1]);
+  snapshot->count = dims[0];
+cleanup:
+  if (status != STATUS_OK) snapshot_close(snapshot);
+  return status;
+}
+
+enum status snapshot_read(struct snapshot *snapshot, const char *field, int components,
+                          double **values) {
+  enum status status = STATUS_OK;
+  char name[128];
+  size_t dims[2] = {0, 0};
+  *values = NULL;
+  snprintf(name, sizeof name, "/VTKHDF/PointData/%s", field);
+  TRY(h5_read(snapshot->file, name, H5_F64, components > 1 ? 2 : 1, dims, values));
+  if (dims[0] != snapshot->count || (components > 1 && dims[1] != (size_t)components))
+    TRY_FAIL(STATUS_INPUT, "%s: %s does not match the points", h5_path(snapshot->file), name);
+cleanup:
+  if (status != STATUS_OK) memory_free(values);
+  return status;
+}
+
+void snapshot_close(struct snapshot *snapshot) {
+  memory_free(&snapshot->points);
+  h5_close(snapshot->file);
+  snapshot->file = NULL;
+}
