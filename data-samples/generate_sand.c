@@ -1,0 +1,285 @@
+/* generate_sand: a CT stack of a sand that looks like Toyoura sand, with an exact void ratio. It
+ * stands in for scans that are not public. */
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "common/error.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+#include "data-samples/scan_artefacts.h"
+#include "data-samples/slice_writer.h"
+
+static const char HELP[] =
+    "usage: generate_sand --output DIR [options]\n"
+    "Makes a CT stack of a synthetic sand: angular grains of 105 to 215 um that touch and do not\n"
+    "overlap, with the artefacts of a scanner. The same options give the same bytes, on any "
+    "number\n"
+    "of threads. Writes DIR/slice_NNNN.tif (or .png) and, last, DIR/sand.json.\n\n"
+    "  --output DIR          where to write; earlier slices there are removed (required)\n"
+    "  --format FORMAT       tiff16 (16 bit, grey * 256; default) or png8 (8 bit)\n"
+    "  --size NXxNYxNZ       voxels (default 480x480x256)\n"
+    "  --voxel-size Q        edge of a voxel (default 5.83um)\n"
+    "  --void-ratio E        pore volume over grain volume (default 0.725)\n"
+    "  --noise-ratio R       contrast over standard deviation of the noise (default 8)\n"
+    "  --seed N              another sand for every number (default 1)\n"
+    "  --truth FILE          the true voxels, raw, 1 byte each, x fastest: 1 grain, 0 pore\n"
+    "  --threads N           (default: all cores)\n"
+    "  --quiet, --help\n\n"
+    "example: generate_sand --output dense --void-ratio 0.725 --seed 2006\n";
+
+struct request {
+  const char *output, *truth;
+  enum slice_format format;
+  long size[3];
+  double voxel, void_ratio;
+  uint64_t seed;
+  struct scan_settings settings;
+};
+
+/* Sieve limits of the sand; the surface's relief and the exact void ratio shift a grain's final
+ * size by up to 2 %, hence the margins. */
+static const double SMALLEST = 107.5e-6, LARGEST = 212.5e-6;
+
+static enum status parse_number(const char *option, const char *text, double low, double high,
+                                double *value) {
+  char *end;
+  *value = strtod(text, &end);
+  if (end == text || *end != '\0' || !(*value >= low && *value <= high))
+    return FAIL(STATUS_USAGE, "--%s: '%s' is not a number from %g to %g", option, text, low, high);
+  return STATUS_OK;
+}
+
+static enum status parse_size(const char *text, long size[3]) {
+  char rest;
+  if (sscanf(text, "%ldx%ldx%ld%c", &size[0], &size[1], &size[2], &rest) != 3)
+    return FAIL(STATUS_USAGE, "--size: '%s' is not of the form 480x480x256", text);
+  for (int i = 0; i < 3; i++)
+    if (size[i] < 8 || size[i] > 4096)
+      return FAIL(STATUS_USAGE, "--size: '%s': each side must have 8 to 4096 voxels", text);
+  return STATUS_OK;
+}
+
+static enum status parse_request(int argc, char **argv, struct request *request, int *help) {
+  static const struct option options[] = {
+      {"output", 1, NULL, 'o'},      {"format", 1, NULL, 'f'},     {"size", 1, NULL, 's'},
+      {"voxel-size", 1, NULL, 'v'},  {"void-ratio", 1, NULL, 'e'}, {"seed", 1, NULL, 'S'},
+      {"noise-ratio", 1, NULL, 'n'}, {"truth", 1, NULL, 't'},      {"threads", 1, NULL, 'j'},
+      {"quiet", 0, NULL, 'q'},       {"help", 0, NULL, 'h'},       {NULL, 0, NULL, 0}};
+  enum status status = STATUS_OK;
+  double number;
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;) {
+    switch (c) {
+    case 'o':
+      request->output = optarg;
+      break;
+    case 't':
+      request->truth = optarg;
+      break;
+    case 'q':
+      log_start("generate_sand", LOG_QUIET);
+      break;
+    case 'h':
+      *help = 1;
+      return STATUS_OK;
+    case 's':
+      TRY(parse_size(optarg, request->size));
+      break;
+    case 'v':
+      TRY(quantity_parse(optarg, DIM_LENGTH, &request->voxel));
+      if (!(request->voxel >= 1e-6 && request->voxel <= 30e-6))
+        TRY_FAIL(STATUS_USAGE, "--voxel-size: '%s' is not from 1um to 30um", optarg);
+      break;
+    case 'e':
+      TRY(parse_number("void-ratio", optarg, 0.6, 1.1, &request->void_ratio));
+      break;
+    case 'n':
+      TRY(parse_number("noise-ratio", optarg, 1, 1e4, &request->settings.noise_ratio));
+      break;
+    case 'S':
+      TRY(parse_number("seed", optarg, 0, 4294967295.0, &number));
+      request->seed = (uint64_t)number;
+      break;
+    case 'j':
+      TRY(parse_number("threads", optarg, 1, 1024, &number));
+#ifdef _OPENMP
+      omp_set_num_threads((int)number);
+#endif
+      break;
+    case 'f':
+      if (strcmp(optarg, "tiff16") != 0 && strcmp(optarg, "png8") != 0)
+        TRY_FAIL(STATUS_USAGE, "--format: '%s' is neither tiff16 nor png8", optarg);
+      request->format = optarg[0] == 't' ? SLICE_TIFF16 : SLICE_PNG8;
+      break;
+    default:
+      TRY_FAIL(STATUS_USAGE, "%s: no such option, or its value is missing; see --help",
+               argv[optind - 1]);
+    }
+  }
+  if (optind < argc) TRY_FAIL(STATUS_USAGE, "%s: unexpected; see --help", argv[optind]);
+  if (!request->output) TRY_FAIL(STATUS_USAGE, "--output DIR is missing; see --help");
+cleanup:
+  return status;
+}
+
+static enum status write_truth(const char *path, const struct grain_field *field) {
+  enum status status = STATUS_OK;
+  unsigned char *row = NULL;
+  FILE *file = fopen(path, "wb");
+  if (!file) return FAIL(STATUS_RUN, "%s: cannot be written", path);
+  TRY(memory_allocate(&row, (size_t)field->size[0], 1, "row of voxels"));
+  for (long z = 0; z < field->size[2]; z++)
+    for (long y = 0; y < field->size[1]; y++) {
+      for (long x = 0; x < field->size[0]; x++)
+        row[x] = field->distance[grain_field_index(field, x, y, z)] < (float)field->offset;
+      if (fwrite(row, 1, (size_t)field->size[0], file) != (size_t)field->size[0])
+        TRY_FAIL(STATUS_RUN, "%s: writing failed", path);
+    }
+cleanup:
+  if (fclose(file) != 0 && status == STATUS_OK)
+    status = FAIL(STATUS_RUN, "%s: writing failed", path);
+  memory_free(&row);
+  return status;
+}
+
+static enum status write_slices(const struct request *request, struct scan_artefacts *scan) {
+  enum status status = STATUS_OK;
+  const long *size = request->size, voxels = size[0] * size[1];
+  float *grey = NULL;
+  struct progress progress;
+  TRY(memory_allocate(&grey, (size_t)voxels * SCAN_CHUNK, sizeof *grey, "slices"));
+  progress_start(&progress, "scanning", "slices", (double)size[2]);
+  for (long z0 = 0; z0 < size[2]; z0 += SCAN_CHUNK) {
+    const long count = size[2] - z0 < SCAN_CHUNK ? size[2] - z0 : SCAN_CHUNK;
+    int failed = 0;
+    scan_artefacts_render(scan, z0, count, grey);
+#pragma omp parallel for schedule(dynamic, 1) reduction(| : failed)
+    for (long z = 0; z < count; z++)
+      failed |= slice_write(request->output, z0 + z, request->format, grey + z * voxels, size[0],
+                            size[1], request->voxel) != STATUS_OK;
+    if (failed) TRY_FAIL(STATUS_RUN, "%s: slices cannot be written", request->output);
+    progress_update(&progress, (double)(z0 + count), NULL);
+  }
+  progress_end(&progress);
+cleanup:
+  memory_free(&grey);
+  return status;
+}
+
+/* Written beside and renamed: a folder with sand.json in it holds a complete stack. */
+static enum status write_description(const struct request *request, const char *path,
+                                     const struct grain_field *field,
+                                     const struct grain_statistics *statistics) {
+  const struct scan_settings *s = &request->settings;
+  const long *n = request->size;
+  const double voxels = (double)n[0] * (double)n[1] * (double)n[2], solid = (double)field->solid;
+  char partial[4200];
+  snprintf(partial, sizeof partial, "%s.partial", path);
+  FILE *file = fopen(partial, "w");
+  if (!file) return FAIL(STATUS_RUN, "%s: cannot be written", partial);
+  fprintf(file,
+          "{\n"
+          "  \"what\": \"synthetic sand CT stack, made by generate_sand\",\n"
+          "  \"seed\": %llu,\n"
+          "  \"size\": [%ld, %ld, %ld],\n"
+          "  \"voxel_size_m\": %.6g,\n"
+          "  \"format\": \"%s\",\n"
+          "  \"grey_per_level\": %d,\n",
+          (unsigned long long)request->seed, n[0], n[1], n[2], request->voxel,
+          request->format == SLICE_TIFF16 ? "tiff16" : "png8",
+          request->format == SLICE_TIFF16 ? 256 : 1);
+  fprintf(file,
+          "  \"void_ratio_requested\": %.6g,\n"
+          "  \"void_ratio\": %.9f,\n"
+          "  \"porosity\": %.9f,\n"
+          "  \"solid_voxels\": %ld,\n"
+          "  \"surface_offset_m\": %.4g,\n"
+          "  \"grains\": %ld,\n"
+          "  \"whole_grains\": %ld,\n"
+          "  \"grain_diameter_m\": {\"min\": %.4g, \"mean\": %.4g, \"max\": %.4g},\n"
+          "  \"coordination\": %.3f,\n"
+          "  \"clusters\": %ld,\n"
+          "  \"largest_cluster\": %.5f,\n",
+          request->void_ratio, (voxels - solid) / solid, 1 - solid / voxels, field->solid,
+          field->offset * field->voxel, statistics->grains, statistics->whole_grains,
+          statistics->diameter_min, statistics->diameter_mean, statistics->diameter_max,
+          statistics->coordination, statistics->clusters, statistics->largest_cluster);
+  fprintf(file,
+          "  \"grain_grey\": %g,\n"
+          "  \"pore_grey\": %g,\n"
+          "  \"contrast_to_noise\": %g,\n"
+          "  \"grain_spread\": %g,\n"
+          "  \"texture_spread\": %g,\n"
+          "  \"bright_grain_share\": %g,\n"
+          "  \"blur_voxels\": %g,\n"
+          "  \"noise_correlation_voxels\": %g,\n"
+          "  \"fringe\": %g,\n"
+          "  \"ring\": %g,\n"
+          "  \"drift_levels\": %g\n"
+          "}\n",
+          s->grain_grey, s->pore_grey, s->noise_ratio, s->grain_spread, s->texture_spread,
+          s->bright_share, s->blur, s->noise_length, s->fringe, s->ring, s->drift);
+  const int failed = ferror(file);
+  if (fclose(file) != 0 || failed || rename(partial, path) != 0)
+    return FAIL(STATUS_RUN, "%s: writing failed", path);
+  return STATUS_OK;
+}
+
+static enum status generate(const struct request *request) {
+  enum status status = STATUS_OK;
+  struct grain_packing packing = {0};
+  struct grain_field field = {0};
+  struct scan_artefacts scan = {0};
+  struct grain_statistics statistics;
+  double box[3];
+  char description[4096];
+  snprintf(description, sizeof description, "%s/sand.json", request->output);
+  TRY(slice_folder_prepare(request->output));
+  unlink(description);
+  grain_field_box(request->size, request->voxel, LARGEST, box);
+  TRY(grain_packing_create(&packing, box, 1 / (1 + request->void_ratio), SMALLEST, LARGEST,
+                           request->seed));
+  TRY(grain_field_create(&field, &packing, request->size, request->voxel, request->void_ratio,
+                         request->seed));
+  TRY(grain_field_measure(&field, packing.count, &statistics));
+  log_info("%ld grains, %.1f contacts each, %.2f %% of them in one skeleton; void ratio %.6f",
+           statistics.grains, statistics.coordination, 100 * statistics.largest_cluster,
+           (double)request->size[0] * (double)request->size[1] * (double)request->size[2] /
+                   (double)field.solid -
+               1);
+  if (request->truth) TRY(write_truth(request->truth, &field));
+  TRY(scan_artefacts_create(&scan, &field, &request->settings, packing.count, request->seed));
+  TRY(write_slices(request, &scan));
+  TRY(write_description(request, description, &field, &statistics));
+  log_info("%s: %ld slices; peak memory %.0f MB", request->output, request->size[2],
+           (double)memory_peak() * 1e-6);
+cleanup:
+  grain_packing_destroy(&packing);
+  grain_field_destroy(&field);
+  scan_artefacts_destroy(&scan);
+  return status;
+}
+
+int main(int argc, char **argv) {
+  int help = 0;
+  struct request request = {.format = SLICE_TIFF16,
+                            .size = {480, 480, 256},
+                            .voxel = 5.83e-6,
+                            .void_ratio = 0.725,
+                            .seed = 1,
+                            .settings = SCAN_DEFAULTS};
+  log_start("generate_sand", LOG_NORMAL);
+  enum status status = parse_request(argc, argv, &request, &help);
+  if (status == STATUS_OK && help) fputs(HELP, stdout);
+  if (status == STATUS_OK && !help) status = generate(&request);
+  if (status != STATUS_OK) log_pending_error();
+  return status;
+}

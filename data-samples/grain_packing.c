@@ -1,0 +1,298 @@
+#include "data-samples/grain_packing.h"
+
+#include <math.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+
+#define PI 3.14159265358979323846
+
+enum { STEPS = 400, DIRECTIONS_TRIED = 6 };
+
+/* Lengths in units of the mean grain diameter. */
+static const double CONTACT_OVERLAP = 0.010; /* depth at which a contact is at rest */
+static const double PULL_NEAR = 0.05;        /* gaps narrower than this close */
+static const double PULL_FAR = 0.30;         /* the same for grains with too few contacts */
+static const double PULL = 0.012;            /* against a push of 1 per unit of overlap */
+static const double SKIN = 0.06;             /* travel after which pairs are looked up again */
+static const double STEP = 0.10, MOMENTUM = 0.80;
+
+enum { CONTACTS_WANTED = 4 };
+
+struct pair {
+  int32_t a, b;
+  double normal[3]; /* unit, from a to b, along which the two are farthest apart */
+  double gap;       /* m; negative: overlap */
+};
+
+struct pair_list {
+  struct pair *pair;
+  long count, capacity;
+};
+
+static double wrap(double x, double box) {
+  if (x > 0.5 * box) return x - box;
+  if (x < -0.5 * box) return x + box;
+  return x;
+}
+
+/* The vector from the centre of a to the nearest image of the centre of b. */
+static void separation(const struct grain_packing *packing, long a, long b, double d[3]) {
+  for (int i = 0; i < 3; i++)
+    d[i] = wrap(packing->grain[b].centre[i] - packing->grain[a].centre[i], packing->box[i]);
+}
+
+static enum status pair_list_add(struct pair_list *list, long a, long b, const double d[3]) {
+  if (list->count == list->capacity) {
+    const long capacity = list->capacity ? 2 * list->capacity : 65536;
+    const enum status status =
+        memory_resize(&list->pair, (size_t)capacity, sizeof *list->pair, "pairs of grains");
+    if (status != STATUS_OK) return status;
+    list->capacity = capacity;
+  }
+  struct pair *pair = &list->pair[list->count++];
+  const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) + 1e-12;
+  *pair = (struct pair){.a = (int32_t)a, .b = (int32_t)b};
+  for (int i = 0; i < 3; i++) pair->normal[i] = d[i] / length;
+  return STATUS_OK;
+}
+
+/* All pairs a < b whose bounding spheres come within `reach`, found by bins. */
+static enum status pair_list_find(struct pair_list *list, const struct grain_packing *packing,
+                                  double reach) {
+  enum status status = STATUS_OK;
+  int32_t *first = NULL, *next = NULL;
+  double radius = 0;
+  long bins[3], total = 1;
+  for (long g = 0; g < packing->count; g++)
+    if (packing->grain[g].radius > radius) radius = packing->grain[g].radius;
+  for (int i = 0; i < 3; i++) {
+    bins[i] = (long)(packing->box[i] / (2 * radius + reach));
+    if (bins[i] < 3) bins[i] = 1; /* too few for each neighbour to be another bin */
+    total *= bins[i];
+  }
+  list->count = 0;
+  TRY(memory_allocate(&first, (size_t)total, sizeof *first, "bins of grains"));
+  TRY(memory_allocate(&next, (size_t)packing->count, sizeof *next, "bins of grains"));
+  for (long bin = 0; bin < total; bin++) first[bin] = -1;
+  for (long g = packing->count - 1; g >= 0; g--) {
+    long bin = 0;
+    for (int i = 2; i >= 0; i--) {
+      long cell = (long)(packing->grain[g].centre[i] / packing->box[i] * (double)bins[i]);
+      if (cell >= bins[i]) cell = bins[i] - 1;
+      bin = bin * bins[i] + cell;
+    }
+    next[g] = first[bin];
+    first[bin] = (int32_t)g;
+  }
+  for (long bin = 0; bin < total; bin++)
+    for (int offset = 0; offset < 27; offset++) {
+      const int step[3] = {offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1};
+      const long at[3] = {bin % bins[0], bin / bins[0] % bins[1], bin / (bins[0] * bins[1])};
+      long other = 0;
+      int repeated = 0;
+      for (int i = 2; i >= 0; i--) {
+        repeated |= bins[i] == 1 && step[i] != 0;
+        other = other * bins[i] + (at[i] + step[i] + bins[i]) % bins[i];
+      }
+      if (repeated) continue;
+      for (int32_t a = first[bin]; a >= 0; a = next[a])
+        for (int32_t b = first[other]; b >= 0; b = next[b]) {
+          if (b <= a) continue;
+          double d[3];
+          separation(packing, a, b, d);
+          const double limit = packing->grain[a].radius + packing->grain[b].radius + reach;
+          if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < limit * limit)
+            TRY(pair_list_add(list, a, b, d));
+        }
+    }
+cleanup:
+  memory_free(&first);
+  memory_free(&next);
+  return status;
+}
+
+/* Width of the slab of normal n that keeps the two grains apart; negative where they overlap.
+ * Support functions: the gap of two convex bodies is the maximum of this over all n. */
+static double slab_width(const struct grain *a, const struct grain *b, const double d[3],
+                         const double n[3]) {
+  const float *far_a = a->support[direction_set_find(n[0], n[1], n[2])];
+  const float *far_b = b->support[direction_set_find(-n[0], -n[1], -n[2])];
+  double width = 0;
+  for (int i = 0; i < 3; i++) width += n[i] * (d[i] + far_b[i] - far_a[i]);
+  return width;
+}
+
+/* Improves the pair's normal by trying directions on a cone of slope `slope` around it. */
+static void pair_refine(struct pair *pair, const struct grain_packing *packing, double slope) {
+  /* cosine and sine of multiples of 60 degrees */
+  static const double circle[DIRECTIONS_TRIED][2] = {
+      {1, 0},  {0.5, 0.866025403784},   {-0.5, 0.866025403784},
+      {-1, 0}, {-0.5, -0.866025403784}, {0.5, -0.866025403784}};
+  const struct grain *a = &packing->grain[pair->a], *b = &packing->grain[pair->b];
+  double d[3], u[3], v[3], best[3];
+  const double *n = pair->normal;
+  separation(packing, pair->a, pair->b, d);
+  pair->gap = slab_width(a, b, d, n);
+  const int axis = fabs(n[0]) < 0.6 ? 0 : 1;
+  double length = 0;
+  for (int i = 0; i < 3; i++) {
+    best[i] = n[i];
+    u[i] = (i == axis) - n[axis] * n[i];
+    length += u[i] * u[i];
+  }
+  for (int i = 0; i < 3; i++) u[i] /= sqrt(length);
+  for (int i = 0; i < 3; i++)
+    v[i] = n[(i + 1) % 3] * u[(i + 2) % 3] - n[(i + 2) % 3] * u[(i + 1) % 3];
+  for (int t = 0; t < DIRECTIONS_TRIED; t++) {
+    double trial[3];
+    for (int i = 0; i < 3; i++)
+      trial[i] =
+          (n[i] + slope * (circle[t][0] * u[i] + circle[t][1] * v[i])) / sqrt(1 + slope * slope);
+    const double gap = slab_width(a, b, d, trial);
+    if (gap > pair->gap) {
+      pair->gap = gap;
+      for (int i = 0; i < 3; i++) best[i] = trial[i];
+    }
+  }
+  for (int i = 0; i < 3; i++) pair->normal[i] = best[i];
+}
+
+/* Positive: pushes the two apart. `pull` ramps up from 0 to 1 as the packing settles. */
+static double pair_force(const struct pair *pair, const int *contacts, double unit, double pull) {
+  const double overlap = -pair->gap / unit;
+  if (overlap > 0) {
+    const double push = overlap - pull * CONTACT_OVERLAP;
+    return push > -PULL * pull ? push : -PULL * pull;
+  }
+  const int lonely = contacts[pair->a] < CONTACTS_WANTED || contacts[pair->b] < CONTACTS_WANTED;
+  return -overlap < (lonely ? PULL_FAR : PULL_NEAR) ? -pull * PULL : 0;
+}
+
+static enum status grain_packing_settle(struct grain_packing *packing, double unit) {
+  enum status status = STATUS_OK;
+  struct pair_list list = {0};
+  double *velocity = NULL;
+  int *contacts = NULL, *contacts_next = NULL;
+  double travelled = 1e30;
+  const double reach = (PULL_FAR + 2 * SKIN) * unit;
+  struct progress progress;
+  TRY(memory_allocate(&velocity, (size_t)packing->count * 3, sizeof(double), "grain velocities"));
+  TRY(memory_allocate(&contacts, (size_t)packing->count, sizeof(int), "grain contacts"));
+  TRY(memory_allocate(&contacts_next, (size_t)packing->count, sizeof(int), "grain contacts"));
+  progress_start(&progress, "packing", "steps", STEPS);
+  for (int step = 0; step < STEPS; step++) {
+    const int renewed = travelled > SKIN * unit;
+    if (renewed) {
+      TRY(pair_list_find(&list, packing, reach));
+      travelled = 0;
+    }
+    /* Pairs are independent: the same bits on any number of threads. */
+#pragma omp parallel for schedule(static)
+    for (long p = 0; p < list.count; p++) {
+      if (renewed)
+        for (double slope = 0.8; slope > 0.15; slope *= 0.7)
+          pair_refine(&list.pair[p], packing, slope);
+      pair_refine(&list.pair[p], packing, step % 2 ? 0.25 : 0.07);
+    }
+    const double pull = step < STEPS / 4 ? 0 : step < STEPS / 2 ? 4.0 * step / STEPS - 1 : 1;
+    for (long i = 0; i < 3 * packing->count; i++) velocity[i] *= MOMENTUM;
+    for (long g = 0; g < packing->count; g++) contacts_next[g] = 0;
+    for (long p = 0; p < list.count; p++) {
+      const struct pair *pair = &list.pair[p];
+      const double force = STEP * unit * pair_force(pair, contacts, unit, pull);
+      for (int i = 0; i < 3; i++) {
+        velocity[3 * pair->a + i] -= force * pair->normal[i];
+        velocity[3 * pair->b + i] += force * pair->normal[i];
+      }
+      contacts_next[pair->a] += pair->gap < 0;
+      contacts_next[pair->b] += pair->gap < 0;
+    }
+    double fastest = 0;
+    for (long g = 0; g < packing->count; g++) {
+      double square = 0;
+      for (int i = 0; i < 3; i++) square += velocity[3 * g + i] * velocity[3 * g + i];
+      const double limit = 0.05 * unit, scale = square > limit * limit ? limit / sqrt(square) : 1;
+      for (int i = 0; i < 3; i++) {
+        double *x = &packing->grain[g].centre[i];
+        velocity[3 * g + i] *= scale;
+        *x += velocity[3 * g + i];
+        if (*x < 0) *x += packing->box[i];
+        if (*x >= packing->box[i]) *x -= packing->box[i];
+      }
+      contacts[g] = contacts_next[g];
+      if (sqrt(square) * scale > fastest) fastest = sqrt(square) * scale;
+    }
+    travelled += fastest;
+    progress_update(&progress, step + 1, NULL);
+  }
+  progress_end(&progress);
+cleanup:
+  memory_free(&list.pair);
+  memory_free(&velocity);
+  memory_free(&contacts);
+  memory_free(&contacts_next);
+  return status;
+}
+
+/* Grains on a jittered lattice, in random order: sizes are drawn independently, so the order of
+ * the lattice is as good as any. */
+static void grain_packing_scatter(struct grain_packing *packing, uint64_t seed) {
+  struct random_sequence random = random_sequence_start(seed, RANDOM_PLACE, 0);
+  const double volume = packing->box[0] * packing->box[1] * packing->box[2];
+  double spacing = 1e-3 * sqrt(packing->box[0] * packing->box[1]);
+  long cells[3];
+  do {
+    spacing *= 1.001;
+    for (int i = 0; i < 3; i++) cells[i] = (long)ceil(packing->box[i] / spacing);
+  } while (spacing * spacing * spacing * (double)packing->count < volume &&
+           cells[0] * cells[1] * cells[2] > packing->count);
+  while (cells[0] * cells[1] * cells[2] < packing->count) cells[2]++;
+  const long total = cells[0] * cells[1] * cells[2];
+  long g = 0;
+  for (long cell = 0; cell < total && g < packing->count; cell++) {
+    const double wanted = (double)(packing->count - g) / (double)(total - cell);
+    if (random_uniform(&random, 0, 1) >= wanted) continue;
+    const long at[3] = {cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])};
+    for (int i = 0; i < 3; i++)
+      packing->grain[g].centre[i] =
+          ((double)at[i] + random_uniform(&random, 0, 0.999)) / (double)cells[i] * packing->box[i];
+    g++;
+  }
+}
+
+enum status grain_packing_create(struct grain_packing *packing, const double box[3],
+                                 double solid_fraction, double smallest, double largest,
+                                 uint64_t seed) {
+  enum status status = STATUS_OK;
+  struct direction_set *set = NULL;
+  double volume = 1, filled = 0;
+  long capacity;
+  *packing = (struct grain_packing){0};
+  for (int i = 0; i < 3; i++) {
+    packing->box[i] = box[i];
+    volume *= box[i];
+  }
+  const double mean = 0.5 * (smallest + largest);
+  capacity = (long)(1.3 * solid_fraction * volume / (PI / 6 * mean * mean * mean)) + 64;
+  TRY(memory_allocate(&set, 1, sizeof *set, "directions"));
+  TRY(memory_allocate(&packing->grain, (size_t)capacity, sizeof *packing->grain, "grains"));
+  direction_set_create(set);
+#pragma omp parallel for schedule(dynamic, 16)
+  for (long g = 0; g < capacity; g++)
+    grain_create(&packing->grain[g], set, seed, (uint64_t)g, smallest, largest);
+  while (packing->count < capacity && filled < solid_fraction * volume) {
+    const double d = packing->grain[packing->count++].diameter;
+    filled += PI / 6 * d * d * d;
+  }
+  grain_packing_scatter(packing, seed);
+  TRY(grain_packing_settle(packing, mean));
+cleanup:
+  memory_free(&set);
+  if (status != STATUS_OK) grain_packing_destroy(packing);
+  return status;
+}
+
+void grain_packing_destroy(struct grain_packing *packing) {
+  memory_free(&packing->grain);
+}
