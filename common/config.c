@@ -92,12 +92,23 @@ static enum status copy_setting(config_setting_t *parent, const char *name,
   config_setting_t *to = config_setting_add(parent, name, type);
   if (to == NULL) return FAIL(STATUS_USAGE, "cannot be set");
   switch (type) {
-  case CONFIG_TYPE_INT: config_setting_set_int(to, config_setting_get_int(from)); break;
-  case CONFIG_TYPE_INT64: config_setting_set_int64(to, config_setting_get_int64(from)); break;
-  case CONFIG_TYPE_FLOAT: config_setting_set_float(to, config_setting_get_float(from)); break;
-  case CONFIG_TYPE_STRING: config_setting_set_string(to, config_setting_get_string(from)); break;
-  case CONFIG_TYPE_BOOL: config_setting_set_bool(to, config_setting_get_bool(from)); break;
-  default: return copy_children(to, from);
+  case CONFIG_TYPE_INT:
+    config_setting_set_int(to, config_setting_get_int(from));
+    break;
+  case CONFIG_TYPE_INT64:
+    config_setting_set_int64(to, config_setting_get_int64(from));
+    break;
+  case CONFIG_TYPE_FLOAT:
+    config_setting_set_float(to, config_setting_get_float(from));
+    break;
+  case CONFIG_TYPE_STRING:
+    config_setting_set_string(to, config_setting_get_string(from));
+    break;
+  case CONFIG_TYPE_BOOL:
+    config_setting_set_bool(to, config_setting_get_bool(from));
+    break;
+  default:
+    return copy_children(to, from);
   }
   return STATUS_OK;
 }
@@ -185,9 +196,15 @@ void config_close(struct config *config) {
   memory_free(&config);
 }
 
-config_node *config_root(struct config *config) { return config_root_setting(&config->tree); }
-const char *config_text(const struct config *config) { return config->text; }
-const char *config_folder(const struct config *config) { return config->folder; }
+config_node *config_root(struct config *config) {
+  return config_root_setting(&config->tree);
+}
+const char *config_text(const struct config *config) {
+  return config->text;
+}
+const char *config_folder(const struct config *config) {
+  return config->folder;
+}
 
 config_node *config_child(struct config *config, config_node *parent, const char *name) {
   if (parent == NULL) return NULL;
@@ -204,14 +221,27 @@ size_t config_count(const config_node *node) {
   return node == NULL ? 0 : (size_t)config_setting_length(node);
 }
 bool config_is_list(const config_node *node) {
-  return config_setting_is_list(node) == CONFIG_TRUE || config_setting_is_array(node) == CONFIG_TRUE;
+  return config_setting_is_list(node) == CONFIG_TRUE ||
+         config_setting_is_array(node) == CONFIG_TRUE;
 }
-bool config_is_group(const config_node *node) { return config_setting_is_group(node) == CONFIG_TRUE; }
+bool config_is_group(const config_node *node) {
+  return config_setting_is_group(node) == CONFIG_TRUE;
+}
 bool config_is_text(const config_node *node) {
   return config_setting_type(node) == CONFIG_TYPE_STRING;
 }
 bool config_is_number(const config_node *node) {
   return config_setting_is_number(node) == CONFIG_TRUE;
+}
+
+bool config_boolean_value(const config_node *node) {
+  return config_setting_get_bool(node) != 0;
+}
+const char *config_text_value(const config_node *node) {
+  return config_setting_get_string(node);
+}
+int config_line(const config_node *node) {
+  return (int)config_setting_source_line(node);
 }
 
 /* "regions.[1].porosity" for a setting. */
@@ -224,8 +254,10 @@ static void format_path(const config_node *node, char *text, size_t size) {
   format_path(parent, text, size);
   size_t used = strlen(text);
   const char *name = config_setting_name(node);
-  if (name != NULL) snprintf(text + used, size - used, "%s%s", used ? "." : "", name);
-  else snprintf(text + used, size - used, "%s[%d]", used ? "." : "", config_setting_index(node));
+  if (name != NULL)
+    snprintf(text + used, size - used, "%s%s", used ? "." : "", name);
+  else
+    snprintf(text + used, size - used, "%s[%d]", used ? "." : "", config_setting_index(node));
 }
 
 enum status config_error(const struct config *config, const config_node *node, const char *format,
@@ -238,8 +270,10 @@ enum status config_error(const struct config *config, const config_node *node, c
   va_end(arguments);
   unsigned line = node != NULL ? config_setting_source_line(node) : 0;
   char place[32] = "";
-  if (line > 0) snprintf(place, sizeof place, "%u:", line);
-  else if (node != NULL && *path) snprintf(place, sizeof place, "(--set)");
+  if (line > 0)
+    snprintf(place, sizeof place, "%u:", line);
+  else if (node != NULL && *path)
+    snprintf(place, sizeof place, "(--set)");
   return FAIL(STATUS_INPUT, "%s:%s %s%s%s", config->path, place, path, *path ? ": " : "", message);
 }
 
@@ -341,8 +375,10 @@ enum status config_quantities(struct config *config, config_node *group, const c
   int n = config_is_list(node) ? config_setting_length(node) : 0;
   if (n < min || n > max || !config_is_list(node)) {
     char range[32];
-    if (min == max) snprintf(range, sizeof range, "%d", min);
-    else snprintf(range, sizeof range, "%d to %d", min, max);
+    if (min == max)
+      snprintf(range, sizeof range, "%d", min);
+    else
+      snprintf(range, sizeof range, "%d to %d", min, max);
     return config_error(config, node, "a list of %s quantities is wanted, like [\"%s\", ...]",
                         range, dimension_example(dimension));
   }
@@ -388,9 +424,9 @@ static enum status refuse_unknown_in(struct config *config, config_node *node) {
           if (!strstr(list, names[k]))
             snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
         }
-        return config_error(config, child, "unknown key%s%s%s%s%s",
-                            near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "",
-                            *list ? "; known here: " : "", list);
+        return config_error(config, child, "unknown key%s%s%s%s%s", near ? "; did you mean '" : "",
+                            near ? near : "", near ? "'?" : "", *list ? "; known here: " : "",
+                            list);
       }
     }
     enum status status = refuse_unknown_in(config, child);

@@ -31,6 +31,10 @@ bool config_is_list(const config_node *node);  /* list or array */
 bool config_is_group(const config_node *node);
 bool config_is_text(const config_node *node);
 bool config_is_number(const config_node *node);
+/* Values of a node known to be a boolean or a text; the line it stands on (0: from an override). */
+bool config_boolean_value(const config_node *node);
+const char *config_text_value(const config_node *node);
+int config_line(const config_node *node);
 
 /* An input error at `node`: "scene.cfg:12: wcsph.dt: MESSAGE". */
 enum status config_error(const struct config *config, const config_node *node, const char *format,

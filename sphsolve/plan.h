@@ -26,6 +26,7 @@ struct effect_context {
   double kinematic_viscosity; /* m^2/s */
   double driving;             /* |g + a - grad P / rho|, m/s^2 */
   double velocity_scale;      /* m/s, estimated */
+  double reynolds;            /* estimated from Kozeny-Carman; 0 unknown */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
 };
 
@@ -52,9 +53,11 @@ struct plan {
   char method_why[EFFECT_WHY];
 };
 
-/* Chooses the method ("auto") and how many wall layers the lattice needs. */
-enum status plan_method(const struct scene *scene, enum method *method, int *wall_layers,
-                        char why[EFFECT_WHY]);
+/* Wall layers the lattice needs outside a closed domain: 0 where isph makes its own walls. */
+int plan_wall_layers(const struct scene *scene);
+/* Chooses the method ("auto") and refuses what a method cannot do. */
+enum status plan_method(const struct scene *scene, const struct lattice *lattice,
+                        enum method *method, char why[EFFECT_WHY]);
 /* `threads` for the predicted time. */
 enum status plan_make(const struct scene *scene, const struct lattice *lattice, enum method method,
                       const char *method_why, int threads, struct plan *plan);
