@@ -1,0 +1,28 @@
+/* Signed distance from the centres of sites to the wall, m, positive in the fluid, where the model
+ * brings none of its own. Distances are exact within DISTANCE_REACH spacings and bounded there. */
+#ifndef TOSUI_SPHSOLVE_DISTANCE_H
+#define TOSUI_SPHSOLVE_DISTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sphsolve/scene.h"
+
+#define DISTANCE_REACH 4
+
+/* To the faces between pore and grain voxels: the sharp voxel geometry. Arrays [z][y][x]; sizes and
+ * spacings x, y, z. */
+void distance_from_faces(const size_t size[3], const double spacing[3], const bool periodic[3],
+                         const uint8_t *solid, float *distance);
+
+/* To the surface where the grain volume fraction is 1/2, found by linear interpolation between
+ * neighbouring voxels and continued as a plane with the fraction's gradient as its normal. */
+void distance_from_fraction(const size_t size[3], const double spacing[3], const bool periodic[3],
+                            const float *grain_fraction, float *distance);
+
+/* To the walls of a domain scene at the point x: closed sides and wall boxes, later regions
+ * overwriting earlier ones. */
+double distance_to_boxes(const struct scene *scene, const double x[3]);
+
+#endif

@@ -1,0 +1,222 @@
+#include "sphsolve/lattice.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/model_file.h"
+#include "common/provenance.h"
+#include "sphsolve/distance.h"
+
+/* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
+static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  struct voxel_model model;
+  TRY(model_read(scene->model_path, &model));
+  TRY(hash_file(scene->model_path, &lattice->model_hash));
+  double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
+  double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
+  if (most > 1.5 * least)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: voxels of %g x %g x %g m are too far from cubes; choose --size so that "
+             "they are about as wide as high",
+             scene->model_path, model.spacing[0], model.spacing[1], model.spacing[2]);
+  lattice->dimensions = 3;
+  lattice->bulk_count = model_site_count(&model);
+  size_t pad[3], count = 1;
+  for (int a = 0; a < 3; a++) {
+    pad[a] = model.periodic[a] ? 0 : (size_t)layers;
+    lattice->spacing[a] = model.spacing[a];
+    lattice->size[a] = model.size[a] + 2 * pad[a];
+    lattice->origin[a] = (0.5 - (double)pad[a]) * model.spacing[a];
+    if (!size_multiply(count, lattice->size[a], &count))
+      TRY_FAIL(STATUS_INPUT, "%s: too many voxels", scene->model_path);
+  }
+  lattice->count = count;
+  TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
+  memset(lattice->kind, SITE_WALL, count);
+  bool padded = pad[0] || pad[1] || pad[2];
+  const float *source = model.wall_distance;
+  float *inner = NULL;
+  if (source == NULL) {
+    /* The model's own surface: from its grey fraction, else the voxel faces. */
+    TRY(memory_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));
+    if (model.grain_fraction != NULL)
+      distance_from_fraction(model.size, model.spacing, model.periodic, model.grain_fraction,
+                             inner);
+    else
+      distance_from_faces(model.size, model.spacing, model.periodic, model.solid, inner);
+    source = inner;
+  }
+  TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                      "wall distances"));
+  for (size_t k = 0; k < lattice->size[2]; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++) {
+        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
+        /* How deep the site lies in the added walls, and its nearest voxel. */
+        double depth = 0, room = INFINITY;
+        size_t near[3];
+        for (int a = 0; a < 3; a++) {
+          size_t n = model.size[a];
+          near[a] = xyz[a] < pad[a] ? 0 : xyz[a] - pad[a] < n ? xyz[a] - pad[a] : n - 1;
+          double x = ((double)xyz[a] - (double)pad[a] + 0.5) * model.spacing[a];
+          double outside = fmax(-x, x - (double)n * model.spacing[a]);
+          if (!model.periodic[a] && outside > 0) depth = fmax(depth, outside);
+          if (!model.periodic[a] && outside <= 0) room = fmin(room, -outside);
+        }
+        size_t from = (near[2] * model.size[1] + near[1]) * model.size[0] + near[0];
+        if (depth > 0) {
+          lattice->wall_distance[at] = (float)-depth;
+          continue;
+        }
+        bool grain = model.solid[from] != 0;
+        lattice->kind[at] = grain ? SITE_WALL : SITE_FLUID;
+        double d = source[from];
+        if (padded && !grain) d = fmin(d, room);
+        lattice->wall_distance[at] = (float)d;
+      }
+cleanup:
+  memory_free(&inner);
+  model_free(&model);
+  return status;
+}
+
+/* Number of sites whose centres lie inside a length. */
+static size_t sites_in(double length, double spacing) {
+  double n = floor(length / spacing + 0.5 - 1e-9);
+  return n < 1 ? 1 : (size_t)n;
+}
+
+static bool box_holds(const double box[6], const double x[3], int dimensions) {
+  for (int a = 0; a < 3; a++) {
+    if (dimensions == 2 && a == 1) continue;
+    if (!(x[a] > box[a] && x[a] < box[a + 3])) return false;
+  }
+  return true;
+}
+
+/* Kind and region of a point: the last region that holds it; water fills soil wherever a water box
+ * covers it, and all soil where the scene has no water at all (a saturated column). */
+static void claim(const struct scene *scene, const double x[3], uint8_t *kind, uint16_t *region) {
+  bool water = false, any_water = false;
+  *kind = SITE_EMPTY;
+  *region = 0;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *candidate = &scene->regions[r];
+    any_water = any_water || candidate->type == REGION_WATER;
+    if (!box_holds(candidate->box, x, scene->dimensions)) continue;
+    switch (candidate->type) {
+    case REGION_WATER:
+      water = true;
+      *kind = SITE_FLUID;
+      break;
+    case REGION_WALL:
+      *kind = SITE_WALL;
+      break;
+    case REGION_EMPTY:
+      water = false;
+      *kind = SITE_EMPTY;
+      break;
+    case REGION_POROUS:
+      *kind = water ? SITE_FLUID : SITE_EMPTY;
+      break;
+    case REGION_INFLOW:
+      continue; /* a boundary, it fills nothing */
+    }
+    *region = (uint16_t)(r + 1);
+  }
+  if (*kind == SITE_EMPTY && !any_water && *region > 0 &&
+      scene->regions[*region - 1].type == REGION_POROUS)
+    *kind = SITE_FLUID;
+}
+
+static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  size_t pad[3], inner[3], count = 1;
+  lattice->dimensions = scene->dimensions;
+  lattice->bulk_count = 1;
+  for (int a = 0; a < 3; a++) {
+    lattice->spacing[a] = scene->spacing;
+    inner[a] = sites_in(scene->domain_size[a], scene->spacing);
+    double length = (double)inner[a] * scene->spacing;
+    if (scene->periodic[a] && fabs(length - scene->domain_size[a]) > 1e-3 * scene->spacing)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: domain.size: the periodic length %g m in %c is no whole number of "
+               "spacings (%g m); %g m would be",
+               scene->path, scene->domain_size[a], 'x' + a, scene->spacing, length);
+    pad[a] = scene->periodic[a] ? 0 : (size_t)layers;
+    lattice->size[a] = inner[a] + 2 * pad[a];
+    lattice->origin[a] = (0.5 - (double)pad[a]) * scene->spacing;
+    lattice->bulk_count *= inner[a];
+    if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40)
+      TRY_FAIL(STATUS_INPUT, "%s: domain.spacing: %g m makes too many sites", scene->path,
+               scene->spacing);
+  }
+  lattice->count = count;
+  TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
+  TRY(memory_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
+  bool wall = false;
+  for (size_t k = 0; k < lattice->size[2]; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++) {
+        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
+        double x[3];
+        bool outside = false;
+        for (int a = 0; a < 3; a++) {
+          x[a] = lattice->origin[a] + (double)xyz[a] * scene->spacing;
+          outside = outside || xyz[a] < pad[a] || xyz[a] >= pad[a] + inner[a];
+        }
+        if (outside)
+          lattice->kind[at] = SITE_WALL;
+        else
+          claim(scene, x, &lattice->kind[at], &lattice->region[at]);
+        wall = wall || lattice->kind[at] == SITE_WALL;
+      }
+  if (wall) {
+    TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                        "wall distances"));
+    for (size_t at = 0; at < count; at++) {
+      double x[3] = {
+          lattice->origin[0] + (double)(at % lattice->size[0]) * scene->spacing,
+          lattice->origin[1] + (double)(at / lattice->size[0] % lattice->size[1]) * scene->spacing,
+          lattice->origin[2] + (double)(at / lattice->size[0] / lattice->size[1]) * scene->spacing};
+      lattice->wall_distance[at] = (float)distance_to_boxes(scene, x);
+    }
+  }
+cleanup:
+  return status;
+}
+
+enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  *lattice = (struct lattice){0};
+  if (*scene->model_path)
+    TRY(from_model(scene, wall_layers, lattice));
+  else
+    TRY(from_domain(scene, wall_layers, lattice));
+  /* The sign of a distance follows the kind of its site, so that no method divides by a distance
+   * of the wrong side. */
+  double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
+  float least = (float)(1e-3 * spacing);
+  for (size_t i = 0; i < lattice->count; i++) {
+    lattice->fluid_count += lattice->kind[i] == SITE_FLUID;
+    lattice->wall_count += lattice->kind[i] == SITE_WALL;
+    if (lattice->wall_distance == NULL) continue;
+    float *d = &lattice->wall_distance[i];
+    if (lattice->kind[i] == SITE_WALL)
+      *d = fminf(*d, -least);
+    else
+      *d = fmaxf(*d, least);
+  }
+cleanup:
+  if (status != STATUS_OK) lattice_free(lattice);
+  return status;
+}
+
+void lattice_free(struct lattice *lattice) {
+  memory_free(&lattice->kind);
+  memory_free(&lattice->wall_distance);
+  memory_free(&lattice->region);
+}
