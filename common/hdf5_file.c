@@ -418,7 +418,7 @@ enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count,
     H5Tset_cset(type, H5Tget_cset(stored));
     if (n > 0 && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, variable) < 0)
       TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
-    for (size_t i = 0; i < n; i++) TRY(copy_text(variable[i], (size_t)-1, &copies[i]));
+    for (size_t i = 0; i < n; i++) TRY(copy_text(variable[i], (size_t)1 << 40, &copies[i]));
   } else {
     size_t width = H5Tget_size(stored);
     TRY(memory_allocate(&fixed, n, width, name));
@@ -502,7 +502,7 @@ enum status h5_read_attribute_text(struct h5_file *file, const char *name, const
   if (H5Tis_variable_str(stored) > 0) {
     if (H5Aread(id, stored, &variable) < 0)
       TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
-    TRY(copy_text(variable, (size_t)-1, text));
+    TRY(copy_text(variable, (size_t)1 << 40, text));
   } else {
     size_t width = H5Tget_size(stored);
     TRY(memory_allocate(&fixed, width, 1, attribute));

@@ -1,0 +1,123 @@
+#include "sphsolve/explain.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/units.h"
+
+static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
+
+static const char *const field_names[] = {
+#define X(symbol, text) text,
+    FIELD_LIST
+#undef X
+};
+
+static void format_fields(unsigned long long fields, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int f = 0; f < FIELD_COUNT && used < size; f++)
+    if (fields >> f & 1ull)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
+}
+
+void explain_format_time(double seconds, char *text, size_t size) {
+  if (!isfinite(seconds))
+    snprintf(text, size, "unknown");
+  else if (seconds < 1)
+    snprintf(text, size, "under 1 s");
+  else if (seconds < 120)
+    snprintf(text, size, "%.0f s", seconds);
+  else if (seconds < 7200)
+    snprintf(text, size, "%.0f min", seconds / 60);
+  else
+    snprintf(text, size, "%.1f h", seconds / 3600);
+}
+
+void explain_print(const struct plan *plan) {
+  const struct effect_context *context = &plan->context;
+  const struct lattice *lattice = context->lattice;
+  char text[512], more[64];
+  printf("scene      %s\n", context->scene->name);
+  printf("method     %s: %s\n", method_names[context->method], plan->method_why);
+  printf("sites      %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
+         lattice->size[1], lattice->size[2], lattice->fluid_count, lattice->wall_count,
+         lattice->count - lattice->fluid_count - lattice->wall_count);
+  quantity_format(context->spacing, "m", text, sizeof text);
+  quantity_format(context->support, "m", more, sizeof more);
+  printf("spacing    %s, support %s (%.2f spacings)\n", text, more,
+         context->support / context->spacing);
+  if (context->sound_speed > 0) printf("sound      %.4g m/s\n", context->sound_speed);
+  if (context->reynolds > 0) printf("Reynolds   about %.2g (Kozeny-Carman)\n", context->reynolds);
+  printf("\neffects\n");
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    printf("  %-3s  %-24s %s\n", planned->on ? "on" : "off", planned->effect->name, planned->why);
+    if (!planned->on) continue;
+    printf("       %-24s %s [%s]\n", "", planned->effect->model, planned->effect->citation);
+    if (isfinite(planned->dt_max)) {
+      quantity_format(planned->dt_max, "s", text, sizeof text);
+      printf("       %-24s dt at most %s\n", "", text);
+    }
+  }
+  format_fields(plan->fields, text, sizeof text);
+  printf("\nfields     %s\n", text);
+  printf("memory     %.1f MB: %.0f bytes per fluid site, %.0f per wall site\n",
+         plan->bytes_total / 1e6, plan->bytes_fluid, plan->bytes_wall);
+  if (plan->dt > 0) {
+    quantity_format(plan->dt, "s", text, sizeof text);
+    quantity_format(plan->dt_limit, "s", more, sizeof more);
+    printf("time step  %s (limit %s by %s)\n", text, more,
+           plan->dt_limited_by ? plan->dt_limited_by : "nothing");
+  } else if (isnan(plan->dt)) {
+    printf("time step  chosen each step from the effects' limits\n");
+  }
+  explain_format_time(plan->seconds, text, sizeof text);
+  printf("steps      about %.3g\ntime       about %s\n", plan->steps, text);
+  if (isfinite(plan->error))
+    printf("error      about %.2g %%: %s\n", 100 * plan->error, plan->error_why);
+  else
+    printf("error      unknown%s%s\n", *plan->error_why ? ": " : "", plan->error_why);
+}
+
+static json_t *number_or_null(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+enum status explain_print_json(const struct plan *plan) {
+  const struct effect_context *context = &plan->context;
+  const struct lattice *lattice = context->lattice;
+  char fields[512];
+  json_t *effects = json_array();
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    json_array_append_new(
+        effects, json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "name", planned->effect->name, "state",
+                           planned->on ? "on" : "off", "reason", planned->why, "model",
+                           planned->effect->model, "citation", planned->effect->citation, "dt_max",
+                           number_or_null(planned->dt_max)));
+  }
+  format_fields(plan->fields, fields, sizeof fields);
+  json_t *object = json_pack(
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:o, s:s, s:f, s:f, s:f, s:o, s:o, "
+      "s:s?, "
+      "s:o, s:o, s:o, s:s}",
+      "scene", context->scene->name, "method", method_names[context->method], "method_reason",
+      plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
+      (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
+      (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
+      "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
+      "effects", effects, "fields", fields, "bytes_per_fluid_site", plan->bytes_fluid,
+      "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total, "dt",
+      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
+      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
+      number_or_null(plan->seconds), "expected_error", number_or_null(plan->error),
+      "expected_error_reason", plan->error_why);
+  if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  json_dumpf(object, stdout, JSON_INDENT(2));
+  putchar('\n');
+  json_decref(object);
+  return STATUS_OK;
+}

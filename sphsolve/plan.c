@@ -1,0 +1,180 @@
+#include "sphsolve/plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/units.h"
+#include "sphsolve/effects.h"
+
+static bool has_region(const struct scene *scene, enum region_type type) {
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (scene->regions[r].type == type) return true;
+  return false;
+}
+
+static bool has_moving_wall(const struct scene *scene) {
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type != REGION_WALL) continue;
+    for (int a = 0; a < 3; a++)
+      if (region->velocity[a] != 0) return true;
+  }
+  return false;
+}
+
+static bool calls_for_isph(const struct scene *scene) {
+  return has_region(scene, REGION_POROUS) || has_region(scene, REGION_INFLOW);
+}
+
+int plan_wall_layers(const struct scene *scene) {
+  bool isph =
+      scene->method == METHOD_ISPH || (scene->method == METHOD_AUTO && calls_for_isph(scene));
+  return isph ? 0 : 4;
+}
+
+static bool has_surface(const struct lattice *lattice) {
+  return lattice->fluid_count + lattice->wall_count < lattice->count;
+}
+
+static double mean_spacing(const struct lattice *lattice) {
+  return cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
+}
+
+/* Velocity and Reynolds number of the seepage before anything is solved. Kozeny (1927), Carman
+ * (1937): k = n^3 / (5 S^2), S the wall surface per bulk volume; Re = v_D d / nu with the
+ * equivalent grain d = 6 (1 - n) / S. The faces of voxels overstate S by about 3/2. */
+static void estimate_seepage(const struct scene *scene, const struct lattice *lattice,
+                             double *velocity, double *reynolds) {
+  const size_t *n = lattice->size;
+  double surface = 0;
+  *velocity = *reynolds = 0;
+  for (size_t k = 0; k < n[2]; k++)
+    for (size_t j = 0; j < n[1]; j++)
+      for (size_t i = 0; i < n[0]; i++) {
+        size_t at = (k * n[1] + j) * n[0] + i;
+        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
+                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
+                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
+        for (int a = 0; a < 3; a++)
+          if (lattice->kind[at] != lattice->kind[next[a]]) surface += 1 / lattice->spacing[a];
+      }
+  double s = surface / (double)lattice->bulk_count * 2 / 3;
+  double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
+  double nu = scene->fluid.viscosity / scene->fluid.density;
+  double driving =
+      sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +
+           scene->driving[2] * scene->driving[2]);
+  if (!(s > 0 && nu > 0)) return;
+  *velocity = porosity * porosity * porosity / (5 * s * s) * driving / nu;
+  *reynolds = *velocity * 6 * fmax(1 - porosity, 0.05) / s / nu;
+}
+
+enum status plan_method(const struct scene *scene, const struct lattice *lattice,
+                        enum method *method, char why[EFFECT_WHY]) {
+  double velocity, reynolds;
+  estimate_seepage(scene, lattice, &velocity, &reynolds);
+  bool moving = has_moving_wall(scene);
+  *method = scene->method;
+  if (*method != METHOD_AUTO) {
+    snprintf(why, EFFECT_WHY, "the scene says so");
+  } else if (calls_for_isph(scene)) {
+    *method = METHOD_ISPH;
+    snprintf(why, EFFECT_WHY, "the scene holds soil or an inflow");
+  } else if (has_surface(lattice)) {
+    *method = METHOD_ISPH;
+    snprintf(why, EFFECT_WHY, "the water has a free surface");
+  } else if (lattice->wall_count == 0) {
+    *method = METHOD_WCSPH;
+    snprintf(why, EFFECT_WHY, "no walls: a transient flow");
+  } else if (scene->steady_tolerance == 0) {
+    *method = METHOD_WCSPH;
+    snprintf(why, EFFECT_WHY, "a run to end_time is wanted, not the steady state");
+  } else if (moving) {
+    *method = METHOD_WCSPH;
+    snprintf(why, EFFECT_WHY, "a wall moves");
+  } else if (reynolds < 0.1) {
+    *method = METHOD_STOKES;
+    snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below 0.1, and nothing moves",
+             reynolds);
+  } else {
+    *method = METHOD_WCSPH;
+    snprintf(why, EFFECT_WHY, "Re about %.2g: inertia counts", reynolds);
+  }
+  if (*method != METHOD_ISPH) {
+    const char *name = *method == METHOD_WCSPH ? "wcsph" : "stokes";
+    if (calls_for_isph(scene))
+      return FAIL(STATUS_INPUT,
+                  "%s: method %s knows no soil and no inflow; write method = \"isph\"", scene->path,
+                  name);
+    if (has_surface(lattice))
+      return FAIL(STATUS_INPUT,
+                  "%s: method %s needs a filled domain, but %zu of %zu sites are empty; "
+                  "fill them with a water region, or write method = \"isph\"",
+                  scene->path, name, lattice->count - lattice->fluid_count - lattice->wall_count,
+                  lattice->count);
+    if (!(scene->fluid.viscosity > 0))
+      return FAIL(STATUS_INPUT, "%s: method %s needs a viscosity greater than 0", scene->path,
+                  name);
+  } else if (*scene->model_path) {
+    return FAIL(STATUS_INPUT,
+                "%s: method isph takes a domain with regions, not a voxel model; use "
+                "method = \"wcsph\" or \"stokes\"",
+                scene->path);
+  }
+  return STATUS_OK;
+}
+
+bool plan_has(const struct plan *plan, const char *effect_name) {
+  for (size_t i = 0; i < plan->effect_count; i++)
+    if (!strcmp(plan->effects[i].effect->name, effect_name)) return plan->effects[i].on;
+  return false;
+}
+
+enum status plan_make(const struct scene *scene, const struct lattice *lattice, enum method method,
+                      const char *method_why, int threads, struct plan *plan) {
+  enum status status = STATUS_OK;
+  static enum status (*const scales[])(struct plan *) = {NULL, wcsph_scales, stokes_scales,
+                                                         isph_scales};
+  static enum status (*const plans[])(struct plan *, int) = {NULL, wcsph_plan, stokes_plan,
+                                                             isph_plan};
+  *plan = (struct plan){.dt = NAN, .dt_limit = INFINITY, .error = NAN};
+  snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
+  struct effect_context *context = &plan->context;
+  context->scene = scene;
+  context->lattice = lattice;
+  context->method = method;
+  context->spacing = lattice->dimensions == 2 ? lattice->spacing[0] : mean_spacing(lattice);
+  context->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;
+  context->driving =
+      sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +
+           scene->driving[2] * scene->driving[2]);
+  context->has_porous = has_region(scene, REGION_POROUS);
+  context->has_inflow = has_region(scene, REGION_INFLOW);
+  context->has_surface = has_surface(lattice);
+  context->has_wall = lattice->wall_count > 0;
+  for (int a = 0; a < 3 && method == METHOD_ISPH; a++)
+    context->has_wall = context->has_wall || !scene->periodic[a];
+  context->has_moving_wall = has_moving_wall(scene);
+  estimate_seepage(scene, lattice, &context->velocity_scale, &context->reynolds);
+  TRY(scales[method](plan));
+  for (size_t i = 0; i < effects_count; i++) {
+    const struct effect *effect = effects_all[i];
+    if (!(effect->methods & 1u << method)) continue;
+    if (plan->effect_count == EFFECT_MAX) TRY_FAIL(STATUS_RUN, "more than %d effects", EFFECT_MAX);
+    struct planned_effect *planned = &plan->effects[plan->effect_count++];
+    planned->effect = effect;
+    planned->dt_max = INFINITY;
+    planned->on = effect->wanted(context, planned->why);
+    if (!planned->on) continue;
+    plan->fields |= effect->reads | effect->writes;
+    if (effect->dt_max != NULL) planned->dt_max = effect->dt_max(context);
+    if (planned->dt_max < plan->dt_limit) {
+      plan->dt_limit = planned->dt_max;
+      plan->dt_limited_by = effect->name;
+    }
+  }
+  TRY(plans[method](plan, threads));
+cleanup:
+  return status;
+}

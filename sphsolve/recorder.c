@@ -1,0 +1,540 @@
+#include "sphsolve/recorder.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/provenance.h"
+#include "common/units.h"
+#include "sphsolve/checkpoint_file.h"
+
+#define COLUMN_MAX 256
+#define NAMED_MAX 96
+
+struct column {
+  char name[48], unit[24];
+  int components, first; /* position of its first value in a row */
+};
+
+struct named_value {
+  char name[48];
+  double value;
+};
+
+struct recorder {
+  char prefix[3900];
+  const struct scene *scene;
+  const struct plan *plan;
+  const struct lattice *lattice;
+  char *command_line;
+  bool resume;
+
+  size_t column_count;
+  struct column columns[COLUMN_MAX];
+  int width; /* values in a row */
+  size_t row_count, row_capacity;
+  double *rows; /* [row_count][width] */
+
+  size_t snapshot_count, snapshot_capacity;
+  char **snapshot_names;
+  double *snapshot_times;
+  double next_snapshot;
+
+  size_t timing_count, fact_count;
+  struct named_value timings[NAMED_MAX], facts[NAMED_MAX];
+
+  struct progress progress;
+  double last_checkpoint; /* on the monotonic clock */
+};
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+  (void)number;
+  interrupted = 1;
+}
+
+static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
+                              int components) {
+  if (recorder->column_count == COLUMN_MAX)
+    return FAIL(STATUS_INPUT, "the history has more than %d columns; fewer gauges and planes",
+                COLUMN_MAX);
+  struct column *column = &recorder->columns[recorder->column_count++];
+  snprintf(column->name, sizeof column->name, "%s", name);
+  snprintf(column->unit, sizeof column->unit, "%s", unit);
+  column->components = components;
+  column->first = recorder->width;
+  recorder->width += components;
+  return STATUS_OK;
+}
+
+enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
+                                int components) {
+  for (size_t i = 0; i < recorder->column_count; i++)
+    if (!strcmp(recorder->columns[i].name, name))
+      return FAIL(STATUS_INPUT,
+                  "two columns of the history are called '%s'; rename a gauge or plane", name);
+  return add_column(recorder, name, unit, components);
+}
+
+enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
+                          const struct lattice *lattice, const char *command_line, bool resume,
+                          struct recorder **result) {
+  enum status status = STATUS_OK;
+  struct recorder *recorder = NULL;
+  static const struct {
+    const char *name, *unit;
+    int components;
+  } base[] = {{"time", "s", 1},
+              {"step", "1", 1},
+              {"dt", "s", 1},
+              {"darcy_velocity", "m/s", 3},
+              {"density_max", "kg/m^3", 1},
+              {"density_mean", "kg/m^3", 1},
+              {"kinetic_energy", "J", 1},
+              {"momentum", "kg m/s", 3},
+              {"mass", "kg", 1},
+              {"reynolds", "1", 1}};
+  TRY(memory_allocate(&recorder, 1, sizeof *recorder, "the run record"));
+  if (strlen(prefix) >= sizeof recorder->prefix || !*prefix)
+    TRY_FAIL(STATUS_USAGE, "-o '%s': a name for the output files is wanted", prefix);
+  snprintf(recorder->prefix, sizeof recorder->prefix, "%s", prefix);
+  /* "-o out.hdf" means the same as "-o out". */
+  size_t length = strlen(recorder->prefix);
+  if (length > 4 && !strcmp(recorder->prefix + length - 4, ".hdf"))
+    recorder->prefix[length - 4] = '\0';
+  recorder->scene = scene;
+  recorder->plan = plan;
+  recorder->lattice = lattice;
+  recorder->resume = resume;
+  TRY(memory_allocate(&recorder->command_line, strlen(command_line) + 1, 1, "the command line"));
+  strcpy(recorder->command_line, command_line);
+  for (size_t i = 0; i < sizeof base / sizeof *base; i++)
+    TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
+  recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
+  recorder->last_checkpoint = clock_seconds();
+  /* A folder that cannot be written is found before hours are spent. */
+  char folder[4096];
+  snprintf(folder, sizeof folder, "%s", recorder->prefix);
+  char *slash = strrchr(folder, '/');
+  if (slash == NULL)
+    strcpy(folder, ".");
+  else
+    slash[slash == folder] = '\0';
+  if (access(folder, W_OK) != 0)
+    TRY_FAIL(STATUS_RUN, "%s: output cannot be written there: %s", folder, strerror(errno));
+  interrupted = 0;
+  struct sigaction action = {.sa_handler = on_signal};
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  progress_start(&recorder->progress, "sphsolve", "%", 100);
+  *result = recorder;
+cleanup:
+  if (status != STATUS_OK) recorder_close(recorder);
+  return status;
+}
+
+void recorder_close(struct recorder *recorder) {
+  if (recorder == NULL) return;
+  progress_end(&recorder->progress);
+  h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
+  memory_free(&recorder->snapshot_times);
+  memory_free(&recorder->rows);
+  memory_free(&recorder->command_line);
+  memory_free(&recorder);
+}
+
+static enum status reserve_row(struct recorder *recorder, size_t count) {
+  if (count <= recorder->row_capacity) return STATUS_OK;
+  size_t capacity = recorder->row_capacity ? 2 * recorder->row_capacity : 256;
+  if (capacity < count) capacity = count;
+  enum status status = memory_resize(&recorder->rows, capacity,
+                                     (size_t)recorder->width * sizeof(double), "the history");
+  if (status == STATUS_OK) recorder->row_capacity = capacity;
+  return status;
+}
+
+enum status recorder_row(struct recorder *recorder, const struct history_row *row,
+                         const double *extra) {
+  enum status status = STATUS_OK;
+  TRY(reserve_row(recorder, recorder->row_count + 1));
+  double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
+  double base[] = {row->time,
+                   (double)row->step,
+                   row->dt,
+                   row->darcy_velocity[0],
+                   row->darcy_velocity[1],
+                   row->darcy_velocity[2],
+                   row->density_max,
+                   row->density_mean,
+                   row->kinetic_energy,
+                   row->momentum[0],
+                   row->momentum[1],
+                   row->momentum[2],
+                   row->mass,
+                   row->reynolds};
+  size_t n = sizeof base / sizeof *base;
+  memcpy(to, base, sizeof base);
+  if ((size_t)recorder->width > n)
+    memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
+cleanup:
+  return status;
+}
+
+double recorder_row_interval(const struct recorder *recorder) {
+  return recorder->scene->history_interval;
+}
+double recorder_next_snapshot(const struct recorder *recorder) {
+  return recorder->next_snapshot;
+}
+
+static bool field_wanted(const struct scene *scene, const char *name) {
+  if (scene->output_field_count == 0 || !strcmp(name, "velocity")) return true;
+  for (size_t i = 0; i < scene->output_field_count; i++)
+    if (!strcmp(scene->output_fields[i], name)) return true;
+  return false;
+}
+
+static enum status note_snapshot(struct recorder *recorder, const char *name, double time) {
+  enum status status = STATUS_OK;
+  if (recorder->snapshot_count == recorder->snapshot_capacity) {
+    size_t capacity = recorder->snapshot_capacity ? 2 * recorder->snapshot_capacity : 64;
+    TRY(memory_resize(&recorder->snapshot_names, capacity, sizeof(char *),
+                      "the list of snapshots"));
+    TRY(memory_resize(&recorder->snapshot_times, capacity, sizeof(double),
+                      "the list of snapshots"));
+    recorder->snapshot_capacity = capacity;
+  }
+  char *copy;
+  TRY(memory_allocate(&copy, strlen(name) + 1, 1, "the list of snapshots"));
+  strcpy(copy, name);
+  recorder->snapshot_names[recorder->snapshot_count] = copy;
+  recorder->snapshot_times[recorder->snapshot_count++] = time;
+cleanup:
+  return status;
+}
+
+enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
+                              const double *points, size_t field_count,
+                              const struct snapshot_field *fields) {
+  enum status status = STATUS_OK;
+  char path[4096];
+  struct snapshot_field wanted[32];
+  size_t n = 0;
+  for (size_t i = 0; i < field_count && n < 32; i++)
+    if (field_wanted(recorder->scene, fields[i].name)) wanted[n++] = fields[i];
+  snprintf(path, sizeof path, "%s-%04zu.hdf", recorder->prefix, recorder->snapshot_count);
+  TRY(snapshot_write(path, time, step, count, points, n, wanted));
+  const char *slash = strrchr(path, '/');
+  TRY(note_snapshot(recorder, slash != NULL ? slash + 1 : path, time));
+  snprintf(path, sizeof path, "%s.hdf.series", recorder->prefix);
+  TRY(series_write(path, recorder->snapshot_count, recorder->snapshot_names,
+                   recorder->snapshot_times));
+  double interval = recorder->scene->output_interval;
+  if (!isnan(interval))
+    while (recorder->next_snapshot <= time * (1 + 1e-12)) recorder->next_snapshot += interval;
+cleanup:
+  return status;
+}
+
+void recorder_progress(struct recorder *recorder, double done, const char *note) {
+  progress_update(&recorder->progress, 100 * fmin(fmax(done, 0), 1), note);
+}
+
+bool recorder_interrupted(const struct recorder *recorder) {
+  (void)recorder;
+  return interrupted != 0;
+}
+
+bool recorder_checkpoint_due(const struct recorder *recorder) {
+  double interval = recorder->scene->checkpoint_interval;
+  return interrupted ||
+         (!isnan(interval) && clock_seconds() - recorder->last_checkpoint >= interval);
+}
+
+enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file **file) {
+  return checkpoint_create(recorder->prefix, file);
+}
+
+enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  size_t shape[2] = {recorder->row_count, (size_t)recorder->width};
+  uint64_t scene_hash = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
+  TRY(h5_write(file, "/recorder/rows", H5_F64, 2, shape, recorder->rows, true));
+  TRY(h5_write_texts(file, "/recorder/snapshot_names", recorder->snapshot_count,
+                     (const char *const *)recorder->snapshot_names));
+  TRY(h5_write(file, "/recorder/snapshot_times", H5_F64, 1, &recorder->snapshot_count,
+               recorder->snapshot_times, false));
+  TRY(h5_write_attribute(file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
+  TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &scene_hash));
+  TRY(h5_write_attribute(file, "/recorder", "model_hash", H5_U64, 1,
+                         &recorder->lattice->model_hash));
+  status = checkpoint_commit(recorder->prefix, file);
+  file = NULL;
+  recorder->last_checkpoint = clock_seconds();
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
+  enum status status = STATUS_OK;
+  size_t shape[2], count = 0, times = 0;
+  char **names = NULL;
+  double *snapshot_times = NULL;
+  uint64_t scene_hash, model_hash;
+  *file = NULL;
+  if (!recorder->resume) return STATUS_OK;
+  TRY(checkpoint_open(recorder->prefix, file));
+  if (*file == NULL) {
+    log_info("no checkpoint %s.ckpt.hdf yet: starting anew", recorder->prefix);
+    return STATUS_OK;
+  }
+  TRY(h5_read_attribute(*file, "/recorder", "scene_hash", H5_U64, 1, &scene_hash));
+  TRY(h5_read_attribute(*file, "/recorder", "model_hash", H5_U64, 1, &model_hash));
+  if (model_hash != recorder->lattice->model_hash)
+    TRY_FAIL(STATUS_INPUT, "%s: belongs to another model; remove it to start anew", h5_path(*file));
+  if (scene_hash != hash_bytes(recorder->scene->text, strlen(recorder->scene->text)))
+    log_warning("%s was written by a scene with another text; going on with the new one",
+                h5_path(*file));
+  memory_free(&recorder->rows);
+  TRY(h5_read(*file, "/recorder/rows", H5_F64, 2, shape, &recorder->rows));
+  if (shape[1] != (size_t)recorder->width)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: its history has %zu columns, this scene %d; remove it to start anew",
+             h5_path(*file), shape[1], recorder->width);
+  recorder->row_count = recorder->row_capacity = shape[0];
+  TRY(h5_read_texts(*file, "/recorder/snapshot_names", &count, &names));
+  TRY(h5_read(*file, "/recorder/snapshot_times", H5_F64, 1, &times, &snapshot_times));
+  if (times != count) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(*file));
+  for (size_t i = 0; i < count; i++) TRY(note_snapshot(recorder, names[i], snapshot_times[i]));
+  TRY(h5_read_attribute(*file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
+cleanup:
+  h5_free_texts(count, &names);
+  memory_free(&snapshot_times);
+  if (status != STATUS_OK) {
+    h5_close(*file);
+    *file = NULL;
+  }
+  return status;
+}
+
+static void set_named(struct named_value *values, size_t *count, const char *name, double value,
+                      bool add) {
+  for (size_t i = 0; i < *count; i++)
+    if (!strcmp(values[i].name, name)) {
+      values[i].value = add ? values[i].value + value : value;
+      return;
+    }
+  if (*count == NAMED_MAX) return;
+  snprintf(values[*count].name, sizeof values[*count].name, "%s", name);
+  values[(*count)++].value = value;
+}
+
+void recorder_add_time(struct recorder *recorder, const char *name, double seconds) {
+  set_named(recorder->timings, &recorder->timing_count, name, seconds, true);
+}
+void recorder_set_fact(struct recorder *recorder, const char *name, double value) {
+  set_named(recorder->facts, &recorder->fact_count, name, value, false);
+}
+
+static enum status write_history(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  double *values = NULL;
+  TRY(memory_allocate(&values, recorder->row_count * 3, sizeof *values, "the history"));
+  TRY(h5_make_group(file, "/history"));
+  for (size_t c = 0; c < recorder->column_count; c++) {
+    const struct column *column = &recorder->columns[c];
+    size_t shape[2] = {recorder->row_count, (size_t)column->components};
+    char name[64];
+    for (size_t r = 0; r < recorder->row_count; r++)
+      memcpy(values + r * shape[1], recorder->rows + r * (size_t)recorder->width + column->first,
+             shape[1] * sizeof *values);
+    snprintf(name, sizeof name, "/history/%s", column->name);
+    TRY(h5_write(file, name, H5_F64, column->components > 1 ? 2 : 1, shape, values, true));
+    TRY(h5_write_attribute_text(file, name, "unit", column->unit));
+  }
+cleanup:
+  memory_free(&values);
+  return status;
+}
+
+static enum status write_effects(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct plan *plan = recorder->plan;
+  const char *names[EFFECT_MAX], *states[EFFECT_MAX], *reasons[EFFECT_MAX], *models[EFFECT_MAX],
+      *citations[EFFECT_MAX];
+  double shares[EFFECT_MAX], total = 0;
+  for (size_t i = 0; i < recorder->timing_count; i++) total += recorder->timings[i].value;
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    names[i] = planned->effect->name;
+    states[i] = planned->on ? "on" : "off";
+    reasons[i] = planned->why;
+    models[i] = planned->effect->model;
+    citations[i] = planned->effect->citation;
+    shares[i] = 0;
+    for (size_t t = 0; t < recorder->timing_count; t++)
+      if (!strcmp(recorder->timings[t].name, names[i]) && total > 0)
+        shares[i] = recorder->timings[t].value / total;
+  }
+  TRY(h5_write_texts(file, "/run/effects/name", plan->effect_count, names));
+  TRY(h5_write_texts(file, "/run/effects/state", plan->effect_count, states));
+  TRY(h5_write_texts(file, "/run/effects/reason", plan->effect_count, reasons));
+  TRY(h5_write_texts(file, "/run/effects/model", plan->effect_count, models));
+  TRY(h5_write_texts(file, "/run/effects/citation", plan->effect_count, citations));
+  TRY(h5_write(file, "/run/effects/share", H5_F64, 1, &plan->effect_count, shares, false));
+  const char *passes[NAMED_MAX];
+  double seconds[NAMED_MAX];
+  for (size_t i = 0; i < recorder->timing_count; i++) {
+    passes[i] = recorder->timings[i].name;
+    seconds[i] = recorder->timings[i].value;
+  }
+  TRY(h5_write_texts(file, "/run/timing/name", recorder->timing_count, passes));
+  TRY(h5_write(file, "/run/timing/seconds", H5_F64, 1, &recorder->timing_count, seconds, false));
+cleanup:
+  return status;
+}
+
+static enum status write_number(struct h5_file *file, const char *name, double value) {
+  return h5_write_attribute(file, "/run", name, H5_F64, 1, &value);
+}
+
+static enum status write_count(struct h5_file *file, const char *name, uint64_t value) {
+  return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
+}
+
+/* |driving| / 9.80665, unless the scene says otherwise. */
+static double hydraulic_gradient(const struct scene *scene) {
+  if (!isnan(scene->hydraulic_gradient)) return scene->hydraulic_gradient;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += scene->driving[a] * scene->driving[a];
+  return sqrt(square) / GRAVITY_STANDARD;
+}
+
+static enum status write_run(struct recorder *recorder, const struct run_result *result,
+                             struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = recorder->scene;
+  const struct lattice *lattice = recorder->lattice;
+  const struct effect_context *context = &recorder->plan->context;
+  static const char *const methods[] = {"auto", "wcsph", "stokes", "isph"};
+  static const char *const walls[] = {"frozen", "adami", "subvoxel"};
+  const char *wall = context->method == METHOD_WCSPH    ? walls[scene->wcsph.wall]
+                     : context->method == METHOD_STOKES ? walls[scene->stokes.wall]
+                     : scene->isph.slip                 ? "slip"
+                                                        : "no-slip";
+  char hash[17];
+  snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
+  int threads = 1, dimensions = lattice->dimensions;
+#ifdef _OPENMP
+  threads = omp_get_max_threads();
+#endif
+  uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
+  TRY(h5_make_group(file, "/run"));
+  TRY(h5_write_attribute_text(file, "/run", "method", methods[context->method]));
+  TRY(h5_write_attribute_text(file, "/run", "status", result->status));
+  TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
+  TRY(h5_write_attribute_text(file, "/run", "wall", wall));
+  TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
+  TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
+  TRY(write_number(file, "k", result->k));
+  TRY(write_number(file, "k_error", result->k_error));
+  TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
+  TRY(write_number(file, "reynolds", result->reynolds));
+  TRY(write_number(file, "hydraulic_gradient", hydraulic_gradient(scene)));
+  TRY(write_number(file, "density", scene->fluid.density));
+  TRY(write_number(file, "viscosity", scene->fluid.viscosity));
+  TRY(write_number(file, "sound_speed", context->sound_speed));
+  TRY(write_number(file, "support", context->support));
+  TRY(write_number(file, "smoothing_length", context->smoothing_length));
+  TRY(write_number(file, "predicted_error", recorder->plan->error));
+  TRY(write_number(file, "predicted_seconds", recorder->plan->seconds));
+  TRY(write_number(file, "wall_time", result->wall_time));
+  TRY(write_number(file, "pair_interactions", result->pair_interactions));
+  TRY(write_number(file, "pair_interactions_per_second", result->pair_interactions_per_second));
+  TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));
+  TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, scene->driving));
+  TRY(h5_write_attribute(file, "/run", "spacing", H5_F64, 3, lattice->spacing));
+  TRY(h5_write_attribute(file, "/run", "origin", H5_F64, 3, lattice->origin));
+  TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));
+  TRY(h5_write_attribute(file, "/run", "dimensions", H5_I32, 1, &dimensions));
+  TRY(h5_write_attribute(file, "/run", "threads", H5_I32, 1, &threads));
+  TRY(write_count(file, "steps", (uint64_t)result->steps));
+  TRY(write_count(file, "bulk_count", lattice->bulk_count));
+  TRY(write_count(file, "fluid_count", lattice->fluid_count));
+  TRY(write_count(file, "wall_count", lattice->wall_count));
+  TRY(write_count(file, "memory_peak_bytes", memory_peak()));
+  for (size_t i = 0; i < recorder->fact_count; i++)
+    TRY(write_number(file, recorder->facts[i].name, recorder->facts[i].value));
+  TRY(write_effects(recorder, file));
+  TRY(h5_write_text(file, "/run/scene", scene->text));
+  TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
+                     (const char *const *)recorder->snapshot_names));
+  TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,
+               recorder->snapshot_times, false));
+cleanup:
+  return status;
+}
+
+static enum status write_solid(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct lattice *lattice = recorder->lattice;
+  size_t shape[3] = {lattice->size[2], lattice->size[1], lattice->size[0]};
+  uint8_t *solid = NULL;
+  TRY(memory_allocate(&solid, lattice->count, 1, "the solid sites"));
+  for (size_t i = 0; i < lattice->count; i++) solid[i] = lattice->kind[i] == SITE_WALL;
+  TRY(h5_write(file, "/run/solid", H5_U8, 3, shape, solid, true));
+cleanup:
+  memory_free(&solid);
+  return status;
+}
+
+enum status recorder_finish(struct recorder *recorder, const struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char path[4096];
+  const char *inputs[2] = {recorder->scene->path, recorder->scene->model_path};
+  uint64_t hashes[2];
+  progress_end(&recorder->progress);
+  hashes[0] = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
+  hashes[1] = recorder->lattice->model_hash;
+  snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
+  TRY(h5_create(path, &file));
+  TRY(write_history(recorder, file));
+  TRY(write_run(recorder, result, file));
+  TRY(write_solid(recorder, file));
+  TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
+                       hashes));
+  status = h5_commit(file);
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+void result_from_darcy(const struct scene *scene, const double darcy_velocity[3],
+                       struct run_result *result) {
+  double along = 0, square = 0;
+  for (int a = 0; a < 3; a++) {
+    result->darcy_velocity[a] = darcy_velocity[a];
+    along += darcy_velocity[a] * scene->driving[a];
+    square += scene->driving[a] * scene->driving[a];
+  }
+  double driving = sqrt(square);
+  result->k = result->intrinsic_permeability = NAN;
+  if (!(driving > 0)) return;
+  along /= driving;
+  result->k = along / hydraulic_gradient(scene);
+  result->intrinsic_permeability = along * scene->fluid.viscosity / scene->fluid.density / driving;
+}

@@ -1,0 +1,175 @@
+/* sphsolve: flow through pores and soil by smoothed particle hydrodynamics. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/options.h"
+#include "sphsolve/explain.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/method.h"
+#include "sphsolve/plan.h"
+#include "sphsolve/recorder.h"
+#include "sphsolve/scene.h"
+
+enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
+
+static const struct option_entry entries[] = {
+    {"output", 'o', "OUT", RUN, "OUT.hdf, OUT-NNNN.hdf (snapshots), OUT.ckpt.hdf"},
+    {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
+    {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
+    {0}};
+
+static const struct option_command commands[] = {
+    {"run", "SCENE.cfg -o OUT [--set path=value]... [--resume]", "runs a scene",
+     "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
+    {"explain", "SCENE.cfg [--set path=value]...",
+     "says what a scene calls for, what it costs and how good it will be",
+     "sphsolve explain dense.cfg", 1, 1},
+    {0}};
+
+static const struct option_table table = {
+    "sphsolve", "flow through pores and soil by smoothed particle hydrodynamics", commands,
+    entries};
+
+struct job {
+  struct scene scene;
+  struct lattice lattice;
+  struct plan plan;
+};
+
+static int thread_count(void) {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+static enum status prepare(const struct options *options, struct job *job) {
+  enum status status = STATUS_OK;
+  const char *overrides[256];
+  size_t n = 0;
+  enum method method;
+  char why[EFFECT_WHY];
+  while (n < 256 && options_text_nth(options, "set", n) != NULL) {
+    overrides[n] = options_text_nth(options, "set", n);
+    n++;
+  }
+  TRY(scene_read(options_operand(options, 0), overrides, n, &job->scene));
+  TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
+  TRY(plan_method(&job->scene, &job->lattice, &method, why));
+  if (method == METHOD_ISPH && plan_wall_layers(&job->scene) != 0) {
+    /* A free surface, seen only on the lattice: isph makes its own walls. */
+    lattice_free(&job->lattice);
+    TRY(lattice_build(&job->scene, 0, &job->lattice));
+  }
+  TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
+cleanup:
+  return status;
+}
+
+static json_t *number_or_null(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+static enum status print_json(const struct run_result *result) {
+  json_t *object = json_pack(
+      "{s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s}", "k", number_or_null(result->k),
+      "k_relative_error", number_or_null(result->k_error), "intrinsic_permeability",
+      number_or_null(result->intrinsic_permeability), "darcy_velocity",
+      number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
+      number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
+      "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
+      number_or_null(result->pair_interactions), "pair_interactions_per_second",
+      number_or_null(result->pair_interactions_per_second), "status", result->status);
+  if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
+  putchar('\n');
+  json_decref(object);
+  return STATUS_OK;
+}
+
+static void print_result(const struct run_result *result, const char *prefix) {
+  char error[48] = "";
+  if (isfinite(result->k) && result->k_error > 0)
+    snprintf(error, sizeof error, " +- %.2g %% (averaging and steadiness)", 100 * result->k_error);
+  printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
+         result->wall_time);
+  if (isfinite(result->k)) {
+    printf("k          %.4g cm/s%s\n", 100 * result->k, error);
+    printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
+    printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
+           result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
+    printf("Reynolds   %.3g\n", result->reynolds);
+  }
+  if (result->pair_interactions_per_second > 0)
+    printf("pairs      %.3g per second\n", result->pair_interactions_per_second);
+  printf("files      %s.hdf\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix,
+         prefix);
+}
+
+static enum status run(const struct options *options, struct job *job) {
+  enum status status = STATUS_OK;
+  struct recorder *recorder = NULL;
+  struct run_result result = {
+      .status = "failed", .k = NAN, .k_error = NAN, .intrinsic_permeability = NAN};
+  const char *prefix = options_text(options, "output");
+  if (prefix == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
+  TRY(prepare(options, job));
+  TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
+                    options_given(options, "resume"), &recorder));
+  log_verbose("method %s", job->plan.method_why);
+  double started = clock_seconds();
+  static enum status (*const methods[])(
+      const struct scene *, const struct plan *, const struct lattice *, struct recorder *,
+      struct run_result *) = {NULL, wcsph_run, stokes_run, isph_run};
+  status =
+      methods[job->plan.context.method](&job->scene, &job->plan, &job->lattice, recorder, &result);
+  result.wall_time = clock_seconds() - started;
+  /* An interrupted run leaves its record too; its message is the method's. */
+  if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+    enum status written = recorder_finish(recorder, &result);
+    if (status == STATUS_OK) status = written;
+  }
+  if (status != STATUS_OK) goto cleanup;
+  size_t length = strlen(prefix);
+  char shown[4096];
+  snprintf(shown, sizeof shown, "%.*s",
+           (int)(length > 4 && !strcmp(prefix + length - 4, ".hdf") ? length - 4 : length), prefix);
+  if (options_json(options))
+    TRY(print_json(&result));
+  else
+    print_result(&result, shown);
+cleanup:
+  recorder_close(recorder);
+  return status;
+}
+
+static enum status explain(const struct options *options, struct job *job) {
+  enum status status = prepare(options, job);
+  if (status != STATUS_OK) return status;
+  if (options_json(options)) return explain_print_json(&job->plan);
+  explain_print(&job->plan);
+  return STATUS_OK;
+}
+
+int main(int argc, char **argv) {
+  struct options *options = NULL;
+  static struct job job;
+  bool done;
+  enum status status = options_parse(&table, argc, argv, &options, &done);
+  if (status == STATUS_OK && !done)
+    status = !strcmp(options_command(options), "run") ? run(options, &job) : explain(options, &job);
+  lattice_free(&job.lattice);
+  scene_free(&job.scene);
+  if (status != STATUS_OK) log_pending_error();
+  options_free(options);
+  return (int)status;
+}
