@@ -1,0 +1,148 @@
+/* analyze: from runs of sphsolve to numbers, plots and a report. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analyze/darcy.h"
+#include "analyze/history.h"
+#include "analyze/pdf.h"
+#include "analyze/product.h"
+#include "analyze/run_file.h"
+#include "analyze/slice.h"
+#include "common/error.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/options.h"
+#include "common/units.h"
+
+enum command { COMMAND_DARCY, COMMAND_PDF, COMMAND_HISTORY, COMMAND_SLICE };
+#define BIT(command) (1u << (command))
+
+static const struct option_command commands[] = {
+    {"darcy", "RUN... [-o DIR]", "permeability with its error: Darcy velocity against gradient",
+     "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
+    {"pdf", "RUN... [-o DIR]", "probability density of the pore velocity, raw and normalised",
+     "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
+    {"history", "RUN... [-o DIR]", "Darcy velocity, density and gauges against time; steadiness",
+     "analyze history dense-1G.hdf -o results", 1, -1},
+    {"slice", "RUN [--plane x=Q] [--thickness Q] [--zoom Y0,Z0,Y1,Z1] [-o DIR]",
+     "velocity vectors over the grains in a slab",
+     "analyze slice dense-1G.hdf --plane x=1.4mm --thickness 0.2mm -o results", 1, 1},
+    {0}};
+
+static const struct option_entry entries[] = {
+    {"output", 'o', "DIR", OPTION_ALL,
+     "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp"},
+    {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE), "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
+    {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
+    {"zoom", 0, "Y0,Z0,Y1,Z1", BIT(COMMAND_SLICE),
+     "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"},
+    {0}};
+
+static const struct option_table table = {
+    "analyze", "from runs of sphsolve to permeability, distributions, plots and a report", commands,
+    entries};
+
+static enum status parse_plane(const struct options *options, struct slice_request *request) {
+  const char *plane = options_text(options, "plane");
+  if (plane == NULL) return STATUS_OK;
+  if (plane[0] < 'x' || plane[0] > 'z' || plane[1] != '=')
+    return FAIL(STATUS_USAGE, "--plane %s: give an axis and a place, such as x=1.4mm", plane);
+  request->axis = plane[0] - 'x';
+  enum status status = quantity_parse(plane + 2, DIM_LENGTH, &request->position);
+  if (status != STATUS_OK) error_context(STATUS_USAGE, "--plane");
+  return status == STATUS_OK ? STATUS_OK : STATUS_USAGE;
+}
+
+static enum status parse_zoom(const struct options *options, struct slice_request *request) {
+  const char *zoom = options_text(options, "zoom");
+  if (zoom == NULL) return STATUS_OK;
+  for (int i = 0; i < 4; i++) {
+    char part[64];
+    size_t length = strcspn(zoom, ",");
+    if (length >= sizeof part || (i < 3) != (zoom[length] == ','))
+      return FAIL(STATUS_USAGE, "--zoom: give four lengths, such as 0.5mm,0.5mm,1mm,1mm");
+    memcpy(part, zoom, length);
+    part[length] = '\0';
+    if (quantity_parse(part, DIM_LENGTH, &request->zoom[i]) != STATUS_OK)
+      return error_context(STATUS_USAGE, "--zoom");
+    zoom += length + (i < 3);
+  }
+  request->zoomed = true;
+  return STATUS_OK;
+}
+
+static enum status slice_command(const struct options *options, const struct run *run,
+                                 struct product *product) {
+  enum status status = STATUS_OK;
+  struct slice_request request = {.position = NAN, .thickness = NAN};
+  TRY(parse_plane(options, &request));
+  TRY(parse_zoom(options, &request));
+  TRY(options_quantity(options, "thickness", DIM_LENGTH, &request.thickness));
+  TRY(slice_analyze(run, &request, product));
+cleanup:
+  return status;
+}
+
+static enum status read_runs(const struct options *options, struct run **runs, size_t *n) {
+  enum status status = STATUS_OK;
+  size_t count = options_operand_count(options);
+  TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
+  for (size_t i = 0; i < count; i++) {
+    TRY(run_read(options_operand(options, i), &(*runs)[i]));
+    *n = i + 1;
+  }
+cleanup:
+  return status;
+}
+
+/* Results: to stdout as text or JSON; with -o into files as well. */
+static enum status deliver(const struct options *options, struct product *product) {
+  enum status status = STATUS_OK;
+  const char *folder = options_text(options, "output");
+  TRY(product_finish(product));
+  if (folder != NULL) TRY(product_save(product, folder));
+  if (options_json(options)) {
+    json_dumpf(product->json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+    putchar('\n');
+  } else {
+    fputs(product->summary.data, stdout);
+    if (folder != NULL)
+      printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
+  }
+  if (fflush(stdout) != 0 || ferror(stdout)) TRY_FAIL(STATUS_RUN, "stdout: cannot be written");
+cleanup:
+  return status;
+}
+
+static enum status run_command(const struct options *options) {
+  enum status status = STATUS_OK;
+  const char *command = options_command(options);
+  struct run *runs = NULL;
+  struct product product = {0};
+  size_t n = 0;
+  TRY(product_start(command, &product));
+  TRY(read_runs(options, &runs, &n));
+  if (strcmp(command, "darcy") == 0) TRY(darcy_analyze(runs, n, &product));
+  else if (strcmp(command, "pdf") == 0) TRY(pdf_analyze(runs, n, &product));
+  else if (strcmp(command, "history") == 0) TRY(history_analyze(runs, n, &product));
+  else TRY(slice_command(options, &runs[0], &product));
+  TRY(deliver(options, &product));
+cleanup:
+  for (size_t i = 0; i < n; i++) run_free(&runs[i]);
+  memory_free(&runs);
+  product_free(&product);
+  return status;
+}
+
+int main(int argc, char **argv) {
+  struct options *options = NULL;
+  bool done = false;
+  log_start("analyze", LOG_NORMAL);
+  enum status status = options_parse(&table, argc, argv, &options, &done);
+  if (status == STATUS_OK && !done) status = run_command(options);
+  options_free(options);
+  if (status != STATUS_OK) log_pending_error();
+  return (int)status;
+}

@@ -1,0 +1,82 @@
+#include "analyze/darcy.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/statistics.h"
+
+/* i/v = 1/k + b v: the relative residuals weigh alike, so that the low gradients count. */
+static enum status fit_forchheimer(const double *gradient, const double *velocity, size_t n,
+                                   struct darcy_fit *fit, double *k, double *k_error) {
+  enum status status = STATUS_OK;
+  double *resistance = NULL;
+  struct linear_fit line;
+  double fastest = 0.0;
+  TRY(memory_allocate(&resistance, n, sizeof *resistance, "fit"));
+  for (size_t i = 0; i < n; i++) {
+    resistance[i] = gradient[i] / velocity[i];
+    fastest = fmax(fastest, velocity[i]);
+  }
+  TRY(fit_linear(velocity, resistance, n, 0, &line));
+  fit->b = line.slope;
+  fit->b_error = student_t95((double)n - 2.0) * line.slope_error;
+  fit->curvature = line.slope * fastest / (line.intercept + line.slope * fastest);
+  *k = 1.0 / line.intercept;
+  *k_error = student_t95((double)n - 2.0) * line.intercept_error / (line.intercept * line.intercept);
+  fit->forchheimer = line.intercept > 0.0 && fit->b > fit->b_error && fit->curvature > 0.01;
+cleanup:
+  memory_free(&resistance);
+  return status;
+}
+
+enum status darcy_fit(const double *gradient, const double *velocity, const double *error95,
+                      size_t n, double kinematic, double gravity, struct darcy_fit *fit) {
+  enum status status = STATUS_OK;
+  struct linear_fit line;
+  double xx = 0.0, propagated = 0.0;
+  bool positive = true, distinct = false;
+  *fit = (struct darcy_fit){.count = n,
+                            .k_error = NAN,
+                            .r_squared = NAN,
+                            .free_intercept = NAN,
+                            .free_slope = NAN,
+                            .free_slope_error = NAN,
+                            .free_r_squared = NAN,
+                            .b = NAN,
+                            .b_error = NAN,
+                            .curvature = NAN};
+  TRY(fit_linear(gradient, velocity, n, 1, &line));
+  fit->k = line.slope;
+  for (size_t i = 0; i < n; i++) {
+    xx += gradient[i] * gradient[i];
+    propagated += gradient[i] * gradient[i] * error95[i] * error95[i];
+    positive = positive && velocity[i] > 0.0;
+    distinct = distinct || fabs(gradient[i] - gradient[0]) > 1e-9 * fabs(gradient[0]);
+  }
+  propagated = sqrt(propagated) / xx;
+  fit->k_error = propagated;
+  if (n >= 2) {
+    double scatter = student_t95((double)n - 1.0) * line.slope_error;
+    fit->r_squared = line.r_squared;
+    fit->k_error = isfinite(propagated) ? fmax(scatter, propagated) : scatter;
+  }
+  if (n >= 2 && distinct) {
+    TRY(fit_linear(gradient, velocity, n, 0, &line));
+    fit->free_intercept = line.intercept;
+    fit->free_slope = line.slope;
+    fit->free_slope_error = student_t95((double)n - 2.0) * line.slope_error;
+    fit->free_r_squared = line.r_squared;
+  }
+  if (n >= 3 && distinct && positive) {
+    double k, k_error;
+    TRY(fit_forchheimer(gradient, velocity, n, fit, &k, &k_error));
+    if (fit->forchheimer) {
+      fit->k = k;
+      fit->k_error = fmax(k_error, isfinite(propagated) ? propagated : 0.0);
+    }
+  }
+  fit->intrinsic_permeability = fit->k * kinematic / gravity;
+cleanup:
+  return status;
+}

@@ -1,0 +1,281 @@
+/* Darcy's law for people, files and plots; the fits are in darcy.c. */
+#include "analyze/darcy.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/plot.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+
+/* What one run contributes. */
+struct point {
+  struct steady steady;
+  size_t group;
+  double gradient, k;
+};
+
+struct darcy_table {
+  const struct run *runs;
+  size_t n, groups;
+  struct point *points;
+  struct darcy_fit *fits; /* [groups]; count 0 where no run of the group is steady */
+  const struct run **first; /* [groups] */
+};
+
+static enum status collect(struct darcy_table *table) {
+  enum status status = STATUS_OK;
+  size_t *group = NULL;
+  TRY(memory_allocate(&table->points, table->n, sizeof *table->points, "runs"));
+  TRY(memory_allocate(&group, table->n, sizeof *group, "runs"));
+  table->groups = runs_group(table->runs, table->n, group);
+  TRY(memory_allocate(&table->fits, table->groups, sizeof *table->fits, "runs"));
+  TRY(memory_allocate(&table->first, table->groups, sizeof *table->first, "runs"));
+  for (size_t i = 0; i < table->n; i++) {
+    const struct run *run = &table->runs[i];
+    struct point *point = &table->points[i];
+    if (!(run->hydraulic_gradient > 0.0))
+      TRY_FAIL(STATUS_INPUT,
+               "%s: the run has no driving force, so there is no hydraulic gradient; set "
+               "force.body_acceleration in its scene, or leave it out",
+               run->path);
+    TRY(steady_darcy(run, &point->steady));
+    point->group = group[i];
+    point->gradient = run->hydraulic_gradient;
+    point->k = point->steady.mean / point->gradient;
+    if (table->first[group[i]] == NULL) table->first[group[i]] = run;
+    if (!point->steady.is_steady)
+      log_warning("%s: not steady: the Darcy velocity still drifts by %.1f %% over the averaged "
+                  "rows, so the run is left out of the fit; run it longer",
+                  run->path, 100.0 * fabs(point->steady.drift / point->steady.mean));
+  }
+cleanup:
+  memory_free(&group);
+  return status;
+}
+
+static enum status fit_group(struct darcy_table *table, size_t g) {
+  enum status status = STATUS_OK;
+  double *columns = NULL;
+  size_t count = 0;
+  const struct run *run = table->first[g];
+  double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
+                        run->driving[2] * run->driving[2]);
+  TRY(memory_allocate(&columns, 3 * table->n, sizeof *columns, "fit"));
+  double *gradient = columns, *velocity = columns + table->n, *error = columns + 2 * table->n;
+  for (size_t i = 0; i < table->n; i++) {
+    const struct point *point = &table->points[i];
+    if (point->group != g || !point->steady.is_steady) continue;
+    gradient[count] = point->gradient;
+    velocity[count] = point->steady.mean;
+    error[count++] = point->steady.error95;
+  }
+  if (count > 0)
+    TRY(darcy_fit(gradient, velocity, error, count, run->viscosity / run->density,
+                  driving / run->hydraulic_gradient, &table->fits[g]));
+  const struct darcy_fit *fit = &table->fits[g];
+  if (fit->b + fit->b_error < 0.0 && fit->curvature < -0.01)
+    log_warning("%s: k grows with the gradient (by %.1f %% up to the highest), which no "
+                "Forchheimer term gives: look at compressibility and at pinning of particles",
+                run->name, -100.0 * fit->curvature);
+cleanup:
+  memory_free(&columns);
+  return status;
+}
+
+static void fit_json(const struct darcy_fit *fit, json_t *object) {
+  bool ok = fit->count > 0;
+  json_object_set_new(object, "k_m_per_s", json_number(ok ? fit->k : NAN));
+  json_object_set_new(object, "k_cm_per_s", json_number(ok ? 100.0 * fit->k : NAN));
+  json_object_set_new(object, "k_error_m_per_s", json_number(ok ? fit->k_error : NAN));
+  json_object_set_new(object, "k_relative_error", json_number(ok ? fit->k_error / fit->k : NAN));
+  json_object_set_new(object, "intrinsic_permeability_m2",
+                      json_number(ok ? fit->intrinsic_permeability : NAN));
+  json_object_set_new(object, "intrinsic_permeability_darcy",
+                      json_number(ok ? fit->intrinsic_permeability / DARCY : NAN));
+  json_object_set_new(object, "r_squared", json_number(ok ? fit->r_squared : NAN));
+  json_object_set_new(object, "runs_in_fit", json_integer((json_int_t)fit->count));
+  if (!ok) return;
+  json_object_set_new(object, "free_fit",
+                      json_pack("{s:o,s:o,s:o,s:o}", "intercept_m_per_s",
+                                json_number(fit->free_intercept), "slope_m_per_s",
+                                json_number(fit->free_slope), "slope_error_m_per_s",
+                                json_number(fit->free_slope_error), "r_squared",
+                                json_number(fit->free_r_squared)));
+  json_object_set_new(object, "forchheimer",
+                      json_pack("{s:b,s:o,s:o,s:o}", "called_for", fit->forchheimer, "b_s2_per_m2",
+                                json_number(fit->b), "b_error_s2_per_m2",
+                                json_number(fit->b_error), "share_at_highest_velocity",
+                                json_number(fit->curvature)));
+}
+
+static const char superficial[] =
+    "superficial (Darcy) velocity = sum of the fluid's velocity over all sites / number of sites "
+    "of the bulk, grains included";
+
+static void write_json(const struct darcy_table *table, json_t *json) {
+  json_t *groups = json_array();
+  if (table->groups == 1) fit_json(&table->fits[0], json);
+  for (size_t g = 0; g < table->groups; g++) {
+    char name[400];
+    json_t *group = json_object(), *rows = json_array();
+    const struct run *first = table->first[g];
+    run_group_name(first, name, sizeof name);
+    json_object_set_new(group, "name", json_text(name));
+    fit_json(&table->fits[g], group);
+    json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
+    json_object_set_new(group, "density_kg_per_m3", json_number(first->density));
+    for (size_t i = 0; i < table->n; i++) {
+      const struct point *point = &table->points[i];
+      const struct steady *steady = &point->steady;
+      if (point->group != g) continue;
+      json_array_append_new(
+          rows,
+          json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:I}", "path",
+                    json_text(table->runs[i].path), "name", json_text(table->runs[i].name),
+                    "hydraulic_gradient", json_number(point->gradient), "darcy_velocity_m_per_s",
+                    json_number(steady->mean), "darcy_velocity_error_m_per_s",
+                    json_number(steady->error95), "k_m_per_s", json_number(point->k),
+                    "drift_m_per_s", json_number(steady->drift), "steady", steady->is_steady,
+                    "averaged_from_s", json_number(steady->from_time), "averaged_rows",
+                    (json_int_t)steady->rows));
+    }
+    json_object_set_new(group, "runs", rows);
+    json_array_append_new(groups, group);
+  }
+  json_object_set_new(json, "groups", groups);
+  json_object_set_new(json, "superficial_velocity", json_string(superficial));
+}
+
+static void write_csv(const struct darcy_table *table, FILE *stream) {
+  fputs("group,run,hydraulic_gradient,darcy_velocity_m_per_s,error95_m_per_s,k_m_per_s,steady,"
+        "averaged_from_s\n",
+        stream);
+  for (size_t i = 0; i < table->n; i++) {
+    const struct point *point = &table->points[i];
+    fprintf(stream, "%zu,", point->group + 1);
+    csv_text(stream, table->runs[i].name);
+    fprintf(stream, ",%.10g,%.10g,%.6g,%.10g,%d,%.6g\n", point->gradient, point->steady.mean,
+            point->steady.error95, point->k, point->steady.is_steady, point->steady.from_time);
+  }
+}
+
+static void write_summary(const struct darcy_table *table, FILE *stream) {
+  if (table->groups > 1)
+    fprintf(stream,
+            "%zu groups of runs that may not be mixed (model, fluid, method, wall or direction "
+            "differ); each is fitted by itself.\n\n",
+            table->groups);
+  for (size_t g = 0; g < table->groups; g++) {
+    const struct darcy_fit *fit = &table->fits[g];
+    char name[400];
+    run_group_name(table->first[g], name, sizeof name);
+    fprintf(stream, "%s\n  %-26s %10s %14s %9s %12s  %s\n", name, "run", "gradient",
+            "v (m/s)", "+- 95 %", "k (cm/s)", "averaged");
+    for (size_t i = 0; i < table->n; i++) {
+      const struct point *point = &table->points[i];
+      if (point->group != g) continue;
+      fprintf(stream, "  %-26.60s %10.5g %14.6g ", table->runs[i].name, point->gradient,
+              point->steady.mean);
+      if (isfinite(point->steady.error95))
+        fprintf(stream, "%7.2f %%", 100.0 * point->steady.error95 / fabs(point->steady.mean));
+      else fprintf(stream, "%9s", "unknown");
+      fprintf(stream, " %12.5g  ", 100.0 * point->k);
+      if (!point->steady.is_steady) fputs("NOT STEADY, left out\n", stream);
+      else if (point->steady.rows == 1) fputs("one value\n", stream);
+      else
+        fprintf(stream, "from %.4g s, %zu rows\n", point->steady.from_time, point->steady.rows);
+    }
+    if (fit->count == 0) {
+      fputs("  k: none, since no run is steady; run longer\n\n", stream);
+      continue;
+    }
+    double scale = fit->intrinsic_permeability / fit->k;
+    fputs("  k = ", stream);
+    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "cm/s");
+    fputs("\n    = ", stream);
+    write_value_with_error(stream, fit->k, fit->k_error, "m/s");
+    fputs("\n  intrinsic permeability = ", stream);
+    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "m^2");
+    fputs("\n    = ", stream);
+    write_value_with_error(stream, fit->intrinsic_permeability / DARCY,
+                           scale * fit->k_error / DARCY, "darcy");
+    fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
+            table->first[g]->viscosity, table->first[g]->density);
+    if (isfinite(fit->r_squared))
+      fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
+    if (isfinite(fit->free_slope))
+      fprintf(stream, "  free line: v = %.4g + %.6g i m/s\n", fit->free_intercept,
+              fit->free_slope);
+    if (fit->forchheimer)
+      fprintf(stream, "  Forchheimer: i = v/k + b v^2, b = %.4g +- %.2g s^2/m^2 (%.1f %% of the "
+                      "highest gradient); k above is this fit's\n",
+              fit->b, fit->b_error, 100.0 * fit->curvature);
+    else if (isfinite(fit->b)) fputs("  Forchheimer term: not called for by the data\n", stream);
+    fputc('\n', stream);
+  }
+  fprintf(stream, "%s\n", superficial);
+}
+
+static void write_plot(const struct darcy_table *table, FILE *stream) {
+  double widest = 0.0;
+  for (size_t i = 0; i < table->n; i++) widest = fmax(widest, table->points[i].gradient);
+  for (size_t g = 0; g < table->groups; g++) {
+    fprintf(stream, "$group%zu << EOD\n", g);
+    for (size_t i = 0; i < table->n; i++) {
+      const struct point *point = &table->points[i];
+      if (point->group != g) continue;
+      double error = isfinite(point->steady.error95) ? point->steady.error95 : 0.0;
+      fprintf(stream, "%.9g %.9g %.6g\n", point->gradient, 100.0 * point->steady.mean,
+              100.0 * error);
+    }
+    fputs("EOD\n", stream);
+    const struct darcy_fit *fit = &table->fits[g];
+    if (fit->count == 0) fprintf(stream, "line%zu(i) = NaN\n", g);
+    else if (fit->forchheimer)
+      fprintf(stream, "line%zu(i) = 100*(sqrt(1/%.9g**2 + 4*%.9g*i) - 1/%.9g)/(2*%.9g)\n", g,
+              fit->k, fit->b, fit->k, fit->b);
+    else fprintf(stream, "line%zu(i) = 100*%.9g*i\n", g, fit->k);
+  }
+  fprintf(stream,
+          "set xlabel 'Hydraulic gradient {/:Italic i} (-)'\n"
+          "set ylabel 'Darcy velocity (cm/s)'\n"
+          "set xrange [0:%.6g]\nset yrange [0:*]\nset samples 400\n"
+          "set key top left reverse Left spacing 1.3\n"
+          "plot ",
+          1.08 * widest);
+  for (size_t g = 0; g < table->groups; g++) {
+    char name[400], title[600];
+    run_group_name(table->first[g], name, sizeof name);
+    if (g > 0) fputs(", \\\n  ", stream);
+    fprintf(stream, "line%zu(x) with lines linewidth 2 ", g);
+    plot_series_style(stream, g);
+    fprintf(stream, " notitle, \\\n  $group%zu using 1:2:3 with yerrorbars linewidth 1.5 ", g);
+    plot_series_style(stream, g);
+    if (table->fits[g].count > 0)
+      snprintf(title, sizeof title, "%s: k = %.3g cm/s", name, 100.0 * table->fits[g].k);
+    else snprintf(title, sizeof title, "%s: not steady", name);
+    fputs(" title ", stream);
+    plot_text(stream, title);
+  }
+  fputc('\n', stream);
+}
+
+enum status darcy_analyze(const struct run *runs, size_t n, struct product *product) {
+  enum status status = STATUS_OK;
+  struct darcy_table table = {.runs = runs, .n = n};
+  TRY(collect(&table));
+  for (size_t g = 0; g < table.groups; g++) TRY(fit_group(&table, g));
+  write_json(&table, product->json);
+  write_csv(&table, product->csv.stream);
+  write_summary(&table, product->summary.stream);
+  write_plot(&table, product->plot.stream);
+  product->width = 800;
+  product->height = 560;
+cleanup:
+  memory_free(&table.points);
+  memory_free(&table.fits);
+  memory_free(&table.first);
+  return status;
+}

@@ -1,0 +1,223 @@
+/* Velocity densities for people, files and plots; the estimates are in pdf.c. */
+#include "analyze/pdf.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/plot.h"
+#include "common/memory.h"
+
+/* What one run's last snapshot shows. */
+struct velocity_statistics {
+  const struct run *run;
+  size_t particles;
+  double time;
+  double mean;                     /* pore mean along the force, m/s */
+  struct pdf raw, normalised;
+  double low, high;                /* of v / mean */
+  double backward;                 /* share of particles against the force */
+  double transverse;               /* |mean transverse velocity| / mean */
+  double transverse_deviation;     /* rms transverse velocity / mean */
+  double tortuosity;               /* mean speed / mean along the force */
+  struct moments moments;          /* of v / mean */
+  double sigma, gamma;             /* power-exponential */
+};
+
+static enum status measure(const struct run *run, struct velocity_statistics *out) {
+  enum status status = STATUS_OK;
+  struct particles particles = {0};
+  double *along = NULL;
+  const double *f = run->direction;
+  out->run = run;
+  if (f[0] == 0.0 && f[1] == 0.0 && f[2] == 0.0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: nothing drives the flow of this run, so there is no direction to take the "
+             "velocity along",
+             run->path);
+  TRY(run_last_snapshot(run, &particles));
+  size_t n = particles.count;
+  TRY(memory_allocate(&along, n, sizeof *along, "velocities"));
+  double mean[3] = {0}, speed = 0.0, sideways = 0.0, total = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    const double *v = &particles.velocity[3 * i];
+    double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    along[i] = v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
+    total += along[i];
+    for (int d = 0; d < 3; d++) mean[d] += (v[d] - along[i] * f[d]) / (double)n;
+    speed += sqrt(square);
+    sideways += fmax(square - along[i] * along[i], 0.0);
+    out->backward += along[i] < 0.0 ? 1.0 : 0.0;
+  }
+  out->particles = n;
+  out->time = particles.time;
+  out->mean = total / (double)n;
+  out->backward /= (double)n;
+  if (!(fabs(out->mean) > 0.0))
+    TRY_FAIL(STATUS_INPUT, "%s: the fluid is at rest in the last snapshot: no velocity to normalise",
+             run->path);
+  out->transverse =
+      sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / fabs(out->mean);
+  out->transverse_deviation = sqrt(sideways / (double)n) / fabs(out->mean);
+  out->tortuosity = speed / (double)n / fabs(out->mean);
+  TRY(pdf_estimate(along, n, &out->raw));
+  for (size_t i = 0; i < n; i++) along[i] /= out->mean;
+  TRY(pdf_estimate(along, n, &out->normalised));
+  out->low = INFINITY;
+  out->high = -INFINITY;
+  for (size_t i = 0; i < n; i++) {
+    out->low = fmin(out->low, along[i]);
+    out->high = fmax(out->high, along[i]);
+  }
+  moments_of(along, n, &out->moments);
+  pdf_fit_power_exponential(along, n, &out->sigma, &out->gamma);
+cleanup:
+  memory_free(&along);
+  particles_free(&particles);
+  return status;
+}
+
+static json_t *pdf_json(const struct pdf *pdf) {
+  return json_pack("{s:o,s:o}", "bin_edges", json_numbers(pdf->edges, pdf->bins + 1), "density",
+                   json_numbers(pdf->density, pdf->bins));
+}
+
+static void fill_json(const struct velocity_statistics *s, json_t *object) {
+  json_object_set_new(object, "path", json_text(s->run->path));
+  json_object_set_new(object, "name", json_text(s->run->name));
+  json_object_set_new(object, "time_s", json_number(s->time));
+  json_object_set_new(object, "particles", json_integer((json_int_t)s->particles));
+  json_object_set_new(object, "hydraulic_gradient", json_number(s->run->hydraulic_gradient));
+  json_object_set_new(object, "pore_mean_m_per_s", json_number(s->mean));
+  json_object_set_new(object, "normalised_velocity_min", json_number(s->low));
+  json_object_set_new(object, "normalised_velocity_max", json_number(s->high));
+  json_object_set_new(object, "pdf", pdf_json(&s->normalised));
+  json_object_set_new(object, "pdf_m_per_s", pdf_json(&s->raw));
+  json_object_set_new(object, "standard_deviation", json_number(s->moments.standard_deviation));
+  json_object_set_new(object, "skewness", json_number(s->moments.skewness));
+  json_object_set_new(object, "excess_kurtosis", json_number(s->moments.excess_kurtosis));
+  json_object_set_new(object, "backward_fraction", json_number(s->backward));
+  json_object_set_new(object, "transverse_ratio", json_number(s->transverse));
+  json_object_set_new(object, "transverse_rms_ratio", json_number(s->transverse_deviation));
+  json_object_set_new(object, "tortuosity", json_number(s->tortuosity));
+  json_object_set_new(object, "power_exponential",
+                      json_pack("{s:o,s:o}", "sigma", json_number(s->sigma), "gamma",
+                                json_number(s->gamma)));
+}
+
+static void write_csv(const struct velocity_statistics *table, size_t n, FILE *stream) {
+  fputs("run,normalised_velocity,density,velocity_m_per_s,density_s_per_m\n", stream);
+  for (size_t i = 0; i < n; i++) {
+    const struct pdf *a = &table[i].normalised, *b = &table[i].raw;
+    for (size_t j = 0; j < a->bins || j < b->bins; j++) {
+      csv_text(stream, table[i].run->name);
+      if (j < a->bins)
+        fprintf(stream, ",%.8g,%.8g", 0.5 * (a->edges[j] + a->edges[j + 1]), a->density[j]);
+      else fputs(",,", stream);
+      if (j < b->bins)
+        fprintf(stream, ",%.8g,%.8g\n", 0.5 * (b->edges[j] + b->edges[j + 1]), b->density[j]);
+      else fputs(",,\n", stream);
+    }
+  }
+}
+
+static void write_summary(const struct velocity_statistics *table, size_t n, FILE *stream) {
+  fputs("Velocity along the driving force, last snapshot, over the pore mean\n", stream);
+  fprintf(stream, "  %-26s %12s %8s %8s %8s %8s %9s %10s %7s\n", "run", "mean (m/s)", "min", "max",
+          "st.dev.", "skew", "backward", "transverse", "gamma");
+  for (size_t i = 0; i < n; i++) {
+    const struct velocity_statistics *s = &table[i];
+    fprintf(stream, "  %-26.60s %12.5g %8.3f %8.3f %8.3f %8.3f %7.2f %% %8.2f %% %7.2f\n",
+            s->run->name, s->mean, s->low, s->high, s->moments.standard_deviation,
+            s->moments.skewness, 100.0 * s->backward, 100.0 * s->transverse, s->gamma);
+  }
+  fputs("transverse: mean velocity across the force over that along it; gamma: exponent of "
+        "exp(-(s/sigma)^gamma)\n",
+        stream);
+}
+
+static void write_steps(FILE *stream, const char *name, size_t i, const struct pdf *pdf,
+                        double scale) {
+  fprintf(stream, "$%s%zu << EOD\n", name, i);
+  for (size_t j = 0; j < pdf->bins; j++)
+    fprintf(stream, "%.7g %.7g\n", scale * 0.5 * (pdf->edges[j] + pdf->edges[j + 1]),
+            pdf->density[j] > 0 ? pdf->density[j] / scale : NAN);
+  fputs("EOD\n", stream);
+}
+
+/* Left: raw, in mm/s; right: normalised with the reference curves, both logarithmic in density. */
+static void write_plot(const struct velocity_statistics *table, size_t n, FILE *stream) {
+  double peak = 0.0, low = 0.0, high = 2.5, sigma = table[0].sigma, gamma = table[0].gamma;
+  for (size_t i = 0; i < n; i++) {
+    write_steps(stream, "raw", i, &table[i].raw, 1e3);
+    write_steps(stream, "norm", i, &table[i].normalised, 1.0);
+    low = fmin(low, table[i].low);
+    high = fmax(high, table[i].high);
+    for (size_t j = 0; j < table[i].normalised.bins; j++)
+      peak = fmax(peak, table[i].normalised.density[j]);
+  }
+  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.30,0.97 spacing 0.085,0\n"
+        "set logscale y\nset format y '10^{%L}'\nset mytics 1\nset samples 1000\n"
+        "set ylabel 'Probability density (s/mm)'\n"
+        "set xlabel 'Velocity along the force (mm/s)'\n"
+        "set key at screen 0.28,0.005 center bottom maxrows 4 width -2 samplen 2 reverse Left\n",
+        stream);
+  fputs("plot ", stream);
+  for (size_t i = 0; i < n; i++) {
+    fprintf(stream, "%s$raw%zu with histeps linewidth 1.8 ", i > 0 ? ", " : "", i);
+    plot_series_style(stream, i);
+    fputs(" title ", stream);
+    plot_text(stream, table[i].run->name);
+  }
+  fprintf(stream,
+          "\nset key at screen 0.78,0.005 center bottom maxrows 2 width -1\n"
+          "set ylabel 'Probability density (-)'\n"
+          "set xlabel 'Velocity along the force / pore mean (-)'\n"
+          "set xrange [%.4g:%.4g]\nset yrange [*:%.4g]\n"
+          "slit(s) = s >= 0 && s < 1.5 ? 1/(3*sqrt(1 - s/1.5)) : NaN\n"
+          "tube(s) = s >= 0 && s <= 2 ? 0.5 : NaN\n"
+          "expo(s) = s >= 0 ? exp(-s) : NaN\n"
+          "powexp(s) = s > 0 ? %.6g*exp(-(s/%.6g)**%.6g) : NaN\n",
+          1.05 * low, 1.05 * high, 3.0 * fmax(peak, 1.0),
+          gamma / (sigma * exp(lgamma(1.0 / gamma))), sigma, gamma);
+  /* The references' tails must not squeeze the data: cut below the least density shown. */
+  fputs("plot ", stream);
+  for (size_t i = 0; i < n; i++) {
+    fprintf(stream, "$norm%zu with histeps linewidth 1.8 ", i);
+    plot_series_style(stream, i);
+    fputs(" notitle, ", stream);
+  }
+  fprintf(stream,
+          "slit(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 1 title 'slit', "
+          "tube(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 2 title 'tube', "
+          "expo(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 3 title 'exponential', "
+          "powexp(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 4 "
+          "title 'power-exponential, γ = %.2f'\nunset multiplot\n",
+          gamma);
+}
+
+enum status pdf_analyze(const struct run *runs, size_t n, struct product *product) {
+  enum status status = STATUS_OK;
+  struct velocity_statistics *table = NULL;
+  TRY(memory_allocate(&table, n, sizeof *table, "runs"));
+  json_t *list = json_array();
+  json_object_set_new(product->json, "runs", list);
+  for (size_t i = 0; i < n; i++) {
+    TRY(measure(&runs[i], &table[i]));
+    json_t *object = json_object();
+    fill_json(&table[i], object);
+    json_array_append_new(list, object);
+  }
+  if (n == 1) fill_json(&table[0], product->json);
+  write_csv(table, n, product->csv.stream);
+  write_summary(table, n, product->summary.stream);
+  write_plot(table, n, product->plot.stream);
+  product->width = 1200;
+  product->height = 560;
+cleanup:
+  for (size_t i = 0; table != NULL && i < n; i++) {
+    pdf_free(&table[i].raw);
+    pdf_free(&table[i].normalised);
+  }
+  memory_free(&table);
+  return status;
+}

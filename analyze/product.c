@@ -1,0 +1,166 @@
+#include "analyze/product.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "analyze/plot.h"
+#include "common/memory.h"
+
+static enum status text_start(struct text *text) {
+  text->stream = open_memstream(&text->data, &text->size);
+  return text->stream != NULL ? STATUS_OK : FAIL(STATUS_RUN, "out of memory for a text");
+}
+
+static enum status text_finish(struct text *text) {
+  if (text->stream == NULL) return STATUS_OK;
+  int bad = ferror(text->stream);
+  bad |= fclose(text->stream) != 0;
+  text->stream = NULL;
+  return bad ? FAIL(STATUS_RUN, "out of memory for a text") : STATUS_OK;
+}
+
+static void text_free(struct text *text) {
+  if (text->stream != NULL) fclose(text->stream);
+  free(text->data);
+  memset(text, 0, sizeof *text);
+}
+
+enum status product_start(const char *name, struct product *product) {
+  enum status status = STATUS_OK;
+  memset(product, 0, sizeof *product);
+  product->name = name;
+  product->json = json_object();
+  if (product->json == NULL) TRY_FAIL(STATUS_RUN, "out of memory for JSON");
+  TRY(text_start(&product->csv));
+  TRY(text_start(&product->plot));
+  TRY(text_start(&product->summary));
+cleanup:
+  if (status != STATUS_OK) product_free(product);
+  return status;
+}
+
+enum status product_finish(struct product *product) {
+  enum status status = STATUS_OK;
+  TRY(text_finish(&product->csv));
+  TRY(text_finish(&product->plot));
+  TRY(text_finish(&product->summary));
+cleanup:
+  return status;
+}
+
+void product_free(struct product *product) {
+  json_decref(product->json);
+  product->json = NULL;
+  text_free(&product->csv);
+  text_free(&product->plot);
+  text_free(&product->summary);
+}
+
+enum status file_write(const char *path, const char *data, size_t size) {
+  enum status status = STATUS_OK;
+  FILE *stream = NULL;
+  char part[4200];
+  if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
+    return FAIL(STATUS_USAGE, "%.80s...: the path is too long", path);
+  stream = fopen(part, "wb");
+  if (stream == NULL)
+    TRY_FAIL(STATUS_RUN, "%s: cannot be written (%s); choose another place with -o", path,
+             strerror(errno));
+  bool bad = fwrite(data, 1, size, stream) != size;
+  bad |= fclose(stream) != 0;
+  if (bad || rename(part, path) != 0) {
+    status = FAIL(STATUS_RUN, "%s: cannot be written (%s)", path, strerror(errno));
+    unlink(part);
+  }
+cleanup:
+  return status;
+}
+
+/* mkdir -p */
+static enum status folder_make(const char *folder) {
+  char path[4096];
+  if (snprintf(path, sizeof path, "%s", folder) >= (int)sizeof path)
+    return FAIL(STATUS_USAGE, "-o: the folder's name is too long");
+  for (char *c = path + 1;; c++) {
+    if (*c != '/' && *c != '\0') continue;
+    char end = *c;
+    *c = '\0';
+    struct stat info;
+    if (mkdir(path, 0777) != 0 && (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)))
+      return FAIL(STATUS_RUN, "%s: the folder cannot be made (%s); choose another with -o", path,
+                  strerror(errno));
+    if (end == '\0') return STATUS_OK;
+    *c = end;
+  }
+}
+
+static enum status save_as(const struct product *product, const char *folder, const char *ending,
+                           const char *data, size_t size) {
+  char path[4200];
+  if (snprintf(path, sizeof path, "%s/%s%s", folder, product->name, ending) >= (int)sizeof path)
+    return FAIL(STATUS_USAGE, "-o: the folder's name is too long");
+  return file_write(path, data, size);
+}
+
+enum status product_save(const struct product *product, const char *folder) {
+  enum status status = STATUS_OK;
+  char *json = NULL;
+  if (folder[0] == '\0') TRY_FAIL(STATUS_USAGE, "-o: give the name of a folder");
+  TRY(folder_make(folder));
+  json = json_dumps(product->json, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+  if (json == NULL) TRY_FAIL(STATUS_RUN, "out of memory for JSON");
+  TRY(save_as(product, folder, ".json", json, strlen(json)));
+  TRY(save_as(product, folder, ".csv", product->csv.data, product->csv.size));
+  if (product->width > 0)
+    TRY(plot_save(folder, product->name, product->plot.data, product->width, product->height));
+cleanup:
+  free(json);
+  return status;
+}
+
+void csv_text(FILE *stream, const char *text) {
+  if (strpbrk(text, ",\"\r\n") == NULL) {
+    fputs(text, stream);
+    return;
+  }
+  fputc('"', stream);
+  for (; *text != '\0'; text++) {
+    if (*text == '"') fputc('"', stream);
+    fputc(*text, stream);
+  }
+  fputc('"', stream);
+}
+
+void write_value_with_error(FILE *stream, double value, double error, const char *unit) {
+  if (!isfinite(error)) {
+    fprintf(stream, "%.4g %s (error unknown)", value, unit);
+    return;
+  }
+  double share = error / fabs(value);
+  int digits = share > 0 ? 2 - (int)floor(log10(share)) : 6; /* two digits of the error */
+  digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
+  fprintf(stream, "%.*g +- %.2g %s (%.2g %%)", digits, value, error, unit, 100.0 * share);
+}
+
+json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+json_t *json_text(const char *text) {
+  json_t *value = json_string(text);
+  if (value != NULL) return value;
+  char ascii[256]; /* not UTF-8: what is readable of it */
+  size_t n = 0;
+  for (; n + 1 < sizeof ascii && text[n] != '\0'; n++)
+    ascii[n] = (unsigned char)text[n] < 0x80 ? text[n] : '?';
+  ascii[n] = '\0';
+  return json_string(ascii);
+}
+
+json_t *json_numbers(const double *values, size_t n) {
+  json_t *array = json_array();
+  for (size_t i = 0; i < n; i++) json_array_append_new(array, json_number(values[i]));
+  return array;
+}

@@ -1,0 +1,48 @@
+/* What an analysis leaves: JSON, CSV, a gnuplot script and a summary for people. Where they go is
+ * decided by `analyze` (stdout, a folder) or by the report. */
+#ifndef TOSUI_ANALYZE_PRODUCT_H
+#define TOSUI_ANALYZE_PRODUCT_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "common/error.h"
+
+struct text {
+  char *data;
+  size_t size;
+  FILE *stream; /* fprintf here; product_finish makes `data` valid */
+};
+
+struct product {
+  const char *name; /* "darcy" */
+  json_t *json;     /* an object */
+  struct text csv, plot, summary;
+  int width, height; /* of the plot, pixels; no plot while width is 0 */
+};
+
+enum status product_start(const char *name, struct product *product);
+/* Ends writing: the texts' data are valid from here on. */
+enum status product_finish(struct product *product);
+void product_free(struct product *product);
+
+/* Writes FOLDER/NAME.{json,csv,gp} and, by gnuplot, NAME.svg and NAME.png. The folder is made.
+ * Without gnuplot one warning says so and the rest is there. */
+enum status product_save(const struct product *product, const char *folder);
+
+/* Writes a file beside and renames it. */
+enum status file_write(const char *path, const char *data, size_t size);
+
+/* A CSV field, quoted where it must be (RFC 4180). */
+void csv_text(FILE *stream, const char *text);
+/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to. */
+void write_value_with_error(FILE *stream, double value, double error, const char *unit);
+
+/* A JSON number, null where it is not finite; a string, with bytes that are no UTF-8 replaced. */
+json_t *json_number(double value);
+json_t *json_text(const char *text);
+json_t *json_numbers(const double *values, size_t n);
+
+#endif

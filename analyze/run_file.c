@@ -1,0 +1,356 @@
+#include "analyze/run_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/provenance.h"
+#include "common/snapshot_file.h"
+
+static enum status text_copy(const char *from, size_t length, char **text) {
+  enum status status = memory_allocate(text, length + 1, 1, "text");
+  if (status == STATUS_OK) memcpy(*text, from, length);
+  return status;
+}
+
+static enum status read_text_or_empty(struct h5_file *file, const char *object,
+                                      const char *attribute, char **text) {
+  if (h5_attribute_exists(file, object, attribute))
+    return h5_read_attribute_text(file, object, attribute, text);
+  return text_copy("", 0, text);
+}
+
+static enum status read_numbers(struct h5_file *file, const char *attribute, size_t count,
+                                double *values) {
+  for (size_t i = 0; i < count; i++) values[i] = NAN;
+  if (!h5_attribute_exists(file, "/run", attribute)) return STATUS_OK;
+  return h5_read_attribute(file, "/run", attribute, H5_F64, count, values);
+}
+
+static enum status need_positive(const struct run *run, const char *attribute, double value) {
+  if (isfinite(value) && value > 0.0) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s: attribute %s of /run is missing or not positive; the file is damaged or of "
+              "another program: run sphsolve again",
+              run->path, attribute);
+}
+
+static enum status read_attributes(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  double size[3];
+  double dimensions;
+  TRY(read_text_or_empty(file, "/run", "method", &run->method));
+  TRY(read_text_or_empty(file, "/run", "status", &run->status));
+  TRY(read_text_or_empty(file, "/run", "wall", &run->wall));
+  TRY(read_text_or_empty(file, "/run", "model_path", &run->model_path));
+  TRY(read_text_or_empty(file, "/run", "scene_name", &run->name));
+  TRY(read_numbers(file, "driving", 3, run->driving));
+  TRY(read_numbers(file, "hydraulic_gradient", 1, &run->hydraulic_gradient));
+  TRY(read_numbers(file, "density", 1, &run->density));
+  TRY(read_numbers(file, "viscosity", 1, &run->viscosity));
+  TRY(read_numbers(file, "spacing", 3, run->spacing));
+  TRY(read_numbers(file, "origin", 3, run->origin));
+  TRY(read_numbers(file, "size", 3, size));
+  TRY(read_numbers(file, "dimensions", 1, &dimensions));
+  TRY(read_numbers(file, "bulk_count", 1, &run->bulk_count));
+  TRY(read_numbers(file, "fluid_count", 1, &run->fluid_count));
+  TRY(read_numbers(file, "darcy_velocity", 3, run->darcy_velocity));
+  TRY(read_numbers(file, "k", 1, &run->k));
+  TRY(read_numbers(file, "k_error", 1, &run->k_error));
+  TRY(read_numbers(file, "wall_time", 1, &run->wall_time));
+  TRY(read_numbers(file, "steps", 1, &run->steps));
+
+  TRY(need_positive(run, "density", run->density));
+  TRY(need_positive(run, "viscosity", run->viscosity));
+  for (int d = 0; d < 3; d++) {
+    TRY(need_positive(run, "spacing", run->spacing[d]));
+    TRY(need_positive(run, "size", size[d]));
+    if (size[d] > 1e6 || size[d] != floor(size[d]))
+      TRY_FAIL(STATUS_INPUT, "%s: size of /run is no lattice (%g sites along an axis)", run->path,
+               size[d]);
+    run->size[d] = (size_t)size[d];
+    if (!isfinite(run->origin[d])) run->origin[d] = 0.0;
+    if (!isfinite(run->driving[d])) run->driving[d] = 0.0;
+  }
+  run->dimensions = dimensions == 2.0 ? 2 : 3;
+  double strength = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
+                         run->driving[2] * run->driving[2]);
+  for (int d = 0; d < 3; d++) run->direction[d] = strength > 0 ? run->driving[d] / strength : 0.0;
+  if (isfinite(run->hydraulic_gradient)) run->hydraulic_gradient = fabs(run->hydraulic_gradient);
+cleanup:
+  return status;
+}
+
+static enum status read_column(struct h5_file *file, const struct run *run, const char *name,
+                               struct history_column *column) {
+  enum status status = STATUS_OK;
+  char path[300];
+  int rank = 0;
+  size_t dims[2] = {0, 1};
+  if (snprintf(path, sizeof path, "/history/%s", name) >= (int)sizeof path)
+    TRY_FAIL(STATUS_INPUT, "%s: a name in /history is longer than 255 characters", run->path);
+  TRY(h5_shape(file, path, 2, &rank, dims));
+  if (rank == 1) dims[1] = 1;
+  if (rank < 1 || (dims[1] != 1 && dims[1] != 3))
+    TRY_FAIL(STATUS_INPUT, "%s: %s is neither [n] nor [n][3]", run->path, path);
+  TRY(text_copy(name, strlen(name), &column->name));
+  TRY(read_text_or_empty(file, path, "unit", &column->unit));
+  TRY(h5_read(file, path, H5_F64, rank, dims, &column->values));
+  column->rows = dims[0];
+  column->components = rank == 1 ? 1 : (int)dims[1];
+cleanup:
+  return status;
+}
+
+static enum status read_history(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  size_t count = 0;
+  char **names = NULL;
+  if (!h5_exists(file, "/history")) return STATUS_OK;
+  TRY(h5_list(file, "/history", &count, &names));
+  TRY(memory_allocate(&run->columns, count, sizeof *run->columns, "history columns"));
+  for (size_t i = 0; i < count; i++) {
+    run->column_count = i + 1;
+    TRY(read_column(file, run, names[i], &run->columns[i]));
+    if (run->columns[i].rows != run->columns[0].rows)
+      TRY_FAIL(STATUS_INPUT, "%s: /history/%s has %zu rows, /history/%s %zu: the file is damaged",
+               run->path, names[i], run->columns[i].rows, names[0], run->columns[0].rows);
+  }
+cleanup:
+  h5_free_texts(count, &names);
+  return status;
+}
+
+static enum status read_snapshots(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  size_t count = 0;
+  if (!h5_exists(file, "/run/snapshots/name")) return STATUS_OK;
+  TRY(h5_read_texts(file, "/run/snapshots/name", &run->snapshot_count, &run->snapshot_names));
+  TRY(h5_read(file, "/run/snapshots/time", H5_F64, 1, &count, &run->snapshot_times));
+  if (count != run->snapshot_count)
+    TRY_FAIL(STATUS_INPUT, "%s: /run/snapshots lists %zu names and %zu times", run->path,
+             run->snapshot_count, count);
+cleanup:
+  return status;
+}
+
+static enum status read_solid(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  size_t dims[3];
+  if (!h5_exists(file, "/run/solid")) return STATUS_OK;
+  TRY(h5_read(file, "/run/solid", H5_U8, 3, dims, &run->solid));
+  if (dims[0] != run->size[2] || dims[1] != run->size[1] || dims[2] != run->size[0])
+    TRY_FAIL(STATUS_INPUT, "%s: /run/solid does not have the size that /run states", run->path);
+cleanup:
+  return status;
+}
+
+/* The model's hash as sphsolve stored it (text or number), else a hash of the sites. */
+static enum status read_identity(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  char *text = NULL;
+  if (h5_attribute_exists(file, "/run", "model_hash")) {
+    if (h5_read_attribute_text(file, "/run", "model_hash", &text) == STATUS_OK) {
+      if (text[0] != '\0' && strspn(text, "0x") != strlen(text))
+        run->identity = hash_bytes(text, strlen(text));
+    } else {
+      error_clear();
+      TRY(h5_read_attribute(file, "/run", "model_hash", H5_U64, 1, &run->identity));
+    }
+  }
+  if (run->identity == 0) {
+    run->identity = hash_bytes(run->size, sizeof run->size) ^
+                    hash_bytes(run->spacing, sizeof run->spacing);
+    if (run->solid != NULL)
+      run->identity ^= hash_bytes(run->solid, run->size[0] * run->size[1] * run->size[2]);
+  }
+cleanup:
+  memory_free(&text);
+  return status;
+}
+
+static enum status name_run(struct run *run) {
+  enum status status = STATUS_OK;
+  const char *slash = strrchr(run->path, '/');
+  size_t folder = slash == NULL ? 0 : (size_t)(slash - run->path) + 1;
+  TRY(text_copy(run->path, folder, &run->folder));
+  if (run->name[0] == '\0') {
+    const char *file = run->path + folder;
+    const char *ending = strrchr(file, '.');
+    memory_free(&run->name);
+    TRY(text_copy(file, ending == NULL ? strlen(file) : (size_t)(ending - file), &run->name));
+  }
+cleanup:
+  return status;
+}
+
+enum status run_read(const char *path, struct run *run) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  memset(run, 0, sizeof *run);
+  TRY(text_copy(path, strlen(path), &run->path));
+  TRY(h5_open(path, &file));
+  if (!h5_exists(file, "/run")) {
+    const char *what = h5_exists(file, "/model")    ? "a model of ct2model"
+                       : h5_exists(file, "/VTKHDF") ? "a snapshot"
+                                                    : "something else";
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no run file (it has no group /run; it looks like %s); give the OUT.hdf that "
+             "'sphsolve run SCENE.cfg -o OUT' wrote",
+             path, what);
+  }
+  TRY(read_attributes(file, run));
+  TRY(name_run(run));
+  TRY(read_history(file, run));
+  TRY(read_snapshots(file, run));
+  TRY(read_solid(file, run));
+  TRY(read_identity(file, run));
+cleanup:
+  h5_close(file);
+  if (status != STATUS_OK) run_free(run);
+  return status;
+}
+
+void run_free(struct run *run) {
+  for (size_t i = 0; i < run->column_count; i++) {
+    memory_free(&run->columns[i].name);
+    memory_free(&run->columns[i].unit);
+    memory_free(&run->columns[i].values);
+  }
+  memory_free(&run->columns);
+  h5_free_texts(run->snapshot_count, &run->snapshot_names);
+  memory_free(&run->snapshot_times);
+  memory_free(&run->solid);
+  memory_free(&run->path);
+  memory_free(&run->folder);
+  memory_free(&run->name);
+  memory_free(&run->method);
+  memory_free(&run->status);
+  memory_free(&run->wall);
+  memory_free(&run->model_path);
+  memset(run, 0, sizeof *run);
+}
+
+const struct history_column *run_column(const struct run *run, const char *name, int components) {
+  for (size_t i = 0; i < run->column_count; i++)
+    if (run->columns[i].components == components && strcmp(run->columns[i].name, name) == 0)
+      return &run->columns[i];
+  return NULL;
+}
+
+enum status run_darcy_series(const struct run *run, size_t *rows, double **times,
+                             double **values) {
+  enum status status = STATUS_OK;
+  const struct history_column *time = run_column(run, "time", 1);
+  const struct history_column *velocity = run_column(run, "darcy_velocity", 3);
+  *rows = 0;
+  *times = *values = NULL;
+  if (time == NULL || velocity == NULL || time->rows == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: /history has no rows of time and darcy_velocity; the run ended before its first "
+             "history row: run sphsolve longer",
+             run->path);
+  double direction[3] = {run->direction[0], run->direction[1], run->direction[2]};
+  if (direction[0] == 0.0 && direction[1] == 0.0 && direction[2] == 0.0) {
+    const double *last = &velocity->values[3 * (velocity->rows - 1)];
+    int axis = 2;
+    for (int d = 0; d < 3; d++)
+      if (fabs(last[d]) > fabs(last[axis])) axis = d;
+    direction[axis] = last[axis] < 0 ? -1.0 : 1.0;
+  }
+  TRY(memory_allocate(times, time->rows, sizeof **times, "history"));
+  TRY(memory_allocate(values, time->rows, sizeof **values, "history"));
+  for (size_t i = 0; i < time->rows; i++) {
+    const double *v = &velocity->values[3 * i];
+    (*times)[i] = time->values[i];
+    (*values)[i] = v[0] * direction[0] + v[1] * direction[1] + v[2] * direction[2];
+    if (!isfinite((*times)[i]) || !isfinite((*values)[i]))
+      TRY_FAIL(STATUS_INPUT,
+               "%s: row %zu of /history is not finite: the run blew up; lower wcsph.dt or raise "
+               "wcsph.sound_speed and run again",
+               run->path, i);
+  }
+  *rows = time->rows;
+cleanup:
+  if (status != STATUS_OK) {
+    memory_free(times);
+    memory_free(values);
+  }
+  return status;
+}
+
+enum status run_last_snapshot(const struct run *run, struct particles *particles) {
+  enum status status = STATUS_OK;
+  struct snapshot snapshot = {0};
+  char path[8192];
+  memset(particles, 0, sizeof *particles);
+  if (run->snapshot_count == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: the run lists no snapshots, so there are no particles to look at; run sphsolve "
+             "again to the end (it writes at least the last snapshot)",
+             run->path);
+  const char *name = run->snapshot_names[run->snapshot_count - 1];
+  if (snprintf(path, sizeof path, "%s%s", run->folder, name) >= (int)sizeof path)
+    TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
+  TRY(snapshot_open(path, &snapshot));
+  if (snapshot.count == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: the snapshot holds no particles", path);
+  TRY(snapshot_read(&snapshot, "velocity", 3, &particles->velocity));
+  if (h5_exists(snapshot.file, "/VTKHDF/PointData/density"))
+    TRY(snapshot_read(&snapshot, "density", 1, &particles->density));
+  for (size_t i = 0; i < 3 * snapshot.count; i++)
+    if (!isfinite(particles->velocity[i]) || !isfinite(snapshot.points[i]))
+      TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a position or velocity that is not finite", path,
+               i / 3);
+  particles->time = snapshot.time;
+  particles->count = snapshot.count;
+  particles->points = snapshot.points;
+  snapshot.points = NULL;
+cleanup:
+  snapshot_close(&snapshot);
+  if (status != STATUS_OK) {
+    error_context(status, "%s", run->path);
+    particles_free(particles);
+  }
+  return status;
+}
+
+void particles_free(struct particles *particles) {
+  memory_free(&particles->points);
+  memory_free(&particles->velocity);
+  memory_free(&particles->density);
+  particles->count = 0;
+}
+
+static bool comparable(const struct run *a, const struct run *b) {
+  double aligned = 0.0;
+  for (int d = 0; d < 3; d++) aligned += a->direction[d] * b->direction[d];
+  return a->identity == b->identity && fabs(a->density - b->density) < 1e-9 * a->density &&
+         fabs(a->viscosity - b->viscosity) < 1e-9 * a->viscosity &&
+         strcmp(a->method, b->method) == 0 && strcmp(a->wall, b->wall) == 0 && aligned > 0.999;
+}
+
+size_t runs_group(const struct run *runs, size_t n, size_t *group) {
+  size_t groups = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t first = 0;
+    while (first < i && !comparable(&runs[first], &runs[i])) first++;
+    group[i] = first < i ? group[first] : groups++;
+  }
+  return groups;
+}
+
+void run_group_name(const struct run *run, char *text, size_t size) {
+  const char *base = run->name;
+  size_t length = strlen(base);
+  if (run->model_path[0] != '\0') {
+    const char *slash = strrchr(run->model_path, '/');
+    base = slash == NULL ? run->model_path : slash + 1;
+    const char *ending = strrchr(base, '.');
+    length = ending == NULL ? strlen(base) : (size_t)(ending - base);
+  }
+  snprintf(text, size, "%.*s (%s%s%s%s)", (int)(length > 200 ? 200 : length), base,
+           run->method[0] ? run->method : "unknown method", run->wall[0] ? ", " : "", run->wall,
+           run->wall[0] ? " walls" : "");
+}

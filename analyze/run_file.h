@@ -1,0 +1,75 @@
+/* A run that sphsolve left behind (OUT.hdf), read and checked. See docs/formats.md. */
+#ifndef TOSUI_ANALYZE_RUN_FILE_H
+#define TOSUI_ANALYZE_RUN_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "common/hdf5_file.h"
+
+/* One column of /history: values [rows][components]. */
+struct history_column {
+  char *name, *unit;
+  size_t rows;
+  int components; /* 1 or 3 */
+  double *values;
+};
+
+struct run {
+  char *path;
+  char *folder; /* of `path`, "" or ending in '/'; snapshot names are relative to it */
+  char *name;   /* scene name, else the file's name without its ending */
+  char *method, *status, *wall;
+  char *model_path;  /* "" without a model */
+  uint64_t identity; /* equal for runs of the same geometry: model hash, else the sites' own hash */
+
+  double driving[3];         /* m/s^2 */
+  double direction[3];       /* unit vector along `driving`; zero where nothing drives */
+  double hydraulic_gradient; /* along the driving force; NAN where there is none */
+  double density, viscosity; /* kg/m^3, Pa s */
+  double spacing[3], origin[3]; /* m, x y z; origin is the centre of site (0,0,0) */
+  size_t size[3];
+  int dimensions;
+  double bulk_count, fluid_count;
+  double darcy_velocity[3]; /* as sphsolve found it; NAN if not stored */
+  double k, k_error;        /* m/s, relative; NAN if not stored */
+  double wall_time, steps;  /* s; NAN if not stored */
+
+  size_t column_count;
+  struct history_column *columns;
+  size_t snapshot_count;
+  char **snapshot_names;
+  double *snapshot_times;
+  uint8_t *solid; /* [z][y][x] or NULL */
+};
+
+/* Reads everything but the snapshots' particles. On failure the run is empty. */
+enum status run_read(const char *path, struct run *run);
+void run_free(struct run *run);
+
+/* The column of that name with that many components, or NULL. */
+const struct history_column *run_column(const struct run *run, const char *name, int components);
+
+/* Darcy velocity along the driving force (along the strongest component where nothing drives)
+ * against time, in new memory (memory_free): rows of both. An input error without them. */
+enum status run_darcy_series(const struct run *run, size_t *rows, double **times, double **values);
+
+/* The last snapshot: points [count][3] (m), velocity [count][3] (m/s) and density [count] (kg/m^3;
+ * NULL if not stored), all in new memory. */
+struct particles {
+  double time;
+  size_t count;
+  double *points, *velocity, *density;
+};
+enum status run_last_snapshot(const struct run *run, struct particles *particles);
+void particles_free(struct particles *particles);
+
+/* Runs in groups that may be compared: same geometry, fluid, method, wall and direction of the
+ * driving force. `group` [n] gets 0.. in the order of appearance; returns how many. */
+size_t runs_group(const struct run *runs, size_t n, size_t *group);
+/* What the runs of a group share, for people: "dense (wcsph, frozen walls)". */
+void run_group_name(const struct run *run, char *text, size_t size);
+
+#endif

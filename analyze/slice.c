@@ -1,0 +1,202 @@
+#include "analyze/slice.h"
+
+#include <math.h>
+
+#include "analyze/plot.h"
+#include "common/memory.h"
+#include "common/statistics.h"
+
+static const double most_vectors = 60.0; /* along the longer side of the window */
+
+struct window {
+  int axis, across, up;     /* normal; horizontal; vertical */
+  double middle, thickness; /* of the slab, m */
+  double low[2], high[2];   /* across, up; m */
+  double cell;              /* side of the cells that vectors are means over, m */
+  size_t cells[2];
+};
+
+/* The run's extent: half a spacing beyond the outermost sites. */
+static double extent_low(const struct run *run, int d) {
+  return run->origin[d] - 0.5 * run->spacing[d];
+}
+static double extent_high(const struct run *run, int d) {
+  return run->origin[d] + ((double)run->size[d] - 0.5) * run->spacing[d];
+}
+
+static enum status choose_window(const struct run *run, const struct slice_request *request,
+                                 struct window *w) {
+  static const char axes[] = "xyz";
+  w->axis = request->axis;
+  w->across = request->axis == 0 ? 1 : 0;
+  w->up = request->axis == 2 ? 1 : 2;
+  double low = extent_low(run, w->axis), high = extent_high(run, w->axis);
+  w->middle = isfinite(request->position) ? request->position : 0.5 * (low + high);
+  w->thickness = isfinite(request->thickness) ? request->thickness : run->spacing[w->axis];
+  if (w->middle < low || w->middle > high)
+    return FAIL(STATUS_USAGE, "--plane: %c = %g m lies outside the run, which spans %g to %g m",
+                axes[w->axis], w->middle, low, high);
+  if (!(w->thickness > 0.0)) return FAIL(STATUS_USAGE, "--thickness: must be positive");
+  for (int i = 0; i < 2; i++) {
+    int d = i == 0 ? w->across : w->up;
+    w->low[i] = request->zoomed ? request->zoom[i] : extent_low(run, d);
+    w->high[i] = request->zoomed ? request->zoom[2 + i] : extent_high(run, d);
+    if (!(w->high[i] > w->low[i]))
+      return FAIL(STATUS_USAGE, "--zoom: the high corner must lie beyond the low one (in %c)",
+                  axes[d]);
+    if (w->high[i] <= extent_low(run, d) || w->low[i] >= extent_high(run, d))
+      return FAIL(STATUS_USAGE, "--zoom: the window lies outside the run in %c (%g to %g m)",
+                  axes[d], extent_low(run, d), extent_high(run, d));
+  }
+  double longest = fmax(w->high[0] - w->low[0], w->high[1] - w->low[1]);
+  w->cell = fmax(fmax(run->spacing[w->across], run->spacing[w->up]), longest / most_vectors);
+  for (int i = 0; i < 2; i++) w->cells[i] = (size_t)ceil((w->high[i] - w->low[i]) / w->cell - 1e-9);
+  return STATUS_OK;
+}
+
+/* Sums per cell: count, position (2), velocity (2), speed in the plane is taken from their mean. */
+struct cell {
+  double count, at[2], velocity[2];
+};
+
+static enum status fill_cells(const struct particles *particles, const struct window *w,
+                              struct cell **cells) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(cells, w->cells[0] * w->cells[1], sizeof **cells, "cells of the slice"));
+  for (size_t i = 0; i < particles->count; i++) {
+    const double *x = &particles->points[3 * i], *v = &particles->velocity[3 * i];
+    if (fabs(x[w->axis] - w->middle) > 0.5 * w->thickness * (1.0 + 1e-9)) continue;
+    double a = (x[w->across] - w->low[0]) / w->cell, b = (x[w->up] - w->low[1]) / w->cell;
+    if (a < 0 || b < 0 || a >= (double)w->cells[0] || b >= (double)w->cells[1]) continue;
+    struct cell *cell = &(*cells)[(size_t)b * w->cells[0] + (size_t)a];
+    cell->count += 1.0;
+    cell->at[0] += x[w->across];
+    cell->at[1] += x[w->up];
+    cell->velocity[0] += v[w->across];
+    cell->velocity[1] += v[w->up];
+  }
+cleanup:
+  return status;
+}
+
+/* Grain sites of the layer nearest the plane as (across, up, 1) for `with image`, in mm. */
+static void write_grains(const struct run *run, const struct window *w, FILE *stream) {
+  const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
+  double layer = round((w->middle - run->origin[w->axis]) / run->spacing[w->axis]);
+  double last = (double)run->size[w->axis] - 1.0;
+  size_t k = (size_t)(layer < 0 ? 0 : layer > last ? last : layer);
+  fputs("$grains << EOD\n", stream);
+  for (size_t j = 0; j < run->size[w->up]; j++) {
+    for (size_t i = 0; i < run->size[w->across]; i++) {
+      size_t site = k * stride[w->axis] + j * stride[w->up] + i * stride[w->across];
+      fprintf(stream, "%.7g %.7g %d\n",
+              1e3 * (run->origin[w->across] + (double)i * run->spacing[w->across]),
+              1e3 * (run->origin[w->up] + (double)j * run->spacing[w->up]),
+              run->solid != NULL && run->solid[site] != 0);
+    }
+  }
+  fputs("EOD\n", stream);
+}
+
+static void write_plot(const struct run *run, const struct window *w, const struct cell *cells,
+                       struct product *product) {
+  static const char axes[] = "xyz";
+  FILE *stream = product->plot.stream;
+  size_t n = w->cells[0] * w->cells[1];
+  double *speeds = NULL;
+  double fast = 0.0;
+  size_t count = 0;
+  /* Arrows are scaled to the 98th percentile, so that one jet does not shrink all others. */
+  if (memory_allocate(&speeds, n, sizeof *speeds, "speeds") == STATUS_OK) {
+    for (size_t i = 0; i < n; i++)
+      if (cells[i].count > 0)
+        speeds[count++] = hypot(cells[i].velocity[0], cells[i].velocity[1]) / cells[i].count;
+    fast = count > 0 ? quantile(speeds, count, 0.98) : 0.0;
+  } else error_clear();
+  memory_free(&speeds);
+  double scale = fast > 0 ? 1.6 * w->cell / fast : 0.0;
+
+  write_grains(run, w, stream);
+  fputs("$vectors << EOD\n", stream); /* x y dx dy (mm), speed (mm/s) */
+  for (size_t i = 0; i < n; i++) {
+    const struct cell *c = &cells[i];
+    if (c->count == 0) continue;
+    double v[2] = {c->velocity[0] / c->count, c->velocity[1] / c->count};
+    double speed = hypot(v[0], v[1]), longest = fmax(speed / fmax(fast, 1e-300), 1.0);
+    double d[2] = {v[0] * scale / longest, v[1] * scale / longest};
+    fprintf(stream, "%.6g %.6g %.5g %.5g %.5g\n", 1e3 * (c->at[0] / c->count - 0.5 * d[0]),
+            1e3 * (c->at[1] / c->count - 0.5 * d[1]), 1e3 * d[0], 1e3 * d[1], 1e3 * speed);
+  }
+  fputs("EOD\n", stream);
+  double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
+  double pixels = 720.0 / fmax(width, height);
+  product->width = (int)fmax(width * pixels, 240.0) + 200;
+  product->height = (int)fmax(height * pixels, 160.0) + 100;
+  fprintf(stream,
+          "set xlabel '{/:Italic %c} (mm)'\nset ylabel '{/:Italic %c} (mm)'\n"
+          "set size ratio %.8g\nset xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\n"
+          "unset grid\nunset key\nset tics out nomirror\n"
+          "set palette defined (0 '#d0d3d4', 0.12 '#56B4E9', 0.4 '#0072B2', 0.7 '#D55E00', "
+          "1 '#7a2e00')\n"
+          "set cblabel 'Speed in the plane (mm/s)'\nset cbrange [0:%.5g]\n"
+          "set colorbox user origin graph 1.03, graph 0 size graph 0.035, graph 1\n"
+          "grain(v) = v > 0 ? 0xb9a88f : 0xffffff\n"
+          "plot $grains using 1:2:(grain($3)) with rgbimage, \\\n"
+          "  $vectors using 1:2:3:4:5 with vectors head filled size graph %.4f,18 "
+          "linewidth 1.2 linecolor palette\n",
+          axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
+          1e3 * w->low[1], 1e3 * w->high[1], fast > 0 ? 1e3 * fast : 1.0,
+          0.45 * w->cell / fmax(width, height));
+}
+
+enum status slice_analyze(const struct run *run, const struct slice_request *request,
+                          struct product *product) {
+  enum status status = STATUS_OK;
+  static const char axes[] = "xyz";
+  struct particles particles = {0};
+  struct cell *cells = NULL;
+  struct window w;
+  size_t vectors = 0;
+  double fastest = 0.0, mean = 0.0;
+  TRY(choose_window(run, request, &w));
+  TRY(run_last_snapshot(run, &particles));
+  TRY(fill_cells(&particles, &w, &cells));
+  fprintf(product->csv.stream, "%c_m,%c_m,velocity_%c_m_per_s,velocity_%c_m_per_s,particles\n",
+          axes[w.across], axes[w.up], axes[w.across], axes[w.up]);
+  for (size_t i = 0; i < w.cells[0] * w.cells[1]; i++) {
+    const struct cell *c = &cells[i];
+    if (c->count == 0) continue;
+    double v[2] = {c->velocity[0] / c->count, c->velocity[1] / c->count};
+    fprintf(product->csv.stream, "%.8g,%.8g,%.8g,%.8g,%.0f\n", c->at[0] / c->count,
+            c->at[1] / c->count, v[0], v[1], c->count);
+    vectors++;
+    fastest = fmax(fastest, hypot(v[0], v[1]));
+    mean += hypot(v[0], v[1]);
+  }
+  if (vectors == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no particle lies in the slab %c = %g m +- %g m; choose another --plane or a "
+             "larger --thickness (the spacing is %g m)",
+             run->path, axes[w.axis], w.middle, 0.5 * w.thickness, run->spacing[w.axis]);
+  mean /= (double)vectors;
+  json_object_set_new(product->json, "path", json_text(run->path));
+  json_object_set_new(product->json, "name", json_text(run->name));
+  json_object_set_new(product->json, "time_s", json_number(particles.time));
+  json_object_set_new(product->json, "axis", json_stringn(&axes[w.axis], 1));
+  json_object_set_new(product->json, "position_m", json_number(w.middle));
+  json_object_set_new(product->json, "thickness_m", json_number(w.thickness));
+  json_object_set_new(product->json, "cell_m", json_number(w.cell));
+  json_object_set_new(product->json, "vectors", json_integer((json_int_t)vectors));
+  json_object_set_new(product->json, "speed_mean_m_per_s", json_number(mean));
+  json_object_set_new(product->json, "speed_max_m_per_s", json_number(fastest));
+  fprintf(product->summary.stream,
+          "%s: slab %c = %.6g m, %.4g m thick, at t = %.5g s\n  %zu vectors (means over cells of "
+          "%.3g m), speed in the plane: mean %.4g, largest %.4g m/s\n",
+          run->name, axes[w.axis], w.middle, w.thickness, particles.time, vectors, w.cell, mean,
+          fastest);
+  write_plot(run, &w, cells, product);
+cleanup:
+  particles_free(&particles);
+  memory_free(&cells);
+  return status;
+}
