@@ -34,7 +34,8 @@ static const struct option_command commands[] = {
 static const struct option_entry entries[] = {
     {"output", 'o', "DIR", OPTION_ALL,
      "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp"},
-    {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE), "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
+    {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
+     "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
     {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
     {"zoom", 0, "Y0,Z0,Y1,Z1", BIT(COMMAND_SLICE),
      "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"},
@@ -108,8 +109,7 @@ static enum status deliver(const struct options *options, struct product *produc
     putchar('\n');
   } else {
     fputs(product->summary.data, stdout);
-    if (folder != NULL)
-      printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
+    if (folder != NULL) printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
   }
   if (fflush(stdout) != 0 || ferror(stdout)) TRY_FAIL(STATUS_RUN, "stdout: cannot be written");
 cleanup:
@@ -124,10 +124,14 @@ static enum status run_command(const struct options *options) {
   size_t n = 0;
   TRY(product_start(command, &product));
   TRY(read_runs(options, &runs, &n));
-  if (strcmp(command, "darcy") == 0) TRY(darcy_analyze(runs, n, &product));
-  else if (strcmp(command, "pdf") == 0) TRY(pdf_analyze(runs, n, &product));
-  else if (strcmp(command, "history") == 0) TRY(history_analyze(runs, n, &product));
-  else TRY(slice_command(options, &runs[0], &product));
+  if (strcmp(command, "darcy") == 0)
+    TRY(darcy_analyze(runs, n, &product));
+  else if (strcmp(command, "pdf") == 0)
+    TRY(pdf_analyze(runs, n, &product));
+  else if (strcmp(command, "history") == 0)
+    TRY(history_analyze(runs, n, &product));
+  else
+    TRY(slice_command(options, &runs[0], &product));
   TRY(deliver(options, &product));
 cleanup:
   for (size_t i = 0; i < n; i++) run_free(&runs[i]);

@@ -23,7 +23,8 @@ static enum status fit_forchheimer(const double *gradient, const double *velocit
   fit->b_error = student_t95((double)n - 2.0) * line.slope_error;
   fit->curvature = line.slope * fastest / (line.intercept + line.slope * fastest);
   *k = 1.0 / line.intercept;
-  *k_error = student_t95((double)n - 2.0) * line.intercept_error / (line.intercept * line.intercept);
+  *k_error =
+      student_t95((double)n - 2.0) * line.intercept_error / (line.intercept * line.intercept);
   fit->forchheimer = line.intercept > 0.0 && fit->b > fit->b_error && fit->curvature > 0.01;
 cleanup:
   memory_free(&resistance);

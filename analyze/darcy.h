@@ -21,10 +21,10 @@ struct darcy_fit {
   double curvature;  /* share of i that b v^2 takes at the highest velocity; < 0: k grows */
 };
 
-/* velocity and its error95 (m/s) against gradient. `kinematic` (m^2/s) and `gravity` (m/s^2, driving
- * acceleration over hydraulic gradient) give the intrinsic permeability k nu / g. A quadratic term
- * is called for when it is positive, differs from 0 by an F-test at 95 % (the t-test of one
- * parameter) and takes more than 1 % of the highest gradient. */
+/* velocity and its error95 (m/s) against gradient. `kinematic` (m^2/s) and `gravity` (m/s^2,
+ * driving acceleration over hydraulic gradient) give the intrinsic permeability k nu / g. A
+ * quadratic term is called for when it is positive, differs from 0 by an F-test at 95 % (the t-test
+ * of one parameter) and takes more than 1 % of the highest gradient. */
 enum status darcy_fit(const double *gradient, const double *velocity, const double *error95,
                       size_t n, double kinematic, double gravity, struct darcy_fit *fit);
 

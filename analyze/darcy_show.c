@@ -20,7 +20,7 @@ struct darcy_table {
   const struct run *runs;
   size_t n, groups;
   struct point *points;
-  struct darcy_fit *fits; /* [groups]; count 0 where no run of the group is steady */
+  struct darcy_fit *fits;   /* [groups]; count 0 where no run of the group is steady */
   const struct run **first; /* [groups] */
 };
 
@@ -97,17 +97,15 @@ static void fit_json(const struct darcy_fit *fit, json_t *object) {
   json_object_set_new(object, "r_squared", json_number(ok ? fit->r_squared : NAN));
   json_object_set_new(object, "runs_in_fit", json_integer((json_int_t)fit->count));
   if (!ok) return;
-  json_object_set_new(object, "free_fit",
-                      json_pack("{s:o,s:o,s:o,s:o}", "intercept_m_per_s",
-                                json_number(fit->free_intercept), "slope_m_per_s",
-                                json_number(fit->free_slope), "slope_error_m_per_s",
-                                json_number(fit->free_slope_error), "r_squared",
-                                json_number(fit->free_r_squared)));
+  json_object_set_new(
+      object, "free_fit",
+      json_pack("{s:o,s:o,s:o,s:o}", "intercept_m_per_s", json_number(fit->free_intercept),
+                "slope_m_per_s", json_number(fit->free_slope), "slope_error_m_per_s",
+                json_number(fit->free_slope_error), "r_squared", json_number(fit->free_r_squared)));
   json_object_set_new(object, "forchheimer",
                       json_pack("{s:b,s:o,s:o,s:o}", "called_for", fit->forchheimer, "b_s2_per_m2",
-                                json_number(fit->b), "b_error_s2_per_m2",
-                                json_number(fit->b_error), "share_at_highest_velocity",
-                                json_number(fit->curvature)));
+                                json_number(fit->b), "b_error_s2_per_m2", json_number(fit->b_error),
+                                "share_at_highest_velocity", json_number(fit->curvature)));
 }
 
 static const char superficial[] =
@@ -171,8 +169,8 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     const struct darcy_fit *fit = &table->fits[g];
     char name[400];
     run_group_name(table->first[g], name, sizeof name);
-    fprintf(stream, "%s\n  %-26s %10s %14s %9s %12s  %s\n", name, "run", "gradient",
-            "v (m/s)", "+- 95 %", "k (cm/s)", "averaged");
+    fprintf(stream, "%s\n  %-26s %10s %14s %9s %12s  %s\n", name, "run", "gradient", "v (m/s)",
+            "+- 95 %", "k (cm/s)", "averaged");
     for (size_t i = 0; i < table->n; i++) {
       const struct point *point = &table->points[i];
       if (point->group != g) continue;
@@ -180,10 +178,13 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
               point->steady.mean);
       if (isfinite(point->steady.error95))
         fprintf(stream, "%7.2f %%", 100.0 * point->steady.error95 / fabs(point->steady.mean));
-      else fprintf(stream, "%9s", "unknown");
+      else
+        fprintf(stream, "%9s", "unknown");
       fprintf(stream, " %12.5g  ", 100.0 * point->k);
-      if (!point->steady.is_steady) fputs("NOT STEADY, left out\n", stream);
-      else if (point->steady.rows == 1) fputs("one value\n", stream);
+      if (!point->steady.is_steady)
+        fputs("NOT STEADY, left out\n", stream);
+      else if (point->steady.rows == 1)
+        fputs("one value\n", stream);
       else
         fprintf(stream, "from %.4g s, %zu rows\n", point->steady.from_time, point->steady.rows);
     }
@@ -206,13 +207,14 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     if (isfinite(fit->r_squared))
       fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
     if (isfinite(fit->free_slope))
-      fprintf(stream, "  free line: v = %.4g + %.6g i m/s\n", fit->free_intercept,
-              fit->free_slope);
+      fprintf(stream, "  free line: v = %.4g + %.6g i m/s\n", fit->free_intercept, fit->free_slope);
     if (fit->forchheimer)
-      fprintf(stream, "  Forchheimer: i = v/k + b v^2, b = %.4g +- %.2g s^2/m^2 (%.1f %% of the "
-                      "highest gradient); k above is this fit's\n",
+      fprintf(stream,
+              "  Forchheimer: i = v/k + b v^2, b = %.4g +- %.2g s^2/m^2 (%.1f %% of the "
+              "highest gradient); k above is this fit's\n",
               fit->b, fit->b_error, 100.0 * fit->curvature);
-    else if (isfinite(fit->b)) fputs("  Forchheimer term: not called for by the data\n", stream);
+    else if (isfinite(fit->b))
+      fputs("  Forchheimer term: not called for by the data\n", stream);
     fputc('\n', stream);
   }
   fprintf(stream, "%s\n", superficial);
@@ -232,11 +234,13 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
     }
     fputs("EOD\n", stream);
     const struct darcy_fit *fit = &table->fits[g];
-    if (fit->count == 0) fprintf(stream, "line%zu(i) = NaN\n", g);
+    if (fit->count == 0)
+      fprintf(stream, "line%zu(i) = NaN\n", g);
     else if (fit->forchheimer)
       fprintf(stream, "line%zu(i) = 100*(sqrt(1/%.9g**2 + 4*%.9g*i) - 1/%.9g)/(2*%.9g)\n", g,
               fit->k, fit->b, fit->k, fit->b);
-    else fprintf(stream, "line%zu(i) = 100*%.9g*i\n", g, fit->k);
+    else
+      fprintf(stream, "line%zu(i) = 100*%.9g*i\n", g, fit->k);
   }
   fprintf(stream,
           "set xlabel 'Hydraulic gradient {/:Italic i} (-)'\n"
@@ -250,12 +254,14 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
     run_group_name(table->first[g], name, sizeof name);
     if (g > 0) fputs(", \\\n  ", stream);
     fprintf(stream, "line%zu(x) with lines linewidth 2 ", g);
-    plot_series_style(stream, g);
+    plot_line_style(stream, g);
     fprintf(stream, " notitle, \\\n  $group%zu using 1:2:3 with yerrorbars linewidth 1.5 ", g);
-    plot_series_style(stream, g);
+    plot_line_style(stream, g);
+    plot_point_style(stream, g);
     if (table->fits[g].count > 0)
       snprintf(title, sizeof title, "%s: k = %.3g cm/s", name, 100.0 * table->fits[g].k);
-    else snprintf(title, sizeof title, "%s: not steady", name);
+    else
+      snprintf(title, sizeof title, "%s: not steady", name);
     fputs(" title ", stream);
     plot_text(stream, title);
   }

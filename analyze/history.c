@@ -11,9 +11,9 @@
 
 /* Columns every run has; all others were added by the scene (gauges, planes, volumes). */
 static bool is_standard(const char *name) {
-  static const char *const names[] = {"time",         "step",           "dt",       "darcy_velocity",
-                                      "density_max",  "density_mean",   "momentum", "mass",
-                                      "kinetic_energy", "reynolds"};
+  static const char *const names[] = {
+      "time",         "step",     "dt",   "darcy_velocity", "density_max",
+      "density_mean", "momentum", "mass", "kinetic_energy", "reynolds"};
   for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     if (strcmp(name, names[i]) == 0) return true;
   return false;
@@ -35,10 +35,11 @@ static enum status measure(const struct run *run, struct run_history *h) {
   h->run = run;
   h->density_peak = h->density_mean = NAN;
   TRY(run_darcy_series(run, &h->rows, &h->times, &h->velocity));
-  if (strcmp(run->method, "stokes") == 0 && run->direction[0] + run->direction[1] +
-                                                    run->direction[2] != 0.0)
+  if (strcmp(run->method, "stokes") == 0 &&
+      run->direction[0] + run->direction[1] + run->direction[2] != 0.0)
     TRY(steady_darcy(run, &h->steady));
-  else TRY(steady_find(h->times, h->velocity, h->rows, &h->steady));
+  else
+    TRY(steady_find(h->times, h->velocity, h->rows, &h->steady));
   const struct history_column *density = run_column(run, "density_max", 1);
   for (size_t i = 0; density != NULL && i < density->rows; i++)
     if (isfinite(density->values[i]))
@@ -77,8 +78,7 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "density_max_ratio", json_number(h->density_peak));
   json_object_set_new(object, "density_mean_ratio", json_number(h->density_mean));
   json_object_set_new(object, "time_s", json_numbers(h->times, h->rows));
-  json_object_set_new(object, "darcy_velocity_series_m_per_s",
-                      json_numbers(h->velocity, h->rows));
+  json_object_set_new(object, "darcy_velocity_series_m_per_s", json_numbers(h->velocity, h->rows));
   if (h->density.bins > 0)
     json_object_set_new(object, "density_histogram",
                         json_pack("{s:o,s:o}", "bin_edges",
@@ -136,8 +136,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
     if (isfinite(h->density_peak))
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
     if (isfinite(h->steady.error95))
-      snprintf(error, sizeof error, "%.2f %%",
-               100.0 * h->steady.error95 / fabs(h->steady.mean));
+      snprintf(error, sizeof error, "%.2f %%", 100.0 * h->steady.error95 / fabs(h->steady.mean));
     fprintf(stream, "  %-26.60s %10.4g %12s %14.6g %9s %12s %10s\n", h->run->name,
             h->times[h->rows - 1], from, h->steady.mean, error, density, h->run->status);
   }
@@ -152,9 +151,9 @@ static void start_panel(FILE *stream, const char *xlabel, const char *ylabel) {
 }
 
 /* `scale` * column, against ms when the runs are short. */
-static void write_series(FILE *stream, const char *name, size_t i, size_t rows,
-                         const double *times, double time_scale, const double *values,
-                         size_t stride, double scale, double offset) {
+static void write_series(FILE *stream, const char *name, size_t i, size_t rows, const double *times,
+                         double time_scale, const double *values, size_t stride, double scale,
+                         double offset) {
   fprintf(stream, "$%s%zu << EOD\n", name, i);
   size_t step = rows / 4000 + 1; /* more points than pixels only swell the file */
   for (size_t r = 0; r < rows; r += step)
@@ -167,7 +166,7 @@ static void plot_lines(FILE *stream, const char *block, size_t n, const char *st
                        const struct run_history *table) {
   for (size_t i = 0; i < n; i++) {
     fprintf(stream, "%s$%s%zu with %s linewidth 1.8 ", i > 0 ? ", " : "", block, i, style);
-    plot_series_style(stream, i);
+    plot_line_style(stream, i);
     fputs(" title ", stream);
     plot_text(stream, table[i].run->name);
   }
@@ -179,13 +178,12 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   const struct history_column *model = &table[0].run->columns[column_of_first];
   size_t components = (size_t)model->components;
   for (size_t i = 0; i < n; i++) {
-    const struct history_column *column =
-        run_column(table[i].run, model->name, model->components);
+    const struct history_column *column = run_column(table[i].run, model->name, model->components);
     for (size_t d = 0; d < components && column != NULL; d++) {
       char block[32];
       snprintf(block, sizeof block, "c%zu_%zu_", column_of_first, d);
-      write_series(stream, block, i, table[i].rows, table[i].times, time_scale,
-                   column->values + d, components, 1.0, 0.0);
+      write_series(stream, block, i, table[i].rows, table[i].times, time_scale, column->values + d,
+                   components, 1.0, 0.0);
     }
   }
   char label[400];
@@ -195,8 +193,8 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   for (size_t i = 0; i < n; i++) {
     if (run_column(table[i].run, model->name, model->components) == NULL) continue;
     for (size_t d = 0; d < components; d++) {
-      fprintf(stream, "%s$c%zu_%zu_%zu with lines linewidth 1.8 dashtype %zu ",
-              first ? "" : ", ", column_of_first, d, i, d + 1);
+      fprintf(stream, "%s$c%zu_%zu_%zu with lines linewidth 1.8 dashtype %zu ", first ? "" : ", ",
+              column_of_first, d, i, d + 1);
       fprintf(stream, "linecolor rgb '%s'", plot_colours[i % PLOT_COLOURS]);
       first = false;
     }
@@ -229,12 +227,9 @@ static void write_plot(const struct run_history *table, size_t n, struct product
       write_series(stream, "p", i, h->rows, h->times, time_scale, peak->values, 1,
                    100.0 / h->run->density, 100.0);
     if (h->density.bins == 0) continue;
-    fprintf(stream, "$d%zu << EOD\n", i);
-    for (size_t b = 0; b < h->density.bins; b++)
-      fprintf(stream, "%.7g %.7g\n",
-              100.0 * (0.5 * (h->density.edges[b] + h->density.edges[b + 1]) - 1.0),
-              h->density.density[b] / 100.0);
-    fputs("EOD\n", stream);
+    char name[32];
+    snprintf(name, sizeof name, "d%zu", i);
+    plot_steps(stream, name, h->density.bins, h->density.edges, h->density.density, 100.0, 100.0);
   }
   size_t key_rows = (n + 2) / 3;
   product->width = across == 2 ? 1200 : 800;
@@ -242,8 +237,8 @@ static void write_plot(const struct run_history *table, size_t n, struct product
   double bottom = (double)(key_rows * 26 + 70) / product->height;
   fprintf(stream,
           "set multiplot layout %zu,%zu margins %s,0.985,%.4f,0.975 spacing 0.10,%.3f\n"
-          "set key at screen 0.5,0.008 center bottom horizontal maxcols 3 samplen 2\n"
-          "set xtics autofreq rangelimited\nset yrange [*:*]\n",
+          "set key at screen 0.5,0.008 center bottom horizontal maxcols 3 samplen 2 reverse Left\n"
+          "set yrange [*:*]\n",
           down, across, across == 2 ? "0.075" : "0.11", bottom, 85.0 / product->height);
   start_panel(stream, time_label, "Darcy velocity (cm/s)");
   plot_lines(stream, "v", n, "lines", table);
@@ -253,12 +248,11 @@ static void write_plot(const struct run_history *table, size_t n, struct product
   }
   if (any_density) {
     fputs("set yrange [0:*]\n", stream);
-    start_panel(stream, "Density above reference, last snapshot (%)",
-                "Probability density (1/%)");
+    start_panel(stream, "Density above reference, last snapshot (%)", "Probability density (1/%)");
     for (size_t i = 0, drawn = 0; i < n; i++) {
       if (table[i].density.bins == 0) continue;
-      fprintf(stream, "%s$d%zu with histeps linewidth 1.8 ", drawn++ > 0 ? ", " : "", i);
-      plot_series_style(stream, i);
+      fprintf(stream, "%s$d%zu with lines linewidth 1.8 ", drawn++ > 0 ? ", " : "", i);
+      plot_line_style(stream, i);
     }
     fputs("\nset yrange [*:*]\n", stream);
   }

@@ -55,11 +55,17 @@ void moments_of(const double *values, size_t n, struct moments *moments) {
   *moments = (struct moments){mean, sqrt(m2), m3 / (m2 * sqrt(m2)), m4 / (m2 * m2) - 3.0};
 }
 
-double pdf_slit(double s) { return s >= 0.0 && s < 1.5 ? 1.0 / (3.0 * sqrt(1.0 - s / 1.5)) : 0.0; }
+double pdf_slit(double s) {
+  return s >= 0.0 && s < 1.5 ? 1.0 / (3.0 * sqrt(1.0 - s / 1.5)) : 0.0;
+}
 
-double pdf_tube(double s) { return s >= 0.0 && s <= 2.0 ? 0.5 : 0.0; }
+double pdf_tube(double s) {
+  return s >= 0.0 && s <= 2.0 ? 0.5 : 0.0;
+}
 
-double pdf_exponential(double s) { return s >= 0.0 ? exp(-s) : 0.0; }
+double pdf_exponential(double s) {
+  return s >= 0.0 ? exp(-s) : 0.0;
+}
 
 /* Log-likelihood per value at the best sigma of a given gamma, sigma^gamma = gamma <s^gamma>:
  * p(s) = gamma / (sigma Gamma(1/gamma)) exp(-(s/sigma)^gamma) on s > 0. */

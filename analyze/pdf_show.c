@@ -12,15 +12,15 @@ struct velocity_statistics {
   const struct run *run;
   size_t particles;
   double time;
-  double mean;                     /* pore mean along the force, m/s */
+  double mean; /* pore mean along the force, m/s */
   struct pdf raw, normalised;
-  double low, high;                /* of v / mean */
-  double backward;                 /* share of particles against the force */
-  double transverse;               /* |mean transverse velocity| / mean */
-  double transverse_deviation;     /* rms transverse velocity / mean */
-  double tortuosity;               /* mean speed / mean along the force */
-  struct moments moments;          /* of v / mean */
-  double sigma, gamma;             /* power-exponential */
+  double low, high;            /* of v / mean */
+  double backward;             /* share of particles against the force */
+  double transverse;           /* |mean transverse velocity| / mean */
+  double transverse_deviation; /* rms transverse velocity / mean */
+  double tortuosity;           /* mean speed / mean along the force */
+  struct moments moments;      /* of v / mean */
+  double sigma, gamma;         /* power-exponential */
 };
 
 static enum status measure(const struct run *run, struct velocity_statistics *out) {
@@ -53,8 +53,8 @@ static enum status measure(const struct run *run, struct velocity_statistics *ou
   out->mean = total / (double)n;
   out->backward /= (double)n;
   if (!(fabs(out->mean) > 0.0))
-    TRY_FAIL(STATUS_INPUT, "%s: the fluid is at rest in the last snapshot: no velocity to normalise",
-             run->path);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: the fluid is at rest in the last snapshot: no velocity to normalise", run->path);
   out->transverse =
       sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / fabs(out->mean);
   out->transverse_deviation = sqrt(sideways / (double)n) / fabs(out->mean);
@@ -99,9 +99,9 @@ static void fill_json(const struct velocity_statistics *s, json_t *object) {
   json_object_set_new(object, "transverse_ratio", json_number(s->transverse));
   json_object_set_new(object, "transverse_rms_ratio", json_number(s->transverse_deviation));
   json_object_set_new(object, "tortuosity", json_number(s->tortuosity));
-  json_object_set_new(object, "power_exponential",
-                      json_pack("{s:o,s:o}", "sigma", json_number(s->sigma), "gamma",
-                                json_number(s->gamma)));
+  json_object_set_new(
+      object, "power_exponential",
+      json_pack("{s:o,s:o}", "sigma", json_number(s->sigma), "gamma", json_number(s->gamma)));
 }
 
 static void write_csv(const struct velocity_statistics *table, size_t n, FILE *stream) {
@@ -112,10 +112,12 @@ static void write_csv(const struct velocity_statistics *table, size_t n, FILE *s
       csv_text(stream, table[i].run->name);
       if (j < a->bins)
         fprintf(stream, ",%.8g,%.8g", 0.5 * (a->edges[j] + a->edges[j + 1]), a->density[j]);
-      else fputs(",,", stream);
+      else
+        fputs(",,", stream);
       if (j < b->bins)
         fprintf(stream, ",%.8g,%.8g\n", 0.5 * (b->edges[j] + b->edges[j + 1]), b->density[j]);
-      else fputs(",,\n", stream);
+      else
+        fputs(",,\n", stream);
     }
   }
 }
@@ -135,64 +137,68 @@ static void write_summary(const struct velocity_statistics *table, size_t n, FIL
         stream);
 }
 
-static void write_steps(FILE *stream, const char *name, size_t i, const struct pdf *pdf,
-                        double scale) {
-  fprintf(stream, "$%s%zu << EOD\n", name, i);
-  for (size_t j = 0; j < pdf->bins; j++)
-    fprintf(stream, "%.7g %.7g\n", scale * 0.5 * (pdf->edges[j] + pdf->edges[j + 1]),
-            pdf->density[j] > 0 ? pdf->density[j] / scale : NAN);
-  fputs("EOD\n", stream);
-}
-
 /* Left: raw, in mm/s; right: normalised with the reference curves, both logarithmic in density. */
-static void write_plot(const struct velocity_statistics *table, size_t n, FILE *stream) {
-  double peak = 0.0, low = 0.0, high = 2.5, sigma = table[0].sigma, gamma = table[0].gamma;
+static void write_plot(const struct velocity_statistics *table, size_t n, struct product *product) {
+  FILE *stream = product->plot.stream;
+  double peak = 0.0, least = 1.0, low = 0.0, high = 2.5, sigma = table[0].sigma,
+         gamma = table[0].gamma;
   for (size_t i = 0; i < n; i++) {
-    write_steps(stream, "raw", i, &table[i].raw, 1e3);
-    write_steps(stream, "norm", i, &table[i].normalised, 1.0);
+    const struct pdf *raw = &table[i].raw, *normalised = &table[i].normalised;
+    char name[32];
+    snprintf(name, sizeof name, "raw%zu", i);
+    plot_steps(stream, name, raw->bins, raw->edges, raw->density, 1e3, 0.0);
+    snprintf(name, sizeof name, "norm%zu", i);
+    plot_steps(stream, name, normalised->bins, normalised->edges, normalised->density, 1.0, 0.0);
     low = fmin(low, table[i].low);
     high = fmax(high, table[i].high);
-    for (size_t j = 0; j < table[i].normalised.bins; j++)
-      peak = fmax(peak, table[i].normalised.density[j]);
+    for (size_t j = 0; j < normalised->bins; j++) {
+      peak = fmax(peak, normalised->density[j]);
+      if (normalised->density[j] > 0) least = fmin(least, normalised->density[j]);
+    }
   }
-  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.30,0.97 spacing 0.085,0\n"
-        "set logscale y\nset format y '10^{%L}'\nset mytics 1\nset samples 1000\n"
-        "set ylabel 'Probability density (s/mm)'\n"
-        "set xlabel 'Velocity along the force (mm/s)'\n"
-        "set key at screen 0.28,0.005 center bottom maxrows 4 width -2 samplen 2 reverse Left\n",
-        stream);
+  size_t key_rows = (n + 2) / 3 > 2 ? (n + 2) / 3 : 2;
+  product->width = 1200;
+  product->height = (int)(490 + key_rows * 25);
+  fprintf(stream,
+          "set multiplot layout 1,2 margins 0.07,0.985,%.4f,0.97 spacing 0.085,0\n"
+          "set logscale y\nset format y '10^{%%L}'\nset mytics 1\nset samples 2000\n"
+          "set ylabel 'Probability density (s/mm)'\n"
+          "set xlabel 'Velocity along the force (mm/s)'\n"
+          "set key at screen 0.28,0.012 center bottom horizontal maxcols 3 samplen 2 reverse Left "
+          "width 1\n",
+          (double)(key_rows * 25 + 72) / product->height);
   fputs("plot ", stream);
   for (size_t i = 0; i < n; i++) {
-    fprintf(stream, "%s$raw%zu with histeps linewidth 1.8 ", i > 0 ? ", " : "", i);
-    plot_series_style(stream, i);
+    fprintf(stream, "%s$raw%zu with lines linewidth 1.8 ", i > 0 ? ", " : "", i);
+    plot_line_style(stream, i);
     fputs(" title ", stream);
     plot_text(stream, table[i].run->name);
   }
   fprintf(stream,
-          "\nset key at screen 0.78,0.005 center bottom maxrows 2 width -1\n"
+          "\nset key at screen 0.785,0.012 center bottom vertical maxrows 2 maxcols 2\n"
           "set ylabel 'Probability density (-)'\n"
           "set xlabel 'Velocity along the force / pore mean (-)'\n"
-          "set xrange [%.4g:%.4g]\nset yrange [*:%.4g]\n"
+          "set xrange [%.4g:%.4g]\nset yrange [%.4g:%.4g]\n"
           "slit(s) = s >= 0 && s < 1.5 ? 1/(3*sqrt(1 - s/1.5)) : NaN\n"
           "tube(s) = s >= 0 && s <= 2 ? 0.5 : NaN\n"
           "expo(s) = s >= 0 ? exp(-s) : NaN\n"
           "powexp(s) = s > 0 ? %.6g*exp(-(s/%.6g)**%.6g) : NaN\n",
-          1.05 * low, 1.05 * high, 3.0 * fmax(peak, 1.0),
+          1.05 * low, 1.05 * high, fmin(0.5 * least, 0.05), 3.0 * fmax(peak, 1.0),
           gamma / (sigma * exp(lgamma(1.0 / gamma))), sigma, gamma);
-  /* The references' tails must not squeeze the data: cut below the least density shown. */
   fputs("plot ", stream);
   for (size_t i = 0; i < n; i++) {
-    fprintf(stream, "$norm%zu with histeps linewidth 1.8 ", i);
-    plot_series_style(stream, i);
+    fprintf(stream, "$norm%zu with lines linewidth 1.8 ", i);
+    plot_line_style(stream, i);
     fputs(" notitle, ", stream);
   }
-  fprintf(stream,
-          "slit(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 1 title 'slit', "
-          "tube(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 2 title 'tube', "
-          "expo(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 3 title 'exponential', "
-          "powexp(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 4 "
-          "title 'power-exponential, γ = %.2f'\nunset multiplot\n",
-          gamma);
+  fprintf(
+      stream,
+      "slit(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 1 title 'slit', "
+      "tube(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 2 title 'tube', "
+      "expo(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 3 title 'exponential', "
+      "powexp(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 4 "
+      "title 'power-exponential, γ = %.2f'\nunset multiplot\n",
+      gamma);
 }
 
 enum status pdf_analyze(const struct run *runs, size_t n, struct product *product) {
@@ -210,9 +216,7 @@ enum status pdf_analyze(const struct run *runs, size_t n, struct product *produc
   if (n == 1) fill_json(&table[0], product->json);
   write_csv(table, n, product->csv.stream);
   write_summary(table, n, product->summary.stream);
-  write_plot(table, n, product->plot.stream);
-  product->width = 1200;
-  product->height = 560;
+  write_plot(table, n, product);
 cleanup:
   for (size_t i = 0; table != NULL && i < n; i++) {
     pdf_free(&table[i].raw);

@@ -1,7 +1,7 @@
+#define _GNU_SOURCE /* posix_spawn_file_actions_addchdir_np */
 #include "analyze/plot.h"
 
 #include <errno.h>
-#include <math.h>
 #include <spawn.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -19,47 +19,37 @@ extern char **environ;
 const char *const plot_colours[PLOT_COLOURS] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                 "#E69F00", "#56B4E9", "#882255", "#000000"};
 
-static const char head[] =
-    "# gnuplot %1$s.gp                      writes %1$s.svg\n"
-    "# gnuplot -e \"format='png'\" %1$s.gp    writes %1$s.png\n"
-    "if (!exists('format')) format = 'svg'\n"
-    "if (format eq 'svg') set terminal svg size %2$d,%3$d dynamic enhanced "
-    "font 'Helvetica,Arial,sans-serif,15' background '#ffffff'\n"
-    "if (format eq 'png') set terminal pngcairo size %4$d,%5$d enhanced font 'DejaVu Sans,13' "
-    "fontscale 1.5 linewidth 1.6 pointscale 1.6 background '#ffffff'\n"
-    "set output '%1$s.'.format\n"
-    "set encoding utf8\n"
-    "set border linewidth 1 linecolor rgb '#444444'\n"
-    "set tics textcolor rgb '#222222'\n"
-    "set grid linecolor rgb '#dddddd' linewidth 0.6 linetype 1\n"
-    "set key noenhanced\n\n";
-
-void plot_series_style(FILE *stream, size_t i) {
-  static const int points[PLOT_COLOURS] = {7, 5, 9, 13, 11, 15, 6, 4};
-  size_t j = i % PLOT_COLOURS;
-  fprintf(stream, "linecolor rgb '%s' pointtype %d dashtype %zu", plot_colours[j], points[j],
+void plot_line_style(FILE *stream, size_t i) {
+  fprintf(stream, "linecolor rgb '%s' dashtype %zu", plot_colours[i % PLOT_COLOURS],
           1 + i / PLOT_COLOURS);
+}
+
+void plot_point_style(FILE *stream, size_t i) {
+  static const int points[PLOT_COLOURS] = {7, 5, 9, 13, 11, 15, 6, 4};
+  fprintf(stream, " pointtype %d", points[i % PLOT_COLOURS]);
 }
 
 void plot_text(FILE *stream, const char *text) {
   fputc('\'', stream);
   for (; *text != '\0'; text++) {
     unsigned char c = (unsigned char)*text;
-    if (c == '\'') fputs("''", stream);
-    else fputc(c < 0x20 || c == 0x7f || c == '`' ? ' ' : c, stream);
+    if (c == '\'')
+      fputs("''", stream);
+    else
+      fputc(c < 0x20 || c == 0x7f || c == '`' ? ' ' : c, stream);
   }
   fputc('\'', stream);
 }
 
-void plot_data(FILE *stream, const char *name, size_t n, size_t columns, const double *values) {
+void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges,
+                const double *heights, double scale, double offset) {
   fprintf(stream, "$%s << EOD\n", name);
-  for (size_t i = 0; i < n; i++) {
-    for (size_t j = 0; j < columns; j++) {
-      double v = values[i * columns + j];
-      if (isfinite(v)) fprintf(stream, j > 0 ? " %.9g" : "%.9g", v);
-      else fputs(j > 0 ? " NaN" : "NaN", stream);
-    }
-    fputc('\n', stream);
+  for (size_t i = 0; i < bins; i++) {
+    if (heights[i] > 0)
+      fprintf(stream, "%.7g %.6g\n%.7g %.6g\n", scale * edges[i] - offset, heights[i] / scale,
+              scale * edges[i + 1] - offset, heights[i] / scale);
+    else if (i > 0 && heights[i - 1] > 0)
+      fputc('\n', stream);
   }
   fputs("EOD\n", stream);
 }
@@ -87,9 +77,30 @@ static enum status run_gnuplot(const char *folder, const char *name, const char 
   if (WIFEXITED(state) && WEXITSTATUS(state) == 127) return STATUS_OK;
   *ran = true;
   if (!WIFEXITED(state) || WEXITSTATUS(state) != 0)
-    return FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above",
-                folder, name);
+    return FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above", folder,
+                name);
   return STATUS_OK;
+}
+
+static void write_head(FILE *stream, const char *name, int width, int height) {
+  fprintf(stream,
+          "# gnuplot %s.gp                      writes %s.svg\n"
+          "# gnuplot -e \"format='png'\" %s.gp    writes %s.png\n"
+          "if (!exists('format')) format = 'svg'\n",
+          name, name, name, name);
+  fprintf(stream,
+          "if (format eq 'svg') set terminal svg size %d,%d dynamic enhanced "
+          "font 'Helvetica,Arial,sans-serif,15' background '#ffffff'\n"
+          "if (format eq 'png') set terminal pngcairo size %d,%d enhanced font 'DejaVu Sans,13' "
+          "fontscale 1.5 linewidth 1.6 pointscale 1.6 background '#ffffff'\n"
+          "set output '%s.'.format\n",
+          width, height, 2 * width, 2 * height, name);
+  fputs("set encoding utf8\n"
+        "set border linewidth 1 linecolor rgb '#444444'\n"
+        "set tics textcolor rgb '#222222'\n"
+        "set grid linecolor rgb '#dddddd' linewidth 0.6 linetype 1\n"
+        "set key noenhanced\n\n",
+        stream);
 }
 
 static enum status write_script(const char *folder, const char *name, const char *body, int width,
@@ -101,11 +112,11 @@ static enum status write_script(const char *folder, const char *name, const char
     return FAIL(STATUS_USAGE, "-o: the folder's name is too long");
   FILE *stream = open_memstream(&script, &size);
   if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
-  fprintf(stream, head, name, width, height, 2 * width, 2 * height);
+  write_head(stream, name, width, height);
   fputs(body, stream);
   bool bad = fclose(stream) != 0;
-  enum status status = bad ? FAIL(STATUS_RUN, "out of memory for a plot")
-                           : file_write(path, script, size);
+  enum status status =
+      bad ? FAIL(STATUS_RUN, "out of memory for a plot") : file_write(path, script, size);
   free(script);
   return status;
 }
@@ -156,8 +167,10 @@ enum status plot_svg(const char *name, const char *body, int width, int height, 
   TRY(write_script(folder, name, body, width, height));
   TRY(run_gnuplot(folder, name, "svg", &ran));
   snprintf(path, sizeof path, "%s/%s.svg", folder, name);
-  if (ran) TRY(read_whole(path, svg));
-  else warn_once();
+  if (ran)
+    TRY(read_whole(path, svg));
+  else
+    warn_once();
 cleanup:
   for (int i = 0; i < 2; i++) {
     snprintf(path, sizeof path, "%s/%s.%s", folder, name, i == 0 ? "gp" : "svg");

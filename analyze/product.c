@@ -141,12 +141,15 @@ void write_value_with_error(FILE *stream, double value, double error, const char
     return;
   }
   double share = error / fabs(value);
-  int digits = share > 0 ? 2 - (int)floor(log10(share)) : 6; /* two digits of the error */
+  /* As many digits as bring two of the error. */
+  int digits = share > 0 ? (int)(floor(log10(fabs(value))) - floor(log10(error))) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
   fprintf(stream, "%.*g +- %.2g %s (%.2g %%)", digits, value, error, unit, 100.0 * share);
 }
 
-json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+json_t *json_number(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
 
 json_t *json_text(const char *text) {
   json_t *value = json_string(text);

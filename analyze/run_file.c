@@ -160,8 +160,8 @@ static enum status read_identity(struct h5_file *file, struct run *run) {
     }
   }
   if (run->identity == 0) {
-    run->identity = hash_bytes(run->size, sizeof run->size) ^
-                    hash_bytes(run->spacing, sizeof run->spacing);
+    run->identity =
+        hash_bytes(run->size, sizeof run->size) ^ hash_bytes(run->spacing, sizeof run->spacing);
     if (run->solid != NULL)
       run->identity ^= hash_bytes(run->solid, run->size[0] * run->size[1] * run->size[2]);
   }
@@ -239,8 +239,7 @@ const struct history_column *run_column(const struct run *run, const char *name,
   return NULL;
 }
 
-enum status run_darcy_series(const struct run *run, size_t *rows, double **times,
-                             double **values) {
+enum status run_darcy_series(const struct run *run, size_t *rows, double **times, double **values) {
   enum status status = STATUS_OK;
   const struct history_column *time = run_column(run, "time", 1);
   const struct history_column *velocity = run_column(run, "darcy_velocity", 3);
@@ -294,8 +293,7 @@ enum status run_last_snapshot(const struct run *run, struct particles *particles
   if (snprintf(path, sizeof path, "%s%s", run->folder, name) >= (int)sizeof path)
     TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
   TRY(snapshot_open(path, &snapshot));
-  if (snapshot.count == 0)
-    TRY_FAIL(STATUS_INPUT, "%s: the snapshot holds no particles", path);
+  if (snapshot.count == 0) TRY_FAIL(STATUS_INPUT, "%s: the snapshot holds no particles", path);
   TRY(snapshot_read(&snapshot, "velocity", 3, &particles->velocity));
   if (h5_exists(snapshot.file, "/VTKHDF/PointData/density"))
     TRY(snapshot_read(&snapshot, "density", 1, &particles->density));

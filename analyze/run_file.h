@@ -25,10 +25,10 @@ struct run {
   char *model_path;  /* "" without a model */
   uint64_t identity; /* equal for runs of the same geometry: model hash, else the sites' own hash */
 
-  double driving[3];         /* m/s^2 */
-  double direction[3];       /* unit vector along `driving`; zero where nothing drives */
-  double hydraulic_gradient; /* along the driving force; NAN where there is none */
-  double density, viscosity; /* kg/m^3, Pa s */
+  double driving[3];            /* m/s^2 */
+  double direction[3];          /* unit vector along `driving`; zero where nothing drives */
+  double hydraulic_gradient;    /* along the driving force; NAN where there is none */
+  double density, viscosity;    /* kg/m^3, Pa s */
   double spacing[3], origin[3]; /* m, x y z; origin is the centre of site (0,0,0) */
   size_t size[3];
   int dimensions;

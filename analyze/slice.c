@@ -112,9 +112,10 @@ static void write_plot(const struct run *run, const struct window *w, const stru
       if (cells[i].count > 0)
         speeds[count++] = hypot(cells[i].velocity[0], cells[i].velocity[1]) / cells[i].count;
     fast = count > 0 ? quantile(speeds, count, 0.98) : 0.0;
-  } else error_clear();
+  } else
+    error_clear();
   memory_free(&speeds);
-  double scale = fast > 0 ? 1.6 * w->cell / fast : 0.0;
+  double scale = fast > 0 ? 1.3 * w->cell / fast : 0.0;
 
   write_grains(run, w, stream);
   fputs("$vectors << EOD\n", stream); /* x y dx dy (mm), speed (mm/s) */
@@ -130,23 +131,28 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   fputs("EOD\n", stream);
   double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
   double pixels = 720.0 / fmax(width, height);
-  product->width = (int)fmax(width * pixels, 240.0) + 200;
-  product->height = (int)fmax(height * pixels, 160.0) + 100;
+  /* Room for axis labels (90, 75 pixels) and the colour bar (130). */
+  double across = fmax(width * pixels, 240.0), up = fmax(height * pixels, 160.0);
+  product->width = (int)across + 220;
+  product->height = (int)up + 95;
   fprintf(stream,
           "set xlabel '{/:Italic %c} (mm)'\nset ylabel '{/:Italic %c} (mm)'\n"
           "set size ratio %.8g\nset xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\n"
           "unset grid\nunset key\nset tics out nomirror\n"
-          "set palette defined (0 '#d0d3d4', 0.12 '#56B4E9', 0.4 '#0072B2', 0.7 '#D55E00', "
-          "1 '#7a2e00')\n"
-          "set cblabel 'Speed in the plane (mm/s)'\nset cbrange [0:%.5g]\n"
-          "set colorbox user origin graph 1.03, graph 0 size graph 0.035, graph 1\n"
-          "grain(v) = v > 0 ? 0xb9a88f : 0xffffff\n"
+          "set lmargin at screen %.4f\nset rmargin at screen %.4f\n"
+          "set bmargin at screen %.4f\nset tmargin at screen %.4f\n"
+          "set palette defined (0 '#fdb42f', 0.25 '#ed7953', 0.5 '#cc4778', 0.75 '#9c179e', "
+          "1 '#0d0887')\n"
+          "set cblabel 'Speed in the plane (mm/s)' offset 1.6,0\nset cbrange [0:%.5g]\n"
+          "set colorbox user origin graph 1.03, graph 0 size graph 0.03, graph 1\n"
+          "grain(v) = v > 0 ? 0xc8c2b8 : 0xffffff\n"
           "plot $grains using 1:2:(grain($3)) with rgbimage, \\\n"
           "  $vectors using 1:2:3:4:5 with vectors head filled size graph %.4f,18 "
           "linewidth 1.2 linecolor palette\n",
           axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
-          1e3 * w->low[1], 1e3 * w->high[1], fast > 0 ? 1e3 * fast : 1.0,
-          0.45 * w->cell / fmax(width, height));
+          1e3 * w->low[1], 1e3 * w->high[1], 90.0 / product->width,
+          (90.0 + across) / product->width, 75.0 / product->height, (75.0 + up) / product->height,
+          fast > 0 ? 1e3 * fast : 1.0, 0.45 * w->cell / fmax(width, height));
 }
 
 enum status slice_analyze(const struct run *run, const struct slice_request *request,
@@ -155,7 +161,7 @@ enum status slice_analyze(const struct run *run, const struct slice_request *req
   static const char axes[] = "xyz";
   struct particles particles = {0};
   struct cell *cells = NULL;
-  struct window w;
+  struct window w = {0};
   size_t vectors = 0;
   double fastest = 0.0, mean = 0.0;
   TRY(choose_window(run, request, &w));

@@ -9,11 +9,11 @@
 #include "analyze/run_file.h"
 
 struct slice_request {
-  int axis;          /* normal of the plane: 0 x, 1 y, 2 z */
-  double position;   /* m, middle of the slab; NAN: middle of the run */
-  double thickness;  /* m; NAN: one spacing */
+  int axis;         /* normal of the plane: 0 x, 1 y, 2 z */
+  double position;  /* m, middle of the slab; NAN: middle of the run */
+  double thickness; /* m; NAN: one spacing */
   bool zoomed;
-  double zoom[4];    /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
+  double zoom[4]; /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
 };
 
 /* Vectors are means over cells so that not more than about 60 stand along an axis. */

@@ -20,8 +20,7 @@ struct steady {
 /* The steady point by the marginal standard error rule (White 1997, Simulation 69, 323): the
  * number of rows to drop that minimises the variance of the remaining mean. Rows that are not
  * evenly spaced in time are first resampled. At least a tenth of the rows (and 5) is kept. */
-enum status steady_find(const double *times, const double *values, size_t n,
-                        struct steady *steady);
+enum status steady_find(const double *times, const double *values, size_t n, struct steady *steady);
 
 /* Darcy velocity of a run along its driving force: for method stokes the one converged value with
  * the run's own k_error, else the steady mean of its history. */

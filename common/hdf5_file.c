@@ -441,6 +441,32 @@ cleanup:
   return status;
 }
 
+enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names) {
+  enum status status = STATUS_OK;
+  H5G_info_t info;
+  size_t n = 0;
+  *count = 0;
+  *names = NULL;
+  hid_t id = path_inside(file, group) ? H5Gopen2(file->id, group, H5P_DEFAULT) : -1;
+  if (id < 0 || H5Gget_info(id, &info) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: has no group %s", file->path, group);
+  n = (size_t)info.nlinks;
+  TRY(memory_allocate(names, n, sizeof **names, group));
+  for (size_t i = 0; i < n; i++) {
+    ssize_t length = H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0,
+                                        H5P_DEFAULT);
+    if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, group);
+    TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, group));
+    H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i], (size_t)length + 1,
+                       H5P_DEFAULT);
+  }
+  *count = n;
+cleanup:
+  if (status != STATUS_OK) h5_free_texts(n, names);
+  if (id >= 0) H5Gclose(id);
+  return status;
+}
+
 enum status h5_read_text(struct h5_file *file, const char *name, char **text) {
   char **texts;
   size_t count;

@@ -1,0 +1,149 @@
+# analyze, driven as a user does, on runs made up by make_run.py.
+setup_file() {
+  cd "$BATS_FILE_TMPDIR"
+  export MAKE_RUN="$BATS_TEST_DIRNAME/make_run.py"
+  for g in 1 5 10; do
+    /usr/bin/python3 "$MAKE_RUN" d$g.hdf i=$g name=dense-${g}G noise=0.01 gauge=1
+  done
+  /usr/bin/python3 "$MAKE_RUN" l1.hdf i=1 k=2.25e-3 hash=0x99 model=loose.hdf name=loose-1G
+}
+setup() {
+  cd "$BATS_FILE_TMPDIR"
+  PATH="$BUILD/bin:$PATH"
+}
+# field FILE PATH: a value of a JSON file
+field() { /usr/bin/python3 -c "import json,sys
+v = json.load(open('$1'))
+for key in '$2'.split('.'): v = v[int(key)] if key.isdigit() else v[key]
+print(v)"; }
+# near VALUE WANTED RELATIVE
+near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"; }
+
+@test "help of every subcommand shows an example" {
+  for command in darcy pdf history slice; do
+    run analyze $command --help
+    [ "$status" -eq 0 ]
+    [[ "$output" == *"analyze $command"*".hdf"* ]]
+  done
+}
+
+@test "darcy finds k, its error and the line" {
+  run analyze darcy d1.hdf d5.hdf d10.hdf -o out
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"cm/s"* && "$output" == *"m^2"* && "$output" == *"darcy"* ]]
+  near "$(field out/darcy.json k_m_per_s)" 1.5e-3 0.005
+  near "$(field out/darcy.json k_cm_per_s)" 0.15 0.005
+  near "$(field out/darcy.json intrinsic_permeability_m2)" 1.5296e-10 0.005
+  near "$(field out/darcy.json r_squared)" 1 1e-4
+  [ "$(field out/darcy.json forchheimer.called_for)" = False ]
+  for ending in csv gp svg png; do [ -s out/darcy.$ending ]; done
+  grep -q "<svg" out/darcy.svg
+}
+
+@test "darcy finds a Forchheimer term that is there" {
+  for g in 1 2 4 8; do /usr/bin/python3 "$MAKE_RUN" f$g.hdf i=$g b=20000 noise=0.002; done
+  analyze darcy f1.hdf f2.hdf f4.hdf f8.hdf --json > f.json
+  [ "$(field f.json forchheimer.called_for)" = True ]
+  near "$(field f.json forchheimer.b_s2_per_m2)" 20000 0.05
+  near "$(field f.json k_m_per_s)" 1.5e-3 0.02
+}
+
+@test "darcy keeps different models apart, and says so" {
+  run analyze darcy d1.hdf l1.hdf
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"2 groups"* ]]
+  analyze darcy d1.hdf l1.hdf --json > two.json
+  run field two.json k_m_per_s
+  [ "$status" -ne 0 ]
+  near "$(field two.json groups.1.k_m_per_s)" 2.25e-3 0.01
+}
+
+@test "a stationary solution counts with its own error" {
+  /usr/bin/python3 "$MAKE_RUN" st.hdf method=stokes rows=2 k_error=0.02 status=converged
+  analyze darcy st.hdf --json > st.json
+  near "$(field st.json k_m_per_s)" 1.5e-3 1e-9
+  near "$(field st.json k_relative_error)" 0.02 1e-6
+}
+
+@test "a run that still drifts gives no k" {
+  /usr/bin/python3 "$MAKE_RUN" dr.hdf tau=10 end=0.01
+  run analyze darcy dr.hdf
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"not steady"* && "$output" == *"k: none"* ]]
+}
+
+@test "pdf: range, integral and transverse share of a slit" {
+  analyze pdf d1.hdf -o out > /dev/null
+  near "$(field out/pdf.json normalised_velocity_max)" 1.478 0.002
+  near "$(field out/pdf.json normalised_velocity_min)" 0.2836 0.002
+  near "$(field out/pdf.json pore_mean_m_per_s)" 3e-3 1e-6
+  [ "$(field out/pdf.json transverse_ratio)" = 0.0 ]
+  /usr/bin/python3 - <<'PY'
+import json
+p = json.load(open("out/pdf.json"))["pdf"]
+e, d = p["bin_edges"], p["density"]
+assert len(e) == len(d) + 1
+assert abs(sum(x * (b - a) for x, a, b in zip(d, e, e[1:])) - 1) < 1e-9
+PY
+  [ -s out/pdf.png ]
+}
+
+@test "history: steadiness, density, and the columns a scene added" {
+  analyze history d1.hdf d10.hdf -o out > /dev/null
+  near "$(field out/history.json runs.1.density_max_ratio)" 1.1 1e-3
+  near "$(field out/history.json runs.0.columns.gauge_inlet.last.0)" 10 1e-9
+  [ "$(field out/history.json runs.0.steady)" = True ]
+  head -1 out/history.csv | grep -q gauge_inlet
+  [ -s out/history.png ]
+}
+
+@test "slice: vectors of the slab only, zoomed" {
+  analyze slice d1.hdf --plane y=0.4mm --thickness 0.1mm --zoom 0.3mm,0.2mm,0.6mm,0.6mm -o out > /dev/null
+  near "$(field out/slice.json speed_max_m_per_s)" 4.433e-3 1e-3
+  /usr/bin/python3 - <<'PY'
+import csv
+rows = list(csv.DictReader(open("out/slice.csv")))
+assert rows and all(0.25e-3 < float(r["x_m"]) < 0.65e-3 and float(r["velocity_z_m_per_s"]) < 0 for r in rows)
+PY
+  [ -s out/slice.png ]
+}
+
+@test "without gnuplot the numbers are there and one warning" {
+  mkdir -p bin && ln -sf "$BUILD/bin/analyze" bin/analyze
+  run env PATH="$PWD/bin" analyze darcy d1.hdf -o plain
+  [ "$status" -eq 0 ]
+  [ "$(grep -c 'gnuplot is not installed' <<< "$output")" -eq 1 ]
+  [ -s plain/darcy.json ] && [ -s plain/darcy.csv ] && [ ! -e plain/darcy.png ]
+}
+
+@test "wrong input: message names the file and the mend" {
+  run analyze darcy missing.hdf
+  [ "$status" -ne 0 ] && [[ "$output" == *"missing.hdf"* ]]
+  echo "no HDF5" > text.hdf
+  run analyze darcy text.hdf
+  [ "$status" -eq 3 ] && [[ "$output" == *"text.hdf"* ]]
+  run analyze darcy d1-0000.hdf
+  [ "$status" -eq 3 ] && [[ "$output" == *"snapshot"*"OUT.hdf"* ]]
+  /usr/bin/python3 "$MAKE_RUN" bare.hdf snapshots=0
+  run analyze pdf bare.hdf
+  [ "$status" -eq 3 ] && [[ "$output" == *"bare.hdf"*"no snapshots"* ]]
+  cp d1.hdf lost.hdf; cp d1.hdf sub.hdf; mkdir -p far; cp d1.hdf far/
+  run analyze pdf far/d1.hdf
+  [ "$status" -ne 0 ] && [[ "$output" == *"far/d1-0000.hdf"* ]]
+  /usr/bin/python3 "$MAKE_RUN" still.hdf i=0 k=0 driving=0
+  run analyze darcy still.hdf
+  [ "$status" -eq 3 ] && [[ "$output" == *"still.hdf"*"driving force"* ]]
+}
+
+@test "wrong use: exit 2" {
+  run analyze slice d1.hdf --plane w=1mm
+  [ "$status" -eq 2 ]
+  run analyze slice d1.hdf --plane x=1s
+  [ "$status" -eq 2 ]
+  run analyze slice d1.hdf --zoom 1mm,2mm
+  [ "$status" -eq 2 ]
+  run analyze slice d1.hdf --plane x=5m
+  [ "$status" -eq 2 ] && [[ "$output" == *"spans"* ]]
+  run analyze darcy
+  [ "$status" -eq 2 ]
+}

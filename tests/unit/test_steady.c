@@ -1,0 +1,76 @@
+/* Steady point and mean of histories whose answers are known. */
+#include "analyze/steady.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#define ROWS 400
+static double times[ROWS], values[ROWS];
+
+static double noise(uint64_t *state) {
+  *state = *state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(*state >> 11) / 9007199254740992.0 - 0.5;
+}
+
+static void test_start_up_is_dropped(void **state) {
+  (void)state;
+  uint64_t seed = 1;
+  struct steady steady;
+  for (int i = 0; i < ROWS; i++) {
+    times[i] = 1e-3 * i;
+    values[i] = 2.0 * (1.0 - exp(-i / 20.0)) * (1.0 + 0.02 * noise(&seed));
+  }
+  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
+  assert_true(steady.is_steady);
+  assert_in_range(steady.first, 60, 200); /* exp(-3) of 2 is above the noise before 60 */
+  assert_true(fabs(steady.mean - 2.0) < 0.003);
+  assert_true(fabs(steady.mean - 2.0) <= 2.0 * steady.error95);
+}
+
+static void test_drift_is_not_steady(void **state) {
+  (void)state;
+  struct steady steady;
+  for (int i = 0; i < ROWS; i++) {
+    times[i] = i;
+    values[i] = exp(i / 60.0); /* a run that blows up */
+  }
+  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
+  assert_false(steady.is_steady);
+}
+
+/* Rows that crowd where the value is high must not pull the mean. */
+static void test_uneven_rows_are_weighted_by_time(void **state) {
+  (void)state;
+  struct steady steady;
+  double t = 0.0;
+  for (int i = 0; i < ROWS; i++) {
+    double phase = fmod(t, 1.0);
+    values[i] = phase < 0.5 ? 1.0 : 3.0;
+    times[i] = t;
+    t += phase < 0.5 ? 0.05 : 0.01;
+  }
+  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
+  assert_true(fabs(steady.mean - 2.0) < 0.15); /* a plain mean gives 2.67 */
+}
+
+static void test_few_rows(void **state) {
+  (void)state;
+  struct steady steady;
+  values[0] = 5.0;
+  times[0] = 0.0;
+  assert_int_equal(steady_find(times, values, 1, &steady), STATUS_OK);
+  assert_true(steady.mean == 5.0);
+  assert_false(steady.is_steady);
+  assert_true(isnan(steady.error95));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_start_up_is_dropped), cmocka_unit_test(test_drift_is_not_steady),
+      cmocka_unit_test(test_uneven_rows_are_weighted_by_time), cmocka_unit_test(test_few_rows)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
