@@ -402,7 +402,9 @@ enum status config_auto_quantity(struct config *config, config_node *group, cons
   return *automatic ? STATUS_OK : parse_quantity(config, node, dimension, value);
 }
 
-static enum status refuse_unknown_in(struct config *config, config_node *node) {
+/* With `misspelt_only` just keys that resemble a known one, and not those of the root: the reads
+ * may not have come there yet. */
+static enum status refuse_unknown_in(struct config *config, config_node *node, bool misspelt_only) {
   bool group = config_is_group(node);
   for (int i = 0; i < config_setting_length(node) && (group || config_is_list(node)); i++) {
     config_node *child = config_setting_get_elem(node, (unsigned)i);
@@ -416,8 +418,9 @@ static enum status refuse_unknown_in(struct config *config, config_node *node) {
           if (n < 255) names[n++] = config->known[k].name;
         }
       names[n] = NULL;
-      if (!known) {
-        const char *near = nearest_name(name, names);
+      const char *near = known ? NULL : nearest_name(name, names);
+      bool root = config_setting_is_root(node) == CONFIG_TRUE;
+      if (!known && !(misspelt_only && (near == NULL || root))) {
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
           size_t used = strlen(list);
@@ -429,12 +432,20 @@ static enum status refuse_unknown_in(struct config *config, config_node *node) {
                             list);
       }
     }
-    enum status status = refuse_unknown_in(config, child);
+    enum status status = refuse_unknown_in(config, child, misspelt_only);
     if (status != STATUS_OK) return status;
   }
   return STATUS_OK;
 }
 
 enum status config_refuse_unknown(struct config *config) {
-  return refuse_unknown_in(config, config_root(config));
+  return refuse_unknown_in(config, config_root(config), false);
+}
+
+enum status config_explain_failure(struct config *config, enum status status) {
+  char message[1024];
+  snprintf(message, sizeof message, "%s", error_message());
+  error_clear();
+  if (refuse_unknown_in(config, config_root(config), true) != STATUS_OK) return STATUS_INPUT;
+  return FAIL(status, "%s", message);
 }

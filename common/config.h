@@ -65,6 +65,10 @@ enum status config_auto_quantity(struct config *config, config_node *group, cons
                                  struct dimension dimension, double *value, bool *automatic,
                                  bool *given);
 
+/* Call with the status of a failed read: a misspelt key nearby is the better message, since it is
+ * often why something is missing. Returns the status to go on with. */
+enum status config_explain_failure(struct config *config, enum status status);
+
 /* After all reads: every key of the file that no read asked for is an error. */
 enum status config_refuse_unknown(struct config *config);
 

@@ -50,8 +50,12 @@ void error_trace(const char *file, int line) {
   pthread_mutex_unlock(&lock);
 }
 
-const char *error_message(void) { return pending ? message : ""; }
-const char *error_trail(void) { return pending ? trail : ""; }
+const char *error_message(void) {
+  return pending ? message : "";
+}
+const char *error_trail(void) {
+  return pending ? trail : "";
+}
 
 void error_clear(void) {
   pthread_mutex_lock(&lock);

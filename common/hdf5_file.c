@@ -18,32 +18,50 @@ struct h5_file {
 
 static hid_t memory_type(enum h5_type type) {
   switch (type) {
-  case H5_U8: return H5T_NATIVE_UINT8;
-  case H5_I32: return H5T_NATIVE_INT32;
-  case H5_U32: return H5T_NATIVE_UINT32;
-  case H5_I64: return H5T_NATIVE_INT64;
-  case H5_U64: return H5T_NATIVE_UINT64;
-  case H5_F32: return H5T_NATIVE_FLOAT;
-  case H5_F64: return H5T_NATIVE_DOUBLE;
+  case H5_U8:
+    return H5T_NATIVE_UINT8;
+  case H5_I32:
+    return H5T_NATIVE_INT32;
+  case H5_U32:
+    return H5T_NATIVE_UINT32;
+  case H5_I64:
+    return H5T_NATIVE_INT64;
+  case H5_U64:
+    return H5T_NATIVE_UINT64;
+  case H5_F32:
+    return H5T_NATIVE_FLOAT;
+  case H5_F64:
+    return H5T_NATIVE_DOUBLE;
   }
   return -1;
 }
 
 static hid_t disk_type(enum h5_type type) {
   switch (type) {
-  case H5_U8: return H5T_STD_U8LE;
-  case H5_I32: return H5T_STD_I32LE;
-  case H5_U32: return H5T_STD_U32LE;
-  case H5_I64: return H5T_STD_I64LE;
-  case H5_U64: return H5T_STD_U64LE;
-  case H5_F32: return H5T_IEEE_F32LE;
-  case H5_F64: return H5T_IEEE_F64LE;
+  case H5_U8:
+    return H5T_STD_U8LE;
+  case H5_I32:
+    return H5T_STD_I32LE;
+  case H5_U32:
+    return H5T_STD_U32LE;
+  case H5_I64:
+    return H5T_STD_I64LE;
+  case H5_U64:
+    return H5T_STD_U64LE;
+  case H5_F32:
+    return H5T_IEEE_F32LE;
+  case H5_F64:
+    return H5T_IEEE_F64LE;
   }
   return -1;
 }
 
-size_t h5_type_size(enum h5_type type) { return H5Tget_size(memory_type(type)); }
-const char *h5_path(const struct h5_file *file) { return file->path; }
+size_t h5_type_size(enum h5_type type) {
+  return H5Tget_size(memory_type(type));
+}
+const char *h5_path(const struct h5_file *file) {
+  return file->path;
+}
 
 static enum status new_file(const char *path, bool writing, struct h5_file **result) {
   enum status status = STATUS_OK;
@@ -244,11 +262,11 @@ static enum status write_attribute(struct h5_file *file, const char *name, const
   enum status status = STATUS_OK;
   hid_t object = H5Oopen(file->id, name, H5P_DEFAULT);
   if (object >= 0 && H5Aexists(object, attribute) > 0) H5Adelete(object, attribute);
-  hid_t id = object < 0 ? -1
-                        : H5Acreate2(object, attribute, on_disk, space, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t id =
+      object < 0 ? -1 : H5Acreate2(object, attribute, on_disk, space, H5P_DEFAULT, H5P_DEFAULT);
   if (id < 0 || H5Awrite(id, in_memory, data) < 0)
-    status = FAIL(STATUS_RUN, "%s: attribute %s of %s cannot be written", file->path, attribute,
-                  name);
+    status =
+        FAIL(STATUS_RUN, "%s: attribute %s of %s cannot be written", file->path, attribute, name);
   if (id >= 0) H5Aclose(id);
   if (object >= 0) H5Oclose(object);
   H5Sclose(space);
@@ -295,11 +313,12 @@ static bool path_inside(struct h5_file *file, const char *name) {
   return true;
 }
 
-bool h5_exists(struct h5_file *file, const char *name) { return path_inside(file, name); }
+bool h5_exists(struct h5_file *file, const char *name) {
+  return path_inside(file, name);
+}
 
 bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute) {
-  return path_inside(file, name) &&
-         H5Aexists_by_name(file->id, name, attribute, H5P_DEFAULT) > 0;
+  return path_inside(file, name) && H5Aexists_by_name(file->id, name, attribute, H5P_DEFAULT) > 0;
 }
 
 static enum status open_dataset(struct h5_file *file, const char *name, hid_t *set) {
@@ -363,16 +382,17 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
   if (class == H5T_FLOAT && type != H5_F32 && type != H5_F64)
     TRY_FAIL(STATUS_INPUT, "%s: %s holds floats, integers are wanted", file->path, name);
   if (!filters_known(set))
-    TRY_FAIL(STATUS_INPUT, "%s: %s uses a filter or storage outside this file; store it plain or "
-                           "with deflate", file->path, name);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: %s uses a filter or storage outside this file; store it plain or "
+             "with deflate",
+             file->path, name);
   for (int i = 0; i < rank; i++) {
     dims[i] = shape[i];
     if (!size_multiply(count, shape[i], &count))
       TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
   }
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
-  if (count > 0 &&
-      H5Dread(set, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+  if (count > 0 && H5Dread(set, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
   memcpy(data, &values, sizeof values);
   values = NULL;

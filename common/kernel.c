@@ -2,7 +2,9 @@
 
 #include <math.h>
 
-double kernel_support_ratio(enum kernel kernel) { return kernel == KERNEL_QUINTIC ? 3 : 2; }
+double kernel_support_ratio(enum kernel kernel) {
+  return kernel == KERNEL_QUINTIC ? 3 : 2;
+}
 
 static double normalisation(enum kernel kernel, int dimensions, double h) {
   if (kernel == KERNEL_QUINTIC) {

@@ -15,8 +15,12 @@ void log_start(const char *name, enum log_level new_level) {
   program = name;
   level = new_level;
 }
-const char *log_program(void) { return program; }
-enum log_level log_level(void) { return level; }
+const char *log_program(void) {
+  return program;
+}
+enum log_level log_level(void) {
+  return level;
+}
 
 void log_info(const char *format, ...) {
   if (level < LOG_NORMAL) return;
@@ -67,10 +71,14 @@ void progress_start(struct progress *progress, const char *what, const char *uni
 }
 
 static void format_seconds(double seconds, char *text, size_t size) {
-  if (!(seconds < 360000)) snprintf(text, size, "?");
-  else if (seconds < 100) snprintf(text, size, "%.0f s", seconds);
-  else if (seconds < 6000) snprintf(text, size, "%.0f min", seconds / 60);
-  else snprintf(text, size, "%.1f h", seconds / 3600);
+  if (!(seconds < 360000))
+    snprintf(text, size, "?");
+  else if (seconds < 100)
+    snprintf(text, size, "%.0f s", seconds);
+  else if (seconds < 6000)
+    snprintf(text, size, "%.0f min", seconds / 60);
+  else
+    snprintf(text, size, "%.1f h", seconds / 3600);
 }
 
 void progress_update(struct progress *progress, double done, const char *note) {

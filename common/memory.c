@@ -35,7 +35,9 @@ static void release(size_t bytes) {
   pthread_mutex_unlock(&lock);
 }
 
-static size_t *block_size(void *data) { return (size_t *)(void *)((char *)data - HEADER); }
+static size_t *block_size(void *data) {
+  return (size_t *)(void *)((char *)data - HEADER);
+}
 
 enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what) {
   void *data = NULL;
@@ -86,7 +88,15 @@ void memory_free(void *pointer) {
   memcpy(pointer, &null, sizeof null);
 }
 
-size_t memory_in_use(void) { return in_use; }
-size_t memory_peak(void) { return peak; }
-void memory_set_limit(size_t bytes) { limit = bytes; }
-void memory_fail_after(long n) { fail_after = n; }
+size_t memory_in_use(void) {
+  return in_use;
+}
+size_t memory_peak(void) {
+  return peak;
+}
+void memory_set_limit(size_t bytes) {
+  limit = bytes;
+}
+void memory_fail_after(long n) {
+  fail_after = n;
+}

@@ -33,8 +33,7 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
     if (!((*values)[i] >= low && (*values)[i] <= high))
       TRY_FAIL(STATUS_INPUT, "%s: %s holds %g at x=%zu y=%zu z=%zu; %g to %g is possible",
                h5_path(file), name, (double)(*values)[i], i % model->size[0],
-               i / model->size[0] % model->size[1], i / model->size[0] / model->size[1], low,
-               high);
+               i / model->size[0] % model->size[1], i / model->size[0] / model->size[1], low, high);
 cleanup:
   return status;
 }
@@ -116,8 +115,8 @@ enum status model_write(struct h5_file *file, const struct voxel_model *model) {
 
   /* ParaView: ImageData with a point at each voxel centre. */
   int version[2] = {1, 0};
-  int extent[6] = {0, (int)model->size[0] - 1, 0, (int)model->size[1] - 1, 0,
-                   (int)model->size[2] - 1};
+  int extent[6] = {0, (int)model->size[0] - 1, 0, (int)model->size[1] - 1,
+                   0, (int)model->size[2] - 1};
   double origin[3] = {model->spacing[0] / 2, model->spacing[1] / 2, model->spacing[2] / 2};
   double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   TRY(h5_make_group(file, "/VTKHDF"));

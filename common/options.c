@@ -84,8 +84,8 @@ static void print_help(const struct options *options) {
 
 static void print_man(const struct options *options) {
   const struct option_table *table = options->table;
-  printf(".TH %s 1 \"\" \"Tosui %s\" \"Tosui\"\n.SH NAME\n%s \\- %s\n.SH SYNOPSIS\n", table->program,
-         TOSUI_VERSION, table->program, table->summary);
+  printf(".TH %s 1 \"\" \"Tosui %s\" \"Tosui\"\n.SH NAME\n%s \\- %s\n.SH SYNOPSIS\n",
+         table->program, TOSUI_VERSION, table->program, table->summary);
   for (const struct option_command *c = table->commands; c->name; c++)
     printf(".B %s %s\n%s\n.br\n", table->program, c->name, c->synopsis);
   printf(".SH COMMANDS\n");
@@ -121,7 +121,8 @@ static size_t edit_distance(const char *a, const char *b) {
     size_t diagonal = row[0];
     row[0] = i;
     for (size_t j = 1; j <= m; j++) {
-      size_t best = diagonal + (tolower((unsigned char)a[i - 1]) != tolower((unsigned char)b[j - 1]));
+      size_t best =
+          diagonal + (tolower((unsigned char)a[i - 1]) != tolower((unsigned char)b[j - 1]));
       diagonal = row[j];
       if (row[j] + 1 < best) best = row[j] + 1;
       if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
@@ -133,7 +134,7 @@ static size_t edit_distance(const char *a, const char *b) {
 
 const char *nearest_name(const char *word, const char *const *names) {
   const char *best = NULL;
-  size_t least = strlen(word) / 2 + 1;
+  size_t least = strlen(word) / 3 + 1;
   for (; *names; names++) {
     size_t distance = edit_distance(word, *names);
     /* A word that begins the other ("visc" for "viscosity") is near too. */
@@ -216,11 +217,16 @@ static enum status apply_common(const struct options *options) {
     char *unit;
     double bytes = strtod(size, &unit);
     while (*unit == ' ') unit++;
-    if (!strcasecmp(unit, "GB") || !strcasecmp(unit, "G")) bytes *= 1e9;
-    else if (!strcasecmp(unit, "MB") || !strcasecmp(unit, "M")) bytes *= 1e6;
-    else if (!strcasecmp(unit, "GiB")) bytes *= 1073741824.0;
-    else if (!strcasecmp(unit, "MiB")) bytes *= 1048576.0;
-    else bytes = -1;
+    if (!strcasecmp(unit, "GB") || !strcasecmp(unit, "G"))
+      bytes *= 1e9;
+    else if (!strcasecmp(unit, "MB") || !strcasecmp(unit, "M"))
+      bytes *= 1e6;
+    else if (!strcasecmp(unit, "GiB"))
+      bytes *= 1073741824.0;
+    else if (!strcasecmp(unit, "MiB"))
+      bytes *= 1048576.0;
+    else
+      bytes = -1;
     if (!(bytes > 0 && bytes < 1e18))
       TRY_FAIL(STATUS_USAGE, "--max-memory %s: write it like 8GB or 500MB", size);
     memory_set_limit((size_t)bytes);
@@ -247,8 +253,8 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     options->entries[options->entry_count++] = common_entries[i];
   for (size_t i = 0; i < options->entry_count; i++) {
     const struct option_entry *e = &options->entries[i];
-    longs[i] = (struct option){e->name, e->metavar ? required_argument : no_argument, NULL,
-                               256 + (int)i};
+    longs[i] =
+        (struct option){e->name, e->metavar ? required_argument : no_argument, NULL, 256 + (int)i};
     if (e->letter) {
       size_t used = strlen(shorts);
       snprintf(shorts + used, sizeof shorts - used, "%c%s", e->letter, e->metavar ? ":" : "");
@@ -279,7 +285,8 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
       TRY(refuse_option(options, optopt > 0 && optopt < 256 ? letter : word));
     }
     const struct option_entry *entry = NULL;
-    if (c >= 256) entry = &options->entries[c - 256];
+    if (c >= 256)
+      entry = &options->entries[c - 256];
     else
       for (size_t i = 0; i < options->entry_count; i++)
         if (options->entries[i].letter == c) entry = &options->entries[i];
@@ -291,9 +298,12 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
   options->operands = words + optind;
   options->operand_count = (size_t)(count - optind);
 
-  if (options_given(options, "help")) print_help(options);
-  else if (options_given(options, "version")) printf("%s %s\n", table->program, TOSUI_VERSION);
-  else if (options_given(options, "man")) print_man(options);
+  if (options_given(options, "help"))
+    print_help(options);
+  else if (options_given(options, "version"))
+    printf("%s %s\n", table->program, TOSUI_VERSION);
+  else if (options_given(options, "man"))
+    print_man(options);
   *done = options_given(options, "help") || options_given(options, "version") ||
           options_given(options, "man");
   if (*done) return STATUS_OK;
@@ -322,13 +332,21 @@ void options_free(struct options *options) {
   memory_free(&options);
 }
 
-const char *options_command(const struct options *options) { return options->command->name; }
-size_t options_operand_count(const struct options *options) { return options->operand_count; }
+const char *options_command(const struct options *options) {
+  return options->command->name;
+}
+size_t options_operand_count(const struct options *options) {
+  return options->operand_count;
+}
 const char *options_operand(const struct options *options, size_t i) {
   return i < options->operand_count ? options->operands[i] : NULL;
 }
-const char *options_command_line(const struct options *options) { return options->command_line; }
-bool options_json(const struct options *options) { return options_given(options, "json"); }
+const char *options_command_line(const struct options *options) {
+  return options->command_line;
+}
+bool options_json(const struct options *options) {
+  return options_given(options, "json");
+}
 
 bool options_given(const struct options *options, const char *name) {
   for (size_t i = 0; i < options->given_count; i++)

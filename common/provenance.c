@@ -9,7 +9,9 @@
 
 #include "common/memory.h"
 
-uint64_t hash_bytes(const void *data, size_t size) { return XXH3_64bits(data, size); }
+uint64_t hash_bytes(const void *data, size_t size) {
+  return XXH3_64bits(data, size);
+}
 
 enum status hash_file(const char *path, uint64_t *hash) {
   enum status status = STATUS_OK;

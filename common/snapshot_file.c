@@ -59,8 +59,7 @@ cleanup:
   return status;
 }
 
-enum status series_write(const char *path, size_t count, char *const *names,
-                         const double *times) {
+enum status series_write(const char *path, size_t count, char *const *names, const double *times) {
   char part[4200];
   snprintf(part, sizeof part, "%s.part", path);
   FILE *file = fopen(part, "w");

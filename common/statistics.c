@@ -106,8 +106,8 @@ double quantile(const double *values, size_t n, double q) {
   qsort(sorted, n, sizeof *sorted, compare_doubles);
   double position = q * (double)(n - 1);
   size_t i = (size_t)position;
-  double result = i + 1 < n ? sorted[i] + (position - (double)i) * (sorted[i + 1] - sorted[i])
-                            : sorted[n - 1];
+  double result =
+      i + 1 < n ? sorted[i] + (position - (double)i) * (sorted[i + 1] - sorted[i]) : sorted[n - 1];
   memory_free(&sorted);
   return result;
 }

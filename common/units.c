@@ -14,19 +14,44 @@ struct unit {
 };
 
 static const struct unit units[] = {
-    {"m", 1, {1, 0, 0}},        {"km", 1e3, {1, 0, 0}},      {"cm", 1e-2, {1, 0, 0}},
-    {"mm", 1e-3, {1, 0, 0}},    {"um", 1e-6, {1, 0, 0}},     {"\xc2\xb5m", 1e-6, {1, 0, 0}},
-    {"\xce\xbcm", 1e-6, {1, 0, 0}}, {"nm", 1e-9, {1, 0, 0}}, {"kg", 1, {0, 1, 0}},
-    {"g", 1e-3, {0, 1, 0}},     {"mg", 1e-6, {0, 1, 0}},     {"t", 1e3, {0, 1, 0}},
-    {"s", 1, {0, 0, 1}},        {"ms", 1e-3, {0, 0, 1}},     {"us", 1e-6, {0, 0, 1}},
-    {"ns", 1e-9, {0, 0, 1}},    {"min", 60, {0, 0, 1}},      {"h", 3600, {0, 0, 1}},
-    {"d", 86400, {0, 0, 1}},    {"Hz", 1, {0, 0, -1}},       {"N", 1, {1, 1, -2}},
-    {"kN", 1e3, {1, 1, -2}},    {"Pa", 1, {-1, 1, -2}},      {"mPa", 1e-3, {-1, 1, -2}},
-    {"hPa", 1e2, {-1, 1, -2}},  {"kPa", 1e3, {-1, 1, -2}},   {"MPa", 1e6, {-1, 1, -2}},
-    {"bar", 1e5, {-1, 1, -2}},  {"J", 1, {2, 1, -2}},        {"W", 1, {2, 1, -3}},
-    {"L", 1e-3, {3, 0, 0}},     {"P", 0.1, {-1, 1, -1}},     {"cP", 1e-3, {-1, 1, -1}},
-    {"St", 1e-4, {2, 0, -1}},   {"cSt", 1e-6, {2, 0, -1}},   {"%", 1e-2, {0, 0, 0}},
-    {"darcy", DARCY, {2, 0, 0}}, {"mdarcy", 1e-3 * DARCY, {2, 0, 0}},
+    {"m", 1, {1, 0, 0}},
+    {"km", 1e3, {1, 0, 0}},
+    {"cm", 1e-2, {1, 0, 0}},
+    {"mm", 1e-3, {1, 0, 0}},
+    {"um", 1e-6, {1, 0, 0}},
+    {"\xc2\xb5m", 1e-6, {1, 0, 0}},
+    {"\xce\xbcm", 1e-6, {1, 0, 0}},
+    {"nm", 1e-9, {1, 0, 0}},
+    {"kg", 1, {0, 1, 0}},
+    {"g", 1e-3, {0, 1, 0}},
+    {"mg", 1e-6, {0, 1, 0}},
+    {"t", 1e3, {0, 1, 0}},
+    {"s", 1, {0, 0, 1}},
+    {"ms", 1e-3, {0, 0, 1}},
+    {"us", 1e-6, {0, 0, 1}},
+    {"ns", 1e-9, {0, 0, 1}},
+    {"min", 60, {0, 0, 1}},
+    {"h", 3600, {0, 0, 1}},
+    {"d", 86400, {0, 0, 1}},
+    {"Hz", 1, {0, 0, -1}},
+    {"N", 1, {1, 1, -2}},
+    {"kN", 1e3, {1, 1, -2}},
+    {"Pa", 1, {-1, 1, -2}},
+    {"mPa", 1e-3, {-1, 1, -2}},
+    {"hPa", 1e2, {-1, 1, -2}},
+    {"kPa", 1e3, {-1, 1, -2}},
+    {"MPa", 1e6, {-1, 1, -2}},
+    {"bar", 1e5, {-1, 1, -2}},
+    {"J", 1, {2, 1, -2}},
+    {"W", 1, {2, 1, -3}},
+    {"L", 1e-3, {3, 0, 0}},
+    {"P", 0.1, {-1, 1, -1}},
+    {"cP", 1e-3, {-1, 1, -1}},
+    {"St", 1e-4, {2, 0, -1}},
+    {"cSt", 1e-6, {2, 0, -1}},
+    {"%", 1e-2, {0, 0, 0}},
+    {"darcy", DARCY, {2, 0, 0}},
+    {"mdarcy", 1e-3 * DARCY, {2, 0, 0}},
     {"G", GRAVITY_STANDARD, {1, 0, -2}},
 };
 
@@ -54,8 +79,10 @@ void dimension_format(struct dimension dimension, char *text, size_t size) {
     if (e == 1) snprintf(part + used, sizeof above - used, "%s%s", used ? " " : "", names[i]);
     if (e > 1) snprintf(part + used, sizeof above - used, "%s%s^%d", used ? " " : "", names[i], e);
   }
-  if (!*above && !*below) snprintf(text, size, "a plain number");
-  else snprintf(text, size, "%s%s%s", *above ? above : "1", *below ? "/" : "", below);
+  if (!*above && !*below)
+    snprintf(text, size, "a plain number");
+  else
+    snprintf(text, size, "%s%s%s", *above ? above : "1", *below ? "/" : "", below);
 }
 
 const char *dimension_example(struct dimension dimension) {
@@ -63,9 +90,9 @@ const char *dimension_example(struct dimension dimension) {
     struct dimension dimension;
     const char *example;
   } examples[] = {
-      {{1, 0, 0}, "5.83um"},        {{0, 0, 1}, "0.3 s"},       {{1, 0, -1}, "1.5 m/s"},
-      {{1, 0, -2}, "9.8 m/s^2"},    {{-3, 1, 0}, "1000 kg/m^3"}, {{-1, 1, -1}, "1e-3 Pa s"},
-      {{-1, 1, -2}, "2 kPa"},       {{-2, 1, -2}, "9807 Pa/m"}, {{0, 0, 0}, "0.725"},
+      {{1, 0, 0}, "5.83um"},      {{0, 0, 1}, "0.3 s"},        {{1, 0, -1}, "1.5 m/s"},
+      {{1, 0, -2}, "9.8 m/s^2"},  {{-3, 1, 0}, "1000 kg/m^3"}, {{-1, 1, -1}, "1e-3 Pa s"},
+      {{-1, 1, -2}, "2 kPa"},     {{-2, 1, -2}, "9807 Pa/m"},  {{0, 0, 0}, "0.725"},
       {{2, 0, -1}, "1e-6 m^2/s"},
   };
   for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
@@ -73,7 +100,9 @@ const char *dimension_example(struct dimension dimension) {
   return "a number with its unit";
 }
 
-static bool is_unit_character(unsigned char c) { return isalpha(c) || c == '%' || c >= 0x80; }
+static bool is_unit_character(unsigned char c) {
+  return isalpha(c) || c == '%' || c >= 0x80;
+}
 
 /* Multiplies *value and *dimension by the unit expression at `text`: factors parted by spaces, '*'
  * or the middle dot, at most powers ("^2", "^-1", "2"), '/' turning the next factor over.

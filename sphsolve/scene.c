@@ -519,6 +519,7 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(memory_allocate(&scene->text, strlen(config_text(config)) + 1, 1, "the scene's text"));
   strcpy(scene->text, config_text(config));
 cleanup:
+  if (status == STATUS_INPUT && config != NULL) status = config_explain_failure(config, status);
   config_close(config);
   if (status != STATUS_OK) scene_free(scene);
   return status;

@@ -1,0 +1,131 @@
+/* Errors, memory, kernels, statistics: the small rooms everything stands on. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "common/error.h"
+#include "common/kernel.h"
+#include "common/memory.h"
+#include "common/statistics.h"
+
+static enum status inner(void) {
+  return FAIL(STATUS_INPUT, "line 3: no number");
+}
+static enum status outer(void) {
+  enum status status;
+  TRY(inner());
+cleanup:
+  return error_context(status, "scene.cfg");
+}
+
+static void test_error(void **state) {
+  (void)state;
+  assert_int_equal(outer(), STATUS_INPUT);
+  assert_string_equal(error_message(), "scene.cfg: line 3: no number");
+  assert_non_null(strstr(error_trail(), " < "));
+  /* The first failure is the cause. */
+  (void)FAIL(STATUS_RUN, "second");
+  assert_string_equal(error_message(), "scene.cfg: line 3: no number");
+  error_clear();
+  assert_string_equal(error_message(), "");
+}
+
+static void test_memory(void **state) {
+  (void)state;
+  double *values = NULL;
+  size_t before = memory_in_use();
+  assert_int_equal(memory_allocate(&values, 1000, sizeof *values, "values"), STATUS_OK);
+  assert_int_equal((uintptr_t)values % 64, 0);
+  for (int i = 0; i < 1000; i++) assert_true(values[i] == 0);
+  values[999] = 7;
+  assert_int_equal(memory_resize(&values, 2000, sizeof *values, "values"), STATUS_OK);
+  assert_true(values[999] == 7 && values[1999] == 0);
+  assert_int_equal(memory_in_use() - before, 2000 * sizeof *values);
+  memory_free(&values);
+  assert_null(values);
+  assert_int_equal(memory_in_use(), before);
+  assert_int_equal(memory_allocate(&values, SIZE_MAX / 2, 16, "far too much"), STATUS_RUN);
+  error_clear();
+  memory_set_limit(before + 1000);
+  assert_int_equal(memory_allocate(&values, 1001, 1, "a field"), STATUS_RUN);
+  assert_non_null(strstr(error_message(), "--max-memory"));
+  error_clear();
+  memory_set_limit(0);
+  memory_fail_after(2);
+  assert_int_equal(memory_allocate(&values, 1, 1, "first"), STATUS_OK);
+  memory_free(&values);
+  assert_int_equal(memory_allocate(&values, 1, 1, "second"), STATUS_RUN);
+  error_clear();
+}
+
+/* Integral of W over space, and W' against the difference quotient of W. */
+static void test_kernels(void **state) {
+  (void)state;
+  for (int kernel = KERNEL_QUINTIC; kernel <= KERNEL_CUBIC; kernel++)
+    for (int dimensions = 1; dimensions <= 3; dimensions++) {
+      double h = 0.7, reach = h * kernel_support_ratio((enum kernel)kernel), integral = 0;
+      enum { N = 20000 };
+      for (int i = 0; i < N; i++) {
+        double r = (i + 0.5) * reach / N;
+        double shell = dimensions == 1 ? 2 : dimensions == 2 ? 2 * M_PI * r : 4 * M_PI * r * r;
+        integral += kernel_w((enum kernel)kernel, dimensions, r, h) * shell * reach / N;
+      }
+      if (fabs(integral - 1) > 1e-6)
+        fail_msg("kernel %d in %d-D integrates to %.9f", kernel, dimensions, integral);
+      for (double r = 0.01; r < reach; r += 0.037) {
+        double e = 1e-6;
+        double slope = (kernel_w((enum kernel)kernel, dimensions, r + e, h) -
+                        kernel_w((enum kernel)kernel, dimensions, r - e, h)) /
+                       (2 * e);
+        assert_true(fabs(slope - kernel_dw((enum kernel)kernel, dimensions, r, h)) < 1e-6);
+      }
+      assert_true(kernel_w((enum kernel)kernel, dimensions, 1.000001 * reach, h) == 0);
+      assert_true(kernel_dw((enum kernel)kernel, dimensions, 1.01 * reach, h) == 0);
+    }
+}
+
+static void test_statistics(void **state) {
+  (void)state;
+  double many[] = {1, 1e100, 1, -1e100};
+  assert_true(sum_compensated(many, 4) == 2);
+  double x[] = {1, 5, 10}, y[] = {2.1, 10.0, 20.1};
+  struct linear_fit fit;
+  assert_int_equal(fit_linear(x, y, 3, 1, &fit), STATUS_OK);
+  assert_true(fabs(fit.slope - (2.1 + 50 + 201) / 126) < 1e-12);
+  assert_int_equal(fit_linear(x, y, 3, 0, &fit), STATUS_OK);
+  assert_true(fabs(fit.intercept + fit.slope * 16. / 3 - 32.2 / 3) < 1e-12);
+  assert_true(fit.r_squared > 0.999 && fit.slope_error > 0);
+  double same[] = {2, 2, 2};
+  assert_int_equal(fit_linear(same, y, 3, 0, &fit), STATUS_INPUT);
+  error_clear();
+  assert_true(fabs(student_t95(1) - 12.706) < 0.01 && fabs(student_t95(10) - 2.228) < 0.003 &&
+              fabs(student_t95(1e9) - 1.960) < 0.001);
+  double counts[4], values[] = {0, 0.1, 0.9, 1, 2};
+  histogram(values, 5, 0, 1, 4, counts);
+  assert_true(counts[0] == 2 && counts[3] == 2 && counts[1] == 0);
+  assert_true(quantile(values, 5, 0.5) == 0.9 && isnan(quantile(values, 0, 0.5)));
+  /* White noise: the error of the mean is sigma / sqrt(n). */
+  enum { N = 10000 };
+  static double noise[N];
+  uint64_t seed = 1;
+  for (int i = 0; i < N; i++) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    noise[i] = (double)(seed >> 11) / 9007199254740992.0;
+  }
+  double mean, error;
+  batch_means(noise, N, &mean, &error);
+  double expected = 1 / sqrt(12.0 * N);
+  assert_true(fabs(mean - 0.5) < 4 * expected && error > 0.7 * expected && error < 1.4 * expected);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_error), cmocka_unit_test(test_memory),
+                                     cmocka_unit_test(test_kernels),
+                                     cmocka_unit_test(test_statistics)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

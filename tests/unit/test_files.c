@@ -1,0 +1,175 @@
+/* HDF5 layer and model file: what is written is read back, what is wrong is refused, nothing half
+ * is left behind. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "common/model_file.h"
+#include "common/provenance.h"
+#include "common/snapshot_file.h"
+
+static char folder[] = "/tmp/tosui-files-XXXXXX";
+static char path[64];
+
+static int make_folder(void **state) {
+  (void)state;
+  if (mkdtemp(folder) == NULL) return 1;
+  snprintf(path, sizeof path, "%s/a.hdf", folder);
+  return 0;
+}
+static int remove_folder(void **state) {
+  (void)state;
+  char command[128];
+  snprintf(command, sizeof command, "rm -rf %s", folder);
+  return system(command);
+}
+
+static void refused(enum status status, const char *because) {
+  assert_int_equal(status, STATUS_INPUT);
+  if (!strstr(error_message(), because)) fail_msg("%s", error_message());
+  error_clear();
+}
+
+static void test_round_trip(void **state) {
+  (void)state;
+  struct h5_file *file;
+  size_t dims[3] = {2, 3, 1}, found[3];
+  double values[6] = {1, 2, 3, 4, 5, 6.5}, *read, number = 0;
+  char *text;
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_write(file, "/a/b/values", H5_F64, 2, dims, values, true), STATUS_OK);
+  assert_int_equal(h5_write_attribute(file, "/a", "number", H5_F64, 1, values + 2), STATUS_OK);
+  assert_int_equal(h5_write_text(file, "/t", "hello"), STATUS_OK);
+  /* Not there under its own name until whole. */
+  assert_int_equal(access(path, F_OK), -1);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  assert_int_equal(h5_open(path, &file), STATUS_OK);
+  assert_int_equal(h5_read(file, "/a/b/values", H5_F64, 2, found, &read), STATUS_OK);
+  assert_int_equal(found[0], 2);
+  assert_memory_equal(read, values, sizeof values);
+  memory_free(&read);
+  assert_int_equal(h5_read_attribute(file, "/a", "number", H5_F64, 1, &number), STATUS_OK);
+  assert_true(number == 3);
+  assert_int_equal(h5_read_text(file, "/t", &text), STATUS_OK);
+  assert_string_equal(text, "hello");
+  memory_free(&text);
+  refused(h5_read(file, "/a/b/none", H5_F64, 2, found, &read), "no dataset");
+  refused(h5_read(file, "/a/b/values", H5_F64, 3, found, &read), "2 dimensions");
+  refused(h5_read(file, "/a/b/values", H5_I32, 2, found, &read), "floats");
+  refused(h5_read(file, "/t", H5_F64, 0, found, &read), "no numbers");
+  refused(h5_read_attribute(file, "/a", "number", H5_F64, 3, values), "1 values, 3 are wanted");
+  h5_close(file);
+  /* Abandoned: neither the file nor its part is left. */
+  char other[64], part[80];
+  snprintf(other, sizeof other, "%s/b.hdf", folder);
+  snprintf(part, sizeof part, "%s.part", other);
+  assert_int_equal(h5_create(other, &file), STATUS_OK);
+  assert_int_equal(access(part, F_OK), 0);
+  h5_close(file);
+  assert_int_equal(access(part, F_OK), -1);
+  assert_int_equal(access(other, F_OK), -1);
+}
+
+static void test_not_hdf5(void **state) {
+  (void)state;
+  struct h5_file *file;
+  char name[64];
+  snprintf(name, sizeof name, "%s/text.hdf", folder);
+  FILE *text = fopen(name, "w");
+  fputs("no HDF5", text);
+  fclose(text);
+  refused(h5_open(name, &file), "no HDF5 file");
+  refused(h5_open("/nowhere/at/all.hdf", &file), "No such file");
+}
+
+static void write_model(const struct voxel_model *model) {
+  struct h5_file *file;
+  const char *inputs[] = {"in.tif"};
+  uint64_t hash = hash_bytes("x", 1);
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(model_write(file, model), STATUS_OK);
+  assert_int_equal(provenance_write(file, "test", "test --me", 1, inputs, &hash), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+}
+
+static void test_model(void **state) {
+  (void)state;
+  uint8_t solid[24] = {1, 0, 0, 0, 0, 1};
+  float distance[24] = {-1e-6f, 2e-6f};
+  struct voxel_model model = {.size = {4, 3, 2},
+                              .spacing = {1e-6, 2e-6, 3e-6},
+                              .periodic = {true, true, false},
+                              .mirror_plane = 1,
+                              .void_ratio = 11,
+                              .void_ratio_measured = NAN,
+                              .threshold = 60,
+                              .solid = solid,
+                              .wall_distance = distance},
+                     read;
+  write_model(&model);
+  assert_int_equal(model_read(path, &read), STATUS_OK);
+  assert_int_equal(read.size[0], 4);
+  assert_int_equal(read.size[2], 2);
+  assert_true(read.spacing[0] == 1e-6 && read.spacing[2] == 3e-6);
+  assert_true(read.periodic[0] && !read.periodic[2]);
+  assert_true(read.void_ratio == 11 && isnan(read.void_ratio_measured) && read.threshold == 60);
+  assert_memory_equal(read.solid, solid, sizeof solid);
+  assert_memory_equal(read.wall_distance, distance, sizeof distance);
+  assert_null(read.grain_fraction);
+  model_free(&read);
+  solid[7] = 3;
+  write_model(&model);
+  refused(model_read(path, &read), "only 0 (pore) and 1 (grain)");
+  solid[7] = 0;
+  distance[5] = NAN;
+  write_model(&model);
+  refused(model_read(path, &read), "/model/wall_distance holds nan at x=1 y=1 z=0");
+  /* solid and spacing alone make a model. */
+  struct h5_file *file;
+  size_t dims[3] = {2, 3, 4};
+  double spacing[3] = {1e-6, 1e-6, 1e-6};
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_write(file, "/model/solid", H5_U8, 3, dims, solid, false), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  refused(model_read(path, &read), "spacing");
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_write(file, "/model/solid", H5_U8, 3, dims, solid, false), STATUS_OK);
+  assert_int_equal(h5_write_attribute(file, "/model", "spacing", H5_F64, 3, spacing), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  assert_int_equal(model_read(path, &read), STATUS_OK);
+  assert_true(read.periodic[0] && read.periodic[1] && read.periodic[2] && read.void_ratio == 11);
+  model_free(&read);
+}
+
+static void test_snapshot(void **state) {
+  (void)state;
+  double points[6] = {0, 1, 2, 3, 4, 5}, velocity[6] = {1, 0, 0, 0, 0, 2}, *read;
+  struct snapshot_field field = {"velocity", "m/s", "velocity of the fluid", H5_F64, 3, velocity};
+  struct snapshot snapshot;
+  assert_int_equal(snapshot_write(path, 0.5, 7, 2, points, 1, &field), STATUS_OK);
+  assert_int_equal(snapshot_open(path, &snapshot), STATUS_OK);
+  assert_true(snapshot.time == 0.5 && snapshot.count == 2);
+  assert_memory_equal(snapshot.points, points, sizeof points);
+  assert_int_equal(snapshot_read(&snapshot, "velocity", 3, &read), STATUS_OK);
+  assert_memory_equal(read, velocity, sizeof velocity);
+  memory_free(&read);
+  refused(snapshot_read(&snapshot, "pressure", 1, &read), "no dataset");
+  snapshot_close(&snapshot);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_trip),
+                                     cmocka_unit_test(test_not_hdf5), cmocka_unit_test(test_model),
+                                     cmocka_unit_test(test_snapshot)};
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
