@@ -94,7 +94,10 @@ static enum status parse_request(int argc, char **argv, struct request *request,
       TRY(parse_size(optarg, request->size));
       break;
     case 'v':
-      TRY(quantity_parse(optarg, DIM_LENGTH, &request->voxel));
+      if (quantity_parse(optarg, DIM_LENGTH, &request->voxel) != STATUS_OK) {
+        error_context(STATUS_USAGE, "--voxel-size");
+        return STATUS_USAGE;
+      }
       if (!(request->voxel >= 1e-6 && request->voxel <= 30e-6))
         TRY_FAIL(STATUS_USAGE, "--voxel-size: '%s' is not from 1um to 30um", optarg);
       break;
@@ -202,16 +205,16 @@ static enum status write_description(const struct request *request, const char *
           "  \"porosity\": %.9f,\n"
           "  \"solid_voxels\": %ld,\n"
           "  \"surface_offset_m\": %.4g,\n"
+          "  \"overlap_cut\": %.5f,\n"
           "  \"grains\": %ld,\n"
           "  \"whole_grains\": %ld,\n"
           "  \"grain_diameter_m\": {\"min\": %.4g, \"mean\": %.4g, \"max\": %.4g},\n"
           "  \"coordination\": %.3f,\n"
-          "  \"clusters\": %ld,\n"
           "  \"largest_cluster\": %.5f,\n",
           request->void_ratio, (voxels - solid) / solid, 1 - solid / voxels, field->solid,
-          field->offset * field->voxel, statistics->grains, statistics->whole_grains,
+          field->offset * field->voxel, field->shared, statistics->grains, statistics->whole_grains,
           statistics->diameter_min, statistics->diameter_mean, statistics->diameter_max,
-          statistics->coordination, statistics->clusters, statistics->largest_cluster);
+          statistics->coordination, statistics->largest_cluster);
   fprintf(file,
           "  \"grain_grey\": %g,\n"
           "  \"pore_grey\": %g,\n"
@@ -219,7 +222,7 @@ static enum status write_description(const struct request *request, const char *
           "  \"grain_spread\": %g,\n"
           "  \"texture_spread\": %g,\n"
           "  \"bright_grain_share\": %g,\n"
-          "  \"blur_voxels\": %g,\n"
+          "  \"blur_m\": %g,\n"
           "  \"noise_correlation_voxels\": %g,\n"
           "  \"fringe\": %g,\n"
           "  \"ring\": %g,\n"
@@ -250,7 +253,7 @@ static enum status generate(const struct request *request) {
   TRY(grain_field_create(&field, &packing, request->size, request->voxel, request->void_ratio,
                          request->seed));
   TRY(grain_field_measure(&field, packing.count, &statistics));
-  log_info("%ld grains, %.1f contacts each, %.2f %% of them in one skeleton; void ratio %.6f",
+  log_info("%ld grains, %.1f contacts each, %.2f %% of the solid in one skeleton; void ratio %.6f",
            statistics.grains, statistics.coordination, 100 * statistics.largest_cluster,
            (double)request->size[0] * (double)request->size[1] * (double)request->size[2] /
                    (double)field.solid -

@@ -29,6 +29,7 @@ struct drawing {
   struct grain_field *field;
   const struct noise_lattice *noise;
   uint64_t key;
+  long *claimed; /* by layer: voxels inside grains, those inside two counted twice */
 };
 
 static float surface_relief(const struct drawing *drawing, const float *origin, const float *x) {
@@ -87,6 +88,7 @@ static void draw_layer(const struct drawing *drawing, const struct grain *grain,
         x[0] = (float)((double)(x0 + i) - centre[0]);
         distance += surface_relief(drawing, origin, x);
       }
+      drawing->claimed[z] += distance < 0;
       if (distance < field->distance[base + (size_t)i]) {
         field->distance[base + (size_t)i] = distance;
         field->label[base + (size_t)i] = label;
@@ -149,6 +151,7 @@ enum status grain_field_create(struct grain_field *field, const struct grain_pac
   enum status status = STATUS_OK;
   struct noise_lattice noise = {0};
   float *rows = NULL;
+  long *claimed = NULL, inside = 0;
   size_t total = 1;
   struct progress progress;
   long done = 0;
@@ -164,7 +167,8 @@ enum status grain_field_create(struct grain_field *field, const struct grain_pac
   TRY(memory_allocate(&field->label, total, sizeof *field->label, "grain labels"));
   TRY(memory_allocate(&rows, (size_t)field->extent[2] * (size_t)field->extent[0], sizeof *rows,
                       "row buffers"));
-  const struct drawing drawing = {field, &noise, random_key(seed, RANDOM_ROUGHNESS)};
+  TRY(memory_allocate(&claimed, (size_t)field->extent[2], sizeof *claimed, "layer counts"));
+  const struct drawing drawing = {field, &noise, random_key(seed, RANDOM_ROUGHNESS), claimed};
   const size_t layer = (size_t)field->extent[0] * (size_t)field->extent[1];
   progress_start(&progress, "drawing", "layers", (double)field->extent[2]);
   /* Each layer is one thread's alone and sees the grains in their order. */
@@ -177,11 +181,15 @@ enum status grain_field_create(struct grain_field *field, const struct grain_pac
     progress_update(&progress, (double)++done, NULL);
   }
   progress_end(&progress);
+  for (size_t i = 0; i < total; i++) inside += field->distance[i] < 0;
+  for (long z = 0; z < field->extent[2]; z++) field->shared += (double)claimed[z];
+  if (inside) field->shared = (field->shared - (double)inside) / (double)inside;
   const double voxels = (double)size[0] * (double)size[1] * (double)size[2];
   TRY(choose_offset(field, lround(voxels / (1 + void_ratio))));
 cleanup:
   noise_lattice_destroy(&noise);
   memory_free(&rows);
+  memory_free(&claimed);
   if (status != STATUS_OK) grain_field_destroy(field);
   return status;
 }
@@ -238,14 +246,14 @@ enum status grain_field_measure(const struct grain_field *field, long grains,
                                 struct grain_statistics *statistics) {
   enum status status = STATUS_OK;
   struct contact *contact = NULL;
-  uint32_t *parent = NULL, *members = NULL, *touched = NULL;
-  long *volume = NULL;
+  uint32_t *parent = NULL, *touched = NULL;
+  long *volume = NULL, *cluster = NULL, largest = 0;
   unsigned char *cut = NULL;
   size_t count = 0;
   const size_t labels = (size_t)grains + 1;
   *statistics = (struct grain_statistics){.diameter_min = 1};
   TRY(memory_allocate(&parent, labels, sizeof *parent, "grain clusters"));
-  TRY(memory_allocate(&members, labels, sizeof *members, "grain clusters"));
+  TRY(memory_allocate(&cluster, labels, sizeof *cluster, "grain clusters"));
   TRY(memory_allocate(&touched, labels, sizeof *touched, "grain contacts"));
   TRY(memory_allocate(&volume, labels, sizeof *volume, "grain volumes"));
   TRY(memory_allocate(&cut, labels, sizeof *cut, "grains at the edge"));
@@ -270,13 +278,12 @@ enum status grain_field_measure(const struct grain_field *field, long grains,
     const uint32_t b = cluster_root(parent, contact[c].high);
     parent[a > b ? a : b] = a > b ? b : a;
   }
-  uint32_t largest = 0;
   for (uint32_t g = 1; g < labels; g++) {
     if (!volume[g]) continue;
     const uint32_t root = cluster_root(parent, g);
     statistics->grains++;
-    statistics->clusters += members[root]++ == 0;
-    if (members[root] > largest) largest = members[root];
+    cluster[root] += volume[g];
+    if (cluster[root] > largest) largest = cluster[root];
     if (cut[g]) continue;
     const double diameter = field->voxel * cbrt(6 / PI * (double)volume[g]);
     statistics->whole_grains++;
@@ -289,12 +296,11 @@ enum status grain_field_measure(const struct grain_field *field, long grains,
     statistics->coordination /= (double)statistics->whole_grains;
     statistics->diameter_mean /= (double)statistics->whole_grains;
   }
-  if (statistics->grains)
-    statistics->largest_cluster = (double)largest / (double)statistics->grains;
+  if (field->solid) statistics->largest_cluster = (double)largest / (double)field->solid;
 cleanup:
   memory_free(&contact);
   memory_free(&parent);
-  memory_free(&members);
+  memory_free(&cluster);
   memory_free(&touched);
   memory_free(&volume);
   memory_free(&cut);

@@ -17,6 +17,7 @@ struct grain_field {
   float *distance; /* [extent z][y][x] in voxels, negative in the grain; large far away */
   uint32_t *label; /* the nearest grain, [extent z][y][x]; 0 far from all */
   double offset;   /* voxels: what `distance` is below in the grains of the exact void ratio */
+  double shared;   /* share of the solid that two grains claimed; the nearer one has it */
   long solid;      /* voxels of the scan whose centre lies in a grain */
 };
 
@@ -26,8 +27,7 @@ struct grain_statistics {
   double diameter_min; /* m, of the whole grains: the sphere of the same voxel volume */
   double diameter_mean, diameter_max;
   double coordination;    /* neighbours touched, mean of the whole grains */
-  long clusters;          /* groups of grains that touch */
-  double largest_cluster; /* share of the grains in the largest */
+  double largest_cluster; /* share of the solid in the largest group of grains that touch */
 };
 
 /* Box of a packing from whose inside a scan of this size can be cut. */

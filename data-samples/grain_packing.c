@@ -10,10 +10,10 @@
 enum { STEPS = 400, DIRECTIONS_TRIED = 6 };
 
 /* Lengths in units of the mean grain diameter. */
-static const double CONTACT_OVERLAP = 0.010; /* depth at which a contact is at rest */
-static const double PULL_NEAR = 0.05;        /* gaps narrower than this close */
-static const double PULL_FAR = 0.30;         /* the same for grains with too few contacts */
-static const double PULL = 0.012;            /* against a push of 1 per unit of overlap */
+static const double CONTACT_OVERLAP = 0.008; /* depth at which a contact is at rest */
+static const double PULL_NEAR = 0.02;        /* gaps narrower than this close */
+static const double PULL_FAR = 0.15;         /* the same for grains with too few contacts */
+static const double PULL = 0.006;            /* against a push of 1 per unit of overlap */
 static const double SKIN = 0.06;             /* travel after which pairs are looked up again */
 static const double STEP = 0.10, MOMENTUM = 0.80;
 

@@ -72,8 +72,8 @@ static double grain_surface(const struct grain *grain, const double u[3]) {
 /* Faces spread over the sphere: each the farthest from its forerunners among six drawn. */
 static void draw_faces(struct grain *grain, struct random_sequence *random) {
   double drawn[GRAIN_FACES_MAX][3];
-  double ratio[3] = {1, random_uniform(random, 0.72, 1.0), 0}, axis[3][3];
-  ratio[2] = ratio[1] * random_uniform(random, 0.70, 1.0);
+  double ratio[3] = {1, random_uniform(random, 0.65, 1.0), 0}, axis[3][3];
+  ratio[2] = ratio[1] * random_uniform(random, 0.65, 1.0);
   random_direction(random, axis[0]);
   double dot;
   do {
@@ -85,7 +85,7 @@ static void draw_faces(struct grain *grain, struct random_sequence *random) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     axis[2][i] = axis[0][j] * axis[1][k] - axis[0][k] * axis[1][j];
   }
-  grain->faces = 11 + (int)random_uniform(random, 0, GRAIN_FACES_MAX - 10);
+  grain->faces = 10 + (int)random_uniform(random, 0, GRAIN_FACES_MAX - 9);
   for (int f = 0; f < grain->faces; f++) {
     double best = 2;
     for (int candidate = 0; candidate < 6; candidate++) {
@@ -106,7 +106,7 @@ static void draw_faces(struct grain *grain, struct random_sequence *random) {
     for (int i = 0; i < 3; i++) length += n[i] * n[i];
     length = sqrt(length);
     for (int i = 0; i < 3; i++) grain->normal[f][i] = (float)(n[i] / length);
-    grain->distance[f] = (float)(random_uniform(random, 0.74, 1.0) / length);
+    grain->distance[f] = (float)(random_uniform(random, 0.70, 1.0) / length);
   }
 }
 
@@ -119,7 +119,7 @@ void grain_create(struct grain *grain, const struct direction_set *set, uint64_t
 
   random = random_sequence_start(seed, RANDOM_SHAPE, item);
   draw_faces(grain, &random);
-  grain->edge_radius = random_uniform(&random, 0.08, 0.30);
+  grain->edge_radius = random_uniform(&random, 0.04, 0.20);
 
   double surface[GRAIN_DIRECTIONS], volume = 0, radius = 0;
   for (int n = 0; n < GRAIN_DIRECTIONS; n++) {

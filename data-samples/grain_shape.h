@@ -1,4 +1,4 @@
-/* One grain of sand: a convex body of 11 to 17 faces with rounded edges, longer than wide and
+/* One grain of sand: a convex body of 10 to 15 faces with rounded edges, longer than wide and
  * wider than thick, described by its faces and by tables over a fixed set of directions. */
 #ifndef TOSUI_DATA_SAMPLES_GRAIN_SHAPE_H
 #define TOSUI_DATA_SAMPLES_GRAIN_SHAPE_H
@@ -7,7 +7,7 @@
 
 #include "data-samples/counter_random.h"
 
-#define GRAIN_FACES_MAX 17
+#define GRAIN_FACES_MAX 15
 #define GRAIN_TABLE 10 /* cells along an edge of the direction cube */
 #define GRAIN_DIRECTIONS (6 * GRAIN_TABLE * GRAIN_TABLE)
 

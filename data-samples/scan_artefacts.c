@@ -14,9 +14,9 @@ const struct scan_settings SCAN_DEFAULTS = {.grain_grey = 100,
                                             .pore_grey = 22,
                                             .grain_spread = 0.04,
                                             .texture_spread = 0.02,
-                                            .bright_share = 0.008,
-                                            .blur = 1.5,
-                                            .fringe = 0.65,
+                                            .bright_share = 0.005,
+                                            .blur = 11.1e-6,
+                                            .fringe = 0.70,
                                             .noise_ratio = 8,
                                             .noise_length = 0.7,
                                             .ring = 0.035,
@@ -168,12 +168,13 @@ void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, flo
   const struct scan_settings *settings = &scan->settings;
   const long nx = field->size[0], ny = field->size[1], row = field->extent[0];
   const long layers = count + 2 * FIELD_HALO, layer = row * field->extent[1];
-  const float fringe = (float)(settings->fringe * settings->blur * settings->blur);
+  const double blur = fmin(fmax(settings->blur / field->voxel, 0.8), 1.9);
+  const float fringe = (float)(settings->fringe * blur * blur);
 
   float *object = scan->chunk[0];
 #pragma omp parallel for schedule(static)
   for (long z = 0; z < layers; z++) draw_object(scan, z0 + z, object + z * layer);
-  gaussian_filter(scan, layers, settings->blur);
+  gaussian_filter(scan, layers, blur);
   const float *blurred = scan->chunk[0];
 #pragma omp parallel for schedule(static)
   for (long z = 0; z < count; z++) {
