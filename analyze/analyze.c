@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/history.h"
 #include "analyze/pdf.h"
@@ -16,7 +17,7 @@
 #include "common/options.h"
 #include "common/units.h"
 
-enum command { COMMAND_DARCY, COMMAND_PDF, COMMAND_HISTORY, COMMAND_SLICE };
+enum command { COMMAND_DARCY, COMMAND_PDF, COMMAND_HISTORY, COMMAND_SLICE, COMMAND_CONVERGE };
 #define BIT(command) (1u << (command))
 
 static const struct option_command commands[] = {
@@ -29,6 +30,9 @@ static const struct option_command commands[] = {
     {"slice", "RUN [--plane x=Q] [--thickness Q] [--zoom Y0,Z0,Y1,Z1] [-o DIR]",
      "velocity vectors over the grains in a slab",
      "analyze slice dense-1G.hdf --plane x=1.4mm --thickness 0.2mm -o results", 1, 1},
+    {"converge", "RUN RUN... [-o DIR]",
+     "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
+     "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
     {0}};
 
 static const struct option_entry entries[] = {
@@ -116,6 +120,15 @@ cleanup:
   return status;
 }
 
+/* Commands on any number of runs. */
+static const struct {
+  const char *name;
+  enum status (*analyze)(const struct run *runs, size_t n, struct product *product);
+} many[] = {{"darcy", darcy_analyze},
+            {"pdf", pdf_analyze},
+            {"history", history_analyze},
+            {"converge", converge_analyze}};
+
 static enum status run_command(const struct options *options) {
   enum status status = STATUS_OK;
   const char *command = options_command(options);
@@ -124,14 +137,12 @@ static enum status run_command(const struct options *options) {
   size_t n = 0;
   TRY(product_start(command, &product));
   TRY(read_runs(options, &runs, &n));
-  if (strcmp(command, "darcy") == 0)
-    TRY(darcy_analyze(runs, n, &product));
-  else if (strcmp(command, "pdf") == 0)
-    TRY(pdf_analyze(runs, n, &product));
-  else if (strcmp(command, "history") == 0)
-    TRY(history_analyze(runs, n, &product));
-  else
+  if (strcmp(command, "slice") == 0) {
     TRY(slice_command(options, &runs[0], &product));
+  } else {
+    for (size_t i = 0; i < sizeof many / sizeof *many; i++)
+      if (strcmp(command, many[i].name) == 0) TRY(many[i].analyze(runs, n, &product));
+  }
   TRY(deliver(options, &product));
 cleanup:
   for (size_t i = 0; i < n; i++) run_free(&runs[i]);

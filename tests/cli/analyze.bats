@@ -147,3 +147,23 @@ PY
   run analyze darcy
   [ "$status" -eq 2 ]
 }
+
+@test "converge: limit, order and index of runs at three spacings" {
+  # k = 1e-3 (1 + 4 (n/20)^-2): order 2, limit 1e-3
+  /usr/bin/python3 "$MAKE_RUN" c20.hdf n=20 spacing=4e-5 k=1.04e-3 method=stokes k_error=1e-6 wall_time=1
+  /usr/bin/python3 "$MAKE_RUN" c40.hdf n=40 spacing=2e-5 k=1.01e-3 method=stokes k_error=1e-6 wall_time=9
+  /usr/bin/python3 "$MAKE_RUN" c80.hdf n=80 spacing=1e-5 k=1.0025e-3 method=stokes k_error=1e-6 wall_time=80 snapshots=0
+  analyze converge c80.hdf c20.hdf c40.hdf -o out > /dev/null
+  near "$(field out/converge.json k_m_per_s)" 1e-3 1e-6
+  near "$(field out/converge.json observed_order)" 2 1e-4
+  near "$(field out/converge.json grid_convergence_index)" 0.003117 0.01
+  [ "$(field out/converge.json order_credible)" = True ]
+  [ -s out/converge.png ]
+  /usr/bin/python3 "$MAKE_RUN" c10.hdf n=10 spacing=8e-5 k=0.9e-3 method=stokes k_error=1e-6
+  run analyze converge c80.hdf c20.hdf c10.hdf
+  [ "$status" -eq 0 ] && [[ "$output" == *"monoton"* ]]
+  run analyze converge c20.hdf d1.hdf
+  [ "$status" -eq 3 ]
+  run analyze converge d1.hdf d5.hdf
+  [ "$status" -eq 3 ] && [[ "$output" == *"same spacing"* ]]
+}

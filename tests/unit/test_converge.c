@@ -1,0 +1,74 @@
+/* Extrapolation of data whose limit and order are known. */
+#include "analyze/converge.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+static const double h[4] = {1.0, 1.7, 2.0, 4.0};
+
+static void make(double order, double *f) {
+  for (int i = 0; i < 4; i++) f[i] = 3.0 + 0.02 * pow(h[i], order);
+}
+
+static void test_order_and_limit_are_exact(void **state) {
+  (void)state;
+  double f[4];
+  struct convergence c;
+  for (size_t n = 3; n <= 4; n++) {
+    make(2.0, f);
+    converge_extrapolate(h, f, n, 2.0, &c);
+    assert_true(fabs(c.order - 2.0) < 1e-4 && fabs(c.value - 3.0) < 1e-6);
+    assert_true(c.credible && c.safety == 1.25);
+    /* The index is 1.25 times the finest value's true error. */
+    assert_true(fabs(c.index - 1.25 * 0.02 / f[0]) < 1e-6);
+  }
+}
+
+static void test_order_off_the_formal_one_widens_the_error(void **state) {
+  (void)state;
+  double f[4];
+  struct convergence c;
+  make(1.2, f); /* still credible, extrapolated with its own order */
+  converge_extrapolate(h, f, 3, 2.0, &c);
+  assert_true(c.credible && c.safety == 3.0 && fabs(c.value - 3.0) < 1e-5);
+  assert_true(c.index > fabs(f[0] - 3.0) / f[0]);
+  make(0.3, f);
+  converge_extrapolate(h, f, 3, 2.0, &c);
+  assert_false(c.credible);
+  make(5.0, f);
+  converge_extrapolate(h, f, 3, 2.0, &c);
+  assert_false(c.credible);
+  assert_true(c.index > fabs(f[0] - 3.0) / f[0]);
+}
+
+static void test_two_spacings_take_the_formal_order(void **state) {
+  (void)state;
+  double f[4];
+  struct convergence c;
+  make(2.0, f);
+  converge_extrapolate(h, f, 2, 2.0, &c);
+  assert_true(isnan(c.order) && fabs(c.value - 3.0) < 1e-12 && !c.credible);
+  assert_true(fabs(c.index - 3.0 * 0.02 / f[0]) < 1e-12);
+}
+
+static void test_oscillation_gives_no_order(void **state) {
+  (void)state;
+  const double f[3] = {1.0, 1.1, 0.95};
+  struct convergence c;
+  converge_extrapolate(h, f, 3, 2.0, &c);
+  assert_false(c.monotone || c.credible);
+  assert_true(c.value == 1.0 && isnan(c.order) && fabs(c.index - 0.45) < 1e-12);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_order_and_limit_are_exact),
+      cmocka_unit_test(test_order_off_the_formal_one_widens_the_error),
+      cmocka_unit_test(test_two_spacings_take_the_formal_order),
+      cmocka_unit_test(test_oscillation_gives_no_order)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
