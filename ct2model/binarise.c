@@ -1,0 +1,233 @@
+#include "ct2model/binarise.h"
+
+#include <math.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "ct2model/connect.h"
+
+static double void_ratio_of(double porosity) { return porosity / (1.0 - porosity); }
+
+/* ---- calibration ---- */
+
+/* Grain and pore swapped turn e into 1/e. Where that fits the measured void ratio and the given
+ * reading does not, one of the two is meant otherwise. */
+static enum status check_reading(const struct pipeline *pipeline, double porosity, bool sure) {
+  const struct request *request = pipeline->request;
+  double bright = void_ratio_of(request->dark_grains ? 1.0 - porosity : porosity);
+  double e = void_ratio_of(porosity);
+  const char *mine = request->dark_grains ? "dark" : "bright";
+  const char *other = request->dark_grains ? "bright" : "dark";
+  if (isnan(request->void_ratio)) {
+    if (e > 20.0 || e < 0.05)
+      log_warning("void ratio %.3g with bright grains, %.3g with dark ones: is --grain %s meant?",
+                  bright, 1.0 / bright, other);
+    return STATUS_OK;
+  }
+  double misfit = fabs(log(e / request->void_ratio)), swapped = fabs(log(e * request->void_ratio));
+  if (!(misfit > log(1.5) && swapped < 0.5 * misfit)) return STATUS_OK;
+  if (sure && !request->grain_given)
+    return FAIL(STATUS_INPUT,
+                "%s: the image has a void ratio of %.3g with bright grains and %.3g with dark "
+                "ones, measured is %.3g: say --grain %s, or --grain %s if that is what you mean",
+                pipeline->stack.files[0].path, bright, 1.0 / bright, request->void_ratio, other,
+                mine);
+  log_warning("the histogram's own valley gives a void ratio of %.3g with bright grains and %.3g "
+              "with dark ones, measured is %.3g: is --grain %s meant?",
+              bright, 1.0 / bright, request->void_ratio, other);
+  return STATUS_OK;
+}
+
+static void warn_if_fragile(const struct pipeline *pipeline) {
+  const struct grey_phases *phases = &pipeline->phases;
+  if (phases->levels <= 2) return;
+  double threshold = pipeline->threshold_original;
+  if (phases->valley_depth > 0.9)
+    log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
+                "much is grain, but not where; compare the model with the slices");
+  else if (phases->contrast_to_noise < 3.0)
+    log_warning("contrast is only %.1f times the noise: many voxels are on the wrong side",
+                phases->contrast_to_noise);
+  double position =
+      (threshold - phases->pore_peak) / (phases->grain_peak - phases->pore_peak);
+  if (position < 0.15 || position > 0.85)
+    log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
+                "check the void ratio and the region (--crop must not hold the container)",
+                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
+                pipeline_grey(pipeline, phases->grain_peak));
+}
+
+static enum status check_levels(const struct pipeline *pipeline) {
+  size_t levels = 0;
+  for (size_t i = 0; i < pipeline->histogram.bins; i++)
+    levels += pipeline->histogram.counts[i] > 0;
+  if (levels >= 2) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: all pixels of the region have the same grey; nothing to divide",
+              pipeline->stack.files[0].path);
+}
+
+/* The middle between the two greys of a segmented image. */
+static double middle_of_two(const struct grey_histogram *histogram) {
+  double sum = 0.0;
+  for (size_t i = 0; i < histogram->bins; i++)
+    if (histogram->counts[i] > 0)
+      sum += 0.5 * (histogram->low + histogram->width * ((double)i + 0.5));
+  return sum;
+}
+
+static enum status match_void_ratio(struct pipeline *pipeline, double porosity) {
+  if (pipeline->phases.levels > 2)
+    pipeline->threshold_original = grey_histogram_quantile(&pipeline->histogram, porosity);
+  pipeline->threshold = pipeline->threshold_original;
+  if (pipeline->volume == NULL) return STATUS_OK;
+  size_t layer = pipeline->size[0] * pipeline->size[1];
+  double low, high, step = 0.005, n = porosity;
+  double n_low = fmax(0.001, n - step), n_high = fmin(0.999, n + step);
+  enum status status = STATUS_OK;
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n,
+                       &pipeline->threshold));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n_low, &low));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n_high,
+                       &high));
+  pipeline->threshold_slope = (high - low) / (void_ratio_of(n_high) - void_ratio_of(n_low));
+cleanup:
+  return status;
+}
+
+enum status binarise_calibrate(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  const struct grey_histogram *histogram = &pipeline->histogram;
+  double sign = request->dark_grains ? -1.0 : 1.0;
+  TRY(check_levels(pipeline));
+  pipeline->otsu = grey_histogram_otsu(histogram);
+  double porosity = request->void_ratio / (1.0 + request->void_ratio);
+  double first = isnan(porosity) ? pipeline->otsu : grey_histogram_quantile(histogram, porosity);
+  grey_histogram_phases(histogram, first, &pipeline->phases);
+  if (!isnan(request->scale_peak)) {
+    double peak = sign * pipeline->phases.grain_peak;
+    if (!(peak > 0.0))
+      TRY_FAIL(STATUS_INPUT, "--scale-peak: the grain peak is at %g, which no factor scales", peak);
+    pipeline->grey_scale = request->scale_peak / peak;
+  }
+  if (pipeline->phases.levels == 2) {
+    pipeline->threshold_original = middle_of_two(histogram);
+    pipeline->phases.pore_peak = grey_histogram_quantile(histogram, 0.0);
+    pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0);
+  }
+  if (request->rule == THRESHOLD_AUTO) {
+    double natural = pipeline->phases.levels == 2 ? pipeline->threshold_original : pipeline->otsu;
+    struct grey_phases phases;
+    grey_histogram_phases(histogram, natural, &phases);
+    TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
+                      phases.levels == 2 || phases.valley_depth < 0.5));
+    TRY(match_void_ratio(pipeline, porosity));
+  } else {
+    pipeline->threshold_original = request->rule == THRESHOLD_OTSU
+                                       ? pipeline->otsu
+                                       : sign * request->threshold / pipeline->grey_scale;
+    pipeline->threshold = pipeline->threshold_original;
+    porosity = grey_histogram_porosity(histogram, pipeline->threshold);
+    if (porosity <= 0.0 || porosity >= 1.0)
+      TRY_FAIL(STATUS_INPUT, "--threshold %g: all of the region is %s; its greys go from %g to %g",
+               pipeline_grey(pipeline, pipeline->threshold), porosity > 0.0 ? "pore" : "grain",
+               pipeline_grey(pipeline, grey_histogram_quantile(histogram, 0.0)),
+               pipeline_grey(pipeline, grey_histogram_quantile(histogram, 1.0)));
+    TRY(check_reading(pipeline, porosity, true));
+  }
+  pipeline->threshold_slope_original = grey_histogram_slope(histogram, porosity);
+  if (pipeline->volume == NULL) pipeline->threshold_slope = pipeline->threshold_slope_original;
+  pipeline->void_ratio_original =
+      void_ratio_of(grey_histogram_porosity(histogram, pipeline->threshold_original));
+  warn_if_fragile(pipeline);
+cleanup:
+  return status;
+}
+
+/* ---- connection ---- */
+
+static bool is_off_the_flow(const struct part *part, const void *context) {
+  (void)context;
+  return !part->percolates[2];
+}
+
+/* Grain surface per bulk volume of the periodic model; faces show 3/2 of it. */
+static double model_surface(const struct voxel_model *model) {
+  size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], changes[3] = {0, 0, 0};
+  for (size_t z = 0; z < nz; z++) {
+    for (size_t y = 0; y < ny; y++) {
+      const uint8_t *row = model->solid + (z * ny + y) * nx;
+      const uint8_t *next_y = model->solid + (z * ny + (y + 1) % ny) * nx;
+      const uint8_t *next_z = model->solid + ((z + 1) % nz * ny + y) * nx;
+      for (size_t x = 0; x < nx; x++) {
+        changes[0] += row[x] != row[(x + 1) % nx];
+        changes[1] += row[x] != next_y[x];
+        changes[2] += row[x] != next_z[x];
+      }
+    }
+  }
+  double sum = 0.0, sites = (double)model_site_count(model);
+  for (int d = 0; d < 3; d++) sum += (double)changes[d] / model->spacing[d];
+  return 2.0 / 3.0 * sum / sites;
+}
+
+static enum status count_floating_grains(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct parts grains = {0};
+  struct quality *quality = &pipeline->quality;
+  size_t largest = 0;
+  TRY(parts_find(pipeline->model.solid, pipeline->model.size, pipeline->model.periodic, 1,
+                 &grains));
+  for (size_t p = 0; p < grains.count; p++)
+    if (grains.parts[p].voxels > grains.parts[largest].voxels) largest = p;
+  for (size_t p = 0; p < grains.count; p++) {
+    if (p == largest) continue;
+    quality->floating_grains++;
+    quality->floating_voxels += grains.parts[p].voxels;
+  }
+cleanup:
+  parts_end(&grains);
+  return status;
+}
+
+enum status binarise_connect(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct voxel_model *model = &pipeline->model;
+  struct quality *quality = &pipeline->quality;
+  struct parts pores = {0};
+  size_t sites = model_site_count(model), pore_voxels = 0, connected = 0;
+  TRY(parts_find(model->solid, model->size, model->periodic, 0, &pores));
+  for (size_t p = 0; p < pores.count; p++) {
+    const struct part *part = &pores.parts[p];
+    pore_voxels += part->voxels;
+    for (int d = 0; d < 3; d++) quality->percolates[d] |= part->percolates[d];
+    if (part->percolates[2]) {
+      connected += part->voxels;
+    } else {
+      quality->isolated_pores++;
+      quality->isolated_voxels += part->voxels;
+    }
+  }
+  if (!quality->percolates[2])
+    log_warning("no pore path leads through the model along z: nothing can flow; %s",
+                model->size[2] > 1 ? "a finer --size may open the throats" : "it has one layer");
+  if (pipeline->request->fill_islands && quality->isolated_pores > 0) {
+    if (connected == 0)
+      TRY_FAIL(STATUS_INPUT,
+               "--islands fill would fill every pore: none leads through the model along z");
+    pore_voxels -= parts_paint(&pores, is_off_the_flow, NULL, 1, model->solid);
+    log_info("filled %zu isolated pores (%zu voxels)", quality->isolated_pores,
+             quality->isolated_voxels);
+  }
+  if (pore_voxels == sites)
+    TRY_FAIL(STATUS_INPUT, "the model would be all pore at threshold %g",
+             pipeline_grey(pipeline, pipeline->threshold));
+  model->void_ratio = (double)pore_voxels / (double)(sites - pore_voxels);
+  quality->porosity = (double)pore_voxels / (double)sites;
+  quality->connected_porosity = (double)connected / (double)sites;
+  quality->surface_model = model_surface(model);
+  TRY(count_floating_grains(pipeline));
+cleanup:
+  parts_end(&pores);
+  return status;
+}

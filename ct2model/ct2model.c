@@ -1,0 +1,53 @@
+/* ct2model: CT slices to a calibrated voxel model. */
+#include <stdio.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "ct2model/describe.h"
+#include "ct2model/pipeline.h"
+#include "ct2model/report.h"
+#include "ct2model/request.h"
+#include "ct2model/sweep_table.h"
+
+static enum status run_pipeline(const struct options *options, const struct request *request) {
+  enum status status = STATUS_OK;
+  bool build = strcmp(options_command(options), "build") == 0;
+  struct pipeline pipeline = {0};
+  struct sweep_table table = {0};
+  size_t n = options_operand_count(options);
+  const char **paths = NULL;
+  TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
+  for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
+  TRY(pipeline_run(request, paths, n, build, &pipeline));
+  TRY(sweep_table_make(&pipeline, &table));
+  if (build)
+    TRY(report_write_model(&pipeline, options, &table));
+  else if (request->output != NULL)
+    TRY(sweep_table_write(&table, request->output));
+  TRY(report_print(&pipeline, options, build ? NULL : &table));
+cleanup:
+  sweep_table_end(&table);
+  pipeline_end(&pipeline);
+  memory_free(&paths);
+  return status;
+}
+
+int main(int argc, char **argv) {
+  enum status status = STATUS_OK;
+  struct options *options = NULL;
+  struct request request;
+  bool done = false;
+  TRY(options_parse(&ct2model_options, argc, argv, &options, &done));
+  if (done) goto cleanup;
+  TRY(request_parse(options, &request));
+  if (strcmp(options_command(options), "info") == 0)
+    TRY(describe_files(options, &request));
+  else
+    TRY(run_pipeline(options, &request));
+  if (fflush(stdout) != 0) TRY_FAIL(STATUS_RUN, "stdout: cannot be written");
+cleanup:
+  if (status != STATUS_OK) log_pending_error();
+  options_free(options);
+  return (int)status;
+}

@@ -1,0 +1,189 @@
+#include "ct2model/image.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/memory.h"
+#include "ct2model/image_meta.h"
+#include "ct2model/image_nrrd.h"
+#include "ct2model/image_png.h"
+#include "ct2model/image_tiff.h"
+
+static enum status raw_read(const struct image *image, size_t page, float *out) {
+  return image_read_contiguous(image, page, out);
+}
+
+static const struct image_reader RAW = {"raw", NULL, NULL, raw_read};
+static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
+                                                     &image_nrrd_reader, &image_meta_reader};
+#define READER_COUNT (sizeof READERS / sizeof *READERS)
+
+bool image_name_known(const char *name) {
+  static const char *const EXTENSIONS[] = {".tif", ".tiff", ".png", ".mhd", ".mha",
+                                           ".nrrd", ".nhdr", ".btf", ".tf8"};
+  const char *dot = strrchr(name, '.');
+  if (dot == NULL) return false;
+  for (size_t i = 0; i < sizeof EXTENSIONS / sizeof *EXTENSIONS; i++) {
+    if (strcasecmp(dot, EXTENSIONS[i]) == 0) return true;
+  }
+  return false;
+}
+
+enum status image_file_size(const char *path, uint64_t *size) {
+  struct stat info;
+  if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  if (S_ISDIR(info.st_mode)) return FAIL(STATUS_INPUT, "%s: a folder, not an image file", path);
+  *size = (uint64_t)info.st_size;
+  return STATUS_OK;
+}
+
+enum status raw_layout_parse(const char *text, struct raw_layout *layout) {
+  static const struct {
+    const char *name;
+    int bits;
+    char format;
+    bool big_endian;
+  } TYPES[] = {
+      {"u8", 8, 'u', false},     {"i8", 8, 'i', false},     {"u16le", 16, 'u', false},
+      {"u16be", 16, 'u', true},  {"i16le", 16, 'i', false}, {"i16be", 16, 'i', true},
+      {"u32le", 32, 'u', false}, {"u32be", 32, 'u', true},  {"i32le", 32, 'i', false},
+      {"i32be", 32, 'i', true},  {"f32le", 32, 'f', false}, {"f32be", 32, 'f', true},
+      {"f64le", 64, 'f', false}, {"f64be", 64, 'f', true},
+  };
+  char name[8] = "";
+  int used = 0;
+  memset(layout, 0, sizeof *layout);
+  if (strchr(text, '-') == NULL &&
+      sscanf(text, "%zux%zux%zu:%7s%n", &layout->size[0], &layout->size[1], &layout->size[2], name,
+             &used) == 4 &&
+      text[used] == '\0' && layout->size[0] > 0 && layout->size[1] > 0 && layout->size[2] > 0) {
+    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
+      if (strcmp(name, TYPES[i].name) != 0) continue;
+      layout->given = true;
+      layout->big_endian = TYPES[i].big_endian;
+      (void)pixel_type_of(TYPES[i].bits, TYPES[i].format, &layout->type);
+      return STATUS_OK;
+    }
+  }
+  return FAIL(STATUS_USAGE,
+              "--raw %s: write NXxNYxNZ:TYPE with TYPE one of u8 i8 u16le u16be i16le i16be u32le "
+              "u32be i32le i32be f32le f32be f64le f64be, e.g. 480x480x256:u16le",
+              text);
+}
+
+static enum status raw_open(const struct raw_layout *raw, struct image *image) {
+  uint64_t bytes = 0;
+  size_t page_bytes;
+  enum status status = image_file_size(image->path, &bytes);
+  if (status != STATUS_OK) return status;
+  if (!size_multiply(raw->size[0], raw->size[1], &page_bytes) ||
+      !size_multiply(page_bytes, pixel_size(raw->type), &page_bytes))
+    return FAIL(STATUS_USAGE, "--raw: slices of %zux%zu are too large", raw->size[0],
+                raw->size[1]);
+  image->reader = &RAW;
+  image->size[0] = raw->size[0];
+  image->size[1] = raw->size[1];
+  image->type = raw->type;
+  image->pages = (size_t)(bytes / page_bytes);
+  image->swap = raw->big_endian;
+  if (image->pages == 0 || bytes % page_bytes != 0)
+    return FAIL(STATUS_INPUT,
+                "%s: %llu bytes are not whole slices of %zux%zu %s (%zu bytes each); check --raw",
+                image->path, (unsigned long long)bytes, raw->size[0], raw->size[1],
+                pixel_name(raw->type), page_bytes);
+  return STATUS_OK;
+}
+
+static enum status read_head(const char *path, unsigned char *head, size_t size, size_t *got) {
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  *got = fread(head, 1, size, file);
+  int failed = ferror(file);
+  fclose(file);
+  if (failed) return FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  if (*got == 0) return FAIL(STATUS_INPUT, "%s: empty file", path);
+  return STATUS_OK;
+}
+
+enum status image_open(const char *path, const struct raw_layout *raw, struct image *image) {
+  enum status status = STATUS_OK;
+  unsigned char head[512];
+  size_t got = 0;
+  uint64_t bytes = 0;
+  memset(image, 0, sizeof *image);
+  for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
+  image->path = strdup(path);
+  if (image->path == NULL) TRY_FAIL(STATUS_RUN, "out of memory");
+  if (raw != NULL && raw->given) {
+    TRY(raw_open(raw, image));
+    goto cleanup;
+  }
+  TRY(image_file_size(path, &bytes));
+  TRY(read_head(path, head, sizeof head, &got));
+  for (size_t i = 0; i < READER_COUNT && image->reader == NULL; i++) {
+    if (READERS[i]->claims(path, head, got)) image->reader = READERS[i];
+  }
+  if (image->reader == NULL)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: not a TIFF, PNG, MetaImage or NRRD file; for headerless pixels give --raw "
+             "NXxNYxNZ:u8|u16le|...",
+             path);
+  TRY(image->reader->open(path, image));
+  size_t pixels;
+  if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: an image without pixels", path);
+  if (!size_multiply(image->size[0], image->size[1], &pixels) || pixels > ((size_t)1 << 32))
+    TRY_FAIL(STATUS_INPUT, "%s: slices of %zux%zu are too large", path, image->size[0],
+             image->size[1]);
+cleanup:
+  if (status != STATUS_OK) image_close(image);
+  return status;
+}
+
+void image_close(struct image *image) {
+  free(image->path);
+  free(image->data_path);
+  memory_free(&image->page_offsets);
+  image->path = NULL;
+  image->data_path = NULL;
+}
+
+enum status image_read(const struct image *image, size_t page, float *out) {
+  enum status status = image->reader->read(image, page, out);
+  if (status != STATUS_OK || !image->invert) return status;
+  double low, high;
+  if (!pixel_levels(image->type, &low, &high)) low = high = 0.0;
+  for (size_t i = 0; i < image->size[0] * image->size[1]; i++)
+    out[i] = (float)(low + high - (double)out[i]);
+  return STATUS_OK;
+}
+
+enum status image_read_contiguous(const struct image *image, size_t page, float *out) {
+  const char *path = image->data_path != NULL ? image->data_path : image->path;
+  enum status status = STATUS_OK;
+  size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
+  unsigned char *buffer = NULL;
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  TRY(memory_allocate(&buffer, bytes, 1, "a slice"));
+  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  for (size_t done = 0; done < bytes;) {
+    ssize_t got = pread(file, buffer + done, bytes - done, (off_t)(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0)
+      TRY_FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
+    done += (size_t)got;
+  }
+  pixels_to_float(out, buffer, pixels, image->type, image->swap);
+cleanup:
+  memory_free(&buffer);
+  if (file >= 0) close(file);
+  return status;
+}

@@ -1,0 +1,369 @@
+#include "ct2model/image_tiff.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+
+#include "common/memory.h"
+
+/* libtiff has one handler for all threads; the text of the last error belongs to the thread. */
+static _Thread_local char tiff_message[160];
+
+static void on_error(const char *module, const char *format, va_list arguments) {
+  (void)module;
+  vsnprintf(tiff_message, sizeof tiff_message, format, arguments);
+}
+
+static TIFF *tiff_start(const char *path) {
+  tiff_message[0] = '\0';
+  TIFFSetErrorHandler(on_error);
+  TIFFSetWarningHandler(NULL);
+  return TIFFOpen(path, "rm"); /* m: plain reads; a mapped file that shrinks would end us */
+}
+
+static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
+  (void)path;
+  return n >= 8 && ((head[0] == 'I' && head[1] == 'I' && (head[2] == 42 || head[2] == 43)) ||
+                    (head[0] == 'M' && head[1] == 'M' && (head[3] == 42 || head[3] == 43)));
+}
+
+struct tiff_layout {
+  uint32_t width, height;
+  uint16_t bits, samples, format, photometric, compression, planar;
+};
+
+static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
+  memset(layout, 0, sizeof *layout);
+  TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &layout->width);
+  TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &layout->height);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &layout->bits);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &layout->samples);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout->format);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout->compression);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout->planar);
+  if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout->photometric))
+    layout->photometric = PHOTOMETRIC_MINISBLACK;
+}
+
+static enum status layout_type(const char *path, const struct tiff_layout *layout,
+                               enum pixel_type *type) {
+  char format = layout->format == SAMPLEFORMAT_IEEEFP ? 'f'
+                : layout->format == SAMPLEFORMAT_INT  ? 'i'
+                                                      : 'u';
+  if (layout->bits < 8 && layout->samples == 1 && format == 'u') {
+    *type = PIXEL_U8;
+    return STATUS_OK;
+  }
+  if (!pixel_type_of(layout->bits, format, type))
+    return FAIL(STATUS_INPUT, "%s: %u bits a sample are not read; save as 8, 16 or 32 bit", path,
+                layout->bits);
+  return STATUS_OK;
+}
+
+/* Voxel size from ImageJ's description ("unit=micron", "spacing=5.83") and the resolution tags.
+ * Screen resolutions in dots per inch are what programs write unasked: they do not count. */
+static double unit_in_metres(const char *unit) {
+  static const struct {
+    const char *name;
+    double metres;
+  } UNITS[] = {
+      {"micron", 1e-6},   {"microns", 1e-6}, {"um", 1e-6}, {"\\u00B5m", 1e-6}, {"\xC2\xB5m", 1e-6},
+      {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},   {"nm", 1e-9}, {"mm", 1e-3},       {"cm", 1e-2},
+      {"m", 1.0},         {"inch", 0.0254},
+  };
+  for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
+    if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
+  }
+  return NAN;
+}
+
+static bool description_value(const char *description, const char *key, char *value,
+                              size_t size) {
+  size_t length = strlen(key);
+  for (const char *line = description; line != NULL && *line != '\0';) {
+    const char *end = strchr(line, '\n');
+    size_t n = end != NULL ? (size_t)(end - line) : strlen(line);
+    if (n > length && strncmp(line, key, length) == 0 && line[length] == '=') {
+      snprintf(value, size, "%.*s", (int)(n - length - 1), line + length + 1);
+      return true;
+    }
+    line = end != NULL ? end + 1 : NULL;
+  }
+  return false;
+}
+
+/* PhysicalSizeX="5.83" PhysicalSizeXUnit="um" of OME-XML; micrometres if no unit is given. */
+static double ome_size(const char *xml, char axis) {
+  char key[32], value[40], unit[16] = "um";
+  snprintf(key, sizeof key, "PhysicalSize%c=\"", axis);
+  const char *at = strstr(xml, key);
+  if (at == NULL || sscanf(at + strlen(key), "%39[^\"]", value) != 1) return NAN;
+  snprintf(key, sizeof key, "PhysicalSize%cUnit=\"", axis);
+  const char *unit_at = strstr(xml, key);
+  if (unit_at != NULL) (void)sscanf(unit_at + strlen(key), "%15[^\"]", unit);
+  return strtod(value, NULL) * unit_in_metres(unit);
+}
+
+static void read_voxel_size(TIFF *tiff, const char *description, struct image *image) {
+  float resolution[2] = {0, 0};
+  uint16_t unit = RESUNIT_INCH;
+  char text[40];
+  if (description != NULL && strstr(description, "PhysicalSizeX") != NULL) {
+    image->voxel[0] = ome_size(description, 'X');
+    image->voxel[1] = ome_size(description, 'Y');
+    image->voxel[2] = ome_size(description, 'Z');
+    if (image->voxel[0] > 0.0) image->voxel_source = "OME metadata";
+    return;
+  }
+  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &resolution[0]);
+  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &resolution[1]);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
+  bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  double metres = NAN;
+  if (imagej && description_value(description, "unit", text, sizeof text)) {
+    metres = unit_in_metres(text);
+    image->voxel_source = "ImageJ metadata";
+  } else if (unit == RESUNIT_CENTIMETER || unit == RESUNIT_INCH) {
+    metres = unit == RESUNIT_CENTIMETER ? 0.01 : 0.0254;
+    image->voxel_source = "TIFF resolution tags";
+  }
+  for (int axis = 0; axis < 2; axis++) {
+    double voxel = metres / (double)resolution[axis];
+    /* 600 dpi and coarser, 42 um: a page, unless the unit is one of a microscope. */
+    bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
+    image->voxel[axis] = resolution[axis] > 0.0f && isfinite(voxel) && !page ? voxel : NAN;
+  }
+  if (imagej && isfinite(image->voxel[0]) &&
+      description_value(description, "spacing", text, sizeof text))
+    image->voxel[2] = strtod(text, NULL) * metres;
+  if (!(image->voxel[2] > 0.0)) image->voxel[2] = NAN;
+  if (!isfinite(image->voxel[0])) image->voxel_source = NULL;
+}
+
+/* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */
+static bool imagej_contiguous(TIFF *tiff, const char *description,
+                              const struct tiff_layout *layout, struct image *image) {
+  char text[40];
+  uint64_t bytes, *offsets = NULL;
+  if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
+      !description_value(description, "images", text, sizeof text) ||
+      layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
+      TIFFIsTiled(tiff) || !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
+    return false;
+  unsigned long long images = strtoull(text, NULL, 10);
+  uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);
+  if (images < 2 || image_file_size(image->path, &bytes) != STATUS_OK) return false;
+  image->pages = (size_t)images;
+  image->data_offset = offsets[0];
+  image->swap = TIFFIsByteSwapped(tiff) != 0;
+  if ((bytes - image->data_offset) / page < images) {
+    image->pages = (size_t)((bytes - image->data_offset) / page);
+    snprintf(image->note, sizeof image->note, "cut short: %zu of %llu slices are there",
+             image->pages, images);
+  }
+  return image->pages > 0;
+}
+
+/* The offsets of all directories of full size; thumbnails (reduced images) are left out. */
+static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first,
+                                 struct image *image) {
+  size_t room = 0;
+  enum status status = STATUS_OK;
+  do {
+    struct tiff_layout layout;
+    uint32_t kind = 0;
+    TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    if ((kind & FILETYPE_REDUCEDIMAGE) != 0) continue;
+    layout_read(tiff, &layout);
+    if (layout.width != first->width || layout.height != first->height)
+      TRY_FAIL(STATUS_INPUT, "%s: page %zu: %ux%u, but the first page is %ux%u", image->path,
+               image->pages, layout.width, layout.height, first->width, first->height);
+    if (layout.bits != first->bits || layout.format != first->format ||
+        layout.samples != first->samples)
+      TRY_FAIL(STATUS_INPUT, "%s: page %zu: %u bits, but the first page has %u bits a sample",
+               image->path, image->pages, layout.bits, first->bits);
+    if (image->pages == room) {
+      room = room == 0 ? 64 : 2 * room;
+      TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
+                        "the pages of a TIFF"));
+    }
+    image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
+  } while (TIFFReadDirectory(tiff));
+  /* A clean end leaves no message; a broken chain of directories does. */
+  if (tiff_message[0] != '\0')
+    TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s", image->path, image->pages,
+             tiff_message);
+cleanup:
+  return status;
+}
+
+static enum status tiff_open(const char *path, struct image *image) {
+  enum status status = STATUS_OK;
+  struct tiff_layout layout;
+  char *description = NULL;
+  TIFF *tiff = tiff_start(path);
+  if (tiff == NULL)
+    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path, tiff_message);
+  layout_read(tiff, &layout);
+  if (layout.width == 0 || layout.height == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height", path);
+  if (!TIFFIsCODECConfigured(layout.compression))
+    TRY_FAIL(STATUS_INPUT, "%s: compression %u is not supported by libtiff here", path,
+             layout.compression);
+  TRY(layout_type(path, &layout, &image->type));
+  image->size[0] = layout.width;
+  image->size[1] = layout.height;
+  image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
+  if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
+    snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
+  else if (image->invert)
+    snprintf(image->note, sizeof image->note, "white is zero; inverted");
+  if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
+  read_voxel_size(tiff, description, image);
+  if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
+  image->data_offset = 0;
+  image->pages = 0;
+  tiff_message[0] = '\0';
+  TRY(collect_pages(tiff, &layout, image));
+cleanup:
+  if (tiff != NULL) TIFFClose(tiff);
+  return status;
+}
+
+/* One row of decoded samples to float: sub-byte samples, palettes and colours that are grey. */
+struct row_decoder {
+  const struct image *image;
+  struct tiff_layout layout;
+  uint16_t *palette[3];
+  double palette_scale;
+};
+
+static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in,
+                              size_t x0, size_t n, size_t y, float *out) {
+  const struct tiff_layout *layout = &decoder->layout;
+  const struct image *image = decoder->image;
+  size_t bytes = pixel_size(image->type);
+  if (layout->bits < 8) {
+    unsigned mask = (1u << layout->bits) - 1u, top = layout->photometric == 3 ? 1u : 255u / mask;
+    for (size_t x = 0; x < n; x++) {
+      size_t bit = x * layout->bits;
+      out[x] = (float)(((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask) * top);
+    }
+  } else if (layout->samples < 3 && layout->samples != 1) { /* grey with alpha */
+    for (size_t x = 0; x < n; x++)
+      pixels_to_float(out + x, in + x * bytes * layout->samples, 1, image->type, false);
+  } else if (layout->samples == 1) {
+    pixels_to_float(out, in, n, image->type, false);
+  } else {
+    for (size_t x = 0; x < n; x++) {
+      const unsigned char *rgb = in + x * bytes * layout->samples;
+      if (memcmp(rgb, rgb + bytes, bytes) != 0 || memcmp(rgb, rgb + 2 * bytes, bytes) != 0)
+        return FAIL(STATUS_INPUT,
+                    "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
+                    "levels",
+                    image->path, x0 + x, y);
+      pixels_to_float(out + x, rgb, 1, image->type, false);
+    }
+  }
+  if (layout->photometric == PHOTOMETRIC_PALETTE) {
+    for (size_t x = 0; x < n; x++) {
+      size_t entry = (size_t)out[x];
+      if (decoder->palette[0][entry] != decoder->palette[1][entry] ||
+          decoder->palette[0][entry] != decoder->palette[2][entry])
+        return FAIL(STATUS_INPUT, "%s: palette entry %zu is a colour, not grey", image->path,
+                    entry);
+      out[x] = (float)(decoder->palette[0][entry] / decoder->palette_scale);
+    }
+  }
+  return STATUS_OK;
+}
+
+static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, float *out) {
+  enum status status = STATUS_OK;
+  const struct image *image = decoder->image;
+  size_t width = image->size[0], height = image->size[1];
+  uint32_t rows = 0;
+  unsigned char *buffer = NULL;
+  size_t row = (size_t)TIFFScanlineSize64(tiff);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rows);
+  if (rows == 0 || rows > height) rows = (uint32_t)height;
+  size_t strip_bytes;
+  if (!size_multiply(row, rows, &strip_bytes) || (tmsize_t)strip_bytes != TIFFStripSize(tiff))
+    TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout", image->path);
+  TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
+  for (size_t y0 = 0; y0 < height; y0 += rows) {
+    size_t n = height - y0 < rows ? height - y0 : rows;
+    tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), buffer, (tmsize_t)(n * row));
+    if (got < (tmsize_t)(n * row))
+      TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s", image->path, y0,
+               y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
+    for (size_t y = 0; y < n; y++)
+      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out + (y0 + y) * width));
+  }
+cleanup:
+  memory_free(&buffer);
+  return status;
+}
+
+static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, float *out) {
+  enum status status = STATUS_OK;
+  const struct image *image = decoder->image;
+  size_t width = image->size[0], height = image->size[1];
+  uint32_t tile[2] = {0, 0};
+  unsigned char *buffer = NULL;
+  TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile[0]);
+  TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile[1]);
+  size_t bytes = (size_t)TIFFTileSize(tiff), row = (size_t)TIFFTileRowSize(tiff);
+  if (tile[0] == 0 || tile[1] == 0 || bytes < row * tile[1])
+    TRY_FAIL(STATUS_INPUT, "%s: tiles of an unsupported layout", image->path);
+  TRY(memory_allocate(&buffer, bytes, 1, "a TIFF tile"));
+  for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
+    for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
+      if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
+        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s", image->path, x0,
+                 y0, tiff_message);
+      size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
+      size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
+      for (size_t y = 0; y < ny; y++)
+        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, out + (y0 + y) * width + x0));
+    }
+  }
+cleanup:
+  memory_free(&buffer);
+  return status;
+}
+
+static enum status tiff_read(const struct image *image, size_t page, float *out) {
+  enum status status = STATUS_OK;
+  TIFF *tiff = NULL;
+  if (image->data_offset != 0) return image_read_contiguous(image, page, out);
+  struct row_decoder decoder = {.image = image};
+  tiff = tiff_start(image->path);
+  if (tiff == NULL || !TIFFSetSubDirectory(tiff, image->page_offsets[page]))
+    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s", image->path, page, tiff_message);
+  layout_read(tiff, &decoder.layout);
+  if (decoder.layout.width != image->size[0] || decoder.layout.height != image->size[1])
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read", image->path);
+  if (decoder.layout.samples > 1 && decoder.layout.planar != PLANARCONFIG_CONTIG)
+    TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
+  if (decoder.layout.compression == COMPRESSION_JPEG)
+    TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+  if (decoder.layout.photometric == PHOTOMETRIC_PALETTE) {
+    if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder.palette[0], &decoder.palette[1],
+                      &decoder.palette[2]))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette", image->path);
+    decoder.palette_scale = image->type == PIXEL_U8 ? 257.0 : 1.0;
+  }
+  if (TIFFIsTiled(tiff))
+    TRY(read_tiles(tiff, &decoder, out));
+  else
+    TRY(read_strips(tiff, &decoder, out));
+cleanup:
+  if (tiff != NULL) TIFFClose(tiff);
+  return status;
+}
+
+const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read};

@@ -1,0 +1,284 @@
+#include "ct2model/pipeline.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+#include "ct2model/binarise.h"
+#include "ct2model/wall_distance.h"
+
+double pipeline_grey(const struct pipeline *pipeline, double internal) {
+  return internal * pipeline->grey_scale * (pipeline->request->dark_grains ? -1.0 : 1.0);
+}
+
+/* ---- region: crop, voxel size, size after resampling ---- */
+
+static enum status choose_voxel(struct pipeline *pipeline) {
+  const struct stack *stack = &pipeline->stack;
+  double given = pipeline->request->voxel, *voxel = pipeline->region.voxel;
+  for (int d = 0; d < 3; d++) voxel[d] = isnan(given) ? stack->voxel[d] : given;
+  if (isnan(voxel[0]))
+    return FAIL(STATUS_INPUT,
+                "%s: does not say how large a voxel is; give --voxel-size, e.g. --voxel-size 5.83um",
+                stack->files[0].path);
+  if (isnan(voxel[1])) voxel[1] = voxel[0];
+  if (isnan(voxel[2])) {
+    if (isnan(given))
+      log_warning("%s give no slice distance; that of the pixels is taken", stack->voxel_source);
+    voxel[2] = voxel[0];
+  }
+  char text[2][40];
+  if (isnan(given)) {
+    quantity_format(voxel[0], "m", text[0], sizeof text[0]);
+    log_info("voxel size %s from the %s", text[0], stack->voxel_source);
+  } else if (stack->voxel[0] > 0.0 && fabs(stack->voxel[0] / given - 1.0) > 0.01) {
+    quantity_format(stack->voxel[0], "m", text[0], sizeof text[0]);
+    quantity_format(given, "m", text[1], sizeof text[1]);
+    log_warning("the %s say a voxel is %s; --voxel-size %s is used", stack->voxel_source, text[0],
+                text[1]);
+  }
+  return STATUS_OK;
+}
+
+static enum status choose_size(struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  const size_t *in = pipeline->region.size;
+  memcpy(pipeline->size, request->size_given ? request->size : in, sizeof pipeline->size);
+  const size_t *out = pipeline->size;
+  if (request->filter == FILTER_NONE && memcmp(in, out, sizeof pipeline->size) != 0)
+    return FAIL(STATUS_USAGE,
+                "--filter none keeps all %zux%zux%zu voxels, but --size is %zux%zux%zu; leave "
+                "--size out or use --filter area",
+                in[0], in[1], in[2], out[0], out[1], out[2]);
+  double spacing[3];
+  for (int d = 0; d < 3; d++)
+    spacing[d] = pipeline->region.voxel[d] * (double)in[d] / (double)out[d];
+  if (request->filter == FILTER_BICUBIC_POINT && spacing[0] > 2.0 * pipeline->region.voxel[0])
+    log_warning("bicubic-point does not antialias: at a reduction of %.3g the void ratio still "
+                "matches, but many voxels are wrong and the surface is far too large; use bicubic",
+                spacing[0] / pipeline->region.voxel[0]);
+  if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 || fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
+    double ny = (double)in[1] * pipeline->region.voxel[1] / spacing[0];
+    double nz = (double)in[2] * pipeline->region.voxel[2] / spacing[0];
+    log_warning("model voxels of %.4g x %.4g x %.4g um are not cubic; --size %zux%.0fx%.0f%s "
+                "would keep them so",
+                spacing[0] * 1e6, spacing[1] * 1e6, spacing[2] * 1e6, out[0], fmax(1.0, round(ny)),
+                fmax(1.0, round(nz)),
+                fabs(ny - round(ny)) + fabs(nz - round(nz)) > 1e-3 ? " with a --crop to match" : "");
+  }
+  return STATUS_OK;
+}
+
+static enum status choose_region(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  const struct stack *stack = &pipeline->stack;
+  struct region *region = &pipeline->region;
+  *region = (struct region){.stack = stack, .scale = request->dark_grains ? -1.0 : 1.0};
+  memcpy(region->size, stack->size, sizeof region->size);
+  for (int d = 0; request->crop_given && d < 3; d++) {
+    region->origin[d] = request->crop[d];
+    region->size[d] = request->crop[d + 3];
+    if (region->origin[d] + region->size[d] > stack->size[d])
+      TRY_FAIL(STATUS_USAGE, "--crop: %c from %zu to %zu, but the stack is %zux%zux%zu", "xyz"[d],
+               region->origin[d], region->origin[d] + region->size[d], stack->size[0],
+               stack->size[1], stack->size[2]);
+  }
+  TRY(choose_voxel(pipeline));
+  TRY(choose_size(pipeline));
+  TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));
+  for (size_t z = 0; z < pipeline->size[2]; z++)
+    pipeline->weight[z] = request->mirror && z + 1 < pipeline->size[2] ? 2 : 1;
+cleanup:
+  return status;
+}
+
+/* ---- scan: histogram and resampling in one pass ---- */
+
+static enum status start_histogram(struct pipeline *pipeline, float *slice) {
+  double low, high;
+  const struct region *region = &pipeline->region;
+  if (pixel_levels(pipeline->stack.type, &low, &high)) {
+    double first = region->scale < 0.0 ? -high : low;
+    return grey_histogram_start(first - 0.5, 1.0, (size_t)(high - low) + 1, &pipeline->histogram);
+  }
+  /* Too many levels for one bin each: bins over the range of a few slices, wide enough. */
+  low = INFINITY;
+  high = -INFINITY;
+  for (size_t i = 0; i < 8; i++) {
+    size_t z = i * (region->size[2] - 1) / 7;
+    enum status status = region_read(region, &z, 1, slice);
+    if (status != STATUS_OK) return status;
+    for (size_t p = 0; p < region->size[0] * region->size[1]; p++) {
+      low = fmin(low, (double)slice[p]);
+      high = fmax(high, (double)slice[p]);
+    }
+  }
+  double margin = high > low ? 0.05 * (high - low) : 0.5;
+  const size_t bins = 1u << 18;
+  return grey_histogram_start(low - margin, (high - low + 2.0 * margin) / (double)bins, bins,
+                              &pipeline->histogram);
+}
+
+static enum status histogram_batch(struct grey_histogram *total, const float *values, size_t n) {
+  enum status status = STATUS_OK;
+#pragma omp parallel
+  {
+    struct grey_histogram mine;
+    enum status one = grey_histogram_start(total->low, total->width, total->bins, &mine);
+    const size_t part = 65536;
+#pragma omp for schedule(static)
+    for (size_t i = 0; i < (n + part - 1) / part; i++) {
+      size_t first = i * part;
+      if (one == STATUS_OK)
+        grey_histogram_add(&mine, values + first, n - first < part ? n - first : part);
+    }
+#pragma omp critical
+    {
+      if (one != STATUS_OK) status = one;
+      for (size_t b = 0; one == STATUS_OK && b < total->bins; b++)
+        total->counts[b] += mine.counts[b];
+      if (one == STATUS_OK) total->total += mine.total;
+    }
+    grey_histogram_end(&mine);
+  }
+  return status;
+}
+
+static enum status scan(struct pipeline *pipeline, bool resample) {
+  enum status status = STATUS_OK;
+  const struct region *region = &pipeline->region;
+  size_t plane = region->size[0] * region->size[1], batch = region_batch(region);
+  size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
+  struct resampler resampler = {0};
+  float *slices = NULL;
+  struct progress progress;
+  TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
+  TRY(start_histogram(pipeline, slices));
+  if (resample) {
+    TRY(memory_allocate(&pipeline->volume, sites, sizeof *pipeline->volume, "the resampled model"));
+    TRY(resampler_start(pipeline->request->filter, region->size, pipeline->size, batch,
+                        &resampler));
+  }
+  progress_start(&progress, "reading", "slices", (double)region->size[2]);
+  for (size_t z = 0; z < region->size[2]; z += batch) {
+    size_t n = region->size[2] - z < batch ? region->size[2] - z : batch, numbers[64];
+    for (size_t i = 0; i < n; i++) numbers[i] = z + i;
+    TRY(region_read(region, numbers, n, slices));
+    TRY(histogram_batch(&pipeline->histogram, slices, n * plane));
+    if (resample) TRY(resampler_feed(&resampler, z, n, slices, pipeline->volume));
+    progress_update(&progress, (double)(z + n), NULL);
+  }
+  progress_end(&progress);
+cleanup:
+  resampler_end(&resampler);
+  memory_free(&slices);
+  return status;
+}
+
+/* ---- model ---- */
+
+static void add_layers(struct pipeline *pipeline) {
+  struct voxel_model *model = &pipeline->model;
+  size_t n = pipeline->size[2];
+  memcpy(model->size, pipeline->size, sizeof model->size);
+  model->mirror_plane = -1;
+  if (pipeline->request->mirror) {
+    model->size[2] = 2 * n - 1;
+    model->mirror_plane = (int)n - 1;
+  }
+  for (int d = 0; d < 3; d++) {
+    model->periodic[d] = true;
+    model->spacing[d] = pipeline->region.voxel[d] * (double)pipeline->region.size[d] /
+                        (double)pipeline->size[d];
+  }
+}
+
+/* Layers n .. 2n - 2 repeat n - 2 .. 0. */
+static void mirror_layers(const struct pipeline *pipeline, void *data, size_t bytes) {
+  size_t layer = pipeline->size[0] * pipeline->size[1] * bytes, n = pipeline->size[2];
+  for (size_t z = n; z < pipeline->model.size[2]; z++)
+    memcpy((char *)data + z * layer, (char *)data + (2 * n - 2 - z) * layer, layer);
+}
+
+static enum status extend(const struct pipeline *pipeline, float **data, const char *what) {
+  enum status status =
+      memory_resize(data, model_site_count(&pipeline->model), sizeof **data, what);
+  if (status == STATUS_OK) mirror_layers(pipeline, *data, sizeof **data);
+  return status;
+}
+
+static enum status make_solid(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct voxel_model *model = &pipeline->model;
+  add_layers(pipeline);
+  TRY(memory_allocate(&model->solid, model_site_count(model), 1, "the model"));
+  size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
+  for (size_t i = 0; i < sites; i++)
+    model->solid[i] = (double)pipeline->volume[i] > pipeline->threshold;
+  mirror_layers(pipeline, model->solid, 1);
+  TRY(binarise_connect(pipeline));
+  model->void_ratio_measured = pipeline->request->void_ratio;
+  model->threshold = pipeline_grey(pipeline, pipeline->threshold);
+cleanup:
+  return status;
+}
+
+static enum status find_walls(struct pipeline *pipeline, bool distances) {
+  enum status status = STATUS_OK;
+  struct wall_result walls = {0};
+  const struct grey_phases *phases = &pipeline->phases;
+  double contrast = phases->grain_peak - phases->pore_peak;
+  struct wall_request request = {
+      .threshold = pipeline->threshold_original,
+      .contrast = contrast > 0.0 ? contrast
+                                 : pipeline->histogram.width * (double)pipeline->histogram.bins,
+      .mirror = pipeline->request->mirror,
+      .distances = distances};
+  memcpy(request.size, pipeline->size, sizeof request.size);
+  TRY(wall_measure(&pipeline->region, &request, &walls));
+  pipeline->specks = walls.specks;
+  double volume = 1.0;
+  for (int d = 0; d < 3; d++)
+    volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
+  pipeline->quality.surface_original = walls.surface_area / volume;
+  if (!distances) goto cleanup;
+  struct voxel_model *model = &pipeline->model;
+  model->wall_distance = walls.distance;
+  model->grain_fraction = walls.grain_fraction;
+  walls = (struct wall_result){0};
+  TRY(extend(pipeline, &model->wall_distance, "wall distances"));
+  TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));
+  TRY(wall_complete(model->wall_distance, model->solid, model->size, model->spacing,
+                    &pipeline->disagreeing));
+cleanup:
+  wall_result_end(&walls);
+  return status;
+}
+
+enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
+                         bool distances, struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0};
+  TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
+  TRY(choose_region(pipeline));
+  /* A sweep alone need not hold a huge scan in memory. */
+  const size_t *out = pipeline->size;
+  bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
+  TRY(scan(pipeline, resample));
+  TRY(binarise_calibrate(pipeline));
+  if (resample) TRY(make_solid(pipeline));
+  TRY(find_walls(pipeline, distances));
+cleanup:
+  return status;
+}
+
+void pipeline_end(struct pipeline *pipeline) {
+  model_free(&pipeline->model);
+  grey_histogram_end(&pipeline->histogram);
+  memory_free(&pipeline->volume);
+  memory_free(&pipeline->weight);
+  stack_close(&pipeline->stack);
+}

@@ -1,0 +1,50 @@
+/* From the slices to the model: scan (one pass over the pixels), calibrate, binarise, connect,
+ * mirror, and the second pass that finds the grain surface. */
+#ifndef TOSUI_CT2MODEL_PIPELINE_H
+#define TOSUI_CT2MODEL_PIPELINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "common/model_file.h"
+#include "ct2model/calibrate.h"
+#include "ct2model/region.h"
+#include "ct2model/request.h"
+#include "ct2model/stack.h"
+
+struct quality {
+  bool percolates[3];
+  double porosity, connected_porosity; /* connected: on a path along z */
+  size_t isolated_pores, isolated_voxels, floating_grains, floating_voxels;
+  double surface_original, surface_model; /* 1/m: grain surface per bulk volume */
+};
+
+/* Greys inside are `grey_sign` times stored ones; pipeline_grey gives what is reported. */
+struct pipeline {
+  const struct request *request;
+  struct stack stack;
+  struct region region;
+  struct grey_histogram histogram;
+  size_t size[3];     /* after resampling, before mirroring */
+  float *volume;      /* greys after resampling; NULL where a sweep leaves a huge scan alone */
+  unsigned *weight;   /* how often each layer occurs in the mirrored model */
+  double grey_scale;  /* reported = stored * grey_scale */
+  double threshold_original, threshold; /* full resolution; model */
+  double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
+  double void_ratio_original;                       /* of the region at threshold_original */
+  double otsu;
+  struct grey_phases phases;
+  struct voxel_model model;
+  struct quality quality;
+  size_t specks, disagreeing;
+};
+
+/* Runs everything; `distances` off leaves out the wall distances (sweep). Free with pipeline_end. */
+enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
+                         bool distances, struct pipeline *pipeline);
+void pipeline_end(struct pipeline *pipeline);
+
+double pipeline_grey(const struct pipeline *pipeline, double internal);
+
+#endif

@@ -1,0 +1,23 @@
+/* The part of a stack that is used, as greys with grain bright: cropped, scaled, negated if the
+ * grain is dark; read in batches by several threads. */
+#ifndef TOSUI_CT2MODEL_REGION_H
+#define TOSUI_CT2MODEL_REGION_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+#include "ct2model/stack.h"
+
+struct region {
+  const struct stack *stack;
+  size_t origin[3], size[3]; /* x, y, z */
+  double voxel[3];           /* m */
+  double scale;              /* grey = scale * stored value; negative for dark grains */
+};
+
+/* How many slices are read at a time (bounded memory). */
+size_t region_batch(const struct region *region);
+/* Slices of the region numbers[0 .. n-1] into out[n][size y][size x]. */
+enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out);
+
+#endif

@@ -1,0 +1,137 @@
+#include "ct2model/request.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SWEEP = 1u << 0, BUILD = 1u << 1, INFO = 1u << 2 };
+
+static const struct option_command COMMANDS[] = {
+    {"sweep", "SLICES... --void-ratio E [options] [-o sweep.csv]",
+     "grey threshold versus void ratio",
+     "ct2model sweep slices/ --void-ratio 0.725 --voxel-size 5.83um --size 60x60x31 -o sweep.csv",
+     1, -1},
+    {"build", "SLICES... --void-ratio E [options] -o model.hdf",
+     "calibrated, binarised, mirrored model",
+     "ct2model build slices/ --void-ratio 0.725 --voxel-size 5.83um --crop 0,0,0,480,480,248 \\\n"
+     "    --size 60x60x31 -o model.hdf",
+     1, -1},
+    {"info", "FILE...", "what a stack or a model holds, fast", "ct2model info slices/ model.hdf", 1,
+     -1},
+    {0},
+};
+
+static const struct option_entry ENTRIES[] = {
+    {"void-ratio", 'e', "E", SWEEP | BUILD, "measured void ratio, pore volume / grain volume"},
+    {"output", 'o', "FILE", SWEEP | BUILD, "where the model (build) or the table (sweep) goes"},
+    {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
+     "edge of a voxel, e.g. 5.83um (needed unless the file says it)"},
+    {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,
+     "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
+     "f64be"},
+    {"crop", 0, "X0,Y0,Z0,NX,NY,NZ", SWEEP | BUILD, "use this box of voxels only"},
+    {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
+    {"filter", 0, "NAME", SWEEP | BUILD,
+     "bicubic (antialiased, default), bicubic-point, area or none"},
+    {"mirror", 0, "z|none", SWEEP | BUILD,
+     "z: n layers become 2n-1, so that the model is periodic (default)"},
+    {"threshold", 0, "RULE", SWEEP | BUILD,
+     "auto (match the void ratio, default), otsu, or a grey value"},
+    {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
+    {"islands", 0, "keep|fill", SWEEP | BUILD,
+     "pores that are not on the flow path: keep (default) or fill with grain"},
+    {"scale-peak", 0, "VALUE", SWEEP | BUILD, "report greys scaled so that the grain peak is VALUE"},
+    {0},
+};
+
+const struct option_table ct2model_options = {
+    "ct2model", "CT slices to a calibrated voxel model", COMMANDS, ENTRIES};
+
+static enum status parse_numbers(const struct options *options, const char *name, char separator,
+                                 int count, const char *example, size_t *values) {
+  long long numbers[6];
+  if (!options_given(options, name)) return STATUS_OK;
+  enum status status = options_integers(options, name, separator, count, numbers);
+  if (status != STATUS_OK) return status;
+  for (int i = 0; i < count; i++) {
+    bool origin = count == 6 && i < 3;
+    if (numbers[i] < (origin ? 0 : 1) || numbers[i] > 1000000)
+      return FAIL(STATUS_USAGE, "--%s %s: %lld is out of range; write it like %s", name,
+                  options_text(options, name), numbers[i], example);
+    values[i] = (size_t)numbers[i];
+  }
+  return STATUS_OK;
+}
+
+static enum status parse_threshold(const struct options *options, struct request *request) {
+  const char *text = options_text(options, "threshold");
+  if (text == NULL || strcmp(text, "auto") == 0) return STATUS_OK;
+  if (strcmp(text, "otsu") == 0) {
+    request->rule = THRESHOLD_OTSU;
+    return STATUS_OK;
+  }
+  char *end;
+  request->rule = THRESHOLD_VALUE;
+  request->threshold = strtod(text, &end);
+  if (end == text || *end != '\0' || !isfinite(request->threshold))
+    return FAIL(STATUS_USAGE, "--threshold %s: auto, otsu or a grey value is wanted", text);
+  return STATUS_OK;
+}
+
+static enum status parse_choices(const struct options *options, struct request *request) {
+  static const char *const FILTERS[] = {"bicubic", "bicubic-point", "area", "none", NULL};
+  static const char *const MIRRORS[] = {"z", "none", NULL};
+  static const char *const GRAINS[] = {"bright", "dark", NULL};
+  static const char *const ISLANDS[] = {"keep", "fill", NULL};
+  enum status status = STATUS_OK;
+  int filter = FILTER_BICUBIC, mirror = 0, grain = 0, islands = 0;
+  TRY(options_choice(options, "filter", FILTERS, &filter));
+  TRY(options_choice(options, "mirror", MIRRORS, &mirror));
+  TRY(options_choice(options, "grain", GRAINS, &grain));
+  TRY(options_choice(options, "islands", ISLANDS, &islands));
+  request->filter = (enum filter)filter;
+  request->mirror = mirror == 0;
+  request->dark_grains = grain == 1;
+  request->fill_islands = islands == 1;
+cleanup:
+  return status;
+}
+
+enum status request_parse(const struct options *options, struct request *request) {
+  enum status status = STATUS_OK;
+  bool build = strcmp(options_command(options), "build") == 0;
+  bool info = strcmp(options_command(options), "info") == 0;
+  *request = (struct request){.voxel = NAN, .void_ratio = NAN, .scale_peak = NAN};
+  if (options_given(options, "raw"))
+    TRY(raw_layout_parse(options_text(options, "raw"), &request->raw));
+  TRY(options_quantity(options, "voxel-size", DIM_LENGTH, &request->voxel));
+  if (options_given(options, "voxel-size") && !(request->voxel > 0.0))
+    TRY_FAIL(STATUS_USAGE, "--voxel-size %s: must be above 0", options_text(options, "voxel-size"));
+  if (info) goto cleanup;
+  request->crop_given = options_given(options, "crop");
+  request->size_given = options_given(options, "size");
+  request->grain_given = options_given(options, "grain");
+  request->output = options_text(options, "output");
+  TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
+  TRY(parse_numbers(options, "size", 'x', 3, "60x60x31", request->size));
+  TRY(options_number(options, "void-ratio", &request->void_ratio));
+  TRY(options_number(options, "scale-peak", &request->scale_peak));
+  TRY(parse_threshold(options, request));
+  TRY(parse_choices(options, request));
+  if (options_given(options, "void-ratio") &&
+      !(request->void_ratio > 0.0 && request->void_ratio < 1000.0))
+    TRY_FAIL(STATUS_USAGE,
+             "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 (porosity n is "
+             "e = n / (1 - n))",
+             options_text(options, "void-ratio"));
+  if (options_given(options, "scale-peak") && !(request->scale_peak > 0.0))
+    TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0",
+             options_text(options, "scale-peak"));
+  if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio))
+    TRY_FAIL(STATUS_USAGE,
+             "--void-ratio is missing: give the measured one, or --threshold VALUE or otsu");
+  if (build && request->output == NULL)
+    TRY_FAIL(STATUS_USAGE, "build: -o model.hdf is missing");
+cleanup:
+  return status;
+}

@@ -1,0 +1,45 @@
+/* Resampling weights of one axis, and the stream that turns slices into model layers.
+ *
+ * Bicubic: Keys' kernel (Keys 1981) with a = -0.75, OpenCV's constant, stretched by the reduction
+ * factor so that it filters what the coarser grid cannot carry, and normalised. Area: the overlap
+ * of old and new voxel. Beyond the image's edge the weights are cut and normalised again. */
+#ifndef TOSUI_CT2MODEL_RESAMPLE_H
+#define TOSUI_CT2MODEL_RESAMPLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+
+enum filter { FILTER_BICUBIC, FILTER_BICUBIC_POINT, FILTER_AREA, FILTER_NONE };
+
+/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i] */
+struct resample_axis {
+  size_t in, out, taps;
+  size_t *first, *count;
+  float *weight;
+};
+
+double keys_kernel(double x);
+enum status resample_axis_start(enum filter filter, size_t in, size_t out,
+                                struct resample_axis *axis);
+void resample_axis_end(struct resample_axis *axis);
+
+struct resampler {
+  enum filter filter;
+  size_t in[3], out[3];
+  struct resample_axis axes[3];
+  float *planes; /* scratch: one reduced slice a thread and batch place */
+  size_t batch;
+};
+
+/* `batch` slices are fed at a time. Free with resampler_end. */
+enum status resampler_start(enum filter filter, const size_t in[3], const size_t out[3],
+                            size_t batch, struct resampler *resampler);
+void resampler_end(struct resampler *resampler);
+/* Adds the slices z0 .. z0 + n - 1 (slices[n][in y][in x]) to volume[out z][out y][out x], which
+ * starts as zeros. The result does not depend on the number of threads. */
+enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
+                           float *volume);
+
+#endif

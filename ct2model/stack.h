@@ -1,0 +1,34 @@
+/* A stack of slices from whatever files a user names, in natural order. */
+#ifndef TOSUI_CT2MODEL_STACK_H
+#define TOSUI_CT2MODEL_STACK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "ct2model/image.h"
+
+struct stack {
+  size_t size[3]; /* x, y, z */
+  enum pixel_type type;
+  double voxel[3]; /* m; NAN where no file says */
+  const char *voxel_source;
+  size_t file_count;
+  struct image *files;
+  size_t *first_slice; /* of each file; file_count + 1 values */
+};
+
+/* Opens files and folders (their images in natural order), reads all headers, checks that all
+ * slices agree and warns of gaps in the numbering. Free with stack_close. */
+enum status stack_open(const char *const *paths, size_t count, const struct raw_layout *raw,
+                       struct stack *stack);
+void stack_close(struct stack *stack);
+/* Slice z into out[size[1]][size[0]]; may be called from several threads. */
+enum status stack_read(const struct stack *stack, size_t z, float *out);
+/* The name for messages: "slice_0123.tif" or "stack.tif[12]"; truncated to `size`. */
+void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size);
+
+/* Natural order of names: numbers by value ("slice_9" before "slice_10"). As strcmp. */
+int natural_compare(const char *a, const char *b);
+
+#endif
