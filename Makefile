@@ -109,6 +109,10 @@ check: all $(UNIT_TESTS)
 demo: all
 	$(Q)BUILD=$(BUILD) scripts/demo
 
+# ---- studies ----
+s06: all
+	$(Q)BUILD=$(BUILD) scripts/s06
+
 clean:
 	rm -rf $(BUILD)
 format:
