@@ -127,10 +127,17 @@ ubsan:
 tsan:
 	$(MAKE) check BUILD=$(BUILD)-tsan OPT="-O1 -g" SANITIZE="-fsanitize=thread"
 
-install: all
-	install -d $(DESTDIR)$(PREFIX)/bin
+# Man pages come from the option tables of the programs themselves.
+MAN = $(PROGRAMS:%=$(BUILD)/man/%.1)
+$(BUILD)/man/%.1: $(BUILD)/bin/%
+	$(Q)mkdir -p $(@D) && $< --man > $@
+COMPLETIONS = $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+install: all $(MAN)
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(COMPLETIONS)
 	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(MAN) $(DESTDIR)$(PREFIX)/share/man/man1
+	for p in $(PROGRAMS); do install -m 644 scripts/tosui-completion.bash $(COMPLETIONS)/$$p; done
 uninstall:
-	rm -f $(PROGRAMS:%=$(DESTDIR)$(PREFIX)/bin/%)
+	rm -f $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
 dist:
 	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD

@@ -1,0 +1,92 @@
+#!/usr/bin/env bats
+# sphsolve as a user meets it: help, wrong options, bad scenes, explain, run, JSON, exit codes.
+
+setup_file() { export SPH="${BUILD:-build}/bin/sphsolve" ROOT="$BATS_TEST_DIRNAME/../.."; }
+setup() { cd "$BATS_TEST_TMPDIR"; }
+
+slit() { # a slit of $1 particles, body force along x
+  cat > slit.cfg <<END
+scene = { name = "slit"; };
+domain = { size = ["0.8 mm", "${1:-8}e-4 m"]; spacing = "0.1 mm"; periodic = [true, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.8 mm", "${1:-8}e-4 m"]; } );
+force = { body_acceleration = ["1e-4 m/s^2", "0"]; };
+END
+}
+
+@test "help and version" {
+  run "$SPH" --help
+  [ "$status" -eq 0 ] && [[ "$output" == *"explain"* ]]
+  run "$SPH" run --help
+  [ "$status" -eq 0 ] && [[ "$output" == *"Example:"* && "$output" == *"--resume"* ]]
+  [ "$(echo "$output" | wc -l)" -le 24 ]
+  run "$SPH" --version
+  [ "$status" -eq 0 ] && [[ "$output" == "sphsolve 0."* ]]
+}
+
+@test "wrong usage ends with exit code 2 and one line" {
+  for words in "" "rum" "run" "run a b -o c" "run --out" "explain --sett x=1 a" "run a.cfg --threads zero -o b" \
+               "explain a.cfg --resume" "run a.cfg -o" "explain a.cfg --max-memory 3"; do
+    run --separate-stderr "$SPH" $words
+    [ "$status" -eq 2 ] || { echo "$words: $status $stderr"; false; }
+    [ "$(echo "$stderr" | wc -l)" -eq 1 ] && [[ "$stderr" == "sphsolve: "* ]]
+  done
+  run --separate-stderr "$SPH" explain --hlep
+  [[ "$stderr" == *"did you mean '--help'"* ]]
+}
+
+@test "missing and broken files end with exit code 3 and name the file" {
+  run --separate-stderr "$SPH" explain nowhere.cfg
+  [ "$status" -eq 3 ] && [[ "$stderr" == "sphsolve: nowhere.cfg: "* ]]
+  printf 'scene = { name = "x"\0 };' > zero.cfg
+  run --separate-stderr "$SPH" explain zero.cfg
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"zero bytes"* ]]
+  slit
+  run --separate-stderr "$SPH" explain slit.cfg --set model.file=slit.cfg
+  [ "$status" -eq 3 ]
+  echo 'scene = { name = "m"; }; model = { file = "broken.hdf"; };
+    fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } ); force = { gravity = ["0", "0", "-9.8 m/s^2"]; };' > m.cfg
+  head -c 4000 /dev/urandom > broken.hdf
+  run --separate-stderr "$SPH" explain m.cfg
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"broken.hdf: is no HDF5 file"* ]]
+}
+
+@test "an unknown key is named with file, line and the nearest key" {
+  slit
+  sed -i 's/spacing/spacin/' slit.cfg
+  run --separate-stderr "$SPH" explain slit.cfg
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"slit.cfg:2: "*"did you mean 'spacing'"* ]]
+}
+
+@test "explain says what is on and why, also as JSON" {
+  slit
+  run "$SPH" explain slit.cfg
+  [ "$status" -eq 0 ] && [[ "$output" == *"effects"* && "$output" == *"memory"* ]]
+  run --separate-stderr "$SPH" explain slit.cfg --json
+  [ "$status" -eq 0 ]
+  echo "$output" | python3 -c 'import json, sys; d = json.load(sys.stdin); assert d["effects"] and d["memory_bytes"] > 0'
+}
+
+@test "run leaves history, snapshot and record; JSON holds the contract's keys" {
+  slit
+  run --separate-stderr "$SPH" run slit.cfg -o out --json
+  [ "$status" -eq 0 ] || { echo "$stderr"; false; }
+  echo "$output" | python3 -c '
+import json, sys
+d = json.load(sys.stdin)
+for key in "k intrinsic_permeability darcy_velocity reynolds steps wall_time pair_interactions_per_second status".split():
+    assert key in d, key
+# Plane Poiseuille flow: v = F w^2 / (12 nu) with w = 0.8 mm
+v, exact = d["darcy_velocity"][0], 1e-4 * 0.8e-3 ** 2 / 12e-6
+assert abs(v / exact - 1) < 0.01, (v, exact)
+assert abs(d["k"] / (v / (1e-4 / 9.80665)) - 1) < 1e-9
+assert abs(d["intrinsic_permeability"] / (0.8e-3 ** 2 / 12) - 1) < 0.01'
+  [ -s out.hdf ] && [ -s out-0000.hdf ] && [ -s out.hdf.series ]
+  [ -z "$(ls *.part 2>/dev/null)" ]
+}
+
+@test "an output folder that is not there is refused before the run" {
+  slit
+  run --separate-stderr "$SPH" run slit.cfg -o nowhere/out
+  [ "$status" -eq 1 ] && [[ "$stderr" == *"nowhere: "* ]]
+}
