@@ -13,6 +13,7 @@
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
   struct voxel_model model;
+  float *inner = NULL;
   TRY(model_read(scene->model_path, &model));
   TRY(hash_file(scene->model_path, &lattice->model_hash));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
@@ -38,7 +39,6 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   memset(lattice->kind, SITE_WALL, count);
   bool padded = pad[0] || pad[1] || pad[2];
   const float *source = model.wall_distance;
-  float *inner = NULL;
   if (source == NULL) {
     /* The model's own surface: from its grey fraction, else the voxel faces. */
     TRY(memory_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));

@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # sphsolve as a user meets it: help, wrong options, bad scenes, explain, run, JSON, exit codes.
 
+bats_require_minimum_version 1.5.0
 setup_file() { export SPH="${BUILD:-build}/bin/sphsolve" ROOT="$BATS_TEST_DIRNAME/../.."; }
 setup() { cd "$BATS_TEST_TMPDIR"; }
 
