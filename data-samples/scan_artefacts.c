@@ -19,8 +19,8 @@ const struct scan_settings SCAN_DEFAULTS = {.grain_grey = 100,
                                             .fringe = 0.70,
                                             .noise_ratio = 8,
                                             .noise_length = 0.7,
-                                            .ring = 0.035,
-                                            .drift = 0.8};
+                                            .ring = 0.06,
+                                            .drift = 1.2};
 
 enum status scan_artefacts_create(struct scan_artefacts *scan, const struct grain_field *field,
                                   const struct scan_settings *settings, long grains,
