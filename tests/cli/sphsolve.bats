@@ -91,3 +91,13 @@ assert abs(d["intrinsic_permeability"] / (0.8e-3 ** 2 / 12) - 1) < 0.01'
   run --separate-stderr "$SPH" run slit.cfg -o nowhere/out
   [ "$status" -eq 1 ] && [[ "$stderr" == *"nowhere: "* ]]
 }
+
+@test "an independent reader, written from docs/formats.md alone, reads run and snapshot" {
+  /usr/bin/python3 -c 'import h5py' 2>/dev/null || skip "python3-h5py is not installed"
+  slit
+  "$SPH" run slit.cfg -o out --quiet > /dev/null
+  run /usr/bin/python3 "$BATS_TEST_DIRNAME/independent_reader.py" run out.hdf
+  [ "$status" -eq 0 ] || { echo "$output"; false; }
+  run /usr/bin/python3 "$BATS_TEST_DIRNAME/independent_reader.py" snapshot out-0000.hdf
+  [ "$status" -eq 0 ] || { echo "$output"; false; }
+}
