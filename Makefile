@@ -40,7 +40,7 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/g
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: all check demo deps s06 m15 verify hard tradeoff bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: fuzz all check demo deps s06 m15 verify hard tradeoff bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
@@ -126,6 +126,18 @@ ubsan:
 	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
 tsan:
 	$(MAKE) check BUILD=$(BUILD)-tsan OPT="-O1 -g" SANITIZE="-fsanitize=thread"
+
+# ---- fuzzing: FUZZ_SECONDS each, with address and undefined behaviour sanitizers (needs clang) ----
+FUZZ_SECONDS ?= 1200
+FUZZERS = $(patsubst tests/fuzz/%.c,$(BUILD)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
+$(BUILD)/fuzz/%: tests/fuzz/%.c $(SOURCES_common) sphsolve/scene.c
+	$(call say,FUZZER,$@)
+	$(Q)mkdir -p $(@D) && clang -std=gnu11 -g -O1 -fsanitize=fuzzer,address,undefined -I. $(DEP_CFLAGS) $^ -o $@ $(DEP_LIBS)
+fuzz: $(FUZZERS)
+	$(Q)for f in $^; do n=$${f##*/fuzz_}; mkdir -p $(BUILD)/fuzz/corpus-$$n; echo "== $$n"; \
+	  $$f -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus-$$n \
+	    $$(test -d tests/fuzz/corpus/$$n && echo tests/fuzz/corpus/$$n) > $(BUILD)/fuzz/$$n.log 2>&1 || { tail -30 $(BUILD)/fuzz/$$n.log; exit 1; }; \
+	  tail -1 $(BUILD)/fuzz/$$n.log; done
 
 # Man pages come from the option tables of the programs themselves.
 MAN = $(PROGRAMS:%=$(BUILD)/man/%.1)
