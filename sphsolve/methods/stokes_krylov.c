@@ -1,0 +1,117 @@
+#include "sphsolve/methods/stokes_krylov.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define BLOCK 4096
+#define BASIS_MAX 64
+
+static size_t block_count(size_t length) { return (length + BLOCK - 1) / BLOCK; }
+
+enum status krylov_build(size_t length, int basis_max, struct krylov *k)
+{
+  enum status status = STATUS_OK;
+  k->length = length;
+  k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
+  k->basis = NULL, k->work = NULL, k->partial = NULL;
+  TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
+                      "Krylov basis"));
+  TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
+  TRY(memory_allocate(&k->partial, block_count(length), sizeof *k->partial, "partial sums"));
+  return STATUS_OK;
+cleanup:
+  krylov_free(k);
+  return status;
+}
+
+void krylov_free(struct krylov *k)
+{
+  memory_free(&k->basis);
+  memory_free(&k->work);
+  memory_free(&k->partial);
+}
+
+static double dot(struct krylov *k, const float *x, const float *y)
+{
+  const size_t blocks = block_count(k->length);
+#pragma omp parallel for schedule(static)
+  for (size_t b = 0; b < blocks; b++) {
+    const size_t start = b * BLOCK, end = start + BLOCK < k->length ? start + BLOCK : k->length;
+    double sum[8] = {0}; /* independent lanes, so that the loop runs in vectors */
+    size_t i = start;
+    for (; i + 8 <= end; i += 8)
+      for (size_t l = 0; l < 8; l++) sum[l] += (double)x[i + l] * (double)y[i + l];
+    for (; i < end; i++) sum[0] += (double)x[i] * (double)y[i];
+    k->partial[b] = ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+  }
+  double total = 0.0;
+  for (size_t b = 0; b < blocks; b++) total += k->partial[b];
+  return total;
+}
+
+double krylov_norm(struct krylov *k, const float *x) { return sqrt(dot(k, x, x)); }
+
+/* y = scale * (y - factor x), then its own square sum in one go would save a pass; kept simple. */
+static void subtract(struct krylov *k, double factor, const float *x, float *y)
+{
+  const float f = (float)factor;
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) y[i] -= f * x[i];
+}
+
+static void scale(struct krylov *k, double factor, float *x)
+{
+  const float f = (float)factor;
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) x[i] *= f;
+}
+
+int krylov_correct(struct krylov *k, float *residual, double reduction, double *x,
+                   double *reached)
+{
+  double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
+  const double start = krylov_norm(k, residual);
+  *reached = start > 0.0 ? 1.0 : 0.0;
+  if (!(start > 0.0)) return 0;
+  memcpy(k->basis, residual, k->length * sizeof *residual);
+  scale(k, 1.0 / start, k->basis);
+  g[0] = start;
+  int n = 0;
+  while (n < k->basis_max && *reached > reduction) {
+    float *w = k->basis + (size_t)(n + 1) * k->length;
+    k->precondition(k->system, k->basis + (size_t)n * k->length, k->work);
+    k->apply(k->system, k->work, w);
+    for (int i = 0; i <= n; i++) {
+      const float *v = k->basis + (size_t)i * k->length;
+      h[i][n] = dot(k, v, w);
+      subtract(k, h[i][n], v, w);
+    }
+    h[n + 1][n] = krylov_norm(k, w);
+    if (h[n + 1][n] > 0.0) scale(k, 1.0 / h[n + 1][n], w);
+    for (int i = 0; i < n; i++) {
+      const double upper = h[i][n];
+      h[i][n] = cosine[i] * upper + sine[i] * h[i + 1][n];
+      h[i + 1][n] = -sine[i] * upper + cosine[i] * h[i + 1][n];
+    }
+    const double length = hypot(h[n][n], h[n + 1][n]);
+    if (!(length > 0.0)) break;
+    cosine[n] = h[n][n] / length, sine[n] = h[n + 1][n] / length;
+    h[n][n] = length;
+    g[n + 1] = -sine[n] * g[n];
+    g[n] *= cosine[n];
+    n++;
+    *reached = fabs(g[n]) / start;
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
+    g[i] /= h[i][i];
+  }
+  memset(residual, 0, k->length * sizeof *residual);
+  for (int i = 0; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, residual);
+  k->precondition(k->system, residual, k->work);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
+  return n;
+}

@@ -1,0 +1,31 @@
+/* GMRES (Saad, Schultz 1986), preconditioned from the right, on long float vectors. Sums run over
+ * fixed blocks in double precision and in a fixed order: the bits do not depend on the threads. */
+#ifndef TOSUI_SPHSOLVE_METHODS_STOKES_KRYLOV_H
+#define TOSUI_SPHSOLVE_METHODS_STOKES_KRYLOV_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+
+struct krylov {
+  size_t length;
+  int basis_max;  /* vectors kept */
+  float *basis;   /* [basis_max + 1][length] */
+  float *work;    /* [length] */
+  double *partial; /* of the sums */
+  void *system;
+  void (*apply)(void *system, const float *x, float *y);         /* y = K x */
+  void (*precondition)(void *system, const float *x, float *y);  /* y = M^-1 x */
+};
+
+enum status krylov_build(size_t length, int basis_max, struct krylov *krylov);
+void krylov_free(struct krylov *krylov);
+
+/* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
+ * the basis is full. `residual` is overwritten. Returns the iterations; *reached the shrinkage. */
+int krylov_correct(struct krylov *krylov, float *residual, double reduction, double *x,
+                   double *reached);
+
+double krylov_norm(struct krylov *krylov, const float *x);
+
+#endif

@@ -1,0 +1,59 @@
+/* The steady SPH-Stokes system on the active sites, matrix-free, in lattice units (length: mean
+ * spacing; kinematic viscosity and density 1):
+ *   A v + D G p = f,   div v + tau L p = 0
+ *   (A v)_a = sum_b c_ab (v_a - v_b), c_ab = -2 (1/r) dW/dr          Morris, Fox, Zhu 1997 eq. 22
+ *   wall site b: v_b = v_w + (v_w - v_a) d_b / d_a, continued by the parabola of the momentum
+ *   equation, - (f - G p)_a d_b (d_a + d_b) / 2                      after Basa et al. 2009
+ * The parabola is local to site a, so it scales that site's momentum equation by
+ * D_a = 1 - sum over wall sites of c_ab d_b (d_a + d_b) / 2 and needs no outer iteration.
+ *   (G p)_a = sum over pore sites of (p_b - p_a) g_ab; div is minus its transpose
+ *   L: the Laplacian with c_ab over pore pairs; tau keeps checkerboard pressures out. */
+#ifndef TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
+#define TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/methods/stokes_grid.h"
+#include "sphsolve/methods/stokes_stencil.h"
+#include "sphsolve/scene.h"
+
+struct stokes_operator {
+  const struct stokes_stencil *stencil;
+  const struct stokes_grid *grid;
+  const struct stokes_rows *rows;
+  double tau;
+  int components; /* axis_count velocities, then the pressure */
+  size_t n;       /* active sites; vectors are [components][n] */
+  float *diagonal;      /* [n] of A */
+  float *parabola;      /* [n] D */
+  float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
+  float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
+  float *field;         /* [4][rows][stride] unpacked vectors; two in double precision */
+  float *scratch;       /* [threads][scratch_size] */
+  size_t scratch_size;
+  int threads;
+};
+
+/* Distances and kinds of sites come from `lattice`; grid and stencil must outlive the operator. */
+enum status stokes_operator_build(const struct stokes_stencil *stencil,
+                                  const struct stokes_grid *grid, const struct lattice *lattice,
+                                  enum wall_scheme wall, double tau,
+                                  struct stokes_operator *op);
+void stokes_operator_free(struct stokes_operator *op);
+
+/* y = K x. */
+void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
+/* The velocity block alone: y[axis] = A x[axis] for `count` components. */
+void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x,
+                                   float *y);
+/* y = D G p, y [axis_count][n]. */
+void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
+
+/* residual = (D force, 0) + (drag, 0) - K x in double precision, rounded at the end. force by axis
+ * number (x, y, z); drag [axis_count][n] of moving walls or NULL. */
+void stokes_operator_residual(struct stokes_operator *op, const double force[3],
+                              const float *drag, const double *x, float *residual);
+
+#endif

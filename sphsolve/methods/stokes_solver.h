@@ -1,0 +1,48 @@
+/* Solves the steady Stokes system of a lattice: rounds of preconditioned GMRES in single precision
+ * on the residual in double precision. Lattice units: velocity in |driving| unit^2 / nu, pressure in
+ * rho |driving| unit, unit = stencil.unit. */
+#ifndef TOSUI_SPHSOLVE_METHODS_STOKES_SOLVER_H
+#define TOSUI_SPHSOLVE_METHODS_STOKES_SOLVER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/methods/stokes_grid.h"
+#include "sphsolve/methods/stokes_krylov.h"
+#include "sphsolve/methods/stokes_operator.h"
+#include "sphsolve/methods/stokes_stencil.h"
+#include "sphsolve/scene.h"
+
+struct stokes_solver {
+  struct stokes_stencil stencil;
+  struct stokes_grid grid;
+  struct stokes_operator operator;
+  struct krylov krylov;
+  double force[3]; /* unit vector along the driving acceleration */
+  double *x;       /* [components][active] velocities, then pressure */
+  float *residual;
+  double residual_start; /* norm of the right-hand side */
+  double residual_now;   /* relative */
+  double divergence;     /* rms of the continuity residual over rms |grad v| */
+  double mean[3];        /* sum of velocity over sites / bulk sites */
+  double change;         /* of the mean along the force, relative, in the last round */
+  long iterations;
+  size_t bulk_count;
+};
+
+/* With grid.active == 0 there is no path for the fluid and nothing to solve. `support` in m. */
+enum status stokes_solver_build(const struct lattice *lattice, double support,
+                                enum wall_scheme wall, const double driving[3],
+                                struct stokes_solver *solver);
+void stokes_solver_free(struct stokes_solver *solver);
+
+/* One round; residual, divergence, mean and change are those after it. */
+void stokes_solver_round(struct stokes_solver *solver);
+/* Relative residual under `tolerance`, divergence under 1e-4, mean settled to 1e-4. */
+bool stokes_solver_converged(const struct stokes_solver *solver, double tolerance);
+/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC. */
+enum status stokes_solver_run(struct stokes_solver *solver, double tolerance);
+
+#endif
