@@ -1,5 +1,12 @@
 #include "sphsolve/effects.h"
 
+#include "sphsolve/effects/stokes_force.h"
+#include "sphsolve/effects/stokes_pressure.h"
+#include "sphsolve/effects/stokes_stabilisation.h"
+#include "sphsolve/effects/stokes_viscosity.h"
+#include "sphsolve/effects/stokes_wall_frozen.h"
+#include "sphsolve/effects/stokes_wall_subvoxel.h"
+
 const struct effect *const effects_all[] = {
 #define EFFECT(name) &effect_##name,
 #include "sphsolve/effects.def"

@@ -16,5 +16,4 @@
     return FAIL(STATUS_RUN, "method " #name " is not built in");                                   \
   }
 PENDING(wcsph)
-PENDING(stokes)
 PENDING(isph)

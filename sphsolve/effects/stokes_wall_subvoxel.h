@@ -7,6 +7,9 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
+
+#include "sphsolve/plan.h"
 
 /* A fluid site on the surface itself would make the quotient infinite. */
 #define WALL_DISTANCE_FLOOR 0.02
@@ -22,8 +25,7 @@ struct wall_image {
   bool smooth;
 };
 
-static inline struct wall_image wall_subvoxel(double d_a, double d_b, double r)
-{
+static inline struct wall_image wall_subvoxel(double d_a, double d_b, double r) {
   struct wall_image image;
   image.smooth = d_a + d_b <= WALL_SMOOTH_TOLERANCE * r;
   d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
@@ -32,5 +34,41 @@ static inline struct wall_image wall_subvoxel(double d_a, double d_b, double r)
   image.parabola = 0.5 * d_b * (d_a + d_b);
   return image;
 }
+
+/* The volume integral of the velocity from its values at the sites. Along a line of sites that
+ * ends at a wall the plain sum has the error -(B2(s)/2) dv/dx (Euler, Maclaurin), s the distance of
+ * the last site from the wall in spacings, B2(s) = s^2 - s + 1/6; dv/dx = n dv/dn with the normal's
+ * component n along the line, dv/dn = v/d_a + (F - G p) d_a / 2 by the same parabola. A surface
+ * that is cut by lines of all axes is shared among them by n^2. */
+struct wall_quadrature {
+  double velocity, force; /* factors of v_a and (F - G p)_a */
+};
+
+static inline struct wall_quadrature wall_quadrature(double d_a, double d_b, double step) {
+  d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
+  d_b = fmax(d_b, 0.0);
+  const double n = fmin((d_a + d_b) / step, 1.0), s = fmin(d_a / (d_a + d_b), 1.0);
+  const double bernoulli = s * s - s + 1.0 / 6.0;
+  const double slope = 0.5 * bernoulli * n * n * n * step;
+  return (struct wall_quadrature){slope / d_a, 0.5 * slope * d_a};
+}
+
+static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *context,
+                                               char why[EFFECT_WHY]) {
+  const bool on = context->has_wall && context->scene->stokes.wall == WALL_SUBVOXEL;
+  snprintf(why, EFFECT_WHY,
+           on ? "no slip at the wall distance; second order" : "stokes.wall is another");
+  return on;
+}
+
+static const struct effect effect_stokes_wall_subvoxel = {
+    .name = "stokes_wall_subvoxel",
+    .model = "image velocity from the wall distance, continued by the parabola",
+    .citation = "Morris, Fox, Zhu 1997, eq. 28; Basa, Quinlan, Lastiwka 2009",
+    .methods = METHOD_BIT_STOKES,
+    .reads = FIELD_BIT(WALL_DISTANCE),
+    .writes = FIELD_BIT(VELOCITY),
+    .wanted = stokes_wall_subvoxel_wanted,
+};
 
 #endif

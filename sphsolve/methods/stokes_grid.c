@@ -17,8 +17,7 @@ struct flood {
   size_t *queue;
 };
 
-static bool work_is_done(const struct flood *flood, const int turns[3])
-{
+static bool work_is_done(const struct flood *flood, const int turns[3]) {
   double work = 0.0, scale = 0.0;
   for (int a = 0; a < 3; a++) {
     work += flood->closing_work[a] * turns[a];
@@ -28,8 +27,7 @@ static bool work_is_done(const struct flood *flood, const int turns[3])
 }
 
 /* Floods the pore of `seed`; the sites are left in queue[0..count). */
-static bool flood_pore(struct flood *flood, size_t seed, size_t *count)
-{
+static bool flood_pore(struct flood *flood, size_t seed, size_t *count) {
   const struct lattice *l = flood->lattice;
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
   bool flows = false;
@@ -65,15 +63,13 @@ static bool flood_pore(struct flood *flood, size_t seed, size_t *count)
   return flows;
 }
 
-static void mark(struct stokes_grid *grid, size_t site)
-{
+static void mark(struct stokes_grid *grid, size_t site) {
   const size_t row = site / grid->size[0], i = site % grid->size[0];
   grid->mask[row * grid->chunks + i / STOKES_LANES] |= (uint16_t)(1u << i % STOKES_LANES);
 }
 
 static enum status mark_flowing(const struct lattice *lattice, const double driving[3],
-                                struct stokes_grid *grid)
-{
+                                struct stokes_grid *grid) {
   enum status status = STATUS_OK;
   struct flood flood = {.lattice = lattice};
   for (int a = 0; a < 3; a++)
@@ -94,9 +90,8 @@ cleanup:
   return status;
 }
 
-enum status stokes_grid_build(const struct lattice *lattice, const double driving[3],
-                              int keep_all, struct stokes_grid *grid)
-{
+enum status stokes_grid_build(const struct lattice *lattice, const double driving[3], int keep_all,
+                              struct stokes_grid *grid) {
   enum status status = STATUS_OK;
   memset(grid, 0, sizeof *grid);
   memcpy(grid->size, lattice->size, sizeof grid->size);
@@ -124,8 +119,7 @@ cleanup:
   return status;
 }
 
-void stokes_grid_free(struct stokes_grid *grid)
-{
+void stokes_grid_free(struct stokes_grid *grid) {
   memory_free(&grid->mask);
   memory_free(&grid->row_start);
 }

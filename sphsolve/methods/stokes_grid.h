@@ -22,19 +22,17 @@ struct stokes_grid {
 /* Fluid sites through which fluid can flow: those of face-connected pores that lead around the
  * periodic box in a direction along which `driving` does work. In all others a body force is
  * balanced by pressure. `keep_all`: walls move, every pore may flow. */
-enum status stokes_grid_build(const struct lattice *lattice, const double driving[3],
-                              int keep_all, struct stokes_grid *grid);
+enum status stokes_grid_build(const struct lattice *lattice, const double driving[3], int keep_all,
+                              struct stokes_grid *grid);
 void stokes_grid_free(struct stokes_grid *grid);
 
-static inline int stokes_grid_is_active(const struct stokes_grid *grid, size_t row, size_t i)
-{
+static inline int stokes_grid_is_active(const struct stokes_grid *grid, size_t row, size_t i) {
   return grid->mask[row * grid->chunks + i / STOKES_LANES] >> (i % STOKES_LANES) & 1;
 }
 
 /* Row at an offset, around the periodic box. */
 static inline size_t stokes_grid_row(const struct stokes_grid *grid, size_t j, size_t k, int dj,
-                                     int dk)
-{
+                                     int dk) {
   const long ny = (long)grid->size[1], nz = (long)grid->size[2];
   const long y = (((long)j + dj) % ny + ny) % ny, z = (((long)k + dk) % nz + nz) % nz;
   return (size_t)(z * ny + y);

@@ -8,10 +8,11 @@
 #define BLOCK 4096
 #define BASIS_MAX 64
 
-static size_t block_count(size_t length) { return (length + BLOCK - 1) / BLOCK; }
+static size_t block_count(size_t length) {
+  return (length + BLOCK - 1) / BLOCK;
+}
 
-enum status krylov_build(size_t length, int basis_max, struct krylov *k)
-{
+enum status krylov_build(size_t length, int basis_max, struct krylov *k) {
   enum status status = STATUS_OK;
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
@@ -26,15 +27,13 @@ cleanup:
   return status;
 }
 
-void krylov_free(struct krylov *k)
-{
+void krylov_free(struct krylov *k) {
   memory_free(&k->basis);
   memory_free(&k->work);
   memory_free(&k->partial);
 }
 
-static double dot(struct krylov *k, const float *x, const float *y)
-{
+static double dot(struct krylov *k, const float *x, const float *y) {
   const size_t blocks = block_count(k->length);
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < blocks; b++) {
@@ -44,33 +43,33 @@ static double dot(struct krylov *k, const float *x, const float *y)
     for (; i + 8 <= end; i += 8)
       for (size_t l = 0; l < 8; l++) sum[l] += (double)x[i + l] * (double)y[i + l];
     for (; i < end; i++) sum[0] += (double)x[i] * (double)y[i];
-    k->partial[b] = ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+    k->partial[b] =
+        ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
   }
   double total = 0.0;
   for (size_t b = 0; b < blocks; b++) total += k->partial[b];
   return total;
 }
 
-double krylov_norm(struct krylov *k, const float *x) { return sqrt(dot(k, x, x)); }
+double krylov_norm(struct krylov *k, const float *x) {
+  return sqrt(dot(k, x, x));
+}
 
 /* y = scale * (y - factor x), then its own square sum in one go would save a pass; kept simple. */
-static void subtract(struct krylov *k, double factor, const float *x, float *y)
-{
+static void subtract(struct krylov *k, double factor, const float *x, float *y) {
   const float f = (float)factor;
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) y[i] -= f * x[i];
 }
 
-static void scale(struct krylov *k, double factor, float *x)
-{
+static void scale(struct krylov *k, double factor, float *x) {
   const float f = (float)factor;
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] *= f;
 }
 
 int krylov_correct(struct krylov *k, float *residual, double reduction, double *x,
-                   double *reached)
-{
+                   double *reached) {
   double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
   const double start = krylov_norm(k, residual);
   *reached = start > 0.0 ? 1.0 : 0.0;
@@ -79,7 +78,7 @@ int krylov_correct(struct krylov *k, float *residual, double reduction, double *
   scale(k, 1.0 / start, k->basis);
   g[0] = start;
   int n = 0;
-  while (n < k->basis_max && *reached > reduction) {
+  while (n<k->basis_max && * reached> reduction) {
     float *w = k->basis + (size_t)(n + 1) * k->length;
     k->precondition(k->system, k->basis + (size_t)n * k->length, k->work);
     k->apply(k->system, k->work, w);

@@ -9,13 +9,13 @@
 
 struct krylov {
   size_t length;
-  int basis_max;  /* vectors kept */
-  float *basis;   /* [basis_max + 1][length] */
-  float *work;    /* [length] */
+  int basis_max;   /* vectors kept */
+  float *basis;    /* [basis_max + 1][length] */
+  float *work;     /* [length] */
   double *partial; /* of the sums */
   void *system;
-  void (*apply)(void *system, const float *x, float *y);         /* y = K x */
-  void (*precondition)(void *system, const float *x, float *y);  /* y = M^-1 x */
+  void (*apply)(void *system, const float *x, float *y);        /* y = K x */
+  void (*precondition)(void *system, const float *x, float *y); /* y = M^-1 x */
 };
 
 enum status krylov_build(size_t length, int basis_max, struct krylov *krylov);

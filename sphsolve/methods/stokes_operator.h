@@ -24,36 +24,43 @@ struct stokes_operator {
   const struct stokes_grid *grid;
   const struct stokes_rows *rows;
   double tau;
-  int components; /* axis_count velocities, then the pressure */
-  size_t n;       /* active sites; vectors are [components][n] */
+  int components;       /* axis_count velocities, then the pressure */
+  size_t n;             /* active sites; vectors are [components][n] */
   float *diagonal;      /* [n] of A */
   float *parabola;      /* [n] D */
   float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
   float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
+  float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
+  float *flux_velocity; /* [n] the volume integral of the velocity is the sum over sites of */
+  float *flux_force;    /* [n] flux_velocity v + flux_force (f - G p); NULL: plain sum of v */
   float *field;         /* [4][rows][stride] unpacked vectors; two in double precision */
   float *scratch;       /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;
 };
 
-/* Distances and kinds of sites come from `lattice`; grid and stencil must outlive the operator. */
+/* Distances and kinds of sites come from `lattice`; grid and stencil must outlive the operator.
+ * `scene` (may be NULL) gives walls their velocity and slip; velocity_unit is that of the lattice
+ * units in m/s. */
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
-                                  enum wall_scheme wall, double tau,
-                                  struct stokes_operator *op);
+                                  const struct scene *scene, enum wall_scheme wall, double tau,
+                                  double velocity_unit, struct stokes_operator *op);
 void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */
 void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
 /* The velocity block alone: y[axis] = A x[axis] for `count` components. */
-void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x,
-                                   float *y);
+void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x, float *y);
 /* y = D G p, y [axis_count][n]. */
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
 
-/* residual = (D force, 0) + (drag, 0) - K x in double precision, rounded at the end. force by axis
- * number (x, y, z); drag [axis_count][n] of moving walls or NULL. */
-void stokes_operator_residual(struct stokes_operator *op, const double force[3],
-                              const float *drag, const double *x, float *residual);
+/* residual = (D force + drag, 0) - K x in double precision, rounded at the end. force by axis
+ * number (x, y, z). */
+void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
+                              float *residual);
+/* Volume integral of the velocity over the pores; p_gradient: DG p as apply_gradient gives it. */
+void stokes_operator_flux(const struct stokes_operator *op, const double force[3], const double *x,
+                          const float *p_gradient, double flux[3]);
 
 #endif

@@ -4,13 +4,11 @@
 #define STOKES_ROWS_NAME "sse2"
 #include "sphsolve/methods/stokes_rows_body.h"
 
-size_t stokes_rows_scratch(size_t stride)
-{
+size_t stokes_rows_scratch(size_t stride) {
   return (STOKES_REACH + 1) * (stride + 2 * STOKES_LANES);
 }
 
-const struct stokes_rows *stokes_rows_best(void)
-{
+const struct stokes_rows *stokes_rows_best(void) {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))

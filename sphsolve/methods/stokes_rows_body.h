@@ -9,27 +9,26 @@
 
 typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
 
-static inline vec load(const float *p) { return *(const vec *)p; }
+#define LOAD(p) (*(const vec *)(p))
 
 /* Sums over y and z for every |di| at once: partial[m][i] = sum over the classes of c[m] times the
  * signed sum of their rows. `reach` is a constant where it matters. */
 static inline __attribute__((always_inline)) void
-sum_rows(const struct stokes_convolution *convolution, const float *const (*rows)[4],
-         size_t stride, size_t pitch, float *partial, int reach)
-{
+sum_rows(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t stride,
+         size_t pitch, float *partial, int reach) {
   for (size_t i = 0; i < stride; i += STOKES_LANES) {
     vec sum[STOKES_REACH + 1] = {0};
     for (int c = 0; c < convolution->class_count; c++) {
       const struct stokes_class *class = &convolution->classes[c];
-      vec s = load(rows[c][0] + i);
+      vec s = LOAD(rows[c][0] + i);
       if (class->row_count == 2) {
         if (class->plus_count == 2)
-          s += load(rows[c][1] + i);
+          s += LOAD(rows[c][1] + i);
         else
-          s -= load(rows[c][1] + i);
+          s -= LOAD(rows[c][1] + i);
       } else if (class->row_count == 4) {
-        s += load(rows[c][1] + i);
-        const vec t = load(rows[c][2] + i) + load(rows[c][3] + i);
+        s += LOAD(rows[c][1] + i);
+        const vec t = LOAD(rows[c][2] + i) + LOAD(rows[c][3] + i);
         if (class->plus_count == 4)
           s += t;
         else
@@ -42,8 +41,7 @@ sum_rows(const struct stokes_convolution *convolution, const float *const (*rows
 }
 
 static void convolve(const struct stokes_convolution *convolution, const float *const (*rows)[4],
-                     size_t nx, size_t stride, float *scratch, float *out)
-{
+                     size_t nx, size_t stride, float *scratch, float *out) {
   const size_t pitch = stride + 2 * STOKES_LANES;
   float *partial = scratch + STOKES_LANES;
   const int reach = convolution->reach;
@@ -69,8 +67,7 @@ static void convolve(const struct stokes_convolution *convolution, const float *
   }
 }
 
-static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, float *row)
-{
+static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, float *row) {
   const float *p = packed;
   for (size_t c = 0; c < chunks; c++) {
     float *r = row + c * STOKES_LANES;
@@ -86,8 +83,7 @@ static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, f
   return (size_t)(p - packed);
 }
 
-static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float *packed)
-{
+static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float *packed) {
   float *p = packed;
   for (size_t c = 0; c < chunks; c++) {
     const float *r = row + c * STOKES_LANES;

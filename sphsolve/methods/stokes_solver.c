@@ -4,20 +4,17 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/effects/stokes_stabilisation.h"
 
-/* Stabilisation in units of spacing^2 / nu: its error falls as spacing^2. */
-#define TAU 0.02
 #define BASIS 30
 #define ROUND_REDUCTION 1e-3
 
-static void apply(void *system, const float *x, float *y)
-{
+static void apply(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
   stokes_operator_apply(&s->operator, x, y);
 }
 
-static void precondition(void *system, const float *x, float *y)
-{
+static void precondition(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
   const size_t n = s->grid.active, velocities = (size_t)s->stencil.axis_count * n;
 #pragma omp parallel for schedule(static)
@@ -25,56 +22,74 @@ static void precondition(void *system, const float *x, float *y)
   memcpy(y + velocities, x + velocities, n * sizeof *y);
 }
 
-static void measure(struct stokes_solver *s)
-{
+static void measure(struct stokes_solver *s) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
-  double work = 0.0, square = 0.0, before = 0.0, now = 0.0;
-  stokes_operator_residual(&s->operator, s->force, NULL, s->x, s->residual);
-  for (int a = 0; a < 3; a++) before += s->mean[a] * s->force[a];
-  memset(s->mean, 0, sizeof s->mean);
-  for (size_t a = 0; a < axes; a++) {
-    const double *v = s->x + a * n;
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) sum += v[i];
-    s->mean[s->stencil.axes[a]] = sum / (double)s->bulk_count;
-    work += fabs(s->force[s->stencil.axes[a]] * sum);
+  const struct stokes_operator *op = &s->operator;
+  double work = 0.0, square = 0.0, flux[3], moved = 0.0, length = 0.0;
+  /* the Krylov vectors are free between rounds */
+  float *p = s->krylov.work, *p_gradient = s->krylov.basis;
+  for (size_t i = 0; i < n; i++) p[i] = (float)s->x[axes * n + i];
+  stokes_operator_apply_gradient(&s->operator, p, p_gradient);
+  stokes_operator_flux(op, s->force, s->x, p_gradient, flux);
+  for (int a = 0; a < 3; a++) {
+    const double mean = flux[a] / (double)s->bulk_count;
+    moved = hypot(moved, mean - s->mean[a]);
+    length = hypot(length, mean);
+    s->mean[a] = mean;
   }
-  for (int a = 0; a < 3; a++) now += s->mean[a] * s->force[a];
+  s->change = length > 0.0 ? moved / length : INFINITY;
+  /* In steady flow the work of force and walls is dissipated: its mean is that of |grad v|^2. */
+  for (size_t a = 0; a < axes; a++)
+    for (size_t i = 0; i < n; i++) {
+      double force = s->force[s->stencil.axes[a]];
+      if (op->drag) force += (double)op->drag[a * n + i];
+      work += fabs(force * s->x[a * n + i]);
+    }
+  stokes_operator_residual(&s->operator, s->force, s->x, s->residual);
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) square += (double)continuity[i] * (double)continuity[i];
+  s->divergence = work > 0.0 ? sqrt(square / work) : INFINITY;
   const double norm = krylov_norm(&s->krylov, s->residual);
   if (s->residual_start == 0.0) s->residual_start = norm;
   s->residual_now = norm / s->residual_start;
-  /* In steady flow the work of the force is dissipated: its mean is the mean of |grad v|^2. */
-  s->divergence = work > 0.0 ? sqrt(square / work) : INFINITY;
-  s->change = now != 0.0 ? fabs(now - before) / fabs(now) : INFINITY;
 }
 
-enum status stokes_solver_build(const struct lattice *lattice, double support,
-                                enum wall_scheme wall, const double driving[3],
-                                struct stokes_solver *s)
-{
+/* What drives the flow, and how fast: the force, or the fastest wall. */
+static enum status set_units(struct stokes_solver *s, const struct scene *scene, double nu,
+                             const double driving[3]) {
+  double wall = 0.0;
+  for (size_t r = 0; scene && r < scene->region_count; r++)
+    if (scene->regions[r].type == REGION_WALL)
+      for (int a = 0; a < 3; a++) wall = fmax(wall, fabs(scene->regions[r].velocity[a]));
+  const double unit = s->stencil.unit;
+  const double force =
+      sqrt(driving[0] * driving[0] + driving[1] * driving[1] + driving[2] * driving[2]);
+  s->acceleration = fmax(force, wall * nu / (unit * unit));
+  if (!(s->acceleration > 0.0))
+    return FAIL(STATUS_INPUT, "force: nothing drives the flow; give gravity, body_acceleration, "
+                              "pressure_gradient or a wall that moves");
+  s->velocity_unit = s->acceleration * unit * unit / nu;
+  s->walls_move = wall > 0.0;
+  for (int a = 0; a < 3; a++) s->force[a] = driving[a] / s->acceleration;
+  return STATUS_OK;
+}
+
+enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
+                                double support, enum wall_scheme wall, double nu,
+                                const double driving[3], struct stokes_solver *s) {
   enum status status = STATUS_OK;
   memset(s, 0, sizeof *s);
   s->bulk_count = lattice->bulk_count;
-  double strength = 0.0;
-  for (int a = 0; a < 3; a++) strength = hypot(strength, driving[a]);
-  if (!(strength > 0.0))
-    TRY_FAIL(STATUS_INPUT, "force: nothing drives the flow; give gravity, body_acceleration or "
-                           "pressure_gradient");
-  for (int a = 0; a < 3; a++) s->force[a] = driving[a] / strength;
-  if (lattice->fluid_count + lattice->wall_count < lattice->count)
-    TRY_FAIL(STATUS_INPUT, "regions: method stokes knows no free surface and %zu sites are empty; "
-                           "fill them with water or wall, or choose method isph",
-             lattice->count - lattice->fluid_count - lattice->wall_count);
   if (lattice->fluid_count == lattice->count)
     TRY_FAIL(STATUS_INPUT, "scene: no wall holds the fluid back, so a steady flow does not exist; "
                            "add a wall, or choose method wcsph and an end_time");
   TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing, support, &s->stencil));
-  TRY(stokes_grid_build(lattice, driving, 0, &s->grid));
+  TRY(set_units(s, scene, nu, driving));
+  TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
   if (s->grid.active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, wall, TAU, &s->operator));
+  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
+                            s->velocity_unit, &s->operator));
   TRY(krylov_build(length, BASIS, &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
@@ -88,8 +103,7 @@ cleanup:
   return status;
 }
 
-void stokes_solver_free(struct stokes_solver *s)
-{
+void stokes_solver_free(struct stokes_solver *s) {
   stokes_grid_free(&s->grid);
   stokes_operator_free(&s->operator);
   krylov_free(&s->krylov);
@@ -97,20 +111,17 @@ void stokes_solver_free(struct stokes_solver *s)
   memory_free(&s->residual);
 }
 
-void stokes_solver_round(struct stokes_solver *s)
-{
+void stokes_solver_round(struct stokes_solver *s) {
   double reached;
   s->iterations += krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION, s->x, &reached);
   measure(s);
 }
 
-bool stokes_solver_converged(const struct stokes_solver *s, double tolerance)
-{
+bool stokes_solver_converged(const struct stokes_solver *s, double tolerance) {
   return s->residual_now <= tolerance && s->divergence <= 1e-4 && s->change <= 1e-4;
 }
 
-enum status stokes_solver_run(struct stokes_solver *s, double tolerance)
-{
+enum status stokes_solver_run(struct stokes_solver *s, double tolerance) {
   double best = INFINITY;
   for (int stalled = 0; stalled < 10;) {
     stokes_solver_round(s);
@@ -120,5 +131,6 @@ enum status stokes_solver_run(struct stokes_solver *s, double tolerance)
   }
   return FAIL(STATUS_NUMERIC,
               "stokes: no progress after %ld iterations at a residual of %.1e (wanted %.1e); "
-              "a larger stokes.tolerance accepts it", s->iterations, s->residual_now, tolerance);
+              "a larger stokes.tolerance accepts it",
+              s->iterations, s->residual_now, tolerance);
 }

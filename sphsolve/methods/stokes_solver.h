@@ -1,6 +1,7 @@
 /* Solves the steady Stokes system of a lattice: rounds of preconditioned GMRES in single precision
- * on the residual in double precision. Lattice units: velocity in |driving| unit^2 / nu, pressure in
- * rho |driving| unit, unit = stencil.unit. */
+ * on the residual in double precision. Lattice units: accelerations in `acceleration`, |driving| or
+ * what a moving wall imposes; velocity in acceleration unit^2 / nu, pressure in rho acceleration
+ * unit. */
 #ifndef TOSUI_SPHSOLVE_METHODS_STOKES_SOLVER_H
 #define TOSUI_SPHSOLVE_METHODS_STOKES_SOLVER_H
 
@@ -20,22 +21,25 @@ struct stokes_solver {
   struct stokes_grid grid;
   struct stokes_operator operator;
   struct krylov krylov;
-  double force[3]; /* unit vector along the driving acceleration */
-  double *x;       /* [components][active] velocities, then pressure */
+  double acceleration, velocity_unit; /* m/s^2, m/s */
+  double force[3];                    /* driving / acceleration */
+  bool walls_move;
+  double *x; /* [components][active] velocities, then pressure */
   float *residual;
   double residual_start; /* norm of the right-hand side */
   double residual_now;   /* relative */
   double divergence;     /* rms of the continuity residual over rms |grad v| */
-  double mean[3];        /* sum of velocity over sites / bulk sites */
-  double change;         /* of the mean along the force, relative, in the last round */
+  double mean[3];        /* volume integral of the velocity / bulk volume */
+  double change;         /* of the mean in the last round, relative */
   long iterations;
   size_t bulk_count;
 };
 
-/* With grid.active == 0 there is no path for the fluid and nothing to solve. `support` in m. */
-enum status stokes_solver_build(const struct lattice *lattice, double support,
-                                enum wall_scheme wall, const double driving[3],
-                                struct stokes_solver *solver);
+/* With grid.active == 0 there is no path for the fluid and nothing to solve. `scene` (may be NULL)
+ * gives walls their velocity and slip, support in m, nu in m^2/s, driving in m/s^2. */
+enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
+                                double support, enum wall_scheme wall, double nu,
+                                const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
 
 /* One round; residual, divergence, mean and change are those after it. */

@@ -3,9 +3,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "sphsolve/effects/stokes_pressure.h"
+#include "sphsolve/effects/stokes_viscosity.h"
+
 /* Solves the n x n system m x = 1 (n <= 3) by Gauss elimination; the moments are positive. */
-static void solve_ones(int n, double m[3][3], double x[3])
-{
+static void solve_ones(int n, double m[3][3], double x[3]) {
   for (int i = 0; i < n; i++) x[i] = 1.0;
   for (int i = 0; i < n; i++)
     for (int r = i + 1; r < n; r++) {
@@ -22,8 +24,7 @@ static void solve_ones(int n, double m[3][3], double x[3])
 /* Morris, Fox, Zhu 1997 eq. 22: c = -2 V (1/r) dW/dr; gradient V dW/dr e. Their lattice sums are
  * scaled axis by axis so that the operators are exact for quadratic velocity and linear pressure
  * on this lattice, cubic or not. */
-static void scale_moments(struct stokes_stencil *s)
-{
+static void scale_moments(struct stokes_stencil *s) {
   double second[3][3] = {{0}}, first[3] = {0}, scale[3];
   for (int o = 0; o < s->offset_count; o++) {
     const struct stokes_offset *offset = &s->offsets[o];
@@ -51,8 +52,7 @@ static void scale_moments(struct stokes_stencil *s)
 
 /* `axis` < 0: the viscous coefficients, even in all directions; else the gradient along it. */
 static void build_convolution(const struct stokes_stencil *s, int axis,
-                              struct stokes_convolution *convolution)
-{
+                              struct stokes_convolution *convolution) {
   memset(convolution, 0, sizeof *convolution);
   convolution->odd_x = axis == 0;
   int index[STOKES_REACH + 1][STOKES_REACH + 1];
@@ -85,13 +85,12 @@ static void build_convolution(const struct stokes_stencil *s, int axis,
 }
 
 enum status stokes_stencil_build(int dimensions, const double spacing[3], double support,
-                                 struct stokes_stencil *s)
-{
+                                 struct stokes_stencil *s) {
   memset(s, 0, sizeof *s);
   s->axis_count = dimensions;
   s->axes[0] = 0, s->axes[1] = dimensions == 2 ? 2 : 1, s->axes[2] = 2;
-  s->unit = dimensions == 2 ? sqrt(spacing[0] * spacing[2])
-                            : cbrt(spacing[0] * spacing[1] * spacing[2]);
+  s->unit =
+      dimensions == 2 ? sqrt(spacing[0] * spacing[2]) : cbrt(spacing[0] * spacing[1] * spacing[2]);
   int reach[3] = {0};
   for (int a = 0; a < dimensions; a++) {
     const int x = s->axes[a];
@@ -112,15 +111,14 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], double
         const double r = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         if (r == 0.0 || r >= radius) continue;
         struct stokes_offset *offset = &s->offsets[s->offset_count++];
-        const double slope = -kernel_dw(KERNEL_QUINTIC, dimensions, r, h) / r;
+        const double dw = kernel_dw(KERNEL_QUINTIC, dimensions, r, h);
         offset->step[0] = i, offset->step[1] = j, offset->step[2] = k;
         offset->r = r;
-        offset->viscous = 2.0 * slope;
-        for (int a = 0; a < 3; a++) offset->gradient[a] = slope * x[a];
+        offset->viscous = stokes_viscosity_pair(r, dw);
+        for (int a = 0; a < 3; a++) offset->gradient[a] = stokes_pressure_pair(r, dw) * x[a];
       }
   scale_moments(s);
   build_convolution(s, -1, &s->laplace);
-  for (int a = 0; a < dimensions; a++)
-    build_convolution(s, s->axes[a], &s->gradient[s->axes[a]]);
+  for (int a = 0; a < dimensions; a++) build_convolution(s, s->axes[a], &s->gradient[s->axes[a]]);
   return STATUS_OK;
 }

@@ -1,5 +1,5 @@
-/* The SPH operators of the steady Stokes system as one stencil: on a lattice the neighbours of every
- * site lie at the same offsets. Lengths are in units of the geometric mean spacing. */
+/* The SPH operators of the steady Stokes system as one stencil: on a lattice the neighbours of
+ * every site lie at the same offsets. Lengths are in units of the geometric mean spacing. */
 #ifndef TOSUI_SPHSOLVE_METHODS_STOKES_STENCIL_H
 #define TOSUI_SPHSOLVE_METHODS_STOKES_STENCIL_H
 

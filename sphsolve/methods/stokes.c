@@ -1,0 +1,178 @@
+/* Method stokes: steady creeping flow, the SPH-Stokes system solved on the lattice itself. */
+#include "sphsolve/methods/stokes_solver.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/method.h"
+
+struct fields {
+  double *points;
+  float *velocity, *pressure, *density;
+  uint64_t *id;
+};
+
+static void fields_free(struct fields *f) {
+  memory_free(&f->points);
+  memory_free(&f->velocity);
+  memory_free(&f->pressure);
+  memory_free(&f->density);
+  memory_free(&f->id);
+}
+
+/* All fluid sites, those of blocked pores at rest. */
+static enum status write_snapshot(const struct scene *scene, const struct lattice *lattice,
+                                  const struct stokes_solver *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct fields f = {0};
+  const size_t count = lattice->fluid_count, nx = lattice->size[0], n = s->grid.active;
+  const size_t axes = (size_t)s->stencil.axis_count;
+  const double density = scene->fluid.density;
+  const double pressure_unit = density * s->acceleration * s->stencil.unit;
+  TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));
+  TRY(memory_allocate(&f.velocity, 3 * count, sizeof *f.velocity, "velocity of the snapshot"));
+  TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
+  TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
+  TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
+  for (size_t site = 0, at = 0, packed = 0; site < lattice->count; site++) {
+    if (lattice->kind[site] != SITE_FLUID) continue;
+    const size_t i = site % nx, row = site / nx;
+    const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
+    for (int a = 0; a < 3; a++)
+      f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
+    f.density[at] = (float)density;
+    f.id[at] = site;
+    if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
+      for (size_t a = 0; a < axes; a++)
+        f.velocity[3 * at + (size_t)s->stencil.axes[a]] =
+            (float)(s->x[a * n + packed] * s->velocity_unit);
+      f.pressure[at] = (float)(s->x[axes * n + packed] * pressure_unit);
+      packed++;
+    }
+    at++;
+  }
+  const struct snapshot_field list[] = {
+      {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity},
+      {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure},
+      {"density", "kg/m^3", "density", H5_F32, 1, f.density},
+      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id}};
+  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, f.points, sizeof list / sizeof *list,
+                        list));
+cleanup:
+  fields_free(&f);
+  return status;
+}
+
+/* Pore velocity times hydraulic diameter 4 V / S over nu; S counts voxel faces, which overstate a
+ * smooth surface by 3/2. */
+static double reynolds_number(const struct lattice *l, double darcy, double nu) {
+  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  double surface = 0.0;
+  for (size_t site = 0; site < l->count; site++)
+    for (int a = 0; a < 3; a++) {
+      const bool last = site / step[a] % l->size[a] + 1 == l->size[a];
+      const size_t next = last ? site - (l->size[a] - 1) * step[a] : site + step[a];
+      if (l->kind[site] != l->kind[next]) surface += 1.0 / l->spacing[a];
+    }
+  if (!(surface > 0.0)) return 0.0;
+  const double diameter = 4.0 * (double)l->fluid_count / (surface * 2.0 / 3.0);
+  return darcy * (double)l->bulk_count / (double)l->fluid_count * diameter / nu;
+}
+
+static enum status write_row(const struct scene *scene, const struct lattice *lattice,
+                             const struct stokes_solver *s, double darcy[3],
+                             struct recorder *recorder, double *reynolds) {
+  const double volume = lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2];
+  const size_t n = s->grid.active;
+  struct history_row row = {.step = s->iterations,
+                            .density_max = scene->fluid.density,
+                            .density_mean = scene->fluid.density};
+  double square = 0.0, length = 0.0;
+  for (size_t a = 0; n > 0 && a < (size_t)s->stencil.axis_count; a++)
+    for (size_t i = 0; i < n; i++) square += s->x[a * n + i] * s->x[a * n + i];
+  row.mass = scene->fluid.density * volume * (double)lattice->fluid_count;
+  for (int a = 0; a < 3; a++) {
+    darcy[a] = s->mean[a] * s->velocity_unit;
+    length = hypot(length, darcy[a]);
+    row.darcy_velocity[a] = darcy[a];
+    row.momentum[a] = darcy[a] * scene->fluid.density * volume * (double)lattice->bulk_count;
+  }
+  row.kinetic_energy =
+      0.5 * scene->fluid.density * volume * square * s->velocity_unit * s->velocity_unit;
+  row.reynolds = *reynolds =
+      reynolds_number(lattice, length, scene->fluid.viscosity / scene->fluid.density);
+  const double extra[] = {s->residual_now, s->divergence};
+  return recorder_row(recorder, &row, extra);
+}
+
+enum status stokes_run(const struct scene *scene, const struct plan *plan,
+                       const struct lattice *lattice, struct recorder *recorder,
+                       struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct stokes_solver s = {0};
+  double darcy[3] = {0.0}, reynolds = 0.0, best = INFINITY;
+  const double tolerance = scene->stokes.tolerance;
+  if (scene->stokes.wall == WALL_ADAMI)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: stokes.wall: \"adami\" is known to method wcsph only; choose "
+             "\"subvoxel\" or \"frozen\"",
+             scene->path);
+  TRY(recorder_add_column(recorder, "residual", "1", 1));
+  TRY(recorder_add_column(recorder, "divergence", "1", 1));
+  TRY(stokes_solver_build(lattice, scene, plan->context.support, scene->stokes.wall,
+                          plan->context.kinematic_viscosity, scene->driving, &s));
+  result->status = s.grid.active > 0 ? "converged" : "blocked";
+  if (s.grid.active == 0)
+    log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
+                "throats with smaller voxels, or look at the threshold",
+                scene->path);
+  if (s.grid.active < lattice->fluid_count)
+    log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
+                lattice->fluid_count - s.grid.active, lattice->fluid_count);
+  TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
+  for (int stalled = 0; s.grid.active > 0 && !stokes_solver_converged(&s, tolerance);) {
+    char note[80];
+    const double started = clock_seconds();
+    stokes_solver_round(&s);
+    recorder_add_time(recorder, "stokes_solve", clock_seconds() - started);
+    TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
+    snprintf(note, sizeof note, "residual %.1e, Darcy velocity %.4g m/s", s.residual_now,
+             hypot(hypot(darcy[0], darcy[1]), darcy[2]));
+    recorder_progress(recorder, fmin(1.0, log(s.residual_now) / log(tolerance)), note);
+    if (recorder_interrupted(recorder)) {
+      result->status = "interrupted";
+      break;
+    }
+    stalled = s.residual_now < 0.9 * best ? 0 : stalled + 1;
+    best = fmin(best, s.residual_now);
+    if (stalled == 10)
+      TRY_FAIL(STATUS_NUMERIC,
+               "%s: no progress after %ld iterations at a residual of %.1e; stokes.tolerance = "
+               "%.1g accepts it",
+               scene->path, s.iterations, s.residual_now, 2.0 * s.residual_now);
+  }
+  result_from_darcy(scene, darcy, result);
+  /* The last round shrank what was wrong by far more than half, so its step bounds what is left. */
+  result->k_error = s.grid.active > 0 ? fmax(s.change, s.residual_now) : 0.0;
+  result->reynolds = reynolds;
+  result->steps = s.iterations;
+  result->pair_interactions =
+      (double)s.iterations * (double)s.grid.active * (double)s.stencil.offset_count;
+  if (reynolds > 1.0)
+    log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
+                scene->path, reynolds);
+  recorder_set_fact(recorder, "residual", s.residual_now);
+  recorder_set_fact(recorder, "divergence", s.divergence);
+  recorder_set_fact(recorder, "iterations", (double)s.iterations);
+  recorder_set_fact(recorder, "sites_solved", (double)s.grid.active);
+  krylov_free(&s.krylov); /* room for the snapshot */
+  stokes_operator_free(&s.operator);
+  TRY(write_snapshot(scene, lattice, &s, recorder));
+  if (recorder_interrupted(recorder)) status = FAIL(STATUS_INTERRUPTED, "interrupted");
+cleanup:
+  stokes_solver_free(&s);
+  return status;
+}
