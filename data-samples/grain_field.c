@@ -116,8 +116,8 @@ static void draw_grain(const struct drawing *drawing, const struct grain_packing
   }
 }
 
-/* The offset below which exactly `wanted` voxels of the scan lie, to the histogram's bin and then
- * within it; sets `solid` to what it reaches. */
+/* The offset below which as near `wanted` voxels of the scan lie as the histogram's bins allow;
+ * sets `solid` to what it reaches. */
 static enum status choose_offset(struct grain_field *field, long wanted) {
   enum status status = STATUS_OK;
   const long bins = 2L * OFFSET_MAX * HISTOGRAM_FINE;

@@ -33,9 +33,9 @@ struct grain_statistics {
 /* Box of a packing from whose inside a scan of this size can be cut. */
 void grain_field_box(const long size[3], double voxel, double largest, double box[3]);
 
-/* Draws the packing on the voxels and chooses `offset` so that the solid voxels are as many as
- * the void ratio asks for: exact to half a voxel of the whole scan. STATUS_NUMERIC when the
- * packing is too far from it for a small offset. Free with _destroy. */
+/* Draws the packing on the voxels and chooses `offset`, to 1/262144 of a voxel, so that the solid
+ * voxels are as many as the void ratio asks for: to some ten voxels in a scan of 59 million.
+ * STATUS_NUMERIC when the packing is too far from it for a small offset. Free with _destroy. */
 enum status grain_field_create(struct grain_field *field, const struct grain_packing *packing,
                                const long size[3], double voxel, double void_ratio, uint64_t seed);
 void grain_field_destroy(struct grain_field *field);

@@ -158,6 +158,15 @@ static void pair_refine(struct pair *pair, const struct grain_packing *packing, 
   for (int i = 0; i < 3; i++) pair->normal[i] = best[i];
 }
 
+/* Drops pairs too far apart to meet before the next look-up: long grains have many of them, and the
+ * gap found is never more than the true one. */
+static void pair_list_trim(struct pair_list *list, double reach) {
+  long kept = 0;
+  for (long p = 0; p < list->count; p++)
+    if (list->pair[p].gap < reach) list->pair[kept++] = list->pair[p];
+  list->count = kept;
+}
+
 /* Positive: pushes the two apart. `pull` ramps up from 0 to 1 as the packing settles. */
 static double pair_force(const struct pair *pair, const int *contacts, double unit, double pull) {
   const double overlap = -pair->gap / unit;
@@ -191,10 +200,11 @@ static enum status grain_packing_settle(struct grain_packing *packing, double un
 #pragma omp parallel for schedule(static)
     for (long p = 0; p < list.count; p++) {
       if (renewed)
-        for (double slope = 0.8; slope > 0.15; slope *= 0.7)
+        for (double slope = 0.8; slope > 0.15 && list.pair[p].gap < reach; slope *= 0.7)
           pair_refine(&list.pair[p], packing, slope);
       pair_refine(&list.pair[p], packing, step % 2 ? 0.25 : 0.07);
     }
+    if (renewed) pair_list_trim(&list, reach);
     const double pull = step < STEPS / 4 ? 0 : step < STEPS / 2 ? 4.0 * step / STEPS - 1 : 1;
     for (long i = 0; i < 3 * packing->count; i++) velocity[i] *= MOMENTUM;
     for (long g = 0; g < packing->count; g++) contacts_next[g] = 0;
@@ -274,7 +284,7 @@ enum status grain_packing_create(struct grain_packing *packing, const double box
     volume *= box[i];
   }
   const double mean = 0.5 * (smallest + largest);
-  capacity = (long)(1.3 * solid_fraction * volume / (PI / 6 * mean * mean * mean)) + 64;
+  capacity = (long)(1.05 * solid_fraction * volume / (PI / 6 * mean * mean * mean)) + 64;
   TRY(memory_allocate(&set, 1, sizeof *set, "directions"));
   TRY(memory_allocate(&packing->grain, (size_t)capacity, sizeof *packing->grain, "grains"));
   direction_set_create(set);
