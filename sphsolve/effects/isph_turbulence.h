@@ -1,0 +1,21 @@
+/* Eddy viscosity after Smagorinsky (M15 eq. 3): nu_T = (C_s he)^2 |S|, |S|^2 = 2 S_ab S_ab. Fades
+ * with the share of soil, whose Forchheimer term already counts what eddies between grains take. */
+#ifndef TOSUI_SPHSOLVE_EFFECTS_ISPH_TURBULENCE_H
+#define TOSUI_SPHSOLVE_EFFECTS_ISPH_TURBULENCE_H
+
+#include <math.h>
+
+/* g[3 a + b] = dv_a/dx_b. */
+static inline double strain_rate(const float g[9]) {
+  double xy = 0.5 * ((double)g[1] + (double)g[3]), xz = 0.5 * ((double)g[2] + (double)g[6]);
+  double yz = 0.5 * ((double)g[5] + (double)g[7]);
+  double xx = (double)g[0], yy = (double)g[4], zz = (double)g[8];
+  return sqrt(2 * (xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)));
+}
+
+static inline double eddy_viscosity(double constant, double support, double strain, double soil) {
+  double length = constant * support;
+  return length * length * strain * (1 - soil);
+}
+
+#endif

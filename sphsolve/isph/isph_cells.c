@@ -1,0 +1,300 @@
+#include "sphsolve/isph/isph_state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/isph_kernel.h"
+
+#define CANDIDATES 8192
+
+static int clamp_index(double value, int count) {
+  if (!(value > 0)) return 0;
+  return value < count - 1 ? (int)value : count - 1;
+}
+
+static uint32_t cell_of(const struct isph_cells *cells, const double x[3]) {
+  int at[3];
+  for (int a = 0; a < 3; a++)
+    at[a] = clamp_index((x[a] - cells->origin[a]) / cells->size[a], cells->count[a]);
+  return (uint32_t)((at[2] * cells->count[1] + at[1]) * cells->count[0] + at[0]);
+}
+
+static enum status shape_cells(const struct isph *s, double margin, struct isph_cells *cells) {
+  double wanted = 0.5 * s->scene->isph.support_ratio * s->spacing;
+  double total = 1;
+  for (int a = 0; a < 3; a++) {
+    double beyond = s->periodic[a] || (s->dimensions == 2 && a == 1) ? 0 : margin;
+    double length = s->high[a] - s->low[a] + 2 * beyond;
+    cells->count[a] = (int)fmax(1, floor(length / wanted));
+    cells->origin[a] = s->low[a] - beyond;
+    cells->size[a] = length / cells->count[a];
+    total *= cells->count[a];
+  }
+  if (total > 1e9)
+    return FAIL(STATUS_INPUT, "domain: %.2g cells of %.3g m; make the domain smaller or the "
+                "spacing wider", total, wanted);
+  return memory_allocate(&cells->start, (size_t)total + 1, sizeof *cells->start, "cells");
+}
+
+/* Counting sort by cell, stable: fills `order` with the old index of each new place. */
+static void sort_by_cell(const struct isph_cells *cells, size_t n, const uint32_t *cell,
+                         uint32_t *order) {
+  size_t total = (size_t)cells->count[0] * (size_t)cells->count[1] * (size_t)cells->count[2];
+  memset(cells->start, 0, (total + 1) * sizeof *cells->start);
+  for (size_t i = 0; i < n; i++) cells->start[cell[i] + 1]++;
+  for (size_t c = 0; c < total; c++) cells->start[c + 1] += cells->start[c];
+  for (size_t i = 0; i < n; i++) order[cells->start[cell[i]]++] = (uint32_t)i;
+  for (size_t c = total; c > 0; c--) cells->start[c] = cells->start[c - 1];
+  cells->start[0] = 0;
+}
+
+static void permute(struct isph *s, void *data, size_t size) {
+  char *from = data, *to = s->scratch;
+  const uint32_t *order = s->order;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) memcpy(to + i * size, from + order[i] * size, size);
+  memcpy(from, to, s->count * size);
+}
+
+enum status isph_sort(struct isph *s) {
+  if (s->cells.start == NULL) {
+    enum status status = shape_cells(s, 0, &s->cells);
+    if (status != STATUS_OK) return status;
+  }
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) s->cell_of[i] = cell_of(&s->cells, s->position[i]);
+  sort_by_cell(&s->cells, s->count, s->cell_of, s->order);
+  permute(s, s->position, sizeof *s->position);
+  permute(s, s->velocity, sizeof *s->velocity);
+  permute(s, s->pressure, sizeof *s->pressure);
+  permute(s, s->mass, sizeof *s->mass);
+  permute(s, s->id, sizeof *s->id);
+  return STATUS_OK;
+}
+
+/* Boundary particles keep their order from the start (that of their homes), so that a resumed run
+ * sums in the same order; only the cells' index is found anew when walls move. */
+enum status isph_sort_walls(struct isph *s) {
+  enum status status = STATUS_OK;
+  uint32_t *cell = NULL;
+  if (s->wall_cells.start == NULL) TRY(shape_cells(s, s->support_max, &s->wall_cells));
+  size_t n = s->boundary_count;
+  if (s->wall_order == NULL)
+    TRY(memory_allocate(&s->wall_order, n, sizeof *s->wall_order, "walls"));
+  TRY(memory_allocate(&cell, n, sizeof *cell, "walls"));
+  for (size_t j = 0; j < n; j++) cell[j] = cell_of(&s->wall_cells, s->boundary_position[j]);
+  sort_by_cell(&s->wall_cells, n, cell, s->wall_order);
+cleanup:
+  memory_free(&cell);
+  return status;
+}
+
+/* Entries (index | image) of all points of `cells` closer to xi than `reach`. Returns more than
+ * CANDIDATES when they do not fit. */
+static size_t collect(const struct isph *s, const struct isph_cells *cells, const uint32_t *order,
+                      const double (*x)[3], const double xi[3], double reach,
+                      uint32_t *candidates) {
+  size_t found = 0;
+  double reach2 = reach * reach;
+  int from[3], to[3];
+  for (int a = 0; a < 3; a++) {
+    from[a] = s->periodic[a] && xi[a] - reach < s->low[a] ? -1 : 0;
+    to[a] = s->periodic[a] && xi[a] + reach > s->high[a] ? 1 : 0;
+  }
+  for (int sz = from[2]; sz <= to[2]; sz++)
+    for (int sy = from[1]; sy <= to[1]; sy++)
+      for (int sx = from[0]; sx <= to[0]; sx++) {
+        uint32_t code = (uint32_t)((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1));
+        const double *image = s->shift[code];
+        double at[3];
+        int low[3], high[3];
+        bool empty = false;
+        for (int a = 0; a < 3; a++) {
+          at[a] = xi[a] - image[a];
+          double first = (at[a] - reach - cells->origin[a]) / cells->size[a];
+          double last = (at[a] + reach - cells->origin[a]) / cells->size[a];
+          empty = empty || last < 0 || first >= cells->count[a];
+          low[a] = clamp_index(first, cells->count[a]);
+          high[a] = clamp_index(last, cells->count[a]);
+        }
+        if (empty) continue;
+        for (int cz = low[2]; cz <= high[2]; cz++) {
+          double z0 = cells->origin[2] + cz * cells->size[2];
+          double dz = fmax(0, fmax(z0 - at[2], at[2] - z0 - cells->size[2]));
+          for (int cy = low[1]; cy <= high[1]; cy++) {
+            double y0 = cells->origin[1] + cy * cells->size[1];
+            double dy = fmax(0, fmax(y0 - at[1], at[1] - y0 - cells->size[1]));
+            if (dy * dy + dz * dz > reach2) continue;
+            size_t row = ((size_t)cz * (size_t)cells->count[1] + (size_t)cy) *
+                         (size_t)cells->count[0];
+            uint32_t begin = cells->start[row + (size_t)low[0]];
+            uint32_t end = cells->start[row + (size_t)high[0] + 1];
+            if (found + (end - begin) > CANDIDATES) return CANDIDATES + 1;
+            for (uint32_t k = begin; k < end; k++) {
+              uint32_t j = order != NULL ? order[k] : k;
+              double rx = at[0] - x[j][0], ry = at[1] - x[j][1], rz = at[2] - x[j][2];
+              candidates[found] = j | code << PAIR_BITS;
+              found += rx * rx + ry * ry + rz * rz < reach2;
+            }
+          }
+        }
+      }
+  return found;
+}
+
+/* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`; false where it is
+ * too flat to be trusted. */
+static bool invert(int dimensions, const double m[6], double least, double inverse[9]) {
+  double yy = dimensions == 2 ? 1 : m[3];
+  double c00 = yy * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
+         c02 = m[1] * m[4] - m[2] * yy;
+  double determinant = m[0] * c00 + m[1] * c01 + m[2] * c02;
+  if (!(determinant > least)) return false;
+  double scale = 1 / determinant;
+  inverse[0] = c00 * scale, inverse[1] = inverse[3] = c01 * scale;
+  inverse[2] = inverse[6] = c02 * scale;
+  inverse[4] = (m[0] * m[5] - m[2] * m[2]) * scale;
+  inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[4]) * scale;
+  inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
+  return true;
+}
+
+static enum status grow(struct isph_chunk *chunk, size_t pairs, size_t walls) {
+  enum status status = STATUS_OK;
+  if (pairs > chunk->pair_capacity) {
+    size_t n = pairs + pairs / 4 + 64 * CHUNK / 8;
+    TRY(memory_resize(&chunk->pair, n, sizeof *chunk->pair, "neighbour lists"));
+    TRY(memory_resize(&chunk->slope, n, sizeof *chunk->slope, "neighbour lists"));
+    TRY(memory_resize(&chunk->matrix, n, sizeof *chunk->matrix, "pressure matrix"));
+    chunk->pair_capacity = n;
+  }
+  if (walls > chunk->wall_capacity) {
+    size_t n = walls + walls / 4 + CHUNK;
+    TRY(memory_resize(&chunk->wall, n, sizeof *chunk->wall, "neighbour lists"));
+    TRY(memory_resize(&chunk->wall_slope, n, sizeof *chunk->wall_slope, "neighbour lists"));
+    chunk->wall_capacity = n;
+  }
+cleanup:
+  return status;
+}
+
+/* Adds a neighbour at distance vector r with volume and slope to the sums of a particle. */
+static inline void add_sums(double volume, double w, double slope, const double r[3],
+                            double *filling, double imbalance[3], double moment[6]) {
+  double f = volume * slope;
+  *filling += volume * w;
+  for (int a = 0; a < 3; a++) imbalance[a] += f * r[a];
+  moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
+  moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
+}
+
+static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
+  uint32_t candidates[CANDIDATES];
+  const enum kernel kernel = s->scene->isph.kernel;
+  const int dimensions = s->dimensions;
+  chunk->pair_count = chunk->wall_count = 0;
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const double *xi = s->position[i], hi = s->support[i];
+    double imbalance[3] = {0}, moment[6] = {0}, wall_moment[6] = {0}, w, slope;
+    double reach = 0.5 * (hi + s->support_now);
+    size_t n = collect(s, &s->cells, NULL, s->position, xi, reach, candidates);
+    size_t n_wall = 0;
+    if (n > CANDIDATES)
+      return FAIL(STATUS_NUMERIC, "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
+                  "the particles have clumped; use a smaller isph.dt", s->time, CANDIDATES, xi[0],
+                  xi[1], xi[2]);
+    enum status status = grow(chunk, chunk->pair_count + n, chunk->wall_count);
+    if (status != STATUS_OK) return status;
+    isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
+    double filling = s->volume[i] * w * s->kernel_w;
+    size_t count = chunk->pair_count;
+    s->pair_first[i] = (uint32_t)count;
+    for (size_t k = 0; k < n; k++) {
+      uint32_t entry = candidates[k], j = entry & PAIR_MASK;
+      if (entry == ((uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS)) continue;
+      double r[3];
+      isph_separation(s, xi, (const double(*)[3])s->position, entry, r);
+      double r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], he = 0.5 * (hi + s->support[j]);
+      if (r2 >= he * he) continue;
+      isph_kernel(kernel, dimensions, sqrt(r2), he, &w, &slope);
+      w *= s->kernel_w, slope *= s->kernel_slope;
+      add_sums(s->volume[j], w, slope, r, &filling, imbalance, moment);
+      chunk->pair[count] = entry;
+      chunk->slope[count] = (float)slope;
+      count++;
+    }
+    s->pair_number[i] = (uint16_t)(count - chunk->pair_count);
+    chunk->pair_count = count;
+
+    s->wall_first[i] = (uint32_t)chunk->wall_count;
+    s->wall_number[i] = 0;
+    if (s->boundary_count > 0)
+      n_wall = collect(s, &s->wall_cells, s->wall_order, s->boundary_position, xi, hi, candidates);
+    if (n_wall > 0 && n_wall <= CANDIDATES) {
+      status = grow(chunk, chunk->pair_count, chunk->wall_count + n_wall);
+      if (status != STATUS_OK) return status;
+      for (size_t k = 0; k < n_wall; k++) {
+        double r[3];
+        isph_separation(s, xi, (const double(*)[3])s->boundary_position, candidates[k], r);
+        isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
+                    &slope);
+        w *= s->kernel_w, slope *= s->kernel_slope;
+        /* An open side's particles have a pressure of their own, as water has. */
+        bool open = s->boundary_kind[candidates[k] & PAIR_MASK] == BOUNDARY_OPEN_HEAD;
+        add_sums(s->wall_volume, w, slope, r, &filling, imbalance, open ? moment : wall_moment);
+        chunk->wall[chunk->wall_count + k] = candidates[k];
+        chunk->wall_slope[chunk->wall_count + k] = (float)slope;
+      }
+      s->wall_number[i] = (uint16_t)n_wall;
+      chunk->wall_count += n_wall;
+    }
+
+    s->filling[i] = filling;
+    memcpy(s->imbalance[i], imbalance, sizeof imbalance);
+    /* Gradients from the water alone are exact for linear fields next to a wall too; with too few
+     * neighbours (films, drops) the walls' images help, and without any there is no correction. */
+    double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    s->wall_aided[i] = !invert(dimensions, moment, 0.02, inverse);
+    if (s->wall_aided[i]) {
+      for (int c = 0; c < 6; c++) moment[c] += wall_moment[c];
+      if (!invert(dimensions, moment, 0.02, inverse)) {
+        memset(inverse, 0, sizeof inverse);
+        inverse[0] = inverse[4] = inverse[8] = 1;
+      }
+    }
+    for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
+  }
+  return STATUS_OK;
+}
+
+static enum status shape_chunks(struct isph *s) {
+  size_t n = (s->count + CHUNK - 1) / CHUNK;
+  if (n > s->chunk_capacity) {
+    enum status status = memory_resize(&s->chunks, n, sizeof *s->chunks, "neighbour lists");
+    if (status != STATUS_OK) return status;
+    s->chunk_capacity = n;
+  }
+  s->chunk_count = n;
+  for (size_t c = 0; c < n; c++) {
+    s->chunks[c].begin = c * CHUNK;
+    s->chunks[c].end = c + 1 < n ? (c + 1) * CHUNK : s->count;
+  }
+  return STATUS_OK;
+}
+
+enum status isph_find_neighbours(struct isph *s) {
+  enum status status = shape_chunks(s);
+  if (status != STATUS_OK) return status;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    enum status here = search_chunk(s, &s->chunks[c]);
+    if (here != STATUS_OK) {
+#pragma omp critical(isph_search)
+      status = here;
+    }
+  }
+  for (size_t c = 0; c < s->chunk_count; c++)
+    s->pair_interactions += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
+  return status;
+}

@@ -1,0 +1,169 @@
+#include "sphsolve/isph/isph_state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/effects/isph_relaxation.h"
+#include "sphsolve/effects/isph_surface.h"
+
+#define BLOCK 1024
+#define ITERATIONS_MAX 2000
+
+/* Sum over blocks of fixed size, the blocks in their order: the same bits for any thread count. */
+double isph_dot(size_t n, const double *a, const double *b) {
+  double total = 0;
+  size_t blocks = (n + BLOCK - 1) / BLOCK;
+  enum { BATCH = 1024 };
+  double partial[BATCH];
+  for (size_t first = 0; first < blocks; first += BATCH) {
+    size_t here = blocks - first < BATCH ? blocks - first : BATCH;
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < here; k++) {
+      size_t begin = (first + k) * BLOCK, end = begin + BLOCK < n ? begin + BLOCK : n;
+      double sum = 0;
+      for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
+      partial[k] = sum;
+    }
+    for (size_t k = 0; k < here; k++) total += partial[k];
+  }
+  return total;
+}
+
+/* Row i of
+ *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
+ *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
+ * The driving force f enters through its potential, with the coefficients of the pressure itself:
+ * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
+ * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
+ * images reflect the velocity. */
+void isph_assemble(struct isph *s, double tau) {
+  const double *f = s->force, rho = s->density;
+  double fixed = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    struct isph_chunk *chunk = &s->chunks[c];
+    chunk->fixed = 0;
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const double *xi = s->position[i], *vi = s->predicted[i];
+      double ki = s->mobility[i], vol = s->volume[i];
+      double diagonal = 0, source = 0, divergence = 0, walled = 0;
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+        double r[3], slope = chunk->slope[p];
+        isph_separation(s, xi, (const double(*)[3])s->position, entry, r);
+        const double *vj = s->predicted[j];
+        float a = (float)(vol * s->volume[j] * (ki + s->mobility[j]) * slope);
+        chunk->matrix[p] = a;
+        diagonal += (double)a;
+        source += (double)a * rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        divergence += s->volume[j] * slope *
+                      ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
+      }
+      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+        uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+        double r[3], slope = chunk->wall_slope[p];
+        isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
+        if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
+          double a = 2 * vol * s->wall_volume * ki * slope;
+          diagonal += a, chunk->fixed += a;
+          source += a * (s->boundary_pressure[j] + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]));
+          continue;
+        }
+        const double *vw = s->boundary_velocity[j];
+        walled += 2 * vol * s->wall_volume * ki * slope;
+        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+        isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+        for (int a = 0; a < 3; a++)
+          divergence += s->wall_volume * slope * 2 * mirror[a] * (vi[a] - vw[a]) * r[a];
+      }
+      source -= vol * divergence;
+      if (s->on.surface) {
+        double coefficient, load;
+        surface_row(s, i, diagonal + walled, &coefficient, &load);
+        diagonal += coefficient, chunk->fixed += coefficient;
+        source += load;
+      }
+      if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau);
+      s->diagonal[i] = diagonal > 0 ? diagonal : 1;
+      s->source[i] = source;
+    }
+  }
+  for (size_t c = 0; c < s->chunk_count; c++) fixed += s->chunks[c].fixed;
+  s->closed = fixed == 0;
+}
+
+static void multiply(const struct isph *s, const double *x, double *y) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double sum = s->diagonal[i] * x[i];
+      const uint32_t *pair = chunk->pair + s->pair_first[i];
+      const float *a = chunk->matrix + s->pair_first[i];
+      size_t n = s->pair_number[i];
+      for (size_t p = 0; p < n; p++) sum -= (double)a[p] * x[pair[p] & PAIR_MASK];
+      y[i] = sum;
+    }
+  }
+}
+
+static void remove_mean(size_t n, double *values, const double *ones) {
+  double mean = isph_dot(n, values, ones) / (double)n;
+  for (size_t i = 0; i < n; i++) values[i] -= mean;
+}
+
+static void precondition(struct isph *s, const double *r, double *z) {
+  for (size_t i = 0; i < s->count; i++) z[i] = r[i] / s->diagonal[i];
+}
+
+enum status isph_solve_pressure(struct isph *s) {
+  size_t n = s->count;
+  double *x = s->pressure, *b = s->source;
+  double *r = s->work[0], *z = s->work[1], *p = s->work[2], *q = s->work[3];
+  double tolerance = s->scene->isph.tolerance;
+  struct isph_solve *solve = &s->solve;
+  solve->iterations = 0;
+  solve->solves++;
+  if (n == 0) return STATUS_OK;
+  if (s->closed) {
+    for (size_t i = 0; i < n; i++) q[i] = 1;
+    remove_mean(n, b, q);
+  }
+  double norm = sqrt(isph_dot(n, b, b));
+  solve->residual = 0;
+  if (!(norm > 0)) {
+    if (norm != 0) return FAIL(STATUS_NUMERIC, "t = %.4g s: the pressure equation has no finite "
+                               "right-hand side; use a smaller isph.dt", s->time);
+    memset(x, 0, n * sizeof *x);
+    return STATUS_OK;
+  }
+  multiply(s, x, q);
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < n; i++) r[i] = b[i] - q[i];
+  double residual = sqrt(isph_dot(n, r, r)), rz = 0;
+  int iteration = 0;
+  while (residual > tolerance * norm && iteration < ITERATIONS_MAX) {
+    precondition(s, r, z);
+    double rz_new = isph_dot(n, r, z), beta = iteration > 0 ? rz_new / rz : 0;
+    rz = rz_new;
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < n; i++) p[i] = z[i] + beta * p[i];
+    multiply(s, p, q);
+    double step = rz / isph_dot(n, p, q);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < n; i++) x[i] += step * p[i], r[i] -= step * q[i];
+    residual = sqrt(isph_dot(n, r, r));
+    iteration++;
+  }
+  solve->iterations = iteration;
+  solve->iterations_total += iteration;
+  solve->residual = residual / norm;
+  if (!(residual <= 1e3 * tolerance * norm))
+    return FAIL(STATUS_NUMERIC, "t = %.4g s: the pressure solve stands at a residual of %.2g after "
+                "%d iterations; use a smaller isph.dt", s->time, residual / norm, iteration);
+  if (s->closed) {
+    for (size_t i = 0; i < n; i++) q[i] = 1;
+    remove_mean(n, x, q);
+  }
+  return STATUS_OK;
+}

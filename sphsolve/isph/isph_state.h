@@ -1,0 +1,231 @@
+/* The particles of method isph and the passes of one step.
+ *
+ * Every particle carries a fixed mass of water m. Its bulk volume V = m / (eps rho_w) and its
+ * support he = ratio V^(1/dimensions) follow the porosity eps at its place, so that inside soil the
+ * particles stand further apart and still see the same number of neighbours. Velocities are Darcy
+ * velocities v_D; particles move with v_D / eps.
+ *
+ * Particles are sorted by cell each step; neighbour lists are kept per chunk of CHUNK particles, so
+ * that threads never share an array and no sum depends on their number. */
+#ifndef TOSUI_SPHSOLVE_ISPH_STATE_H
+#define TOSUI_SPHSOLVE_ISPH_STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "sphsolve/lattice.h"
+#include "sphsolve/scene.h"
+
+#define CHUNK 512                        /* particles per chunk of the neighbour lists */
+#define PAIR_BITS 27                     /* of a pair entry: index; above: code of the image */
+#define PAIR_MASK ((1u << PAIR_BITS) - 1)
+#define IMAGE_NONE 13                    /* code of "no periodic image" */
+
+/* What of the physics is on; each is an effect of the plan. */
+struct isph_switches {
+  bool soil, moving_soil, drag_linear, drag_forchheimer;
+  bool viscosity, turbulence, relaxation, surface, shifting;
+  bool walls, no_slip, moving_walls, open_sides;
+};
+
+/* A box of wall, or the tank around the domain (inverted). */
+struct isph_wall_box {
+  double low[3], high[3];
+  double velocity[3];
+  bool slip, tank;
+};
+
+enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
+
+/* A window in a side of the domain through which water comes and goes. */
+struct isph_open_side {
+  int axis;      /* of its normal */
+  double inward; /* +1: on the low side, -1: on the high side */
+  double low[3], high[3]; /* rectangle on the side; equal along `axis` */
+  enum boundary_kind kind;
+  double head, flux;
+  size_t cells[3];     /* of its emission grid; 1 along `axis` */
+  double pitch[3];
+  double *displacement; /* per cell: how far the water has come in since the last particle, m */
+};
+
+struct isph_chunk {
+  size_t begin, end;
+  size_t pair_count, pair_capacity;
+  uint32_t *pair; /* neighbour | image << PAIR_BITS */
+  float *slope;   /* -W'(r)/r of the pair, normalised */
+  float *matrix;  /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
+  size_t wall_count, wall_capacity;
+  uint32_t *wall; /* boundary particle | image << PAIR_BITS */
+  float *wall_slope;
+  double fixed; /* sum of what ties the pressure of this chunk to a given one */
+};
+
+struct isph_cells {
+  int count[3];
+  double origin[3], size[3];
+  uint32_t *start; /* [cells + 1] */
+};
+
+struct isph_solve {
+  int iterations, iterations_total, solves;
+  double residual;
+  bool preconditioned;
+};
+
+struct isph_multigrid;
+
+struct isph {
+  const struct scene *scene;
+  struct isph_switches on;
+  int dimensions;
+  double spacing, thickness; /* thickness: of a 2-D scene, 1 for 3-D */
+  double low[3], high[3];    /* the domain */
+  bool periodic[3];
+  double shift[27][3];        /* of the periodic images */
+  double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
+  double slope_sum; /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
+  double density, viscosity;  /* rho_w, nu */
+  double force[3];            /* g + a - grad P / rho, m/s^2 */
+  double time;
+  int64_t step;
+
+  size_t count, capacity;
+  uint64_t next_id;
+  uint64_t *id;
+  double (*position)[3], (*velocity)[3];
+  double *pressure, *mass;
+
+  /* found anew each step */
+  double *volume, *support;
+  double *porosity, *soil_share;             /* NULL without soil */
+  double *drag_a, *drag_b;                   /* NULL without soil */
+  double (*soil_velocity)[3];                /* NULL unless soil moves */
+  double *filling;                           /* sum V W with walls: 1 in the bulk */
+  double (*imbalance)[3];                    /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];                    /* L, gradient correction */
+  uint8_t *wall_aided;                       /* L counts wall particles */
+  double *surface;                           /* 0 bulk .. 1 surface; NULL without */
+  float (*gradient)[9];                      /* dv_a/dx_b; NULL if nobody asks */
+  double *drag_left;                         /* B: share of v_D left by the drag; NULL without */
+  double *mobility;                          /* k = B T G / rho_w */
+  double *eddy;                              /* nu + nu_T; NULL without viscosity */
+  double (*predicted)[3];                    /* v* without the driving force */
+  double *diagonal, *source;
+  double *work[4];                           /* r, z, p, q of CG */
+  uint32_t *pair_first, *wall_first;         /* in the chunk's arrays */
+  uint16_t *pair_number, *wall_number;
+  size_t chunk_count, chunk_capacity;
+  struct isph_chunk *chunks;
+  struct isph_cells cells, wall_cells;
+  uint32_t *wall_order;
+  uint32_t *order, *cell_of;
+  void *scratch; /* for the sort: 3 doubles a particle */
+  bool closed;   /* no row fixes the pressure: the constant is removed */
+  struct isph_solve solve;
+  struct isph_multigrid *multigrid;
+
+  /* boundary */
+  size_t wall_box_count;
+  struct isph_wall_box *wall_boxes;
+  size_t boundary_count;
+  double (*boundary_position)[3], (*boundary_home)[3];
+  double (*boundary_velocity)[3];
+  double *boundary_pressure; /* open sides of given head */
+  uint8_t *boundary_kind;
+  uint16_t *boundary_box; /* wall box, or open side */
+  size_t side_count;
+  struct isph_open_side *sides;
+  double wall_volume;
+  double support_max, support_now; /* the largest there can be, and there is */
+  double soil_porosity_least;
+
+  size_t region_count;
+  double (*soil_offset)[3]; /* how far each region's soil has moved */
+
+  /* ledger */
+  size_t lost_count, left_count, entered_count;
+  double lost_mass, left_mass, entered_mass;
+  double pair_interactions, pair_seconds;
+  double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
+};
+
+/* Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
+enum status isph_create(const struct scene *scene, const struct lattice *lattice,
+                        const struct isph_switches *switches, struct isph *s);
+void isph_free(struct isph *s);
+/* One step of length dt, s. */
+enum status isph_advance(struct isph *s, double dt);
+/* The largest step the effects allow now, s; *limited_by names the effect. */
+double isph_stable_dt(const struct isph *s, const char **limited_by);
+
+/* Where the water starts. Soil is a property of space, water is what fills it:
+ *  - a water region fills every site it claims, in or out of soil; later walls and empty regions
+ *    take the water away again, later porous regions do not;
+ *  - a porous region is dry where no water region covers it, unless it says `saturated = true` or
+ *    the scene can have no surface: no water region at all, regions that leave no site empty, or a
+ *    domain that is periodic along the driving force.
+ * `fill` [lattice->count], may be NULL: 0 no water, else 1 + region. */
+struct isph_filling {
+  bool full;      /* the regions leave no site empty */
+  bool saturated; /* porous regions start full of water */
+  bool surface;   /* there is one to look for */
+};
+void isph_fill(const struct scene *scene, const struct lattice *lattice, uint16_t *fill,
+               struct isph_filling *filling);
+enum status isph_reserve(struct isph *s, size_t capacity);
+enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
+                              double mass);
+
+/* isph_soil.c */
+struct soil_point {
+  double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
+  double a, b;            /* drag coefficients, 1/s and 1/m */
+  double velocity[3];
+};
+void isph_soil_at(const struct isph *s, const double position[3], struct soil_point *soil);
+double isph_soil_minimum(const struct scene *scene);
+
+/* isph_wall.c */
+enum status isph_wall_create(struct isph *s);
+void isph_wall_move(struct isph *s, double dt);
+/* Along which axes boundary particle j at xj (its periodic image) mirrors a particle at xi (1 or 0
+ * each), and its distance from the wall over that of xi. */
+void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+                      double mirror[3], double *ratio);
+/* Stops particles that would pass through a wall. */
+void isph_wall_guard(struct isph *s, double dt);
+
+/* isph_cells.c: sorts the particles, then finds neighbours with filling, imbalance, correction. */
+enum status isph_sort(struct isph *s);
+enum status isph_sort_walls(struct isph *s);
+enum status isph_find_neighbours(struct isph *s);
+
+/* isph_pressure.c */
+void isph_assemble(struct isph *s, double tau);
+enum status isph_solve_pressure(struct isph *s);
+double isph_dot(size_t n, const double *a, const double *b);
+
+/* isph_multigrid.c: a preconditioner on background cells; z = M^-1 r, symmetric, positive. */
+enum status isph_multigrid_build(struct isph *s);
+void isph_multigrid_apply(struct isph *s, const double *r, double *z);
+void isph_multigrid_free(struct isph *s);
+
+/* isph_open.c: fixed head or flux on a side. */
+enum status isph_open_create(struct isph *s);
+enum status isph_open_exchange(struct isph *s, double dt);
+
+static inline const struct isph_chunk *isph_chunk_of(const struct isph *s, size_t i) {
+  return &s->chunks[i / CHUNK];
+}
+
+/* r = x_i - x_j for a pair entry. */
+static inline void isph_separation(const struct isph *s, const double xi[3],
+                                   const double (*x)[3], uint32_t entry, double r[3]) {
+  const double *xj = x[entry & PAIR_MASK], *image = s->shift[entry >> PAIR_BITS];
+  for (int a = 0; a < 3; a++) r[a] = xi[a] - (xj[a] + image[a]);
+}
+
+#endif

@@ -1,0 +1,264 @@
+#include "sphsolve/isph/isph_state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "sphsolve/effects/isph_drag.h"
+#include "sphsolve/effects/isph_shifting.h"
+#include "sphsolve/effects/isph_surface.h"
+#include "sphsolve/effects/isph_turbulence.h"
+
+static double size_of(const struct isph *s, double volume) {
+  return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
+}
+
+/* Porosity, volume and support at the particles' places. */
+static void update_volumes(struct isph *s) {
+  double ratio = s->scene->isph.support_ratio;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) {
+    double eps = 1;
+    if (s->on.soil) {
+      struct soil_point soil;
+      isph_soil_at(s, s->position[i], &soil);
+      eps = soil.porosity;
+      s->porosity[i] = eps;
+      s->soil_share[i] = soil.solid;
+      s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
+      s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
+      if (s->on.moving_soil) memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
+    }
+    s->volume[i] = s->mass[i] / (eps * s->density);
+    s->support[i] = fmin(ratio * size_of(s, s->volume[i]), s->support_max);
+  }
+  s->support_now = 0;
+  for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);
+}
+
+static void find_velocity_gradient(struct isph *s) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double g[9] = {0};
+      const double *xi = s->position[i], *vi = s->velocity[i];
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        uint32_t j = chunk->pair[p] & PAIR_MASK;
+        double r[3], weight = s->volume[j] * (double)chunk->slope[p];
+        isph_separation(s, xi, (const double(*)[3])s->position, chunk->pair[p], r);
+        for (int a = 0; a < 3; a++) {
+          double d = weight * (vi[a] - s->velocity[j][a]);
+          for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
+        }
+      }
+      const float *l = s->correction[i];
+      for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+          s->gradient[i][3 * a + b] = (float)(g[3 * a] * (double)l[b] + g[3 * a + 1] * (double)l[3 + b] +
+                                              g[3 * a + 2] * (double)l[6 + b]);
+    }
+  }
+}
+
+static void find_viscosity(struct isph *s) {
+  const double constant = s->scene->isph.smagorinsky;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) {
+    double nu = s->viscosity, eps = s->on.soil ? s->porosity[i] : 1;
+    if (s->on.turbulence)
+      nu += eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]),
+                           s->on.soil ? s->soil_share[i] : 0);
+    s->eddy[i] = nu / eps;
+  }
+}
+
+/* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
+ * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
+static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                    double force[3]) {
+  const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    double weight = s->volume[j] * (nu + s->eddy[j]) * (double)chunk->slope[p];
+    for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - s->velocity[j][a]);
+  }
+  if (!s->on.no_slip) return;
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+    if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
+    double r[3], mirror[3], ratio, weight = 2 * s->wall_volume * nu * (double)chunk->wall_slope[p];
+    isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
+    double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
+    isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+    for (int a = 0; a < 3; a++)
+      force[a] -= weight * (1 + ratio) * (vi[a] - s->boundary_velocity[j][a]);
+  }
+}
+
+/* v* without the driving force, and the mobility k = B T G / rho_w. */
+static void predict(struct isph *s, double dt) {
+  bool paper = s->scene->isph.form == FORM_M15;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const double *v = s->velocity[i];
+      double force[3] = {0}, t = dt, left = 1, g = 1, own[3] = {0};
+      if (s->on.viscosity) viscous(s, chunk, i, force);
+      if (s->on.soil) {
+        double eps = s->porosity[i], b = s->drag_b[i];
+        t = eps * dt / inertia_coefficient(eps);
+        g = paper ? 1 / eps : 1;
+        if (s->on.moving_soil)
+          for (int a = 0; a < 3; a++) own[a] = eps * s->soil_velocity[i][a];
+        double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
+        double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        left = drag_factor(t, s->drag_a[i], b, speed);
+        s->drag_left[i] = left;
+        for (int a = 0; a < 3; a++) force[a] += b * speed * u[a];
+      }
+      s->mobility[i] = left * t * g / s->density;
+      for (int a = 0; a < 3; a++)
+        s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
+    }
+  }
+}
+
+/* v^{n+1} = v* - k (grad P - rho f). The gradient is exact for linear pressures; where only the
+ * walls complete a particle's neighbours, their images carry the pressure that stops the water. */
+static void correct(struct isph *s) {
+  const double *f = s->force, rho = s->density;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const double *xi = s->position[i];
+      double k = s->mobility[i], pressure = s->pressure[i], sum[3] = {0};
+      double free_velocity[3];
+      for (int a = 0; a < 3; a++) free_velocity[a] = s->predicted[i][a] + k * rho * f[a];
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        uint32_t j = chunk->pair[p] & PAIR_MASK;
+        double r[3], d = s->volume[j] * (double)chunk->slope[p] * (pressure - s->pressure[j]);
+        isph_separation(s, xi, (const double(*)[3])s->position, chunk->pair[p], r);
+        for (int a = 0; a < 3; a++) sum[a] += d * r[a];
+      }
+      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+        uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+        bool open = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
+        if (!open && !s->wall_aided[i]) continue;
+        double r[3], drop = 0, weight = s->wall_volume * (double)chunk->wall_slope[p];
+        isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
+        if (open) {
+          drop = pressure - s->boundary_pressure[j];
+        } else {
+          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+          isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+          for (int a = 0; a < 3; a++)
+            drop += mirror[a] * fmin(0, (free_velocity[a] - s->boundary_velocity[j][a]) * r[a]);
+          drop /= k;
+        }
+        for (int a = 0; a < 3; a++) sum[a] += weight * drop * r[a];
+      }
+      const float *l = s->correction[i];
+      for (int a = 0; a < 3; a++)
+        s->velocity[i][a] = free_velocity[a] - k * ((double)l[3 * a] * sum[0] + (double)l[3 * a + 1] * sum[1] +
+                                                    (double)l[3 * a + 2] * sum[2]);
+    }
+  }
+}
+
+static void wrap(const struct isph *s, double x[3]) {
+  for (int a = 0; a < 3; a++) {
+    if (!s->periodic[a]) continue;
+    double length = s->high[a] - s->low[a];
+    x[a] -= length * floor((x[a] - s->low[a]) / length);
+    if (x[a] >= s->high[a]) x[a] = s->low[a];
+  }
+}
+
+static void move(struct isph *s, double dt) {
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) {
+    double *x = s->position[i], *v = s->velocity[i], shift[3] = {0};
+    double eps = s->on.soil ? s->porosity[i] : 1;
+    if (s->on.shifting) {
+      double h = 0.5 * s->support[i], weight = s->on.surface ? 1 - s->surface[i] : 1;
+      double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
+      shift_of(s->imbalance[i], h, speed, dt, size_of(s, s->volume[i]), weight, shift);
+    }
+    double step[3];
+    for (int a = 0; a < 3; a++) step[a] = v[a] / eps * dt + shift[a];
+    if (s->on.shifting) {
+      const float *g = s->gradient[i];
+      for (int a = 0; a < 3; a++)
+        v[a] += (double)g[3 * a] * shift[0] + (double)g[3 * a + 1] * shift[1] + (double)g[3 * a + 2] * shift[2];
+    }
+    for (int a = 0; a < 3; a++)
+      if (s->dimensions == 3 || a != 1) x[a] += step[a];
+    wrap(s, x);
+  }
+}
+
+enum status isph_advance(struct isph *s, double dt) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  double tau = isnan(scene->isph.alpha) ? scene->isph.tau : dt / scene->isph.alpha;
+  double start = clock_seconds(), now;
+  update_volumes(s);
+  TRY(isph_sort(s));
+  update_volumes(s);
+  TRY(isph_find_neighbours(s));
+  if (s->on.surface)
+    for (size_t i = 0; i < s->count; i++) s->surface[i] = surface_weight(s->filling[i]);
+  now = clock_seconds(), s->seconds_lists += now - start, start = now;
+  if (s->gradient != NULL) find_velocity_gradient(s);
+  if (s->on.viscosity) find_viscosity(s);
+  predict(s, dt);
+  isph_assemble(s, tau);
+  now = clock_seconds(), s->seconds_predict += now - start, start = now;
+  TRY(isph_solve_pressure(s));
+  now = clock_seconds(), s->seconds_solve += now - start, start = now;
+  /* Water with a surface is not torn: it parts. */
+  if (s->on.surface)
+    for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
+  correct(s);
+  isph_wall_guard(s, dt);
+  move(s, dt);
+  if (s->on.moving_walls) {
+    isph_wall_move(s, dt);
+    TRY(isph_sort_walls(s));
+  }
+  if (s->on.moving_soil)
+    for (size_t k = 0; k < scene->region_count; k++)
+      for (int a = 0; a < 3; a++)
+        s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;
+  if (s->on.open_sides) TRY(isph_open_exchange(s, dt));
+  s->time += dt;
+  s->step++;
+  s->seconds_correct += clock_seconds() - start;
+cleanup:
+  return status;
+}
+
+double isph_stable_dt(const struct isph *s, const char **limited_by) {
+  double fastest = 0, thickest = s->viscosity, least = 1;
+  for (size_t i = 0; i < s->count; i++) {
+    const double *v = s->velocity[i];
+    double eps = s->on.soil && s->step > 0 ? s->porosity[i] : 1;
+    fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps);
+    if (s->on.turbulence && s->step > 0) thickest = fmax(thickest, s->eddy[i] * eps);
+    least = fmin(least, eps);
+  }
+  double force = sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] +
+                      s->force[2] * s->force[2]);
+  double dt = 0.25 * s->spacing / fmax(fastest, 1e-30);
+  *limited_by = "isph_projection";
+  if (force > 0 && 0.25 * sqrt(s->spacing / force) < dt) dt = 0.25 * sqrt(s->spacing / force);
+  if (s->on.viscosity && 0.1 * s->spacing * s->spacing / thickest < dt) {
+    dt = 0.1 * s->spacing * s->spacing / thickest;
+    *limited_by = "isph_viscosity";
+  }
+  return dt;
+}
