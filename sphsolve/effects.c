@@ -1,5 +1,6 @@
 #include "sphsolve/effects.h"
 
+#include "sphsolve/effects/isph_effects.h"
 #include "sphsolve/effects/stokes_force.h"
 #include "sphsolve/effects/stokes_pressure.h"
 #include "sphsolve/effects/stokes_stabilisation.h"

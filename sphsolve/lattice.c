@@ -97,15 +97,16 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
   return true;
 }
 
-/* Kind and region of a point: the last region that holds it; water fills soil wherever a water box
- * covers it, and all soil where the scene has no water at all (a saturated column). */
-static void claim(const struct scene *scene, const double x[3], uint8_t *kind, uint16_t *region) {
-  bool water = false, any_water = false;
+/* Kind and region of a point: the last region that holds it. Soil is a property of space, water is
+ * what fills it: a water region fills what it claims, in or out of soil, and a later porous region
+ * does not take it away; soil that no water region covers is dry unless it is `saturated`. */
+static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
+                  uint16_t *region) {
+  bool water = false;
   *kind = SITE_EMPTY;
   *region = 0;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *candidate = &scene->regions[r];
-    any_water = any_water || candidate->type == REGION_WATER;
     if (!box_holds(candidate->box, x, scene->dimensions)) continue;
     switch (candidate->type) {
     case REGION_WATER:
@@ -113,6 +114,7 @@ static void claim(const struct scene *scene, const double x[3], uint8_t *kind, u
       *kind = SITE_FLUID;
       break;
     case REGION_WALL:
+      water = false;
       *kind = SITE_WALL;
       break;
     case REGION_EMPTY:
@@ -120,16 +122,47 @@ static void claim(const struct scene *scene, const double x[3], uint8_t *kind, u
       *kind = SITE_EMPTY;
       break;
     case REGION_POROUS:
-      *kind = water ? SITE_FLUID : SITE_EMPTY;
+      *kind = water || all_saturated || candidate->saturated ? SITE_FLUID : SITE_EMPTY;
       break;
     case REGION_INFLOW:
       continue; /* a boundary, it fills nothing */
     }
     *region = (uint16_t)(r + 1);
   }
-  if (*kind == SITE_EMPTY && !any_water && *region > 0 &&
-      scene->regions[*region - 1].type == REGION_POROUS)
-    *kind = SITE_FLUID;
+}
+
+/* Whether all soil starts full of water without being told: no surface is possible where there is
+ * no water region at all, or where the domain is endless along the driving force. */
+static bool saturated_by_nature(const struct scene *scene) {
+  bool water = false;
+  for (size_t r = 0; r < scene->region_count; r++)
+    water = water || scene->regions[r].type == REGION_WATER;
+  for (int a = 0; a < 3; a++)
+    if (scene->periodic[a] && scene->driving[a] != 0) return true;
+  return !water;
+}
+
+/* Claims all sites; whether any stays empty. */
+static bool fill_sites(const struct scene *scene, const size_t pad[3], const size_t inner[3],
+                       bool all_saturated, struct lattice *lattice) {
+  bool empty = false;
+  for (size_t k = 0; k < lattice->size[2]; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++) {
+        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
+        double x[3];
+        bool outside = false;
+        for (int a = 0; a < 3; a++) {
+          x[a] = lattice->origin[a] + (double)xyz[a] * scene->spacing;
+          outside = outside || xyz[a] < pad[a] || xyz[a] >= pad[a] + inner[a];
+        }
+        if (outside)
+          lattice->kind[at] = SITE_WALL;
+        else
+          claim(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
+        empty = empty || lattice->kind[at] == SITE_EMPTY;
+      }
+  return empty;
 }
 
 static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
@@ -158,22 +191,10 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
   TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
   TRY(memory_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
   bool wall = false;
-  for (size_t k = 0; k < lattice->size[2]; k++)
-    for (size_t j = 0; j < lattice->size[1]; j++)
-      for (size_t i = 0; i < lattice->size[0]; i++) {
-        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
-        double x[3];
-        bool outside = false;
-        for (int a = 0; a < 3; a++) {
-          x[a] = lattice->origin[a] + (double)xyz[a] * scene->spacing;
-          outside = outside || xyz[a] < pad[a] || xyz[a] >= pad[a] + inner[a];
-        }
-        if (outside)
-          lattice->kind[at] = SITE_WALL;
-        else
-          claim(scene, x, &lattice->kind[at], &lattice->region[at]);
-        wall = wall || lattice->kind[at] == SITE_WALL;
-      }
+  /* With all soil saturated first: if that leaves no site empty, there is no surface and it is. */
+  if (fill_sites(scene, pad, inner, true, lattice) && !saturated_by_nature(scene))
+    fill_sites(scene, pad, inner, false, lattice);
+  for (size_t at = 0; at < count; at++) wall = wall || lattice->kind[at] == SITE_WALL;
   if (wall) {
     TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
                         "wall distances"));

@@ -16,4 +16,3 @@
     return FAIL(STATUS_RUN, "method " #name " is not built in");                                   \
   }
 PENDING(wcsph)
-PENDING(isph)

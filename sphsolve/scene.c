@@ -227,6 +227,7 @@ static enum status read_porous(struct config *config, config_node *group, struct
   TRY(read_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
   TRY(config_number(config, group, "alpha", &region->alpha, NULL));
   TRY(config_number(config, group, "beta", &region->beta, NULL));
+  TRY(config_bool(config, group, "saturated", &region->saturated, NULL));
   TRY(read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
   if (!porosity_given) TRY(config_error(config, group, "porosity is missing, like porosity = 0.4"));
   if (!(region->porosity > 0 && region->porosity <= 1))

@@ -8,7 +8,9 @@
 #define TOSUI_SPHSOLVE_EFFECTS_ISPH_DRAG_H
 
 /* Inertia coefficient (M15 eq. 9a). */
-static inline double inertia_coefficient(double eps) { return 1 + 0.34 * (1 - eps) / eps; }
+static inline double inertia_coefficient(double eps) {
+  return 1 + 0.34 * (1 - eps) / eps;
+}
 
 static inline double drag_factor(double t, double a, double b, double speed) {
   return 1 / (1 + t * (a + 2 * b * speed));

@@ -2,7 +2,8 @@
  * where they crowd to where they are sparse,
  *   dx = - A h U dt grad C,  C = sum V W,  U the larger of the particle's speed and h |grad v|,
  * at most a tenth of a particle. The velocity goes along with the particle, v += dx . grad v, which
- * is what keeps shifting from diffusing momentum. None at a free surface, none where nothing moves. */
+ * is what keeps shifting from diffusing momentum. None at a free surface, none where nothing moves.
+ */
 #ifndef TOSUI_SPHSOLVE_EFFECTS_ISPH_SHIFTING_H
 #define TOSUI_SPHSOLVE_EFFECTS_ISPH_SHIFTING_H
 

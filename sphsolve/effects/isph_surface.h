@@ -1,10 +1,10 @@
 /* Free surface: P = 0 half a particle above the outermost particles.
  *
  * Where neighbours are missing (filling = sum V W of water and walls below 1) a row of the pressure
- * equation is closed by a ghost in the void, as Nair, Tomar (2014, Comput. Fluids 102) close theirs,
- * but with the ghost's place chosen so that it is exact at rest: the pairs that are missing have
- * the moment Q = -sum a_ij (x_i - x_j); one ghost at the surface point x_s = x_i + n d, n = Q/|Q|,
- * d = V^(1/dimensions)/2, with coefficient c = |Q|/d has the same moment. Its row entry is
+ * equation is closed by a ghost in the void, as Nair, Tomar (2014, Comput. Fluids 102) close
+ * theirs, but with the ghost's place chosen so that it is exact at rest: the pairs that are missing
+ * have the moment Q = -sum a_ij (x_i - x_j); one ghost at the surface point x_s = x_i + n d, n =
+ * Q/|Q|, d = V^(1/dimensions)/2, with coefficient c = |Q|/d has the same moment. Its row entry is
  *   c [ P_i - rho f.(x_i - x_s) ] = c P_i + rho f.Q
  * Water at rest with a level surface then has P = rho g (z_s - z) exactly, and a falling body of
  * water P = 0. The weight goes smoothly from 0 to 1, so that nothing jumps when particles pass. */

@@ -32,8 +32,10 @@ static enum status shape_cells(const struct isph *s, double margin, struct isph_
     total *= cells->count[a];
   }
   if (total > 1e9)
-    return FAIL(STATUS_INPUT, "domain: %.2g cells of %.3g m; make the domain smaller or the "
-                "spacing wider", total, wanted);
+    return FAIL(STATUS_INPUT,
+                "domain: %.2g cells of %.3g m; make the domain smaller or the "
+                "spacing wider",
+                total, wanted);
   return memory_allocate(&cells->start, (size_t)total + 1, sizeof *cells->start, "cells");
 }
 
@@ -93,8 +95,7 @@ cleanup:
 /* Entries (index | image) of all points of `cells` closer to xi than `reach`. Returns more than
  * CANDIDATES when they do not fit. */
 static size_t collect(const struct isph *s, const struct isph_cells *cells, const uint32_t *order,
-                      const double (*x)[3], const double xi[3], double reach,
-                      uint32_t *candidates) {
+                      double (*x)[3], const double xi[3], double reach, uint32_t *candidates) {
   size_t found = 0;
   double reach2 = reach * reach;
   int from[3], to[3];
@@ -126,8 +127,8 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
             double y0 = cells->origin[1] + cy * cells->size[1];
             double dy = fmax(0, fmax(y0 - at[1], at[1] - y0 - cells->size[1]));
             if (dy * dy + dz * dz > reach2) continue;
-            size_t row = ((size_t)cz * (size_t)cells->count[1] + (size_t)cy) *
-                         (size_t)cells->count[0];
+            size_t row =
+                ((size_t)cz * (size_t)cells->count[1] + (size_t)cy) * (size_t)cells->count[0];
             uint32_t begin = cells->start[row + (size_t)low[0]];
             uint32_t end = cells->start[row + (size_t)high[0] + 1];
             if (found + (end - begin) > CANDIDATES) return CANDIDATES + 1;
@@ -143,21 +144,20 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
   return found;
 }
 
-/* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`; false where it is
+/* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`, left alone where m is
  * too flat to be trusted. */
-static bool invert(int dimensions, const double m[6], double least, double inverse[9]) {
+static void invert(int dimensions, const double m[6], double least, double inverse[9]) {
   double yy = dimensions == 2 ? 1 : m[3];
   double c00 = yy * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
          c02 = m[1] * m[4] - m[2] * yy;
   double determinant = m[0] * c00 + m[1] * c01 + m[2] * c02;
-  if (!(determinant > least)) return false;
+  if (!(determinant > least)) return;
   double scale = 1 / determinant;
   inverse[0] = c00 * scale, inverse[1] = inverse[3] = c01 * scale;
   inverse[2] = inverse[6] = c02 * scale;
   inverse[4] = (m[0] * m[5] - m[2] * m[2]) * scale;
   inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[4]) * scale;
   inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
-  return true;
 }
 
 static enum status grow(struct isph_chunk *chunk, size_t pairs, size_t walls) {
@@ -201,9 +201,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     size_t n = collect(s, &s->cells, NULL, s->position, xi, reach, candidates);
     size_t n_wall = 0;
     if (n > CANDIDATES)
-      return FAIL(STATUS_NUMERIC, "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
-                  "the particles have clumped; use a smaller isph.dt", s->time, CANDIDATES, xi[0],
-                  xi[1], xi[2]);
+      return FAIL(STATUS_NUMERIC,
+                  "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
+                  "the particles have clumped; use a smaller isph.dt",
+                  s->time, CANDIDATES, xi[0], xi[1], xi[2]);
     enum status status = grow(chunk, chunk->pair_count + n, chunk->wall_count);
     if (status != STATUS_OK) return status;
     isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
@@ -214,7 +215,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       uint32_t entry = candidates[k], j = entry & PAIR_MASK;
       if (entry == ((uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS)) continue;
       double r[3];
-      isph_separation(s, xi, (const double(*)[3])s->position, entry, r);
+      isph_separation(s, xi, s->position, entry, r);
       double r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], he = 0.5 * (hi + s->support[j]);
       if (r2 >= he * he) continue;
       isph_kernel(kernel, dimensions, sqrt(r2), he, &w, &slope);
@@ -236,13 +237,11 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       if (status != STATUS_OK) return status;
       for (size_t k = 0; k < n_wall; k++) {
         double r[3];
-        isph_separation(s, xi, (const double(*)[3])s->boundary_position, candidates[k], r);
+        isph_separation(s, xi, s->boundary_position, candidates[k], r);
         isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
                     &slope);
         w *= s->kernel_w, slope *= s->kernel_slope;
-        /* An open side's particles have a pressure of their own, as water has. */
-        bool open = s->boundary_kind[candidates[k] & PAIR_MASK] == BOUNDARY_OPEN_HEAD;
-        add_sums(s->wall_volume, w, slope, r, &filling, imbalance, open ? moment : wall_moment);
+        add_sums(s->wall_volume, w, slope, r, &filling, imbalance, wall_moment);
         chunk->wall[chunk->wall_count + k] = candidates[k];
         chunk->wall_slope[chunk->wall_count + k] = (float)slope;
       }
@@ -252,17 +251,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
 
     s->filling[i] = filling;
     memcpy(s->imbalance[i], imbalance, sizeof imbalance);
-    /* Gradients from the water alone are exact for linear fields next to a wall too; with too few
-     * neighbours (films, drops) the walls' images help, and without any there is no correction. */
+    /* From the water alone, so that it is exact for linear fields next to a wall too; none where
+     * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    s->wall_aided[i] = !invert(dimensions, moment, 0.02, inverse);
-    if (s->wall_aided[i]) {
-      for (int c = 0; c < 6; c++) moment[c] += wall_moment[c];
-      if (!invert(dimensions, moment, 0.02, inverse)) {
-        memset(inverse, 0, sizeof inverse);
-        inverse[0] = inverse[4] = inverse[8] = 1;
-      }
-    }
+    invert(dimensions, moment, 0.02, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
   }
   return STATUS_OK;

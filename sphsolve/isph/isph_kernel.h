@@ -11,8 +11,8 @@
 static inline void isph_kernel_cubic(int dimensions, double r, double he, double *w,
                                      double *slope) {
   double h = 0.5 * he, inverse = 1 / h, q = r * inverse;
-  double alpha = dimensions == 3 ? M_1_PI * inverse * inverse * inverse
-                                 : 10 / (7 * M_PI) * inverse * inverse;
+  double alpha =
+      dimensions == 3 ? M_1_PI * inverse * inverse * inverse : 10 / (7 * M_PI) * inverse * inverse;
   double two = 2 - q, one = q < 1 ? 1 - q : 0;
   *w = alpha * 0.25 * (two * two * two - 4 * one * one * one);
   *slope = alpha * 0.75 * inverse * (two * two - 4 * one * one) / (r + 1e-9 * h);
@@ -24,8 +24,7 @@ static inline void isph_kernel_quintic(int dimensions, double r, double he, doub
   double alpha = dimensions == 3 ? M_1_PI / 120 * inverse * inverse * inverse
                                  : 7 / (478 * M_PI) * inverse * inverse;
   double three = 3 - q, two = q < 2 ? 2 - q : 0, one = q < 1 ? 1 - q : 0;
-  double t4 = three * three * three * three, d4 = two * two * two * two,
-         o4 = one * one * one * one;
+  double t4 = three * three * three * three, d4 = two * two * two * two, o4 = one * one * one * one;
   *w = alpha * (t4 * three - 6 * d4 * two + 15 * o4 * one);
   *slope = alpha * 5 * inverse * (t4 - 6 * d4 + 15 * o4) / (r + 1e-9 * h);
 }

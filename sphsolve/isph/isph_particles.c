@@ -9,7 +9,7 @@
 /* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
  * with a support of a few spacings misses 1 are taken out of every operator. */
 static void normalise_kernel(struct isph *s) {
-  double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0;
+  double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0, alone = 0;
   int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
   for (int k = -reach; k <= reach; k++)
     for (int j = -reach_y; j <= reach_y; j++)
@@ -18,11 +18,15 @@ static void normalise_kernel(struct isph *s) {
         if (r2 >= ratio * ratio) continue;
         isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), ratio, &w, &slope);
         sum_w += w, sum_m += slope * i * i;
-        if (r2 > 0) sum_s += slope;
+        if (r2 > 0)
+          sum_s += slope;
+        else
+          alone = w;
       }
   s->kernel_w = 1 / sum_w;
   s->kernel_slope = 1 / sum_m;
   s->slope_sum = sum_s / sum_m;
+  s->filling_alone = alone / sum_w;
 }
 
 enum status isph_reserve(struct isph *s, size_t n) {
@@ -30,8 +34,8 @@ enum status isph_reserve(struct isph *s, size_t n) {
   const char *what = "water particles";
   if (n <= s->capacity) return STATUS_OK;
   if (s->capacity > 0) n += n / 4;
-  if (n > PAIR_MASK) return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most",
-                                 n, PAIR_MASK);
+  if (n > PAIR_MASK)
+    return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most", n, PAIR_MASK);
   TRY(memory_resize(&s->id, n, sizeof *s->id, what));
   TRY(memory_resize(&s->position, n, sizeof *s->position, what));
   TRY(memory_resize(&s->velocity, n, sizeof *s->velocity, what));
@@ -45,13 +49,11 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
     TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
-    if (s->on.moving_soil)
-      TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
+    if (s->on.moving_soil) TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
   }
   TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
   TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
-  TRY(memory_resize(&s->wall_aided, n, sizeof *s->wall_aided, what));
   if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
   if (s->on.turbulence || s->on.shifting)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
@@ -88,45 +90,41 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
 
 /* A water site inside a porous box holds eps0 of a full site's water, by the box's sharp edge: the
  * sum of the masses is then exact, and the smoothed porosity spreads the particles by itself. */
-static double site_porosity(const struct isph *s, const double x[3]) {
-  double eps = 1;
+static void site_state(const struct isph *s, const double x[3], double *porosity,
+                       const double **velocity) {
+  static const double still[3] = {0};
+  *porosity = 1;
+  *velocity = still;
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
-    bool inside = region->type == REGION_POROUS;
+    bool inside = true;
     for (int a = 0; a < 3; a++)
       if (s->dimensions == 3 || a != 1)
         inside = inside && x[a] >= region->box[a] && x[a] < region->box[a + 3];
-    if (inside) eps = region->porosity;
+    if (inside && region->type == REGION_POROUS) *porosity = region->porosity;
+    if (inside && region->type == REGION_WATER) *velocity = region->velocity;
   }
-  return eps;
 }
 
 static enum status place_water(struct isph *s, const struct lattice *lattice) {
-  enum status status = STATUS_OK;
-  uint16_t *fill = NULL;
-  struct isph_filling filling;
-  size_t water = 0, site = 0;
-  TRY(memory_allocate(&fill, lattice->count, sizeof *fill, "sites"));
-  isph_fill(s->scene, lattice, fill, &filling);
-  for (size_t i = 0; i < lattice->count; i++) water += fill[i] != 0;
-  TRY(isph_reserve(s, water > 0 ? water : 1));
-  double volume = lattice->spacing[0] * lattice->spacing[2];
+  enum status status = isph_reserve(s, lattice->fluid_count > 0 ? lattice->fluid_count : 1);
+  if (status != STATUS_OK) return status;
+  double volume = lattice->spacing[0] * lattice->spacing[2], porosity;
   if (s->dimensions == 3) volume *= lattice->spacing[1];
+  size_t site = 0;
   for (size_t k = 0; k < lattice->size[2]; k++)
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++, site++) {
-        if (fill[site] == 0) continue;
-        double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
-                       lattice->origin[1] + (double)j * lattice->spacing[1],
-                       lattice->origin[2] + (double)k * lattice->spacing[2]};
-        const struct region *region = &s->scene->regions[fill[site] - 1];
-        double still[3] = {0};
-        const double *v = region->type == REGION_WATER ? region->velocity : still;
-        TRY(isph_add_particle(s, x, v, site_porosity(s, x) * s->density * volume));
+        if (lattice->kind[site] != SITE_FLUID) continue;
+        const double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
+                             lattice->origin[1] + (double)j * lattice->spacing[1],
+                             lattice->origin[2] + (double)k * lattice->spacing[2]};
+        const double *velocity;
+        site_state(s, x, &porosity, &velocity);
+        status = isph_add_particle(s, x, velocity, porosity * s->density * volume);
+        if (status != STATUS_OK) return status;
       }
-cleanup:
-  memory_free(&fill);
-  return status;
+  return STATUS_OK;
 }
 
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
@@ -142,8 +140,8 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   for (int a = 0; a < 3; a++) {
     bool used = s->dimensions == 3 || a != 1;
     s->force[a] = used ? scene->driving[a] : 0;
-    s->low[a] = lattice->origin[a] - 0.5 * lattice->spacing[a];
-    s->high[a] = s->low[a] + (double)lattice->size[a] * lattice->spacing[a];
+    s->low[a] = 0;
+    s->high[a] = used ? scene->domain_size[a] : lattice->spacing[a];
     s->periodic[a] = used && scene->periodic[a];
     if (used) product *= lattice->spacing[a];
   }
@@ -156,23 +154,25 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   }
   normalise_kernel(s);
   s->soil_porosity_least = isph_soil_minimum(scene);
-  s->support_max = scene->isph.support_ratio * s->spacing *
-                   pow(s->soil_porosity_least, -1.0 / s->dimensions);
+  s->support_max =
+      scene->isph.support_ratio * s->spacing * pow(s->soil_porosity_least, -1.0 / s->dimensions);
   for (int a = 0; a < 3; a++)
     if (s->periodic[a] && s->high[a] - s->low[a] < s->support_max)
-      TRY_FAIL(STATUS_INPUT, "%s: domain.size: %.4g m along the periodic axis %c is less than the "
+      TRY_FAIL(STATUS_INPUT,
+               "%s: domain.size: %.4g m along the periodic axis %c is less than the "
                "kernel's support of %.4g m; make the domain wider or the spacing smaller",
-               scene->path, s->high[a] - s->low[a], "xyz"[a], s->support_max);
+               scene->path, s->high[a] - s->low[a], "xyz"[a], s -> support_max);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   TRY(isph_open_create(s));
   TRY(isph_wall_create(s));
   TRY(place_water(s, lattice));
+  TRY(isph_refresh(s));
 cleanup:
   return status;
 }
 
 void isph_free(struct isph *s) {
-  isph_multigrid_free(s);
+
   for (size_t c = 0; c < s->chunk_capacity; c++) {
     memory_free(&s->chunks[c].pair);
     memory_free(&s->chunks[c].slope);
@@ -181,16 +181,52 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].wall_slope);
   }
   for (size_t k = 0; k < s->side_count; k++) memory_free(&s->sides[k].displacement);
-  void *blocks[] = {&s->id, &s->position, &s->velocity, &s->pressure, &s->mass, &s->volume,
-                    &s->support, &s->porosity, &s->soil_share, &s->drag_a, &s->drag_b,
-                    &s->drag_left, &s->soil_velocity, &s->filling, &s->imbalance, &s->correction,
-                    &s->wall_aided, &s->surface, &s->gradient, &s->mobility, &s->eddy,
-                    &s->predicted, &s->diagonal, &s->source, &s->work[0], &s->work[1],
-                    &s->work[2], &s->work[3], &s->pair_first, &s->wall_first, &s->pair_number,
-                    &s->wall_number, &s->order, &s->cell_of, &s->scratch, &s->chunks,
-                    &s->cells.start, &s->wall_cells.start, &s->wall_order, &s->wall_boxes,
-                    &s->boundary_position, &s->boundary_home, &s->boundary_velocity,
-                    &s->boundary_pressure, &s->boundary_kind, &s->boundary_box, &s->sides,
+  void *blocks[] = {&s->id,
+                    &s->position,
+                    &s->velocity,
+                    &s->pressure,
+                    &s->mass,
+                    &s->volume,
+                    &s->support,
+                    &s->porosity,
+                    &s->soil_share,
+                    &s->drag_a,
+                    &s->drag_b,
+                    &s->drag_left,
+                    &s->soil_velocity,
+                    &s->filling,
+                    &s->imbalance,
+                    &s->correction,
+                    &s->surface,
+                    &s->gradient,
+                    &s->mobility,
+                    &s->eddy,
+                    &s->predicted,
+                    &s->diagonal,
+                    &s->source,
+                    &s->work[0],
+                    &s->work[1],
+                    &s->work[2],
+                    &s->work[3],
+                    &s->pair_first,
+                    &s->wall_first,
+                    &s->pair_number,
+                    &s->wall_number,
+                    &s->order,
+                    &s->cell_of,
+                    &s->scratch,
+                    &s->chunks,
+                    &s->cells.start,
+                    &s->wall_cells.start,
+                    &s->wall_order,
+                    &s->wall_boxes,
+                    &s->boundary_position,
+                    &s->boundary_home,
+                    &s->boundary_velocity,
+                    &s->boundary_pressure,
+                    &s->boundary_kind,
+                    &s->boundary_box,
+                    &s->sides,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
   memset(s, 0, sizeof *s);

@@ -50,7 +50,7 @@ void isph_assemble(struct isph *s, double tau) {
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->slope[p];
-        isph_separation(s, xi, (const double(*)[3])s->position, entry, r);
+        isph_separation(s, xi, s->position, entry, r);
         const double *vj = s->predicted[j];
         float a = (float)(vol * s->volume[j] * (ki + s->mobility[j]) * slope);
         chunk->matrix[p] = a;
@@ -62,7 +62,7 @@ void isph_assemble(struct isph *s, double tau) {
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->wall_slope[p];
-        isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
+        isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double a = 2 * vol * s->wall_volume * ki * slope;
           diagonal += a, chunk->fixed += a;
@@ -132,8 +132,11 @@ enum status isph_solve_pressure(struct isph *s) {
   double norm = sqrt(isph_dot(n, b, b));
   solve->residual = 0;
   if (!(norm > 0)) {
-    if (norm != 0) return FAIL(STATUS_NUMERIC, "t = %.4g s: the pressure equation has no finite "
-                               "right-hand side; use a smaller isph.dt", s->time);
+    if (norm != 0)
+      return FAIL(STATUS_NUMERIC,
+                  "t = %.4g s: the pressure equation has no finite "
+                  "right-hand side; use a smaller isph.dt",
+                  s->time);
     memset(x, 0, n * sizeof *x);
     return STATUS_OK;
   }
@@ -159,8 +162,10 @@ enum status isph_solve_pressure(struct isph *s) {
   solve->iterations_total += iteration;
   solve->residual = residual / norm;
   if (!(residual <= 1e3 * tolerance * norm))
-    return FAIL(STATUS_NUMERIC, "t = %.4g s: the pressure solve stands at a residual of %.2g after "
-                "%d iterations; use a smaller isph.dt", s->time, residual / norm, iteration);
+    return FAIL(STATUS_NUMERIC,
+                "t = %.4g s: the pressure solve stands at a residual of %.2g after "
+                "%d iterations; use a smaller isph.dt",
+                s->time, residual / norm, iteration);
   if (s->closed) {
     for (size_t i = 0; i < n; i++) q[i] = 1;
     remove_mean(n, x, q);

@@ -18,10 +18,10 @@
 #include "sphsolve/lattice.h"
 #include "sphsolve/scene.h"
 
-#define CHUNK 512                        /* particles per chunk of the neighbour lists */
-#define PAIR_BITS 27                     /* of a pair entry: index; above: code of the image */
+#define CHUNK 512    /* particles per chunk of the neighbour lists */
+#define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
-#define IMAGE_NONE 13                    /* code of "no periodic image" */
+#define IMAGE_NONE 13 /* code of "no periodic image" */
 
 /* What of the physics is on; each is an effect of the plan. */
 struct isph_switches {
@@ -41,12 +41,12 @@ enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
 
 /* A window in a side of the domain through which water comes and goes. */
 struct isph_open_side {
-  int axis;      /* of its normal */
-  double inward; /* +1: on the low side, -1: on the high side */
+  int axis;               /* of its normal */
+  double inward;          /* +1: on the low side, -1: on the high side */
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   double head, flux;
-  size_t cells[3];     /* of its emission grid; 1 along `axis` */
+  size_t cells[3]; /* of its emission grid; 1 along `axis` */
   double pitch[3];
   double *displacement; /* per cell: how far the water has come in since the last particle, m */
 };
@@ -72,10 +72,7 @@ struct isph_cells {
 struct isph_solve {
   int iterations, iterations_total, solves;
   double residual;
-  bool preconditioned;
 };
-
-struct isph_multigrid;
 
 struct isph {
   const struct scene *scene;
@@ -84,11 +81,12 @@ struct isph {
   double spacing, thickness; /* thickness: of a 2-D scene, 1 for 3-D */
   double low[3], high[3];    /* the domain */
   bool periodic[3];
-  double shift[27][3];        /* of the periodic images */
+  double shift[27][3];           /* of the periodic images */
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
-  double slope_sum; /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
-  double density, viscosity;  /* rho_w, nu */
-  double force[3];            /* g + a - grad P / rho, m/s^2 */
+  double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
+  double filling_alone;          /* V W(0): the filling of a particle without neighbours */
+  double density, viscosity;     /* rho_w, nu */
+  double force[3];               /* g + a - grad P / rho, m/s^2 */
   double time;
   int64_t step;
 
@@ -100,22 +98,21 @@ struct isph {
 
   /* found anew each step */
   double *volume, *support;
-  double *porosity, *soil_share;             /* NULL without soil */
-  double *drag_a, *drag_b;                   /* NULL without soil */
-  double (*soil_velocity)[3];                /* NULL unless soil moves */
-  double *filling;                           /* sum V W with walls: 1 in the bulk */
-  double (*imbalance)[3];                    /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];                    /* L, gradient correction */
-  uint8_t *wall_aided;                       /* L counts wall particles */
-  double *surface;                           /* 0 bulk .. 1 surface; NULL without */
-  float (*gradient)[9];                      /* dv_a/dx_b; NULL if nobody asks */
-  double *drag_left;                         /* B: share of v_D left by the drag; NULL without */
-  double *mobility;                          /* k = B T G / rho_w */
-  double *eddy;                              /* nu + nu_T; NULL without viscosity */
-  double (*predicted)[3];                    /* v* without the driving force */
+  double *porosity, *soil_share; /* NULL without soil */
+  double *drag_a, *drag_b;       /* NULL without soil */
+  double (*soil_velocity)[3];    /* NULL unless soil moves */
+  double *filling;               /* sum V W with walls: 1 in the bulk */
+  double (*imbalance)[3];        /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];        /* L, gradient correction */
+  double *surface;               /* 0 bulk .. 1 surface; NULL without */
+  float (*gradient)[9];          /* dv_a/dx_b; NULL if nobody asks */
+  double *drag_left;             /* B: share of v_D left by the drag; NULL without */
+  double *mobility;              /* k = B T G / rho_w */
+  double *eddy;                  /* nu + nu_T; NULL without viscosity */
+  double (*predicted)[3];        /* v* without the driving force */
   double *diagonal, *source;
-  double *work[4];                           /* r, z, p, q of CG */
-  uint32_t *pair_first, *wall_first;         /* in the chunk's arrays */
+  double *work[4];                   /* r, z, p, q of CG */
+  uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
   size_t chunk_count, chunk_capacity;
   struct isph_chunk *chunks;
@@ -125,7 +122,6 @@ struct isph {
   void *scratch; /* for the sort: 3 doubles a particle */
   bool closed;   /* no row fixes the pressure: the constant is removed */
   struct isph_solve solve;
-  struct isph_multigrid *multigrid;
 
   /* boundary */
   size_t wall_box_count;
@@ -156,25 +152,14 @@ struct isph {
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s);
 void isph_free(struct isph *s);
-/* One step of length dt, s. */
+/* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
+ * leave a fresh state; who changes positions by hand calls it. */
+enum status isph_refresh(struct isph *s);
+/* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
 
-/* Where the water starts. Soil is a property of space, water is what fills it:
- *  - a water region fills every site it claims, in or out of soil; later walls and empty regions
- *    take the water away again, later porous regions do not;
- *  - a porous region is dry where no water region covers it, unless it says `saturated = true` or
- *    the scene can have no surface: no water region at all, regions that leave no site empty, or a
- *    domain that is periodic along the driving force.
- * `fill` [lattice->count], may be NULL: 0 no water, else 1 + region. */
-struct isph_filling {
-  bool full;      /* the regions leave no site empty */
-  bool saturated; /* porous regions start full of water */
-  bool surface;   /* there is one to look for */
-};
-void isph_fill(const struct scene *scene, const struct lattice *lattice, uint16_t *fill,
-               struct isph_filling *filling);
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
@@ -208,11 +193,6 @@ void isph_assemble(struct isph *s, double tau);
 enum status isph_solve_pressure(struct isph *s);
 double isph_dot(size_t n, const double *a, const double *b);
 
-/* isph_multigrid.c: a preconditioner on background cells; z = M^-1 r, symmetric, positive. */
-enum status isph_multigrid_build(struct isph *s);
-void isph_multigrid_apply(struct isph *s, const double *r, double *z);
-void isph_multigrid_free(struct isph *s);
-
 /* isph_open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
 enum status isph_open_exchange(struct isph *s, double dt);
@@ -222,8 +202,8 @@ static inline const struct isph_chunk *isph_chunk_of(const struct isph *s, size_
 }
 
 /* r = x_i - x_j for a pair entry. */
-static inline void isph_separation(const struct isph *s, const double xi[3],
-                                   const double (*x)[3], uint32_t entry, double r[3]) {
+static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],
+                                   uint32_t entry, double r[3]) {
   const double *xj = x[entry & PAIR_MASK], *image = s->shift[entry >> PAIR_BITS];
   for (int a = 0; a < 3; a++) r[a] = xi[a] - (xj[a] + image[a]);
 }

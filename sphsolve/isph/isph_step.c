@@ -46,7 +46,7 @@ static void find_velocity_gradient(struct isph *s) {
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         double r[3], weight = s->volume[j] * (double)chunk->slope[p];
-        isph_separation(s, xi, (const double(*)[3])s->position, chunk->pair[p], r);
+        isph_separation(s, xi, s->position, chunk->pair[p], r);
         for (int a = 0; a < 3; a++) {
           double d = weight * (vi[a] - s->velocity[j][a]);
           for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
@@ -55,8 +55,9 @@ static void find_velocity_gradient(struct isph *s) {
       const float *l = s->correction[i];
       for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
-          s->gradient[i][3 * a + b] = (float)(g[3 * a] * (double)l[b] + g[3 * a + 1] * (double)l[3 + b] +
-                                              g[3 * a + 2] * (double)l[6 + b]);
+          s->gradient[i][3 * a + b] =
+              (float)(g[3 * a] * (double)l[b] + g[3 * a + 1] * (double)l[3 + b] +
+                      g[3 * a + 2] * (double)l[6 + b]);
     }
   }
 }
@@ -88,7 +89,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
     double r[3], mirror[3], ratio, weight = 2 * s->wall_volume * nu * (double)chunk->wall_slope[p];
-    isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
+    isph_separation(s, xi, s->boundary_position, entry, r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
     for (int a = 0; a < 3; a++)
@@ -125,45 +126,63 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* v^{n+1} = v* - k (grad P - rho f). The gradient is exact for linear pressures; where only the
- * walls complete a particle's neighbours, their images carry the pressure that stops the water. */
+/* The level q = 0 of the reduced pressure q = P - rho f.x: its mean over the surface, or over all
+ * water without one. */
+static double reduced_datum(const struct isph *s) {
+  double sum = 0, weight = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const double *x = s->position[i], *f = s->force;
+    double w = s->closed || !s->on.surface ? 1 : s->surface[i];
+    sum += w * (s->pressure[i] - s->density * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]));
+    weight += w;
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+/* v^{n+1} = v* - k grad q, q = P - rho f.x the pressure without its hydrostatic part, with
+ *   grad q = sum_j V_j (q_i + q_j) grad W + 2 q_i sum_walls V grad W + 2 w q_s n-part
+ * the exact adjoint of the divergence: what the pressure does to the velocities never adds energy,
+ * and q is the same everywhere in water at rest. Written about q_i:
+ *   grad q = sum_j V_j (q_j - q_i) grad W + 2 (q_i - w q_s) sum V grad W,  q_s = -rho f.x_s. */
 static void correct(struct isph *s) {
-  const double *f = s->force, rho = s->density;
+  const double *f = s->force, rho = s->density, datum = reduced_datum(s);
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i];
+      const double *xi = s->position[i], *m = s->imbalance[i];
       double k = s->mobility[i], pressure = s->pressure[i], sum[3] = {0};
-      double free_velocity[3];
-      for (int a = 0; a < 3; a++) free_velocity[a] = s->predicted[i][a] + k * rho * f[a];
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
-        double r[3], d = s->volume[j] * (double)chunk->slope[p] * (pressure - s->pressure[j]);
-        isph_separation(s, xi, (const double(*)[3])s->position, chunk->pair[p], r);
+        double r[3];
+        isph_separation(s, xi, s->position, chunk->pair[p], r);
+        double drop = pressure - s->pressure[j] - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        double d = s->volume[j] * (double)chunk->slope[p] * drop;
         for (int a = 0; a < 3; a++) sum[a] += d * r[a];
       }
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-        bool open = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
-        if (!open && !s->wall_aided[i]) continue;
-        double r[3], drop = 0, weight = s->wall_volume * (double)chunk->wall_slope[p];
-        isph_separation(s, xi, (const double(*)[3])s->boundary_position, entry, r);
-        if (open) {
-          drop = pressure - s->boundary_pressure[j];
-        } else {
-          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
-          isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-          for (int a = 0; a < 3; a++)
-            drop += mirror[a] * fmin(0, (free_velocity[a] - s->boundary_velocity[j][a]) * r[a]);
-          drop /= k;
-        }
-        for (int a = 0; a < 3; a++) sum[a] += weight * drop * r[a];
+        if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) continue;
+        double r[3];
+        isph_separation(s, xi, s->boundary_position, entry, r);
+        double drop =
+            pressure - s->boundary_pressure[j] - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        double d = s->wall_volume * (double)chunk->wall_slope[p] * drop;
+        for (int a = 0; a < 3; a++) sum[a] += d * r[a];
       }
-      const float *l = s->correction[i];
-      for (int a = 0; a < 3; a++)
-        s->velocity[i][a] = free_velocity[a] - k * ((double)l[3 * a] * sum[0] + (double)l[3 * a + 1] * sum[1] +
-                                                    (double)l[3 * a + 2] * sum[2]);
+      double potential = rho * (f[0] * xi[0] + f[1] * xi[1] + f[2] * xi[2]);
+      double q = pressure - potential - datum, whole = 1;
+      if (s->on.surface) {
+        double w = s->surface[i], length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+        double d = 0.5 * size_of(s, s->volume[i]) / fmax(length, 1e-30);
+        double q_s = -potential - rho * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]) - datum;
+        q -= w * q_s;
+        whole = fmin(1, fmax(0, (s->filling[i] - s->filling_alone - 0.1) * 5));
+      }
+      for (int a = 0; a < 3; a++) {
+        double gradient = sum[a] - 2 * q * m[a];
+        s->velocity[i][a] = s->predicted[i][a] - k * (whole * gradient - (1 - whole) * rho * f[a]);
+      }
     }
   }
 }
@@ -193,7 +212,8 @@ static void move(struct isph *s, double dt) {
     if (s->on.shifting) {
       const float *g = s->gradient[i];
       for (int a = 0; a < 3; a++)
-        v[a] += (double)g[3 * a] * shift[0] + (double)g[3 * a + 1] * shift[1] + (double)g[3 * a + 2] * shift[2];
+        v[a] += (double)g[3 * a] * shift[0] + (double)g[3 * a + 1] * shift[1] +
+                (double)g[3 * a + 2] * shift[2];
     }
     for (int a = 0; a < 3; a++)
       if (s->dimensions == 3 || a != 1) x[a] += step[a];
@@ -201,18 +221,24 @@ static void move(struct isph *s, double dt) {
   }
 }
 
-enum status isph_advance(struct isph *s, double dt) {
+enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
-  const struct scene *scene = s->scene;
-  double tau = isnan(scene->isph.alpha) ? scene->isph.tau : dt / scene->isph.alpha;
-  double start = clock_seconds(), now;
-  update_volumes(s);
+  double start = clock_seconds();
   TRY(isph_sort(s));
   update_volumes(s);
   TRY(isph_find_neighbours(s));
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->surface[i] = surface_weight(s->filling[i]);
-  now = clock_seconds(), s->seconds_lists += now - start, start = now;
+  s->seconds_lists += clock_seconds() - start;
+cleanup:
+  return status;
+}
+
+enum status isph_advance(struct isph *s, double dt) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  double tau = isnan(scene->isph.alpha) ? scene->isph.tau : dt / scene->isph.alpha;
+  double start = clock_seconds(), now;
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
@@ -232,12 +258,12 @@ enum status isph_advance(struct isph *s, double dt) {
   }
   if (s->on.moving_soil)
     for (size_t k = 0; k < scene->region_count; k++)
-      for (int a = 0; a < 3; a++)
-        s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;
+      for (int a = 0; a < 3; a++) s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;
   if (s->on.open_sides) TRY(isph_open_exchange(s, dt));
   s->time += dt;
   s->step++;
   s->seconds_correct += clock_seconds() - start;
+  TRY(isph_refresh(s));
 cleanup:
   return status;
 }
@@ -246,13 +272,13 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   double fastest = 0, thickest = s->viscosity, least = 1;
   for (size_t i = 0; i < s->count; i++) {
     const double *v = s->velocity[i];
-    double eps = s->on.soil && s->step > 0 ? s->porosity[i] : 1;
+    double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps);
     if (s->on.turbulence && s->step > 0) thickest = fmax(thickest, s->eddy[i] * eps);
     least = fmin(least, eps);
   }
-  double force = sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] +
-                      s->force[2] * s->force[2]);
+  double force =
+      sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]);
   double dt = 0.25 * s->spacing / fmax(fastest, 1e-30);
   *limited_by = "isph_projection";
   if (force > 0 && 0.25 * sqrt(s->spacing / force) < dt) dt = 0.25 * sqrt(s->spacing / force);

@@ -14,7 +14,9 @@ static int layers(const struct isph *s) {
   return (int)ceil(s->support_max / s->spacing - 1e-9);
 }
 
-static bool used(const struct isph *s, int a) { return !(s->dimensions == 2 && a == 1); }
+static bool used(const struct isph *s, int a) {
+  return !(s->dimensions == 2 && a == 1);
+}
 
 static enum status add_boundary(struct isph *s, size_t *capacity, const double x[3],
                                 enum boundary_kind kind, size_t box) {
@@ -39,8 +41,8 @@ static enum status add_boundary(struct isph *s, size_t *capacity, const double x
 static int side_behind(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];
-    bool behind = side->inward > 0 ? x[side->axis] < s->low[side->axis]
-                                   : x[side->axis] > s->high[side->axis];
+    bool behind =
+        side->inward > 0 ? x[side->axis] < s->low[side->axis] : x[side->axis] > s->high[side->axis];
     for (int a = 0; a < 3; a++)
       if (a != side->axis && used(s, a))
         behind = behind && x[a] > side->low[a] && x[a] < side->high[a];
@@ -71,9 +73,9 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
         }
         if (!outside) continue;
         int side = side_behind(s, x);
-        enum status status =
-            side < 0 ? add_boundary(s, capacity, x, BOUNDARY_WALL, 0)
-                     : add_boundary(s, capacity, x, s->sides[side].kind, (size_t)side);
+        enum status status = side < 0
+                                 ? add_boundary(s, capacity, x, BOUNDARY_WALL, 0)
+                                 : add_boundary(s, capacity, x, s->sides[side].kind, (size_t)side);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -153,8 +155,9 @@ void isph_wall_move(struct isph *s, double dt) {
       s->wall_boxes[b].low[a] += s->wall_boxes[b].velocity[a] * dt;
       s->wall_boxes[b].high[a] += s->wall_boxes[b].velocity[a] * dt;
     }
-  double weight = sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] +
-                       s->force[2] * s->force[2]) * s->density;
+  double weight =
+      sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]) *
+      s->density;
   for (size_t j = 0; j < s->boundary_count; j++) {
     size_t box = s->boundary_box[j];
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
@@ -244,8 +247,7 @@ void isph_wall_guard(struct isph *s, double dt) {
         if (out > most) most = out, face = a, sign = low > high ? -1 : 1;
       }
       /* Only the face the particle is in front of: past an edge it is free to go. */
-      if (near && face >= 0)
-        guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
+      if (near && face >= 0) guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
     }
   }
 }
