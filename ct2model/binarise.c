@@ -6,7 +6,9 @@
 #include "common/memory.h"
 #include "ct2model/connect.h"
 
-static double void_ratio_of(double porosity) { return porosity / (1.0 - porosity); }
+static double void_ratio_of(double porosity) {
+  return porosity / (1.0 - porosity);
+}
 
 /* ---- calibration ---- */
 
@@ -48,8 +50,7 @@ static void warn_if_fragile(const struct pipeline *pipeline) {
   else if (phases->contrast_to_noise < 3.0)
     log_warning("contrast is only %.1f times the noise: many voxels are on the wrong side",
                 phases->contrast_to_noise);
-  double position =
-      (threshold - phases->pore_peak) / (phases->grain_peak - phases->pore_peak);
+  double position = (threshold - phases->pore_peak) / (phases->grain_peak - phases->pore_peak);
   if (position < 0.15 || position > 0.85)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
                 "check the void ratio and the region (--crop must not hold the container)",
@@ -59,8 +60,7 @@ static void warn_if_fragile(const struct pipeline *pipeline) {
 
 static enum status check_levels(const struct pipeline *pipeline) {
   size_t levels = 0;
-  for (size_t i = 0; i < pipeline->histogram.bins; i++)
-    levels += pipeline->histogram.counts[i] > 0;
+  for (size_t i = 0; i < pipeline->histogram.bins; i++) levels += pipeline->histogram.counts[i] > 0;
   if (levels >= 2) return STATUS_OK;
   return FAIL(STATUS_INPUT, "%s: all pixels of the region have the same grey; nothing to divide",
               pipeline->stack.files[0].path);
@@ -75,21 +75,19 @@ static double middle_of_two(const struct grey_histogram *histogram) {
   return sum;
 }
 
-static enum status match_void_ratio(struct pipeline *pipeline, double porosity) {
-  if (pipeline->phases.levels > 2)
-    pipeline->threshold_original = grey_histogram_quantile(&pipeline->histogram, porosity);
-  pipeline->threshold = pipeline->threshold_original;
-  if (pipeline->volume == NULL) return STATUS_OK;
-  size_t layer = pipeline->size[0] * pipeline->size[1];
-  double low, high, step = 0.005, n = porosity;
-  double n_low = fmax(0.001, n - step), n_high = fmin(0.999, n + step);
+/* T and dT/de of the resampled volume at `porosity`. */
+static enum status resampled_threshold(struct pipeline *pipeline, double porosity,
+                                       double *threshold) {
   enum status status = STATUS_OK;
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n,
-                       &pipeline->threshold));
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n_low, &low));
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, n_high,
-                       &high));
-  pipeline->threshold_slope = (high - low) / (void_ratio_of(n_high) - void_ratio_of(n_low));
+  size_t layer = pipeline->size[0] * pipeline->size[1];
+  double low = fmax(0.001, porosity - 0.005), high = fmin(0.999, porosity + 0.005);
+  double at_low = 0.0, at_high = 0.0;
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, porosity,
+                       threshold));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, low, &at_low));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, high,
+                       &at_high));
+  pipeline->threshold_slope = (at_high - at_low) / (void_ratio_of(high) - void_ratio_of(low));
 cleanup:
   return status;
 }
@@ -104,6 +102,9 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   double porosity = request->void_ratio / (1.0 + request->void_ratio);
   double first = isnan(porosity) ? pipeline->otsu : grey_histogram_quantile(histogram, porosity);
   grey_histogram_phases(histogram, first, &pipeline->phases);
+  /* A void ratio far off puts the threshold on a peak, and both sides see the same one. */
+  if (pipeline->phases.valley_depth > 0.9)
+    grey_histogram_phases(histogram, pipeline->otsu, &pipeline->phases);
   if (!isnan(request->scale_peak)) {
     double peak = sign * pipeline->phases.grain_peak;
     if (!(peak > 0.0))
@@ -112,16 +113,17 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   }
   if (pipeline->phases.levels == 2) {
     pipeline->threshold_original = middle_of_two(histogram);
-    pipeline->phases.pore_peak = grey_histogram_quantile(histogram, 0.0);
-    pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0);
+    pipeline->phases.pore_peak = grey_histogram_quantile(histogram, 0.0) + 0.5 * histogram->width;
+    pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0) - 0.5 * histogram->width;
+    pipeline->phases.noise = pipeline->phases.contrast_to_noise = NAN;
   }
   if (request->rule == THRESHOLD_AUTO) {
-    double natural = pipeline->phases.levels == 2 ? pipeline->threshold_original : pipeline->otsu;
-    struct grey_phases phases;
-    grey_histogram_phases(histogram, natural, &phases);
+    bool segmented = pipeline->phases.levels == 2;
+    double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
     TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
-                      phases.levels == 2 || phases.valley_depth < 0.5));
-    TRY(match_void_ratio(pipeline, porosity));
+                      segmented || pipeline->phases.valley_depth < 0.5));
+    if (!segmented) pipeline->threshold_original = first;
+    pipeline->threshold = pipeline->threshold_original;
   } else {
     pipeline->threshold_original = request->rule == THRESHOLD_OTSU
                                        ? pipeline->otsu
@@ -136,7 +138,12 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
     TRY(check_reading(pipeline, porosity, true));
   }
   pipeline->threshold_slope_original = grey_histogram_slope(histogram, porosity);
-  if (pipeline->volume == NULL) pipeline->threshold_slope = pipeline->threshold_slope_original;
+  pipeline->threshold_slope = pipeline->threshold_slope_original;
+  if (pipeline->volume != NULL) {
+    double matched;
+    TRY(resampled_threshold(pipeline, porosity, &matched));
+    if (request->rule == THRESHOLD_AUTO) pipeline->threshold = matched;
+  }
   pipeline->void_ratio_original =
       void_ratio_of(grey_histogram_porosity(histogram, pipeline->threshold_original));
   warn_if_fragile(pipeline);

@@ -1,6 +1,7 @@
 #include "ct2model/calibrate.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +13,9 @@ enum status grey_histogram_start(double low, double width, size_t bins,
   return memory_allocate(&histogram->counts, bins, sizeof *histogram->counts, "a histogram");
 }
 
-void grey_histogram_end(struct grey_histogram *histogram) { memory_free(&histogram->counts); }
+void grey_histogram_end(struct grey_histogram *histogram) {
+  memory_free(&histogram->counts);
+}
 
 void grey_histogram_add(struct grey_histogram *histogram, const float *values, size_t n) {
   const double scale = 1.0 / histogram->width, top = (double)histogram->bins - 1.0;
@@ -104,25 +107,46 @@ static void coarse_histogram(const struct grey_histogram *histogram, double low,
   }
 }
 
+static int least_between(const double *coarse, int a, int b) {
+  int least = a, step = a < b ? 1 : -1;
+  for (int i = a; i != b + step; i += step)
+    if (coarse[i] < coarse[least]) least = i;
+  return least;
+}
+
+/* The highest local maximum in first <= i < end; the highest value where there is none, as on the
+ * flank of one broad peak. */
+static int highest_peak(const double *coarse, int first, int end) {
+  const int reach = 6;
+  int peak = -1, top = first;
+  for (int i = first; i < end; i++) {
+    bool local = true;
+    for (int k = -reach; k <= reach; k++)
+      if (i + k >= 0 && i + k < COARSE && coarse[i + k] > coarse[i]) local = false;
+    if (local && (peak < 0 || coarse[i] > coarse[peak])) peak = i;
+    if (coarse[i] > coarse[top]) top = i;
+  }
+  return peak >= 0 ? peak : top;
+}
+
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
                            struct grey_phases *phases) {
   double coarse[COARSE];
   double low = grey_histogram_quantile(histogram, 0.0005);
   double high = grey_histogram_quantile(histogram, 0.9995);
-  *phases = (struct grey_phases){.pore_peak = NAN, .grain_peak = NAN, .valley = NAN, .noise = NAN,
-                                 .contrast_to_noise = NAN, .valley_depth = 1.0};
+  *phases = (struct grey_phases){.pore_peak = NAN,
+                                 .grain_peak = NAN,
+                                 .valley = NAN,
+                                 .noise = NAN,
+                                 .contrast_to_noise = NAN,
+                                 .valley_depth = 1.0};
   for (size_t i = 0; i < histogram->bins; i++) phases->levels += histogram->counts[i] > 0;
   if (!(high > low)) return;
   coarse_histogram(histogram, low, high, coarse);
   double position = (threshold - low) / (high - low) * COARSE;
-  int split = (int)fmin(fmax(position, 1.0), COARSE - 1.0), pore = 0, grain = split, valley;
-  for (int i = 0; i < split; i++)
-    if (coarse[i] > coarse[pore]) pore = i;
-  for (int i = split; i < COARSE; i++)
-    if (coarse[i] > coarse[grain]) grain = i;
-  valley = pore;
-  for (int i = pore; i <= grain; i++)
-    if (coarse[i] < coarse[valley]) valley = i;
+  int split = (int)fmin(fmax(position, 1.0), COARSE - 1.0);
+  int pore = highest_peak(coarse, 0, split), grain = highest_peak(coarse, split, COARSE);
+  int valley = least_between(coarse, pore, grain);
   double step = (high - low) / COARSE;
   phases->pore_peak = low + (pore + 0.5) * step;
   phases->grain_peak = low + (grain + 0.5) * step;

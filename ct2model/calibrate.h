@@ -35,7 +35,7 @@ double grey_histogram_slope(const struct grey_histogram *histogram, double poros
 /* Otsu's threshold (Otsu 1979). NAN for an image of one grey. */
 double grey_histogram_otsu(const struct grey_histogram *histogram);
 
-/* The two phases as the histogram shows them, on both sides of `threshold`. */
+/* The two phases as the histogram shows them: its highest peaks on both sides of `threshold`. */
 struct grey_phases {
   double pore_peak, grain_peak; /* modes */
   double valley;                /* the least frequent grey between them */

@@ -71,14 +71,13 @@ static size_t row_runs(const uint8_t *row, size_t nx, uint8_t value, struct run 
   return n;
 }
 
-static void join_rows(struct forest *forest, const struct parts *parts, size_t row_a,
-                      size_t row_b, int axis, int step) {
+static void join_rows(struct forest *forest, const struct parts *parts, size_t row_a, size_t row_b,
+                      int axis, int step) {
   size_t a = parts->row_first[row_a], a_end = parts->row_first[row_a + 1];
   size_t b = parts->row_first[row_b], b_end = parts->row_first[row_b + 1];
   while (a < a_end && b < b_end) {
     const struct run *ra = &parts->runs[a], *rb = &parts->runs[b];
-    if (ra->x0 < rb->x1 && rb->x0 < ra->x1)
-      join(forest, (uint32_t)a, (uint32_t)b, axis, step);
+    if (ra->x0 < rb->x1 && rb->x0 < ra->x1) join(forest, (uint32_t)a, (uint32_t)b, axis, step);
     if (ra->x1 < rb->x1)
       a++;
     else
@@ -114,8 +113,7 @@ static void join_all(struct forest *forest, const struct parts *parts, const boo
       if (periodic[1] && y == ny - 1) join_rows(forest, parts, row, z * ny, 1, 1);
       if (periodic[2] && z == nz - 1) join_rows(forest, parts, row, y, 2, 1);
       size_t first = parts->row_first[row], end = parts->row_first[row + 1];
-      if (periodic[0] && first < end && parts->runs[first].x0 == 0 &&
-          parts->runs[end - 1].x1 == nx)
+      if (periodic[0] && first < end && parts->runs[first].x0 == 0 && parts->runs[end - 1].x1 == nx)
         join(forest, (uint32_t)(end - 1), (uint32_t)first, 0, 1);
     }
   }

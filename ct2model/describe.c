@@ -52,17 +52,17 @@ static enum status describe_model(const char *path, json_t *out) {
   bool fraction = h5_exists(file, "/model/grain_fraction");
   if (out != NULL) {
     json_object_set_new(out, "kind", json_string("model"));
-    json_object_set_new(out, "size", json_pack("[I,I,I]", (json_int_t)dims[2], (json_int_t)dims[1],
-                                               (json_int_t)dims[0]));
-    json_object_set_new(out, "spacing_m",
-                        json_pack("[f,f,f]", spacing[2], spacing[1], spacing[0]));
+    json_object_set_new(
+        out, "size",
+        json_pack("[I,I,I]", (json_int_t)dims[2], (json_int_t)dims[1], (json_int_t)dims[0]));
+    json_object_set_new(out, "spacing_m", json_pack("[f,f,f]", spacing[2], spacing[1], spacing[0]));
     json_object_set_new(out, "wall_distance", json_boolean(walls));
     json_object_set_new(out, "grain_fraction", json_boolean(fraction));
   } else {
     char text[40];
     quantity_format(spacing[2], "m", text, sizeof text);
-    printf("%s: voxel model, %zux%zux%zu voxels of %s%s%s\n", path, dims[2], dims[1], dims[0],
-           text, walls ? ", wall distances" : "", fraction ? ", grain fractions" : "");
+    printf("%s: voxel model, %zux%zux%zu voxels of %s%s%s\n", path, dims[2], dims[1], dims[0], text,
+           walls ? ", wall distances" : "", fraction ? ", grain fractions" : "");
   }
   print_number(file, "void_ratio", "void ratio", out);
   print_number(file, "void_ratio_measured", "measured", out);
@@ -96,9 +96,9 @@ static enum status describe_stack(const char *const *paths, size_t count,
     json_object_set_new(out, "kind", json_string("stack"));
     json_object_set_new(out, "format", json_string(stack.files[0].reader->name));
     json_object_set_new(out, "files", json_integer((json_int_t)stack.file_count));
-    json_object_set_new(out, "size", json_pack("[I,I,I]", (json_int_t)stack.size[0],
-                                               (json_int_t)stack.size[1],
-                                               (json_int_t)stack.size[2]));
+    json_object_set_new(out, "size",
+                        json_pack("[I,I,I]", (json_int_t)stack.size[0], (json_int_t)stack.size[1],
+                                  (json_int_t)stack.size[2]));
     json_object_set_new(out, "type", json_string(pixel_name(stack.type)));
     json_t *sizes = json_array();
     for (int d = 0; d < 3; d++)

@@ -26,7 +26,7 @@ static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_
 #define READER_COUNT (sizeof READERS / sizeof *READERS)
 
 bool image_name_known(const char *name) {
-  static const char *const EXTENSIONS[] = {".tif", ".tiff", ".png", ".mhd", ".mha",
+  static const char *const EXTENSIONS[] = {".tif",  ".tiff", ".png", ".mhd", ".mha",
                                            ".nrrd", ".nhdr", ".btf", ".tf8"};
   const char *dot = strrchr(name, '.');
   if (dot == NULL) return false;
@@ -85,8 +85,7 @@ static enum status raw_open(const struct raw_layout *raw, struct image *image) {
   if (status != STATUS_OK) return status;
   if (!size_multiply(raw->size[0], raw->size[1], &page_bytes) ||
       !size_multiply(page_bytes, pixel_size(raw->type), &page_bytes))
-    return FAIL(STATUS_USAGE, "--raw: slices of %zux%zu are too large", raw->size[0],
-                raw->size[1]);
+    return FAIL(STATUS_USAGE, "--raw: slices of %zux%zu are too large", raw->size[0], raw->size[1]);
   image->reader = &RAW;
   image->size[0] = raw->size[0];
   image->size[1] = raw->size[1];

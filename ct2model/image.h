@@ -20,9 +20,9 @@ struct image {
   size_t size[2]; /* x, y */
   size_t pages;
   enum pixel_type type;
-  double voxel[3];           /* m; x, y, z; NAN where the file does not say */
-  const char *voxel_source;  /* "TIFF resolution tags"; NULL if none */
-  char note[160];            /* what a user should hear about this file; "" if nothing */
+  double voxel[3];          /* m; x, y, z; NAN where the file does not say */
+  const char *voxel_source; /* "TIFF resolution tags"; NULL if none */
+  char note[160];           /* what a user should hear about this file; "" if nothing */
   /* for the reader */
   char *data_path;        /* where the pixels are, if not in `path` */
   uint64_t data_offset;   /* of page 0, for contiguous pixels; 0 otherwise */

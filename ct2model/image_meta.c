@@ -18,9 +18,9 @@ static bool element_type(const char *name, enum pixel_type *type) {
   static const struct {
     const char *name;
     enum pixel_type type;
-  } TYPES[] = {{"MET_UCHAR", PIXEL_U8},   {"MET_CHAR", PIXEL_I8},   {"MET_USHORT", PIXEL_U16},
-               {"MET_SHORT", PIXEL_I16},  {"MET_UINT", PIXEL_U32},  {"MET_INT", PIXEL_I32},
-               {"MET_FLOAT", PIXEL_F32},  {"MET_DOUBLE", PIXEL_F64}};
+  } TYPES[] = {{"MET_UCHAR", PIXEL_U8},  {"MET_CHAR", PIXEL_I8},   {"MET_USHORT", PIXEL_U16},
+               {"MET_SHORT", PIXEL_I16}, {"MET_UINT", PIXEL_U32},  {"MET_INT", PIXEL_I32},
+               {"MET_FLOAT", PIXEL_F32}, {"MET_DOUBLE", PIXEL_F64}};
   for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
     if (strcmp(name, TYPES[i].name) == 0) {
       *type = TYPES[i].type;
@@ -62,8 +62,8 @@ static enum status meta_open(const char *path, struct image *image) {
       sized = true;
     } else if (strcmp(key, "ElementSpacing") == 0 || strcmp(key, "ElementSize") == 0) {
       /* The format has no unit; ITK users mean millimetres, so it is only shown. */
-      snprintf(image->note, sizeof image->note,
-               "%.40s = %.60s has no unit; --voxel-size decides", key, value);
+      snprintf(image->note, sizeof image->note, "%.40s = %.60s has no unit; --voxel-size decides",
+               key, value);
     } else if (strcmp(key, "ElementType") == 0) {
       typed = element_type(value, &image->type);
       if (!typed)
@@ -93,7 +93,9 @@ static enum status meta_open(const char *path, struct image *image) {
   }
   if (!sized || !typed || !placed)
     TRY_FAIL(STATUS_INPUT, "%s: %s is missing", path,
-             !sized ? "DimSize" : !typed ? "ElementType" : "ElementDataFile");
+             !sized   ? "DimSize"
+             : !typed ? "ElementType"
+                      : "ElementDataFile");
   uint64_t bytes;
   TRY(image_file_size(image->data_path != NULL ? image->data_path : path, &bytes));
   double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *

@@ -19,14 +19,14 @@ static bool nrrd_type(const char *name, enum pixel_type *type) {
     const char *name;
     enum pixel_type type;
   } TYPES[] = {
-      {"uchar", PIXEL_U8},    {"unsigned char", PIXEL_U8},   {"uint8", PIXEL_U8},
-      {"uint8_t", PIXEL_U8},  {"signed char", PIXEL_I8},     {"int8", PIXEL_I8},
-      {"int8_t", PIXEL_I8},   {"ushort", PIXEL_U16},         {"unsigned short", PIXEL_U16},
-      {"uint16", PIXEL_U16},  {"uint16_t", PIXEL_U16},       {"short", PIXEL_I16},
-      {"int16", PIXEL_I16},   {"int16_t", PIXEL_I16},        {"uint", PIXEL_U32},
-      {"unsigned int", PIXEL_U32}, {"uint32", PIXEL_U32},    {"uint32_t", PIXEL_U32},
-      {"int", PIXEL_I32},     {"int32", PIXEL_I32},          {"int32_t", PIXEL_I32},
-      {"float", PIXEL_F32},   {"double", PIXEL_F64},
+      {"uchar", PIXEL_U8},         {"unsigned char", PIXEL_U8}, {"uint8", PIXEL_U8},
+      {"uint8_t", PIXEL_U8},       {"signed char", PIXEL_I8},   {"int8", PIXEL_I8},
+      {"int8_t", PIXEL_I8},        {"ushort", PIXEL_U16},       {"unsigned short", PIXEL_U16},
+      {"uint16", PIXEL_U16},       {"uint16_t", PIXEL_U16},     {"short", PIXEL_I16},
+      {"int16", PIXEL_I16},        {"int16_t", PIXEL_I16},      {"uint", PIXEL_U32},
+      {"unsigned int", PIXEL_U32}, {"uint32", PIXEL_U32},       {"uint32_t", PIXEL_U32},
+      {"int", PIXEL_I32},          {"int32", PIXEL_I32},        {"int32_t", PIXEL_I32},
+      {"float", PIXEL_F32},        {"double", PIXEL_F64},
   };
   for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
     if (strcmp(name, TYPES[i].name) == 0) {
@@ -47,7 +47,7 @@ static void read_spacing(struct image *image, const char *value, const char *uni
     if (at == NULL || sscanf(at, "\"%23[^\"]\"", unit) != 1) return;
     at = strchr(at + 1, '"');
     if (at != NULL) at++;
-    metres[axis] = strcmp(unit, "mm") == 0 || strcmp(unit, "millimeter") == 0    ? 1e-3
+    metres[axis] = strcmp(unit, "mm") == 0 || strcmp(unit, "millimeter") == 0 ? 1e-3
                    : strcmp(unit, "um") == 0 || strcmp(unit, "micrometer") == 0 ||
                            strcmp(unit, "micron") == 0 || strcmp(unit, "\xC2\xB5m") == 0
                        ? 1e-6
@@ -100,8 +100,8 @@ static enum status nrrd_open(const char *path, struct image *image) {
         TRY_FAIL(STATUS_INPUT, "%s:%d: dimension %s; 2 or 3 are read", path, number, value);
     } else if (strcmp(line, "sizes") == 0) {
       image->pages = 1;
-      sized = value[0] != '-' && sscanf(value, "%zu %zu %zu", &image->size[0], &image->size[1],
-                                        &image->pages) >= 2;
+      sized = value[0] != '-' &&
+              sscanf(value, "%zu %zu %zu", &image->size[0], &image->size[1], &image->pages) >= 2;
     } else if (strcmp(line, "endian") == 0) {
       image->swap = strcmp(value, "big") == 0;
     } else if (strcmp(line, "encoding") == 0) {

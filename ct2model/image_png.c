@@ -122,8 +122,7 @@ static enum status png_read(const struct image *image, size_t page, float *out) 
   png_read_info(session.png, session.info);
   if (png_get_color_type(session.png, session.info) == PNG_COLOR_TYPE_PALETTE)
     png_set_palette_to_rgb(session.png);
-  if (png_get_bit_depth(session.png, session.info) < 8)
-    png_set_expand_gray_1_2_4_to_8(session.png);
+  if (png_get_bit_depth(session.png, session.info) < 8) png_set_expand_gray_1_2_4_to_8(session.png);
   png_set_strip_alpha(session.png);
   (void)png_set_interlace_handling(session.png);
   png_read_update_info(session.png, session.info);

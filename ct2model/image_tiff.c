@@ -70,9 +70,9 @@ static double unit_in_metres(const char *unit) {
     const char *name;
     double metres;
   } UNITS[] = {
-      {"micron", 1e-6},   {"microns", 1e-6}, {"um", 1e-6}, {"\\u00B5m", 1e-6}, {"\xC2\xB5m", 1e-6},
-      {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},   {"nm", 1e-9}, {"mm", 1e-3},       {"cm", 1e-2},
-      {"m", 1.0},         {"inch", 0.0254},
+      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},    {"\\u00B5m", 1e-6},
+      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6}, {"nm", 1e-9},
+      {"mm", 1e-3},        {"cm", 1e-2},        {"m", 1.0},      {"inch", 0.0254},
   };
   for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
     if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
@@ -80,8 +80,7 @@ static double unit_in_metres(const char *unit) {
   return NAN;
 }
 
-static bool description_value(const char *description, const char *key, char *value,
-                              size_t size) {
+static bool description_value(const char *description, const char *key, char *value, size_t size) {
   size_t length = strlen(key);
   for (const char *line = description; line != NULL && *line != '\0';) {
     const char *end = strchr(line, '\n');
@@ -144,8 +143,8 @@ static void read_voxel_size(TIFF *tiff, const char *description, struct image *i
 }
 
 /* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */
-static bool imagej_contiguous(TIFF *tiff, const char *description,
-                              const struct tiff_layout *layout, struct image *image) {
+static bool imagej_contiguous(TIFF *tiff, const char *description, const struct tiff_layout *layout,
+                              struct image *image) {
   char text[40];
   uint64_t bytes, *offsets = NULL;
   if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
@@ -168,8 +167,7 @@ static bool imagej_contiguous(TIFF *tiff, const char *description,
 }
 
 /* The offsets of all directories of full size; thumbnails (reduced images) are left out. */
-static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first,
-                                 struct image *image) {
+static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
   size_t room = 0;
   enum status status = STATUS_OK;
   do {
@@ -205,8 +203,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   struct tiff_layout layout;
   char *description = NULL;
   TIFF *tiff = tiff_start(path);
-  if (tiff == NULL)
-    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path, tiff_message);
+  if (tiff == NULL) TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path, tiff_message);
   layout_read(tiff, &layout);
   if (layout.width == 0 || layout.height == 0)
     TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height", path);
@@ -219,8 +216,6 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
     snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
-  else if (image->invert)
-    snprintf(image->note, sizeof image->note, "white is zero; inverted");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_voxel_size(tiff, description, image);
   if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
@@ -241,8 +236,8 @@ struct row_decoder {
   double palette_scale;
 };
 
-static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in,
-                              size_t x0, size_t n, size_t y, float *out) {
+static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
+                              size_t n, size_t y, float *out) {
   const struct tiff_layout *layout = &decoder->layout;
   const struct image *image = decoder->image;
   size_t bytes = pixel_size(image->type);
@@ -323,8 +318,8 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, flo
   for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
     for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
       if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
-        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s", image->path, x0,
-                 y0, tiff_message);
+        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s", image->path, x0, y0,
+                 tiff_message);
       size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
       size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
       for (size_t y = 0; y < ny; y++)

@@ -20,9 +20,10 @@ static enum status choose_voxel(struct pipeline *pipeline) {
   double given = pipeline->request->voxel, *voxel = pipeline->region.voxel;
   for (int d = 0; d < 3; d++) voxel[d] = isnan(given) ? stack->voxel[d] : given;
   if (isnan(voxel[0]))
-    return FAIL(STATUS_INPUT,
-                "%s: does not say how large a voxel is; give --voxel-size, e.g. --voxel-size 5.83um",
-                stack->files[0].path);
+    return FAIL(
+        STATUS_INPUT,
+        "%s: does not say how large a voxel is; give --voxel-size, e.g. --voxel-size 5.83um",
+        stack->files[0].path);
   if (isnan(voxel[1])) voxel[1] = voxel[0];
   if (isnan(voxel[2])) {
     if (isnan(given))
@@ -66,7 +67,8 @@ static enum status choose_size(struct pipeline *pipeline) {
                 "would keep them so",
                 spacing[0] * 1e6, spacing[1] * 1e6, spacing[2] * 1e6, out[0], fmax(1.0, round(ny)),
                 fmax(1.0, round(nz)),
-                fabs(ny - round(ny)) + fabs(nz - round(nz)) > 1e-3 ? " with a --crop to match" : "");
+                fabs(ny - round(ny)) + fabs(nz - round(nz)) > 1e-3 ? " with a --crop to match"
+                                                                   : "");
   }
   return STATUS_OK;
 }
@@ -83,8 +85,8 @@ static enum status choose_region(struct pipeline *pipeline) {
     region->size[d] = request->crop[d + 3];
     if (region->origin[d] + region->size[d] > stack->size[d])
       TRY_FAIL(STATUS_USAGE, "--crop: %c from %zu to %zu, but the stack is %zux%zux%zu", "xyz"[d],
-               region->origin[d], region->origin[d] + region->size[d], stack->size[0],
-               stack->size[1], stack->size[2]);
+               region -> origin[d], region -> origin[d] + region -> size[d], stack -> size[0],
+               stack -> size[1], stack -> size[2]);
   }
   TRY(choose_voxel(pipeline));
   TRY(choose_size(pipeline));
@@ -191,8 +193,8 @@ static void add_layers(struct pipeline *pipeline) {
   }
   for (int d = 0; d < 3; d++) {
     model->periodic[d] = true;
-    model->spacing[d] = pipeline->region.voxel[d] * (double)pipeline->region.size[d] /
-                        (double)pipeline->size[d];
+    model->spacing[d] =
+        pipeline->region.voxel[d] * (double)pipeline->region.size[d] / (double)pipeline->size[d];
   }
 }
 
@@ -204,8 +206,7 @@ static void mirror_layers(const struct pipeline *pipeline, void *data, size_t by
 }
 
 static enum status extend(const struct pipeline *pipeline, float **data, const char *what) {
-  enum status status =
-      memory_resize(data, model_site_count(&pipeline->model), sizeof **data, what);
+  enum status status = memory_resize(data, model_site_count(&pipeline->model), sizeof **data, what);
   if (status == STATUS_OK) mirror_layers(pipeline, *data, sizeof **data);
   return status;
 }
@@ -231,12 +232,12 @@ static enum status find_walls(struct pipeline *pipeline, bool distances) {
   struct wall_result walls = {0};
   const struct grey_phases *phases = &pipeline->phases;
   double contrast = phases->grain_peak - phases->pore_peak;
-  struct wall_request request = {
-      .threshold = pipeline->threshold_original,
-      .contrast = contrast > 0.0 ? contrast
-                                 : pipeline->histogram.width * (double)pipeline->histogram.bins,
-      .mirror = pipeline->request->mirror,
-      .distances = distances};
+  struct wall_request request = {.threshold = pipeline->threshold_original,
+                                 .contrast = contrast > 0.0 ? contrast
+                                                            : pipeline->histogram.width *
+                                                                  (double)pipeline->histogram.bins,
+                                 .mirror = pipeline->request->mirror,
+                                 .distances = distances};
   memcpy(request.size, pipeline->size, sizeof request.size);
   TRY(wall_measure(&pipeline->region, &request, &walls));
   pipeline->specks = walls.specks;
@@ -253,6 +254,7 @@ static enum status find_walls(struct pipeline *pipeline, bool distances) {
   TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));
   TRY(wall_complete(model->wall_distance, model->solid, model->size, model->spacing,
                     &pipeline->disagreeing));
+  mirror_layers(pipeline, model->wall_distance, sizeof *model->wall_distance); /* to the last bit */
 cleanup:
   wall_result_end(&walls);
   return status;
@@ -264,6 +266,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   TRY(choose_region(pipeline));
+  TRY(stack_keep_labels(&pipeline->stack, pipeline->region.origin[2]));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
   bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;

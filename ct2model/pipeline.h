@@ -26,11 +26,11 @@ struct pipeline {
   struct stack stack;
   struct region region;
   struct grey_histogram histogram;
-  size_t size[3];     /* after resampling, before mirroring */
-  float *volume;      /* greys after resampling; NULL where a sweep leaves a huge scan alone */
-  unsigned *weight;   /* how often each layer occurs in the mirrored model */
-  double grey_scale;  /* reported = stored * grey_scale */
-  double threshold_original, threshold; /* full resolution; model */
+  size_t size[3];    /* after resampling, before mirroring */
+  float *volume;     /* greys after resampling; NULL where a sweep leaves a huge scan alone */
+  unsigned *weight;  /* how often each layer occurs in the mirrored model */
+  double grey_scale; /* reported = stored * grey_scale */
+  double threshold_original, threshold;             /* full resolution; model */
   double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
   double void_ratio_original;                       /* of the region at threshold_original */
   double otsu;
@@ -40,7 +40,8 @@ struct pipeline {
   size_t specks, disagreeing;
 };
 
-/* Runs everything; `distances` off leaves out the wall distances (sweep). Free with pipeline_end. */
+/* Runs everything; `distances` off leaves out the wall distances (sweep). Free with pipeline_end.
+ */
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
                          bool distances, struct pipeline *pipeline);
 void pipeline_end(struct pipeline *pipeline);

@@ -18,9 +18,13 @@ static const struct {
     [PIXEL_F64] = {8, "64-bit float", 0, 0},
 };
 
-size_t pixel_size(enum pixel_type type) { return TYPES[type].size; }
+size_t pixel_size(enum pixel_type type) {
+  return TYPES[type].size;
+}
 
-const char *pixel_name(enum pixel_type type) { return TYPES[type].name; }
+const char *pixel_name(enum pixel_type type) {
+  return TYPES[type].name;
+}
 
 bool pixel_levels(enum pixel_type type, double *low, double *high) {
   *low = TYPES[type].low;

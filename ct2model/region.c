@@ -34,8 +34,7 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
   return STATUS_OK;
 }
 
-enum status region_read(const struct region *region, const size_t *numbers, size_t n,
-                        float *out) {
+enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
   enum status status = STATUS_OK;
   size_t pixels = region->stack->size[0] * region->stack->size[1];
 #pragma omp parallel

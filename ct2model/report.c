@@ -13,7 +13,9 @@
 #include "common/units.h"
 
 /* The numbers of both outputs. JSON has no NaN: what is not known is null. */
-static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+static json_t *number(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
 
 static json_t *numbers(const double *values, size_t n) {
   json_t *array = json_array();
@@ -121,8 +123,7 @@ static void print_model(const struct pipeline *pipeline) {
          quality->connected_porosity);
   printf("percolates        x %s, y %s, z %s\n", quality->percolates[0] ? "yes" : "no",
          quality->percolates[1] ? "yes" : "no", quality->percolates[2] ? "yes" : "no");
-  printf("isolated pores    %zu (%zu voxels)\n", quality->isolated_pores,
-         quality->isolated_voxels);
+  printf("isolated pores    %zu (%zu voxels)\n", quality->isolated_pores, quality->isolated_voxels);
   printf("floating grains   %zu (%zu voxels)\n", quality->floating_grains,
          quality->floating_voxels);
 }
@@ -134,8 +135,9 @@ static void print_text(const struct pipeline *pipeline) {
   printf(" (full resolution %.4f, Otsu %.4g)\n",
          pipeline_grey(pipeline, pipeline->threshold_original),
          pipeline_grey(pipeline, pipeline->otsu));
-  printf("dT/de             %.4g grey levels per unit of void ratio (full resolution %.4g)\n",
-         threshold_slope(pipeline), pipeline_grey(pipeline, pipeline->threshold_slope_original));
+  if (pipeline->phases.levels > 2)
+    printf("dT/de             %.4g grey levels per unit of void ratio (full resolution %.4g)\n",
+           threshold_slope(pipeline), pipeline_grey(pipeline, pipeline->threshold_slope_original));
   printf("grey peaks        pore %.4g, grain %.4g",
          pipeline_grey(pipeline, pipeline->phases.pore_peak),
          pipeline_grey(pipeline, pipeline->phases.grain_peak));
@@ -172,12 +174,12 @@ static enum status write_calibration(struct h5_file *file, const struct pipeline
   TRY(h5_write(file, "/calibration/threshold", H5_F64, 1, &table->count, table->threshold, false));
   TRY(h5_write(file, "/calibration/void_ratio", H5_F64, 1, &table->count,
                table->void_ratio_resampled, false));
-  TRY(h5_write(file, "/calibration/histogram", H5_F64, 1, &table->count,
-               table->histogram_resampled, false));
+  TRY(h5_write(file, "/calibration/histogram", H5_F64, 1, &table->count, table->histogram_resampled,
+               false));
   TRY(h5_write(file, "/calibration/void_ratio_original", H5_F64, 1, &table->count,
                table->void_ratio, false));
-  TRY(h5_write(file, "/calibration/histogram_original", H5_F64, 1, &table->count,
-               table->histogram, false));
+  TRY(h5_write(file, "/calibration/histogram_original", H5_F64, 1, &table->count, table->histogram,
+               false));
   TRY(write_number(file, group, "threshold", pipeline_grey(pipeline, pipeline->threshold)));
   TRY(write_number(file, group, "threshold_original",
                    pipeline_grey(pipeline, pipeline->threshold_original)));
@@ -193,8 +195,7 @@ cleanup:
 static enum status write_quality(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct quality *quality = &pipeline->quality;
-  int32_t percolates[3] = {quality->percolates[2], quality->percolates[1],
-                           quality->percolates[0]};
+  int32_t percolates[3] = {quality->percolates[2], quality->percolates[1], quality->percolates[0]};
   TRY(write_number(file, "/model", "void_ratio_error",
                    pipeline->model.void_ratio - pipeline->request->void_ratio));
   TRY(write_number(file, "/model", "porosity", quality->porosity));
@@ -220,8 +221,8 @@ static enum status write_provenance(struct h5_file *file, const struct pipeline 
   for (size_t i = 0; i < n; i++) {
     const struct image *image = &pipeline->stack.files[i];
     paths[i] = image->path;
-    enum status one = hash_file(image->data_path != NULL ? image->data_path : image->path,
-                                &hashes[i]);
+    enum status one =
+        hash_file(image->data_path != NULL ? image->data_path : image->path, &hashes[i]);
     if (one != STATUS_OK) {
 #pragma omp critical
       status = one;

@@ -40,12 +40,13 @@ static const struct option_entry ENTRIES[] = {
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
     {"islands", 0, "keep|fill", SWEEP | BUILD,
      "pores that are not on the flow path: keep (default) or fill with grain"},
-    {"scale-peak", 0, "VALUE", SWEEP | BUILD, "report greys scaled so that the grain peak is VALUE"},
+    {"scale-peak", 0, "VALUE", SWEEP | BUILD,
+     "report greys scaled so that the grain peak is VALUE"},
     {0},
 };
 
-const struct option_table ct2model_options = {
-    "ct2model", "CT slices to a calibrated voxel model", COMMANDS, ENTRIES};
+const struct option_table ct2model_options = {"ct2model", "CT slices to a calibrated voxel model",
+                                              COMMANDS, ENTRIES};
 
 static enum status parse_numbers(const struct options *options, const char *name, char separator,
                                  int count, const char *example, size_t *values) {
@@ -125,13 +126,11 @@ enum status request_parse(const struct options *options, struct request *request
              "e = n / (1 - n))",
              options_text(options, "void-ratio"));
   if (options_given(options, "scale-peak") && !(request->scale_peak > 0.0))
-    TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0",
-             options_text(options, "scale-peak"));
+    TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0", options_text(options, "scale-peak"));
   if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio))
     TRY_FAIL(STATUS_USAGE,
              "--void-ratio is missing: give the measured one, or --threshold VALUE or otsu");
-  if (build && request->output == NULL)
-    TRY_FAIL(STATUS_USAGE, "build: -o model.hdf is missing");
+  if (build && request->output == NULL) TRY_FAIL(STATUS_USAGE, "build: -o model.hdf is missing");
 cleanup:
   return status;
 }

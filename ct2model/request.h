@@ -14,14 +14,14 @@ enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 
 struct request {
   struct raw_layout raw;
-  double voxel;      /* m; NAN: the file's own */
+  double voxel; /* m; NAN: the file's own */
   bool crop_given, size_given, grain_given, fill_islands, mirror;
-  size_t crop[6];    /* x0, y0, z0, nx, ny, nz */
+  size_t crop[6]; /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
   enum filter filter;
   double void_ratio; /* NAN if not given */
   enum threshold_rule rule;
-  double threshold;  /* of THRESHOLD_VALUE, in reported greys */
+  double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;
   double scale_peak; /* NAN: greys as stored */
   const char *output;

@@ -34,8 +34,7 @@ enum status resample_axis_start(enum filter filter, size_t in, size_t out,
   axis->taps = (size_t)ceil(2.0 * reach) + 2;
   TRY(memory_allocate(&axis->first, out, sizeof *axis->first, "resampling weights"));
   TRY(memory_allocate(&axis->count, out, sizeof *axis->count, "resampling weights"));
-  TRY(memory_allocate(&axis->weight, out * axis->taps, sizeof *axis->weight,
-                      "resampling weights"));
+  TRY(memory_allocate(&axis->weight, out * axis->taps, sizeof *axis->weight, "resampling weights"));
   for (size_t i = 0; i < out; i++) {
     double centre = ((double)i + 0.5) * factor, sum = 0.0;
     double low = fmax(0.0, floor(centre - reach)), high = fmin((double)in, ceil(centre + reach));
@@ -73,6 +72,7 @@ enum status resampler_start(enum filter filter, const size_t in[3], const size_t
   memcpy(resampler->in, in, sizeof resampler->in);
   memcpy(resampler->out, out, sizeof resampler->out);
   if (memcmp(in, out, sizeof resampler->in) == 0) resampler->filter = FILTER_NONE;
+  TRY(resample_opencv_start());
   if (resampler->filter == FILTER_BICUBIC || resampler->filter == FILTER_AREA) {
     for (int axis = 0; axis < 3; axis++)
       TRY(resample_axis_start(filter, in[axis], out[axis], &resampler->axes[axis]));

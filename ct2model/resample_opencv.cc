@@ -16,8 +16,8 @@ void weigh(const float *in, const resample_axis &x, const resample_axis &y, floa
   for (size_t i = 0; i < y.out; i++) {
     int first = static_cast<int>(y.first[i]), count = static_cast<int>(y.count[i]);
     cv::Mat row = rows.row(static_cast<int>(i));
-    cv::gemm(wrap(y.weight + i * y.taps, 1, y.count[i]),
-             source.rowRange(first, first + count), 1.0, cv::noArray(), 0.0, row);
+    cv::gemm(wrap(y.weight + i * y.taps, 1, y.count[i]), source.rowRange(first, first + count), 1.0,
+             cv::noArray(), 0.0, row);
   }
   cv::Mat column(static_cast<int>(y.out), 1, CV_32F);
   for (size_t i = 0; i < x.out; i++) {
@@ -30,10 +30,18 @@ void weigh(const float *in, const resample_axis &x, const resample_axis &y, floa
 
 } // namespace
 
+enum status resample_opencv_start(void) {
+  try {
+    cv::setNumThreads(1); /* the slices are the parallel loop */
+    return STATUS_OK;
+  } catch (const std::exception &error) {
+    return FAIL(STATUS_RUN, "resampling: %s", error.what());
+  }
+}
+
 enum status resample_opencv_weighted(const float *in, const resample_axis *x,
                                      const resample_axis *y, float *out) {
   try {
-    cv::setNumThreads(1); /* the slices are the parallel loop */
     weigh(in, *x, *y, out);
     return STATUS_OK;
   } catch (const std::exception &error) {
@@ -44,10 +52,8 @@ enum status resample_opencv_weighted(const float *in, const resample_axis *x,
 enum status resample_opencv_cubic(const float *in, const size_t in_size[2],
                                   const size_t out_size[2], float *out) {
   try {
-    cv::setNumThreads(1);
     cv::Mat target = wrap(out, out_size[1], out_size[0]);
-    cv::resize(wrap(in, in_size[1], in_size[0]), target, target.size(), 0.0, 0.0,
-               cv::INTER_CUBIC);
+    cv::resize(wrap(in, in_size[1], in_size[0]), target, target.size(), 0.0, 0.0, cv::INTER_CUBIC);
     return STATUS_OK;
   } catch (const std::exception &error) {
     return FAIL(STATUS_RUN, "resampling: %s", error.what());

@@ -11,6 +11,8 @@ extern "C" {
 #include "common/error.h"
 #include "ct2model/resample.h"
 
+/* Before anything else, from one thread: OpenCV uses no threads of its own. */
+enum status resample_opencv_start(void);
 /* in[y->in][x->in] to out[y->out][x->out] by the axes' weights: the products W_y in W_x^T, each
  * band of taps as one cv::gemm. */
 enum status resample_opencv_weighted(const float *in, const struct resample_axis *x,

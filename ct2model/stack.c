@@ -88,8 +88,7 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
              "%s: no .tif, .png, .mhd or .nrrd files in this folder; for headerless files give "
              "--raw",
              folder);
-  if (ignored > 0)
-    log_verbose("%s: %zu other files left out", folder, ignored);
+  if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
   qsort(list->names + before, list->count - before, sizeof *list->names, by_natural_order);
 cleanup:
   if (handle != NULL) closedir(handle);
@@ -101,8 +100,7 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
   enum status status = STATUS_OK;
   for (size_t i = 0; i < count; i++) {
     struct stat info;
-    if (stat(paths[i], &info) != 0)
-      TRY_FAIL(STATUS_INPUT, "%s: %s", paths[i], strerror(errno));
+    if (stat(paths[i], &info) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", paths[i], strerror(errno));
     if (S_ISDIR(info.st_mode))
       TRY(list_folder(paths[i], raw, list));
     else
@@ -232,6 +230,29 @@ static size_t file_of_slice(const struct stack *stack, size_t z) {
 enum status stack_read(const struct stack *stack, size_t z, float *out) {
   size_t file = file_of_slice(stack, z);
   return image_read(&stack->files[file], z - stack->first_slice[file], out);
+}
+
+enum status stack_keep_labels(struct stack *stack, size_t z) {
+  enum status status = STATUS_OK;
+  size_t pixels = stack->size[0] * stack->size[1], others = 0;
+  float *slice = NULL;
+  if (!stack->files[0].invert) return STATUS_OK;
+  TRY(memory_allocate(&slice, pixels, sizeof *slice, "a slice"));
+  TRY(stack_read(stack, z, slice));
+  float low = slice[0], high = slice[0];
+  for (size_t i = 0; i < pixels; i++) {
+    low = fminf(low, slice[i]);
+    high = fmaxf(high, slice[i]);
+  }
+  for (size_t i = 0; i < pixels; i++) others += slice[i] != low && slice[i] != high;
+  if (others > 0) goto cleanup;
+  log_warning("%s says white is zero, but holds labels: they are used as stored, the higher one "
+              "is bright",
+              stack->files[0].path);
+  for (size_t i = 0; i < stack->file_count; i++) stack->files[i].invert = false;
+cleanup:
+  memory_free(&slice);
+  return status;
 }
 
 void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size) {

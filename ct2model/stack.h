@@ -25,6 +25,9 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
 void stack_close(struct stack *stack);
 /* Slice z into out[size[1]][size[0]]; may be called from several threads. */
 enum status stack_read(const struct stack *stack, size_t z, float *out);
+/* Files that say "white is zero" are inverted, unless slice `z` holds the two labels of a segmented
+ * image: labels are no brightness and count as stored. */
+enum status stack_keep_labels(struct stack *stack, size_t z);
 /* The name for messages: "slice_0123.tif" or "stack.tif[12]"; truncated to `size`. */
 void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size);
 

@@ -67,8 +67,7 @@ static void row_crossings(const int16_t *field, const size_t size[3], size_t y, 
   for (size_t x = 0; x < nx; x++)
     grains[x] = (uint8_t)((a[x] > 0) + (b[x] > 0) + (c[x] > 0) + (d[x] > 0));
   grains[nx] = grains[0];
-  for (size_t x = 0; x < nx; x++)
-    crossed[x] = (uint8_t)(grains[x] + grains[x + 1]) % 8 != 0;
+  for (size_t x = 0; x < nx; x++) crossed[x] = (uint8_t)(grains[x] + grains[x + 1]) % 8 != 0;
 }
 
 /* All cells of one layer of blocks: counted into first[block + 1], or made if `items`. */
@@ -111,8 +110,7 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
   TRY(memory_allocate(&surfels->first, blocks + 1, sizeof *surfels->first, "surface blocks"));
   TRY(memory_allocate(&rows, layers * row, 1, "surface rows"));
 #pragma omp parallel for schedule(dynamic)
-  for (size_t bz = 0; bz < layers; bz++)
-    block_layer(field, surfels, bz, rows + bz * row, NULL);
+  for (size_t bz = 0; bz < layers; bz++) block_layer(field, surfels, bz, rows + bz * row, NULL);
   uint64_t total = 0;
   for (size_t b = 0; b <= blocks; b++) {
     total += surfels->first[b];
@@ -126,8 +124,7 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
   TRY(memory_allocate(&surfels->items, surfels->count, sizeof *surfels->items,
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
-  for (size_t bz = 0; bz < layers; bz++)
-    block_layer(field, surfels, bz, rows + bz * row, cursor);
+  for (size_t bz = 0; bz < layers; bz++) block_layer(field, surfels, bz, rows + bz * row, cursor);
 cleanup:
   memory_free(&cursor);
   memory_free(&rows);

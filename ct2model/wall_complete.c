@@ -48,10 +48,11 @@ static int sweep(float *distance, const unsigned char *open, const size_t size[3
       for (size_t i = 0; i < nx; i++) {
         size_t x = (corner & 1) != 0 ? nx - 1 - i : i;
         if ((open[(row + x) / 8] >> (row + x) % 8 & 1) == 0) continue;
-        double value[3] = {
-            least(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
-            least(distance, (z * ny + (y + 1) % ny) * nx + x, (z * ny + (y + ny - 1) % ny) * nx + x),
-            least(distance, ((z + 1) % nz * ny + y) * nx + x, ((z + nz - 1) % nz * ny + y) * nx + x)};
+        double value[3] = {least(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
+                           least(distance, (z * ny + (y + 1) % ny) * nx + x,
+                                 (z * ny + (y + ny - 1) % ny) * nx + x),
+                           least(distance, ((z + 1) % nz * ny + y) * nx + x,
+                                 ((z + nz - 1) % nz * ny + y) * nx + x)};
         float better = (float)eikonal(value, spacing);
         if (better < distance[row + x] * 0.999999f) {
           distance[row + x] = better;
@@ -85,8 +86,7 @@ static enum status fill_open(float *distance, const size_t size[3], const double
       changed |= sweep(distance, open, size, spacing, corner);
   }
   for (size_t i = 0; i < sites; i++) { /* pockets no sweep has reached */
-    if (!isfinite(distance[i]))
-      distance[i] = (float)((double)size[0] * spacing[0]);
+    if (!isfinite(distance[i])) distance[i] = (float)((double)size[0] * spacing[0]);
   }
 cleanup:
   memory_free(&open);

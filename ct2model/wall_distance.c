@@ -100,9 +100,12 @@ static float voxel_fraction(const struct slab *slab, size_t x, size_t y, size_t 
   const int16_t *up = z + 1 < slab->depth ? at + plane : at, *down = z > 0 ? at - plane : at;
   size_t here = y * nx + x;
   int16_t value = at[here];
-  int16_t around[6] = {at[y * nx + (x + 1) % nx],        at[y * nx + (x + nx - 1) % nx],
-                       at[(y + 1) % ny * nx + x],        at[(y + ny - 1) % ny * nx + x],
-                       up[here],                         down[here]};
+  int16_t around[6] = {at[y * nx + (x + 1) % nx],
+                       at[y * nx + (x + nx - 1) % nx],
+                       at[(y + 1) % ny * nx + x],
+                       at[(y + ny - 1) % ny * nx + x],
+                       up[here],
+                       down[here]};
   bool cut = false;
   double slope = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -144,10 +147,10 @@ static enum status slab_fractions(const struct slab *slab, size_t z0, size_t z1,
     TRY(resampler_feed(area, z, n, shares, result->grain_fraction));
   }
   /* Faces show 3/2 of an isotropic surface. */
-  result->surface_area += 2.0 / 3.0 *
-                          ((double)changes[0] * voxel[1] * voxel[2] +
-                           (double)changes[1] * voxel[0] * voxel[2] +
-                           (double)changes[2] * voxel[0] * voxel[1]);
+  result->surface_area +=
+      2.0 / 3.0 *
+      ((double)changes[0] * voxel[1] * voxel[2] + (double)changes[1] * voxel[0] * voxel[2] +
+       (double)changes[2] * voxel[0] * voxel[1]);
 cleanup:
   memory_free(&shares);
   return status;
@@ -178,13 +181,24 @@ static bool in_grain(const struct slab *slab, const double point[3]) {
   return value > 0.0;
 }
 
+/* The upper mirror plane: the middle of the last layer, in slices. */
+static double mirror_plane(const struct slab *slab) {
+  return ((double)slab->request->size[2] - 0.5) * slab->factor[2];
+}
+
+/* Slices that bear the surface: none beyond the mirror plane, where the image is the surface. */
+static size_t surface_depth(const struct slab *slab) {
+  double last = ceil(mirror_plane(slab) + 0.5) - (double)slab->first;
+  return slab->request->mirror && last < (double)slab->depth ? (size_t)last : slab->depth;
+}
+
 static double mirrored_distance(const struct slab *slab, const struct surfels *surfels,
                                 const double point[3]) {
   double best = surfels_distance(surfels, point, slab->band);
   if (!slab->request->mirror) return best;
   /* Images by reflection about z = 0 and about the middle of the last layer. */
   double offset = (double)slab->first * slab->stretch[2], z = point[2] + offset;
-  double plane = ((double)slab->request->size[2] - 0.5) * slab->factor[2] * slab->stretch[2];
+  double plane = mirror_plane(slab) * slab->stretch[2];
   const double images[2] = {-z, 2.0 * plane - z};
   for (int i = 0; i < 2; i++) {
     double away = i == 0 ? z : plane - z;
@@ -265,7 +279,8 @@ static enum status one_slab(struct slab *slab, size_t k0, size_t k1, struct resa
   TRY(slab_remove_specks(slab, &result->specks));
   TRY(slab_fractions(slab, z0, z1, area, result));
   if (!slab->request->distances) goto cleanup;
-  TRY(surfels_build(slab->field, size, slab->stretch, &surfels));
+  const size_t bearing[3] = {size[0], size[1], surface_depth(slab)};
+  TRY(surfels_build(slab->field, bearing, slab->stretch, &surfels));
   slab_distances(slab, &surfels, k0, k1, result->distance);
 cleanup:
   surfels_end(&surfels);

@@ -14,7 +14,7 @@ struct wall_request {
   double contrast;  /* grain minus pore grey, for scaling only */
   size_t size[3];   /* of the model before mirroring; x, y, z */
   bool distances;   /* off: surface area only */
-  bool mirror;      /* reflected about z = 0 and about the centre of the last layer; else periodic */
+  bool mirror; /* reflected about z = 0 and about the centre of the last layer; else periodic */
 };
 
 struct wall_result {

@@ -1,0 +1,227 @@
+# ct2model as a user meets it: help, wrong options, missing and broken files, what it writes.
+setup_file() {
+  export CT="$BUILD/bin/ct2model"
+  export WORK="$BATS_FILE_TMPDIR"
+  export SHARED="$PWD/../shared/data"
+  cd "$WORK"
+  # Four spheres of radius 11 in a periodic box of 48^3, grey 20 in the pore and 120 in the grain,
+  # linear over two voxels: the true void ratio is 48^3 / (4 x 4/3 pi 11^3) - 1 = 3.959.
+  awk 'BEGIN {
+    n = 48; r = 11; printf "" > "greys.txt"
+    split("12.3 11.6 12.2 35.9 36.4 12.7 11.8 36.2 35.7 36.3 12.1 36.4", c, " ")
+    for (z = 0; z < n; z++) for (y = 0; y < n; y++) for (x = 0; x < n; x++) {
+      d = 1e9
+      for (s = 0; s < 4; s++) {
+        q = sqrt((x + .5 - c[3*s+1])^2 + (y + .5 - c[3*s+2])^2 + (z + .5 - c[3*s+3])^2) - r
+        if (q < d) d = q
+      }
+      v = 70 - 50 * (d < -1 ? -1 : d > 1 ? 1 : d)
+      printf "%c", int(v + .5) >> "spheres.raw"
+    }
+  }' < /dev/null
+  export RAW="--raw 48x48x48:u8 --voxel-size 10um --quiet"
+}
+
+run_ct() { run --separate-stderr "$CT" "$@"; }
+value() { python3 -c 'import json,sys; v = json.load(sys.stdin)
+for k in sys.argv[1].split("."): v = v[k]
+print(v)' "$1"; }
+near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN { exit !((a - b)^2 <= t^2) }'; }
+
+bats_require_minimum_version 1.5.0
+
+@test "help of the program and of each command shows a working example" {
+  run_ct --help
+  [ "$status" -eq 0 ]
+  for command in sweep build info; do
+    run_ct $command --help
+    [ "$status" -eq 0 ]
+    [[ "$output" == *"Example:"*"ct2model $command"* ]]
+  done
+  run_ct --version
+  [ "$status" -eq 0 ]
+}
+
+@test "wrong usage ends with 2 and one line" {
+  cd "$WORK"
+  for arguments in "" "bild x" "build" "build spheres.raw $RAW -o m.hdf" \
+    "build spheres.raw $RAW --void-ratio 4" "build spheres.raw $RAW --void-ratio -1 -o m.hdf" \
+    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --filter cubic" \
+    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --size 12x12" \
+    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --crop 0,0,0,49,48,48" \
+    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --size 12x12x12 --filter none" \
+    "build spheres.raw --raw 48x48x48:u9 --void-ratio 4 -o m.hdf" \
+    "build spheres.raw --raw 48x48x48:u8 --voxel-size 10 --void-ratio 4 -o m.hdf" \
+    "build spheres.raw --raw 48x48x48:u8 --voxel-size 10s --void-ratio 4 -o m.hdf"; do
+    run_ct $arguments
+    [ "$status" -eq 2 ] || { echo "$arguments: $status $stderr"; false; }
+    [ -n "$stderr" ]
+  done
+  [ ! -e m.hdf ]
+}
+
+@test "bad input ends with 3 and names the file" {
+  cd "$WORK"
+  run_ct build missing.tif --void-ratio 1 --voxel-size 1um -o m.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *missing.tif* ]]
+  echo "no image" > text.tif
+  run_ct info text.tif
+  [ "$status" -eq 3 ]; [[ "$stderr" == *text.tif* ]]
+  run_ct build spheres.raw --raw 48x48x47:u8 --voxel-size 1um --void-ratio 4 -o m.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *spheres.raw*48* ]]
+  head -c 100000 spheres.raw > cut.raw
+  run_ct build cut.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 4 -o m.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *cut.raw* ]]
+  run_ct build spheres.raw --raw 48x48x48:u8 --void-ratio 4 -o m.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *--voxel-size* ]]
+  head -c 110592 /dev/zero > flat.raw
+  run_ct build flat.raw $RAW --void-ratio 4 -o m.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *"same grey"* ]]
+  mkdir -p empty
+  run_ct info empty
+  [ "$status" -eq 3 ]
+  [ ! -e m.hdf ]; [ ! -e m.hdf.part ]
+}
+
+@test "an output that cannot be written ends with 1" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 -o nowhere/m.hdf
+  [ "$status" -eq 1 ]; [[ "$stderr" == *nowhere/m.hdf* ]]
+}
+
+@test "build matches the void ratio and knows the model" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 --json -o m.hdf
+  [ "$status" -eq 0 ]
+  echo "$output" > m.json
+  near "$(value void_ratio < m.json)" 3.959 0.01
+  near "$(value threshold_original < m.json)" 70 1.5
+  [ "$(value size < m.json)" = "[24, 24, 47]" ]
+  [ "$(value mirror_plane < m.json)" = 23 ]
+  [ "$(value percolates.z < m.json)" = True ]
+  # 4 spheres: 4 x 4 pi 11^2 / 48^3 per voxel of 10 um
+  near "$(value specific_surface_per_m < m.json)" 5499.6 150
+  run_ct info m.hdf --json
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value files.0.void_ratio 2> /dev/null || echo 3.959)" 3.959 0.01
+}
+
+@test "dark grains are bright grains negated" {
+  cd "$WORK"
+  LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
+  run_ct build dark.raw $RAW --void-ratio 3.959 --grain dark --json -o dark.hdf
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value void_ratio)" 3.959 0.02
+  near "$(echo "$output" | value threshold_original)" 70 1.5
+  # Read as bright the same image has 1/e: refused, with both readings.
+  run_ct build dark.raw $RAW --void-ratio 3.959 -o no.hdf
+  [ "$status" -eq 3 ]; [[ "$stderr" == *"--grain dark"* ]]
+}
+
+@test "sweep writes a table that rises and holds the match" {
+  cd "$WORK"
+  run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o sweep.csv --json
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value threshold_original)" 70 1.5
+  head -1 sweep.csv | grep -q '^threshold,void_ratio,'
+  awk -F, 'NR > 1 { if ($2 < last) exit 1; last = $2; n++ } END { exit !(n > 50) }' sweep.csv
+}
+
+@test "a filter of each kind, no mirror, filled islands" {
+  cd "$WORK"
+  for filter in bicubic bicubic-point area; do
+    run_ct build spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --filter $filter --json -o f.hdf
+    [ "$status" -eq 0 ]
+    near "$(echo "$output" | value void_ratio)" 3.959 0.03
+  done
+  run_ct build spheres.raw $RAW --threshold 70 --filter none --mirror none --islands fill --json -o f.hdf
+  [ "$status" -eq 0 ]
+  [ "$(echo "$output" | value size)" = "[48, 48, 48]" ]
+  [ "$(echo "$output" | value mirror_plane)" = -1 ]
+  near "$(echo "$output" | value void_ratio)" 3.959 0.08
+}
+
+@test "equal bytes on one thread and on many" {
+  cd "$WORK"
+  for threads in 1 3; do
+    run_ct build spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --threads $threads -o t$threads.hdf
+    [ "$status" -eq 0 ]
+    run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --threads $threads -o t$threads.csv
+    [ "$status" -eq 0 ]
+  done
+  cmp t1.csv t3.csv
+  if /usr/bin/python3 -c 'import h5py' 2> /dev/null; then
+    /usr/bin/python3 - <<'P'
+import h5py
+a, b = h5py.File("t1.hdf"), h5py.File("t3.hdf")
+for k in ("solid", "wall_distance", "grain_fraction"):
+    assert (a["model"][k][()] == b["model"][k][()]).all(), k
+P
+  fi
+}
+
+@test "model.hdf is as the contract says" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o c.hdf
+  [ "$status" -eq 0 ]
+  /usr/bin/python3 - <<'P'
+import h5py, numpy as np
+f = h5py.File("c.hdf"); m = f["model"]; a = m.attrs
+s, d, g = m["solid"][()], m["wall_distance"][()], m["grain_fraction"][()]
+assert s.dtype == np.uint8 and s.shape == (47, 24, 24) and set(np.unique(s)) == {0, 1}
+assert d.dtype == np.float32 and d.shape == s.shape and g.dtype == np.float32 and g.shape == s.shape
+assert np.allclose(a["spacing"], 20e-6) and list(a["periodic"]) == [1, 1, 1] and a["mirror_plane"] == 23
+e = (s == 0).sum() / (s == 1).sum()
+assert abs(a["void_ratio"] - e) < 1e-12 and a["void_ratio_measured"] == 3.959
+assert (s == s[::-1]).all() and (d == d[::-1]).all() and (g == g[::-1]).all()
+assert (d[s == 1] <= 0).all() and (d[s == 0] >= 0).all()
+assert g.min() >= 0 and g.max() <= 1 and abs((1 - g[:24].mean()) / g[:24].mean() - 3.959) < 0.05
+# Distances against the four spheres, periodic in x and y, away from the mirror planes.
+c = np.array([[12.3,11.6,12.2],[35.9,36.4,12.7],[11.8,36.2,35.7],[36.3,12.1,36.4]]) * 10e-6
+z, y, x = np.meshgrid(*[(np.arange(24) + .5) * 20e-6] * 3, indexing="ij")
+t = np.full(z.shape, 1.0)
+for cx, cy, cz in c:
+    for i in (-1, 0, 1):
+        for j in (-1, 0, 1):
+            t = np.minimum(t, np.sqrt((x-cx-i*480e-6)**2 + (y-cy-j*480e-6)**2 + (z-cz)**2) - 110e-6)
+near = (np.abs(t) < 70e-6) & (t > -80e-6)
+near[:6] = near[-6:] = False
+assert np.abs(d[:24] - t)[near].max() < 2e-6, np.abs(d[:24] - t)[near].max()
+k = f["calibration"]
+assert k["threshold"].shape == k["void_ratio"].shape == k["histogram"].shape
+assert (np.diff(k["threshold"][()]) > 0).all()
+v = f["VTKHDF"]
+assert v.attrs["Type"] == b"ImageData" and list(v.attrs["Version"]) == [1, 0]
+assert (v["PointData/solid"][()] == s).all()
+p = f["provenance"]
+assert "ct2model build" in str(p.attrs["command_line"]) and len(p["input_files"]) == 1
+P
+}
+
+@test "a segmented rock: Berea" {
+  [ -e $SHARED/berea/berea.zip ] || skip "../shared/data/berea is absent"
+  command -v unzip > /dev/null || skip "unzip is not installed"
+  unzip -oq "$SHARED"/berea/berea.zip -d "$WORK/berea"
+  run_ct build "$WORK/berea" --threshold 128 --filter none --mirror none --crop 0,0,0,100,100,100 \
+    --voxel-size 5.345um --json -o "$WORK/berea.hdf"
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value porosity)" 0.2033 0.001
+}
+
+@test "grey fibres, and sandstone slices where Otsu goes astray" {
+  [ -e "$SHARED/versa" ] || skip "../shared/data/versa is absent"
+  run_ct build "$SHARED"/fiberform/100_fiberform.tif --void-ratio 5.667 --voxel-size 1.3um --json \
+    -o "$WORK/fibre.hdf"
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value porosity)" 0.85 0.003
+  low=255; high=0; otsu=0
+  for slice in 0000 0200 0400; do
+    run_ct sweep "$SHARED"/versa/Sandstone_Versa$slice.tif --void-ratio 0.2 \
+      --crop 260,250,0,450,500,1 --voxel-size 2.23um --json
+    [ "$status" -eq 0 ]
+    near "$(echo "$output" | value threshold_original)" 90 5
+    otsu=$(echo "$output" | value threshold_otsu)
+  done
+  near "$otsu" 173 3
+}

@@ -1,0 +1,476 @@
+/* Stacks as labs write them: TIFF in its many layouts, PNG, raw, MetaImage, NRRD; and broken ones.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "ct2model/stack.h"
+
+enum { NX = 37, NY = 21, NZ = 3 };
+static char folder[256];
+
+static const char *in_folder(const char *name) {
+  static char path[4][400];
+  static int turn;
+  turn = (turn + 1) % 4;
+  snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
+  return path[turn];
+}
+
+static int group_setup(void **state) {
+  (void)state;
+  const char *build = getenv("BUILD");
+  snprintf(folder, sizeof folder, "%s/stack-XXXXXX", build != NULL ? build : "/tmp");
+  return mkdtemp(folder) == NULL;
+}
+
+static int group_teardown(void **state) {
+  (void)state;
+  char command[300];
+  snprintf(command, sizeof command, "rm -rf '%s'", folder);
+  return system(command);
+}
+
+/* The pattern all images hold, in the range of 8 bits and a little smooth for JPEG. */
+static int pattern(size_t x, size_t y, size_t z) {
+  return (int)((3 * x + 5 * y + 40 * z) % 200);
+}
+
+struct layout {
+  const char *name, *mode;
+  uint16_t compression, bits, format, photometric, samples;
+  int tile, rows;
+};
+
+static void put_sample(unsigned char *at, const struct layout *layout, int value) {
+  double shifted = layout->format == SAMPLEFORMAT_INT ? value - 100 : value;
+  uint16_t u16 = (uint16_t)(value * 256);
+  int16_t i16 = (int16_t)(shifted * 100);
+  uint32_t u32 = (uint32_t)value * 1000;
+  float f32 = (float)shifted * 0.5f;
+  double f64 = shifted * 0.25;
+  if (layout->bits == 8)
+    *at = (unsigned char)(int)shifted;
+  else if (layout->bits == 16 && layout->format == SAMPLEFORMAT_INT)
+    memcpy(at, &i16, 2);
+  else if (layout->bits == 16)
+    memcpy(at, &u16, 2);
+  else if (layout->bits == 32 && layout->format == SAMPLEFORMAT_IEEEFP)
+    memcpy(at, &f32, 4);
+  else if (layout->bits == 32)
+    memcpy(at, &u32, 4);
+  else
+    memcpy(at, &f64, 8);
+}
+
+static double expected(const struct layout *layout, size_t x, size_t y, size_t z) {
+  double value = pattern(x, y, z);
+  if (layout->photometric == PHOTOMETRIC_MINISWHITE) return 255.0 - value;
+  if (layout->format == SAMPLEFORMAT_INT) value -= 100.0;
+  if (layout->bits == 16) return layout->format == SAMPLEFORMAT_INT ? value * 100 : value * 256;
+  if (layout->bits == 32) return layout->format == SAMPLEFORMAT_IEEEFP ? value * 0.5 : value * 1000;
+  return layout->bits == 64 ? value * 0.25 : value;
+}
+
+static void write_tiff(const char *path, const struct layout *layout) {
+  TIFF *tiff = TIFFOpen(path, layout->mode);
+  assert_non_null(tiff);
+  for (size_t z = 0; z < NZ; z++) {
+    size_t bytes = layout->bits / 8u * layout->samples;
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, NX);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, NY);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout->bits);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout->samples);
+    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, layout->format);
+    TIFFSetField(tiff, TIFFTAG_COMPRESSION, layout->compression);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout->photometric);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
+    TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 1e-2 / 5.83e-6);
+    TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 1e-2 / 5.83e-6);
+    if (layout->photometric == PHOTOMETRIC_PALETTE) {
+      uint16_t map[256];
+      for (int i = 0; i < 256; i++) map[i] = (uint16_t)(i * 257);
+      TIFFSetField(tiff, TIFFTAG_COLORMAP, map, map, map);
+    }
+    unsigned char block[64 * 64 * 8];
+    if (layout->tile > 0) {
+      size_t t = (size_t)layout->tile;
+      TIFFSetField(tiff, TIFFTAG_TILEWIDTH, layout->tile);
+      TIFFSetField(tiff, TIFFTAG_TILELENGTH, layout->tile);
+      for (size_t y0 = 0; y0 < NY; y0 += t)
+        for (size_t x0 = 0; x0 < NX; x0 += t) {
+          for (size_t i = 0; i < t * t; i++)
+            put_sample(block + i * bytes, layout, pattern(x0 + i % t, y0 + i / t, z));
+          TIFFWriteTile(tiff, block, (uint32_t)x0, (uint32_t)y0, 0, 0);
+        }
+    } else {
+      TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, layout->rows);
+      for (size_t y = 0; y < NY; y++) {
+        for (size_t x = 0; x < NX; x++)
+          for (size_t s = 0; s < layout->samples; s++)
+            put_sample(block + x * bytes + s * layout->bits / 8u, layout, pattern(x, y, z));
+        TIFFWriteScanline(tiff, block, (uint32_t)y, 0);
+      }
+    }
+    TIFFWriteDirectory(tiff);
+  }
+  TIFFClose(tiff);
+}
+
+static void open_one(const char *path, const struct raw_layout *raw, struct stack *stack) {
+  const char *paths[] = {path};
+  enum status status = stack_open(paths, 1, raw, stack);
+  if (status != STATUS_OK) print_message("# %s\n", error_message());
+  assert_int_equal(status, STATUS_OK);
+}
+
+static void test_tiff_layouts(void **state) {
+  (void)state;
+  const uint16_t U = SAMPLEFORMAT_UINT, I = SAMPLEFORMAT_INT, F = SAMPLEFORMAT_IEEEFP;
+  const struct layout layouts[] = {
+      {"plain 8", "w", COMPRESSION_NONE, 8, U, 1, 1, 0, 5},
+      {"16 little", "wl", COMPRESSION_NONE, 16, U, 1, 1, 0, NY},
+      {"16 big", "wb", COMPRESSION_NONE, 16, U, 1, 1, 0, 4},
+      {"BigTIFF", "w8", COMPRESSION_NONE, 16, U, 1, 1, 0, 7},
+      {"BigTIFF big", "w8b", COMPRESSION_ADOBE_DEFLATE, 16, U, 1, 1, 0, 7},
+      {"LZW", "w", COMPRESSION_LZW, 16, U, 1, 1, 0, 8},
+      {"Deflate", "w", COMPRESSION_ADOBE_DEFLATE, 8, U, 1, 1, 0, 3},
+      {"PackBits", "w", COMPRESSION_PACKBITS, 8, U, 1, 1, 0, 2},
+      {"ZSTD", "w", COMPRESSION_ZSTD, 16, U, 1, 1, 0, 6},
+      {"tiled", "w", COMPRESSION_NONE, 16, U, 1, 1, 16, 0},
+      {"tiled LZW big", "wb", COMPRESSION_LZW, 16, U, 1, 1, 32, 0},
+      {"signed 8", "w", COMPRESSION_NONE, 8, I, 1, 1, 0, 5},
+      {"signed 16", "wb", COMPRESSION_NONE, 16, I, 1, 1, 0, 5},
+      {"unsigned 32", "w", COMPRESSION_NONE, 32, U, 1, 1, 0, 5},
+      {"float 32", "wl", COMPRESSION_NONE, 32, F, 1, 1, 0, 5},
+      {"float 32 big", "wb", COMPRESSION_LZW, 32, F, 1, 1, 0, 5},
+      {"float 64", "w", COMPRESSION_NONE, 64, F, 1, 1, 0, 5},
+      {"white is zero", "w", COMPRESSION_NONE, 8, U, PHOTOMETRIC_MINISWHITE, 1, 0, 5},
+      {"grey palette", "w", COMPRESSION_NONE, 8, U, PHOTOMETRIC_PALETTE, 1, 0, 5},
+      {"grey RGB", "w", COMPRESSION_NONE, 8, U, PHOTOMETRIC_RGB, 3, 0, 5},
+      {"JPEG", "w", COMPRESSION_JPEG, 8, U, 1, 1, 0, 16},
+  };
+  for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++) {
+    const struct layout *layout = &layouts[i];
+    const char *path = in_folder("layout.tif");
+    struct stack stack;
+    float slice[NX * NY];
+    write_tiff(path, layout);
+    open_one(path, NULL, &stack);
+    assert_int_equal(stack.size[0], NX);
+    assert_int_equal(stack.size[1], NY);
+    assert_int_equal(stack.size[2], NZ);
+    assert_true(fabs(stack.voxel[0] / 5.83e-6 - 1.0) < 1e-5);
+    double bound = layout->compression == COMPRESSION_JPEG ? 60.0 : 1e-6;
+    for (size_t z = NZ; z-- > 0;) { /* backwards: any page must be reachable */
+      assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
+      for (size_t y = 0; y < NY; y++)
+        for (size_t x = 0; x < NX; x++)
+          if (fabs((double)slice[y * NX + x] - expected(layout, x, y, z)) > bound)
+            fail_msg("%s: %g at %zu,%zu,%zu, not %g", layout->name, (double)slice[y * NX + x], x, y,
+                     z, expected(layout, x, y, z));
+    }
+    stack_close(&stack);
+  }
+}
+
+/* ImageJ's large stacks: one directory, the other slices behind the first. */
+static void test_imagej_single_directory(void **state) {
+  (void)state;
+  const char *path = in_folder("imagej.tif");
+  uint16_t pixels[NX * NY];
+  TIFF *tiff = TIFFOpen(path, "wb");
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, NX);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, NY);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, NY);
+  TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 0.2);
+  TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 0.2);
+  TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
+  TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION,
+               "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=7.5\n");
+  for (size_t i = 0; i < NX * NY; i++) pixels[i] = (uint16_t)(pattern(i % NX, i / NX, 0) * 256);
+  /* The directory first, so that pixels end the file. */
+  TIFFWriteEncodedStrip(tiff, 0, pixels, sizeof pixels);
+  TIFFClose(tiff);
+  tiff = TIFFOpen(path, "r");
+  uint64_t *offsets;
+  TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets);
+  uint64_t first = offsets[0];
+  TIFFClose(tiff);
+  /* libtiff puts the directory behind the pixels: move it by writing the slices over a copy. */
+  FILE *file = fopen(path, "r+b");
+  fseek(file, 0, SEEK_END);
+  long old = ftell(file);
+  unsigned char *bytes = malloc((size_t)old);
+  rewind(file);
+  assert_int_equal(fread(bytes, 1, (size_t)old, file), (size_t)old);
+  /* header, directory area shifted behind the two further slices: patch the offset in the header */
+  uint64_t end = first + sizeof pixels;
+  rewind(file);
+  size_t extra = 2 * sizeof pixels;
+  unsigned char *tail = bytes + end;
+  size_t tail_size = (size_t)old - (size_t)end;
+  uint32_t ifd = __builtin_bswap32(*(uint32_t *)(void *)(bytes + 4));
+  assert_true(ifd >= end);
+  /* Offsets inside the tail move too. */
+  uint16_t entries = __builtin_bswap16(*(uint16_t *)(void *)(bytes + ifd));
+  for (uint16_t e = 0; e < entries; e++) {
+    unsigned char *entry = bytes + ifd + 2 + 12u * e;
+    uint32_t value = __builtin_bswap32(*(uint32_t *)(void *)(entry + 8));
+    if (value >= end && value < (uint32_t)old) {
+      value = __builtin_bswap32(value + (uint32_t)extra);
+      memcpy(entry + 8, &value, 4);
+    }
+  }
+  ifd = __builtin_bswap32(ifd + (uint32_t)extra);
+  memcpy(bytes + 4, &ifd, 4);
+  fwrite(bytes, 1, (size_t)end, file);
+  for (size_t z = 1; z < NZ; z++)
+    for (size_t i = 0; i < NX * NY; i++) {
+      uint16_t value = __builtin_bswap16((uint16_t)(pattern(i % NX, i / NX, z) * 256));
+      fwrite(&value, 2, 1, file);
+    }
+  fwrite(tail, 1, tail_size, file);
+  fclose(file);
+  free(bytes);
+  struct stack stack;
+  float slice[NX * NY];
+  open_one(path, NULL, &stack);
+  assert_int_equal(stack.size[2], 3);
+  assert_true(fabs(stack.voxel[0] - 5e-6) < 1e-12 && fabs(stack.voxel[2] - 7.5e-6) < 1e-12);
+  for (size_t z = 0; z < NZ; z++) {
+    assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
+    for (size_t i = 0; i < NX * NY; i++)
+      assert_true(slice[i] == (float)(pattern(i % NX, i / NX, z) * 256));
+  }
+  stack_close(&stack);
+}
+
+static void write_png(const char *path, int bits, int colour, size_t z) {
+  FILE *file = fopen(path, "wb");
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_set_IHDR(png, info, NX, NY, bits, colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_color palette[256];
+  for (int i = 0; i < 256; i++) palette[i] = (png_color){(png_byte)i, (png_byte)i, (png_byte)i};
+  if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 256);
+  png_write_info(png, info);
+  int channels = colour == PNG_COLOR_TYPE_RGB ? 3 : 1;
+  for (size_t y = 0; y < NY; y++) {
+    png_byte row[NX * 6];
+    for (size_t x = 0; x < NX; x++)
+      for (int c = 0; c < channels; c++) {
+        png_byte *at = row + (x * (size_t)channels + (size_t)c) * (size_t)bits / 8;
+        at[0] = (png_byte)pattern(x, y, z);
+        if (bits == 16) at[1] = 7;
+      }
+    png_write_row(png, row);
+  }
+  png_write_end(png, NULL);
+  png_destroy_write_struct(&png, &info);
+  fclose(file);
+}
+
+static void test_png(void **state) {
+  (void)state;
+  const struct {
+    int bits, colour;
+  } kinds[] = {{8, PNG_COLOR_TYPE_GRAY},
+               {16, PNG_COLOR_TYPE_GRAY},
+               {8, PNG_COLOR_TYPE_RGB},
+               {16, PNG_COLOR_TYPE_RGB},
+               {8, PNG_COLOR_TYPE_PALETTE}};
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    struct stack stack;
+    float slice[NX * NY];
+    write_png(in_folder("one.png"), kinds[k].bits, kinds[k].colour, 1);
+    open_one(in_folder("one.png"), NULL, &stack);
+    assert_int_equal(stack_read(&stack, 0, slice), STATUS_OK);
+    for (size_t i = 0; i < NX * NY; i++) {
+      int value = pattern(i % NX, i / NX, 1);
+      assert_true(slice[i] == (float)(kinds[k].bits == 16 ? value * 256 + 7 : value));
+    }
+    stack_close(&stack);
+  }
+}
+
+static void write_bytes(const char *path, const char *head, size_t slices, size_t bytes) {
+  FILE *file = fopen(path, "wb");
+  fputs(head, file);
+  for (size_t i = 0; i < slices * NX * NY * bytes; i++)
+    fputc(bytes == 1 ? pattern(i % NX, i / NX % NY, i / NX / NY) : (int)(i % 251), file);
+  fclose(file);
+}
+
+static void check_u8(const char *path, const struct raw_layout *raw, size_t slices) {
+  struct stack stack;
+  float slice[NX * NY];
+  open_one(path, raw, &stack);
+  assert_int_equal(stack.size[2], slices);
+  for (size_t z = 0; z < slices; z++) {
+    assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
+    for (size_t i = 0; i < NX * NY; i++) assert_true(slice[i] == (float)pattern(i % NX, i / NX, z));
+  }
+  stack_close(&stack);
+}
+
+static void test_raw_meta_nrrd(void **state) {
+  (void)state;
+  struct raw_layout raw;
+  assert_int_equal(raw_layout_parse("37x21x3:u8", &raw), STATUS_OK);
+  write_bytes(in_folder("a.raw"), "", 3, 1);
+  check_u8(in_folder("a.raw"), &raw, 3);
+  FILE *file = fopen(in_folder("a.mhd"), "w");
+  fputs("ObjectType = Image\nNDims = 3\nDimSize = 37 21 3\nElementSpacing = 0.1 0.1 0.1\n"
+        "ElementType = MET_UCHAR\nElementDataFile = a.raw\n",
+        file);
+  fclose(file);
+  check_u8(in_folder("a.mhd"), NULL, 3);
+  write_bytes(in_folder("b.mha"),
+              "NDims = 3\nDimSize = 37 21 2\nElementType = MET_UCHAR\n"
+              "ElementDataFile = LOCAL\n",
+              2, 1);
+  check_u8(in_folder("b.mha"), NULL, 2);
+  write_bytes(in_folder("c.nrrd"),
+              "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 37 21 3\nencoding: raw\n"
+              "space directions: (2,0,0) (0,2,0) (0,0,4)\nspace units: \"um\" \"um\" \"um\"\n\n",
+              3, 1);
+  check_u8(in_folder("c.nrrd"), NULL, 3);
+  struct stack stack;
+  open_one(in_folder("c.nrrd"), NULL, &stack);
+  assert_true(fabs(stack.voxel[0] - 2e-6) < 1e-15 && fabs(stack.voxel[2] - 4e-6) < 1e-15);
+  stack_close(&stack);
+}
+
+static void test_raw_layout_words(void **state) {
+  (void)state;
+  struct raw_layout raw;
+  const char *const wrong[] = {"10x10x10", "10x10:u8",  "0x4x4:u8", "-1x4x4:u8",
+                               "4x4x4:u9", "4x4x4:u16", "4x4x4:u8 "};
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+    assert_int_equal(raw_layout_parse(wrong[i], &raw), STATUS_USAGE);
+    error_clear();
+  }
+  assert_int_equal(raw_layout_parse("4x5x6:i16be", &raw), STATUS_OK);
+  assert_true(raw.type == PIXEL_I16 && raw.big_endian && raw.size[2] == 6);
+}
+
+static void refuse(const char *path, const struct raw_layout *raw, const char *word) {
+  struct stack stack;
+  const char *paths[] = {path};
+  float slice[64 * 64];
+  enum status status = stack_open(paths, 1, raw, &stack);
+  for (size_t z = 0; status == STATUS_OK && z < stack.size[2]; z++)
+    status = stack_read(&stack, z, slice);
+  if (status == STATUS_OK || strstr(error_message(), word) == NULL)
+    fail_msg("%s: expected a message with '%s', got '%s'", path, word, error_message());
+  assert_int_equal(status, STATUS_INPUT);
+  error_clear();
+}
+
+static void test_broken_files(void **state) {
+  (void)state;
+  const struct layout plain = {"", "w", COMPRESSION_LZW, 16, SAMPLEFORMAT_UINT, 1, 1, 0, 8};
+  write_tiff(in_folder("cut.tif"), &plain);
+  for (long size = 2000; size > 0;
+       size -= 137) { /* cut anywhere: an error or fewer pages, no crash */
+    struct stack stack;
+    const char *paths[] = {in_folder("cut.tif")};
+    float slice[NX * NY];
+    write_tiff(paths[0], &plain);
+    assert_int_equal(truncate(paths[0], size), 0);
+    enum status status = stack_open(paths, 1, NULL, &stack);
+    if (status == STATUS_OK) {
+      for (size_t z = 0; z < stack.size[2] && status == STATUS_OK; z++)
+        status = stack_read(&stack, z, slice);
+      stack_close(&stack);
+    }
+    assert_int_equal(status, STATUS_INPUT);
+    error_clear();
+  }
+  FILE *file = fopen(in_folder("empty.png"), "w");
+  fclose(file);
+  refuse(in_folder("empty.png"), NULL, "empty file");
+  file = fopen(in_folder("text.tif"), "w");
+  fputs("this is no image at all\n", file);
+  fclose(file);
+  refuse(in_folder("text.tif"), NULL, "--raw");
+  write_png(in_folder("cut.png"), 8, PNG_COLOR_TYPE_GRAY, 0);
+  assert_int_equal(truncate(in_folder("cut.png"), 60), 0);
+  refuse(in_folder("cut.png"), NULL, "cut.png");
+  struct raw_layout raw;
+  (void)raw_layout_parse("37x21x4:u8", &raw);
+  refuse(in_folder("a.raw"), &raw, "--raw says 4");
+  (void)raw_layout_parse("38x21x3:u8", &raw);
+  refuse(in_folder("a.raw"), &raw, "whole slices");
+  refuse(in_folder("missing.tif"), NULL, "No such file");
+}
+
+static void test_folders(void **state) {
+  (void)state;
+  char path[420];
+  snprintf(path, sizeof path, "%s/slices", folder);
+  mkdir(path, 0700);
+  const int order[] = {10, 9, 2, 11};
+  for (size_t i = 0; i < 4; i++) {
+    char name[40];
+    snprintf(name, sizeof name, "slices/s_%d.png", order[i]);
+    write_png(in_folder(name), 8, PNG_COLOR_TYPE_GRAY, (size_t)order[i]);
+  }
+  FILE *file = fopen(in_folder("slices/notes.txt"), "w");
+  fputs("not an image", file);
+  fclose(file);
+  struct stack stack;
+  float slice[NX * NY];
+  const size_t sorted[] = {2, 9, 10, 11};
+  open_one(in_folder("slices"), NULL, &stack);
+  assert_int_equal(stack.size[2], 4);
+  for (size_t z = 0; z < 4; z++) {
+    assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
+    assert_true(slice[0] == (float)pattern(0, 0, sorted[z]));
+  }
+  stack_close(&stack);
+  write_png(in_folder("slices/s_12.png"), 16, PNG_COLOR_TYPE_GRAY, 0);
+  refuse(in_folder("slices"), NULL, "s_12.png: 16-bit unsigned, but the first slice is 8-bit");
+}
+
+static void test_natural_order(void **state) {
+  (void)state;
+  assert_true(natural_compare("a9", "a10") < 0);
+  assert_true(natural_compare("a009", "a10") < 0);
+  assert_true(natural_compare("a2b3", "a2b21") < 0);
+  assert_true(natural_compare("a01", "a1") != 0);
+  assert_true(natural_compare("b1", "a2") > 0);
+  assert_int_equal(natural_compare("x", "x"), 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_tiff_layouts),
+      cmocka_unit_test(test_imagej_single_directory),
+      cmocka_unit_test(test_png),
+      cmocka_unit_test(test_raw_meta_nrrd),
+      cmocka_unit_test(test_raw_layout_words),
+      cmocka_unit_test(test_broken_files),
+      cmocka_unit_test(test_folders),
+      cmocka_unit_test(test_natural_order),
+  };
+  return cmocka_run_group_tests(tests, group_setup, group_teardown);
+}
