@@ -7,6 +7,7 @@
 #include "sphsolve/effects/stokes_viscosity.h"
 #include "sphsolve/effects/stokes_wall_frozen.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
+#include "sphsolve/effects/wcsph_effects.h"
 
 const struct effect *const effects_all[] = {
 #define EFFECT(name) &effect_##name,

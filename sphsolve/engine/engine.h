@@ -1,0 +1,70 @@
+/* The weakly compressible engine: particles, lists and passes put together into a time step. It
+ * knows numbers and lattices, no scene and no file. */
+#ifndef TOSUI_ENGINE_ENGINE_H
+#define TOSUI_ENGINE_ENGINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sphsolve/engine/pairs.h"
+
+struct engine_settings {
+  enum pass_wall wall;
+  bool viscosity, shift, diffusion;
+  double smoothing_length, support; /* m */
+  double sound_speed, kinematic_viscosity, dt;
+  double force[3];                    /* m/s^2 */
+  double rest_ratio;                  /* see struct pass */
+  double pressure_diffusion;          /* m^2/s */
+  const double (*region_velocity)[3]; /* of lattice->region - 1; NULL: nothing moves */
+  size_t region_count;
+  bool wall_moves;
+};
+
+/* Seconds per phase of the step. */
+enum engine_phase {
+  PHASE_DENSITY,
+  PHASE_WALL,
+  PHASE_FORCE,
+  PHASE_CONTINUITY,
+  PHASE_DRIFT,
+  PHASE_LISTS,
+  PHASE_COUNT
+};
+
+struct engine {
+  struct engine_settings settings;
+  const struct lattice *lattice;
+  struct particles particles;
+  struct particle_fields fields;
+  struct neighbour_list fluid_fluid, fluid_wall, wall_fluid;
+  struct cluster_set wall_boxes;
+  const struct pair_table *table;
+  struct pass pass;
+  int threads;
+  struct local *locals;
+  double skin, moved; /* m: since the lists were made */
+  double speed_max;   /* m/s */
+  bool listed;
+  bool resumed; /* the state comes from a checkpoint: the order of the particles stands */
+  uint64_t pairs_fluid, pairs_wall; /* directed, when last counted */
+  double pair_interactions;         /* evaluated so far */
+  double seconds[PHASE_COUNT];
+  uint64_t rebuilds;
+};
+
+struct particle_fields engine_fields(const struct engine_settings *settings);
+/* The lattice must outlive the engine. */
+enum status engine_make(const struct lattice *lattice, const struct engine_settings *settings,
+                        struct engine *engine);
+void engine_free(struct engine *engine);
+enum status engine_step(struct engine *engine);
+/* rho/rho_0 and the gauge pressure over rho_0 c^2 of a slot. */
+double engine_density(const struct engine *engine, size_t slot);
+double engine_pressure(const struct engine *engine, size_t slot);
+/* Bytes of the lists per fluid and per wall particle, for a plan: from what sand models take. */
+#define ENGINE_LIST_BYTES_FLUID 26.0
+#define ENGINE_LIST_BYTES_WALL 4.0
+
+#endif

@@ -1,0 +1,69 @@
+/* The passes over pairs of particles, one table per instruction set.
+ *
+ * A pass walks row clusters [begin, end); rows are independent, so that threads change no bit.
+ * Lengths inside are in units of h; `scale` turns fixed-point differences into them. */
+#ifndef TOSUI_ENGINE_PAIRS_H
+#define TOSUI_ENGINE_PAIRS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sphsolve/engine/neighbours.h"
+#include "sphsolve/engine/particles.h"
+
+/* What stands at the wall; decides which form of the equations the rows take. */
+enum pass_wall { PASS_FROZEN, PASS_OPEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_WALLS };
+
+/* Columns of a row cluster, gathered and cut to what is in reach. */
+#define LOCAL_FIELDS 9
+struct local {
+  float *field[LOCAL_FIELDS];
+  size_t capacity;
+  bool overflow; /* more columns than `capacity`: particles have clumped */
+};
+
+struct pass {
+  struct particles *particles;
+  const struct neighbour_list *fluid_fluid, *fluid_wall, *wall_fluid;
+  float scale[3]; /* h per fixed-point unit */
+  float radius;   /* support in h */
+  double dt;      /* s */
+  /* W = w_scale * kernel_vector_w; grad_i W = g_scale * slope / s * (x_j - x_i) / h; both times
+   * the particle volume. g_scale is per metre. */
+  double w_scale, g_scale;
+  double smoothing_length; /* m */
+  double sound_speed;      /* m/s */
+  double rest_ratio;       /* gauge: lattice sum / rho_0; absolute: 0 */
+  double viscosity;        /* m^2/s */
+  double force[3];         /* m/s^2 */
+  double diffusion;        /* m^2/s, of pressure */
+  double shift_speed;      /* m/s */
+  double spacing;          /* m */
+};
+
+typedef void pass_function(const struct pass *pass, struct local *local, size_t begin, size_t end);
+
+struct pair_table {
+  const char *name;
+  /* state = rho_0/rho of fluid by summation over all columns; of frozen walls by their fluid
+   * columns on top of wall_base. */
+  pass_function *density, *density_wall;
+  /* v_next from v; [wall][viscosity][shift]. */
+  pass_function *force[PASS_WALLS][2][2];
+  /* state_next from state and v_next; [walls][diffusion][shift]. */
+  pass_function *continuity[2][2][2];
+  pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
+  /* Directed pairs within the support, self excluded: of fluid with all, and of wall with fluid. */
+  void (*count)(const struct pass *pass, struct local *local, size_t begin, size_t end,
+                uint64_t *pairs);
+  void (*count_wall)(const struct pass *pass, struct local *local, size_t begin, size_t end,
+                     uint64_t *pairs);
+};
+
+extern const struct pair_table pair_table_baseline, pair_table_avx2, pair_table_avx512;
+
+/* The widest this machine runs; TOSUI_ISA=baseline|avx2|avx512 asks for a narrower one. */
+enum status pair_table_choose(const struct pair_table **table);
+
+#endif

@@ -1,0 +1,403 @@
+#include "sphsolve/engine/particles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/engine/curve.h"
+
+#define MAX_IMAGE_BITS 6
+
+void frame_make(const struct lattice *lattice, double clearance, struct frame *frame) {
+  memset(frame, 0, sizeof *frame);
+  frame->dimensions = lattice->dimensions;
+  for (int a = 0; a < 3; a++) {
+    frame->sites[a] = lattice->size[a];
+    frame->length[a] = lattice->spacing[a] * (double)lattice->size[a];
+    bool flat = lattice->dimensions == 2 && a == 1;
+    if (!flat)
+      while (ldexp(frame->length[a], frame->image_bits[a]) < clearance &&
+             frame->image_bits[a] < MAX_IMAGE_BITS)
+        frame->image_bits[a]++;
+    frame->unit[a] = ldexp(frame->length[a], frame->image_bits[a] - 32);
+    double step = ldexp(1.0, 32 - frame->image_bits[a]) / (double)lattice->size[a];
+    frame->step[a] = flat ? 0 : (uint32_t)fmin(step, 4294967295.0);
+  }
+}
+
+/* Keys of 22 bits or so would do, but half a site must be told apart where the box allows it. */
+static int curve_bits(const struct frame *frame) {
+  size_t longest = 1;
+  for (int a = 0; a < 3; a++)
+    if (frame->sites[a] > longest) longest = frame->sites[a];
+  int bits = 1, most = frame->dimensions == 2 ? 16 : 10;
+  while (bits < most && ((size_t)1 << bits) < 2 * longest) bits++;
+  return bits;
+}
+
+/* `cell`: position in half sites. */
+static uint32_t key_of(const struct frame *frame, int bits, const uint32_t cell[3]) {
+  size_t longest = frame->sites[0];
+  for (int a = 1; a < 3; a++)
+    if (frame->sites[a] > longest) longest = frame->sites[a];
+  int coarser = 0;
+  while ((2 * longest) >> coarser > ((size_t)1 << bits)) coarser++;
+  uint32_t c[3] = {cell[0] >> coarser, cell[1] >> coarser, cell[2] >> coarser};
+  if (frame->dimensions == 2) c[1] = c[2];
+  return curve_key(frame->dimensions, bits, c);
+}
+
+/* Sorts entries by their upper 32 bits, stably. */
+static void radix_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
+  for (int shift = 32; shift < 64; shift += 11) {
+    size_t start[2049] = {0};
+    for (size_t i = 0; i < n; i++) start[((entries[i] >> shift) & 2047) + 1]++;
+    for (size_t i = 0; i < 2048; i++) start[i + 1] += start[i];
+    for (size_t i = 0; i < n; i++) scratch[start[(entries[i] >> shift) & 2047]++] = entries[i];
+    uint64_t *swap = entries;
+    entries = scratch;
+    scratch = swap;
+  }
+  memcpy(scratch, entries, n * sizeof *entries); /* three passes: the result lies in `scratch` */
+}
+
+/* Grows a cluster one member at a time and says when the next would make it too wide. */
+struct cutter {
+  const struct frame *frame;
+  int64_t limit[3];
+  uint32_t first[3];
+  int64_t low[3], high[3];
+  int members;
+};
+
+static void cutter_start(struct cutter *cutter, const struct frame *frame, double reach) {
+  memset(cutter, 0, sizeof *cutter);
+  cutter->frame = frame;
+  for (int a = 0; a < 3; a++) cutter->limit[a] = (int64_t)fmin(reach / frame->unit[a], 0x1p31);
+}
+
+static bool cutter_takes(struct cutter *cutter, const uint32_t x[3]) {
+  if (cutter->members == CLUSTER) cutter->members = 0;
+  bool fits = true;
+  for (int a = 0; a < 3 && cutter->members > 0; a++) {
+    int64_t d = (int32_t)(x[a] - cutter->first[a]);
+    int64_t low = d < cutter->low[a] ? d : cutter->low[a];
+    int64_t high = d > cutter->high[a] ? d : cutter->high[a];
+    fits = fits && high - low <= cutter->limit[a];
+  }
+  if (!fits) cutter->members = 0;
+  for (int a = 0; a < 3; a++) {
+    if (cutter->members == 0) {
+      cutter->first[a] = x[a];
+      cutter->low[a] = cutter->high[a] = 0;
+    }
+    int64_t d = (int32_t)(x[a] - cutter->first[a]);
+    if (d < cutter->low[a]) cutter->low[a] = d;
+    if (d > cutter->high[a]) cutter->high[a] = d;
+  }
+  cutter->members++;
+  return fits;
+}
+
+struct each {
+  void **array;
+  bool wanted;
+};
+
+/* Every per-slot array of the fluid, 4 bytes each; `kept` of them travel with the particle. */
+static size_t fluid_arrays(struct particles *p, const struct particle_fields *fields,
+                           struct each list[24], size_t *kept) {
+  size_t n = 0;
+  for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->x[a], true};
+  for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v[a], true};
+  list[n++] = (struct each){(void **)&p->state, true};
+  list[n++] = (struct each){(void **)&p->id, true};
+  for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->shift[a], fields->shift};
+  *kept = n;
+  list[n++] = (struct each){(void **)&p->distance, fields->distance};
+  list[n++] = (struct each){(void **)&p->state_next, fields->next_state};
+  for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v_next[a], true};
+  return n;
+}
+
+static size_t wall_arrays(struct particles *p, const struct particle_fields *fields,
+                          struct each list[24]) {
+  size_t n = 0;
+  list[n++] = (struct each){(void **)&p->wall_state, fields->wall_state};
+  list[n++] = (struct each){(void **)&p->wall_base, fields->wall_base};
+  list[n++] = (struct each){(void **)&p->wall_distance, fields->wall_distance};
+  for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->wall_v[a], fields->wall_v};
+  for (int a = 0; a < 3; a++)
+    list[n++] = (struct each){(void **)&p->wall_given[a], fields->wall_given};
+  return n;
+}
+
+static size_t count_wanted(const struct each *list, size_t n) {
+  size_t wanted = 0;
+  for (size_t i = 0; i < n; i++) wanted += list[i].wanted;
+  return wanted;
+}
+
+size_t particles_bytes_fluid(const struct particle_fields *fields) {
+  struct particles none;
+  struct each list[24];
+  size_t kept;
+  return 4 * count_wanted(list, fluid_arrays(&none, fields, list, &kept));
+}
+
+size_t particles_bytes_wall(const struct particle_fields *fields) {
+  struct particles none;
+  struct each list[24];
+  return 3 * sizeof(uint16_t) + 4 * count_wanted(list, wall_arrays(&none, fields, list));
+}
+
+/* The fields a set of particles has, seen from what is allocated. */
+static struct particle_fields fields_of(const struct particles *p) {
+  return (struct particle_fields){.next_state = p->state_next != NULL,
+                                  .shift = p->shift[0] != NULL,
+                                  .distance = p->distance != NULL};
+}
+
+static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,
+                              size_t slots) {
+  enum status status = STATUS_OK;
+  struct each list[24];
+  size_t kept, n = fluid_arrays(p, fields, list, &kept), capacity = slots + SLOT_PADDING;
+  if (capacity <= p->capacity) return STATUS_OK;
+  for (size_t i = 0; i < n; i++)
+    if (list[i].wanted) TRY(memory_resize(list[i].array, capacity, sizeof(float), "particles"));
+  p->capacity = capacity;
+cleanup:
+  return status;
+}
+
+enum status particles_resize(struct particles *p, size_t clusters) {
+  struct particle_fields fields = fields_of(p);
+  enum status status = grow_fluid(p, &fields, clusters * CLUSTER);
+  if (status != STATUS_OK) return status;
+  p->clusters = clusters;
+  for (size_t i = clusters * CLUSTER; i < p->capacity; i++) p->id[i] = NO_PARTICLE;
+  return STATUS_OK;
+}
+
+enum status particles_sort(struct particles *p) {
+  enum status status = STATUS_OK;
+  uint64_t *entries = NULL, *scratch = NULL;
+  uint32_t *order = NULL;
+  const struct frame *frame = &p->frame;
+  size_t slots = particles_slots(p), n = 0, used = 0, held = 0;
+  int bits = curve_bits(frame);
+  TRY(memory_allocate(&entries, p->count, sizeof *entries, "sorting keys"));
+  TRY(memory_allocate(&scratch, p->count, sizeof *scratch, "sorting keys"));
+  for (size_t i = 0; i < slots; i++) {
+    if (p->id[i] == NO_PARTICLE) continue;
+    uint32_t cell[3];
+    for (int a = 0; a < 3; a++) {
+      p->x[a][i] = frame_fold(frame, a, p->x[a][i]);
+      cell[a] =
+          (uint32_t)(((uint64_t)p->x[a][i] * (2 * frame->sites[a])) >> (32 - frame->image_bits[a]));
+    }
+    entries[n++] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
+  }
+  radix_sort(entries, scratch, n);
+
+  held = n + n / 4 + CLUSTER;
+  TRY(memory_allocate(&order, held, sizeof *order, "particle order"));
+  struct cutter cutter;
+  cutter_start(&cutter, frame, p->reach);
+  for (size_t k = 0; k < n; k++) {
+    uint32_t i = (uint32_t)entries[k], x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    if (!cutter_takes(&cutter, x))
+      while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
+    order[used++] = i;
+    if (used + 2 * CLUSTER > held) {
+      held += held / 2 + 2 * CLUSTER;
+      TRY(memory_resize(&order, held, sizeof *order, "particle order"));
+    }
+  }
+  while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
+
+  struct particle_fields fields = fields_of(p);
+  TRY(grow_fluid(p, &fields, used));
+  struct each list[24];
+  size_t kept;
+  fluid_arrays(p, &fields, list, &kept);
+  for (size_t f = 0; f < kept; f++) {
+    if (!list[f].wanted) continue;
+    const uint32_t *from = *list[f].array;
+    uint32_t *to = (uint32_t *)(void *)p->v_next[0];
+    bool is_id = list[f].array == (void **)&p->id;
+    for (size_t s = 0, first = 0; s < used; s++) {
+      if (s % CLUSTER == 0) first = order[s];
+      to[s] = order[s] != NO_PARTICLE ? from[order[s]] : is_id ? NO_PARTICLE : from[first];
+    }
+    for (size_t s = used; s < p->capacity; s++) to[s] = is_id ? NO_PARTICLE : 0;
+    p->v_next[0] = *list[f].array;
+    *list[f].array = to;
+  }
+  p->clusters = used / CLUSTER;
+cleanup:
+  memory_free(&order);
+  memory_free(&scratch);
+  memory_free(&entries);
+  return status;
+}
+
+/* Marks sites with fluid within `range`, as a box: three sweeps, one per axis, periodic. */
+static enum status mark_near_fluid(const struct lattice *lattice, double range, uint8_t **near) {
+  enum status status = STATUS_OK;
+  uint8_t *from = NULL, *to = NULL;
+  TRY(memory_allocate(&from, lattice->count, 1, "wall search"));
+  TRY(memory_allocate(&to, lattice->count, 1, "wall search"));
+  for (size_t i = 0; i < lattice->count; i++) from[i] = lattice->kind[i] == SITE_FLUID;
+  size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
+  for (int a = 0; a < 3; a++) {
+    size_t n = lattice->size[a], around = (size_t)ceil(range / lattice->spacing[a]);
+    if (around > n / 2) around = n / 2;
+    if (lattice->dimensions == 2 && a == 1) around = 0;
+    for (size_t i = 0; i < lattice->count; i++) {
+      size_t at = i / stride[a] % n;
+      uint8_t any = 0;
+      for (size_t j = at + n - around; j <= at + n + around; j++)
+        any |= from[i + (j % n) * stride[a] - at * stride[a]];
+      to[i] = any;
+    }
+    uint8_t *swap = from;
+    from = to;
+    to = swap;
+  }
+  *near = from;
+  from = NULL;
+cleanup:
+  memory_free(&from);
+  memory_free(&to);
+  return status;
+}
+
+static enum status make_walls(const struct lattice *lattice, double range,
+                              const struct particle_fields *fields, struct particles *p) {
+  enum status status = STATUS_OK;
+  uint8_t *near = NULL;
+  uint64_t *entries = NULL, *scratch = NULL;
+  uint32_t *order = NULL;
+  size_t n = 0, used = 0;
+  const struct frame *frame = &p->frame;
+  int bits = curve_bits(frame);
+  if (lattice->wall_count == 0) return STATUS_OK;
+  TRY(mark_near_fluid(lattice, range, &near));
+  for (size_t i = 0; i < lattice->count; i++) n += near[i] && lattice->kind[i] == SITE_WALL;
+  p->wall_count = n;
+  TRY(memory_allocate(&entries, n, sizeof *entries, "sorting keys"));
+  TRY(memory_allocate(&scratch, n, sizeof *scratch, "sorting keys"));
+  n = 0;
+  for (size_t i = 0; i < lattice->count; i++) {
+    if (!near[i] || lattice->kind[i] != SITE_WALL) continue;
+    uint32_t cell[3] = {
+        (uint32_t)(i % lattice->size[0]) * 2,
+        (uint32_t)(i / lattice->size[0] % lattice->size[1]) * 2,
+        (uint32_t)(i / (lattice->size[0] * lattice->size[1])) * 2,
+    };
+    entries[n++] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
+  }
+  memory_free(&near);
+  radix_sort(entries, scratch, n);
+  size_t held = n * 2 + CLUSTER; /* at worst a cluster of its own for each second site */
+  TRY(memory_allocate(&order, held, sizeof *order, "wall order"));
+  struct cutter cutter;
+  cutter_start(&cutter, frame, p->reach);
+  for (size_t k = 0; k < n; k++) {
+    size_t i = (uint32_t)entries[k];
+    uint32_t x[3] = {
+        frame_site_position(frame, 0, (uint32_t)(i % lattice->size[0])),
+        frame_site_position(frame, 1, (uint32_t)(i / lattice->size[0] % lattice->size[1])),
+        frame_site_position(frame, 2, (uint32_t)(i / (lattice->size[0] * lattice->size[1]))),
+    };
+    if (!cutter_takes(&cutter, x))
+      while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
+    order[used++] = (uint32_t)i;
+    if (used + 2 * CLUSTER > held) {
+      held += held / 2 + 2 * CLUSTER;
+      TRY(memory_resize(&order, held, sizeof *order, "wall order"));
+    }
+  }
+  while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
+  memory_free(&scratch);
+  memory_free(&entries);
+
+  p->wall_clusters = used / CLUSTER;
+  size_t capacity = used + SLOT_PADDING;
+  for (int a = 0; a < 3; a++)
+    TRY(memory_allocate(&p->site[a], capacity, sizeof **p->site, "wall sites"));
+  struct each list[24];
+  size_t arrays = wall_arrays(p, fields, list);
+  for (size_t f = 0; f < arrays; f++)
+    if (list[f].wanted)
+      TRY(memory_allocate(list[f].array, capacity, sizeof(float), "wall particles"));
+  for (size_t s = 0; s < capacity; s++) {
+    size_t i = s < used ? order[s] : NO_PARTICLE;
+    bool hole = i == NO_PARTICLE;
+    p->site[0][s] = hole ? NO_SITE : (uint16_t)(i % lattice->size[0]);
+    p->site[1][s] = hole ? 0 : (uint16_t)(i / lattice->size[0] % lattice->size[1]);
+    p->site[2][s] = hole ? 0 : (uint16_t)(i / (lattice->size[0] * lattice->size[1]));
+    if (!hole && fields->wall_distance) p->wall_distance[s] = lattice->wall_distance[i];
+  }
+cleanup:
+  memory_free(&near);
+  memory_free(&order);
+  memory_free(&scratch);
+  memory_free(&entries);
+  return status;
+}
+
+enum status particles_make(const struct lattice *lattice, double range, double reach,
+                           double clearance, const struct particle_fields *fields,
+                           struct particles *p) {
+  enum status status = STATUS_OK;
+  memset(p, 0, sizeof *p);
+  frame_make(lattice, clearance, &p->frame);
+  p->reach = reach;
+  if (lattice->count >= NO_PARTICLE)
+    TRY_FAIL(STATUS_INPUT, "%zu sites are more than one process takes (2^32 - 1)", lattice->count);
+  for (int a = 0; a < 3; a++)
+    if (lattice->size[a] >= NO_SITE)
+      TRY_FAIL(STATUS_INPUT, "%zu sites along one axis are more than the engine takes (%u)",
+               lattice->size[a], NO_SITE - 1u);
+  p->count = lattice->fluid_count;
+  p->clusters = (p->count + CLUSTER - 1) / CLUSTER;
+  TRY(grow_fluid(p, fields, p->clusters * CLUSTER));
+  size_t slot = 0;
+  for (size_t i = 0; i < lattice->count; i++) {
+    if (lattice->kind[i] != SITE_FLUID) continue;
+    p->x[0][slot] = frame_site_position(&p->frame, 0, (uint32_t)(i % lattice->size[0]));
+    p->x[1][slot] =
+        frame_site_position(&p->frame, 1, (uint32_t)(i / lattice->size[0] % lattice->size[1]));
+    p->x[2][slot] =
+        frame_site_position(&p->frame, 2, (uint32_t)(i / (lattice->size[0] * lattice->size[1])));
+    p->id[slot++] = (uint32_t)i;
+  }
+  for (; slot < p->capacity; slot++) p->id[slot] = NO_PARTICLE;
+  TRY(make_walls(lattice, range, fields, p));
+cleanup:
+  if (status != STATUS_OK) particles_free(p);
+  return status;
+}
+
+void particles_free(struct particles *p) {
+  const struct particle_fields none = {0};
+  struct each list[24];
+  size_t kept, n = fluid_arrays(p, &none, list, &kept);
+  for (size_t i = 0; i < n; i++) memory_free(list[i].array);
+  n = wall_arrays(p, &none, list);
+  for (size_t i = 0; i < n; i++) memory_free(list[i].array);
+  for (int a = 0; a < 3; a++) memory_free(&p->site[a]);
+  memset(p, 0, sizeof *p);
+}
+
+void particles_position(const struct particles *p, const struct lattice *lattice, size_t slot,
+                        double position[3]) {
+  for (int a = 0; a < 3; a++)
+    position[a] =
+        lattice->origin[a] + p->frame.unit[a] * ((double)frame_fold(&p->frame, a, p->x[a][slot]) -
+                                                 (double)(p->frame.step[a] / 2));
+}

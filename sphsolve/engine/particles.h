@@ -1,0 +1,94 @@
+/* Particles of the pair loop: fluid that moves, wall that stays on its sites.
+ *
+ * Both lie in memory along a space-filling curve, in clusters of CLUSTER slots, the unit of the
+ * neighbour lists. A cluster that would become wider than `reach` is closed early; its empty slots
+ * carry NO_PARTICLE. Fluid positions are fixed-point fractions of the box, so that differences are
+ * exact and periodic for free; a box narrower than the kernel's reach is taken 2, 4, ... times (see
+ * frame_make), and lists name the image. Wall positions are the site's indices. */
+#ifndef TOSUI_ENGINE_PARTICLES_H
+#define TOSUI_ENGINE_PARTICLES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "sphsolve/lattice.h"
+
+#define CLUSTER 8
+#define NO_PARTICLE UINT32_MAX
+#define NO_SITE UINT16_MAX
+/* Slots allocated beyond the last, so that full vectors may be read anywhere. */
+#define SLOT_PADDING 32
+
+/* Fixed-point coordinates: 2^32 units span 2^image_bits boxes. */
+struct frame {
+  int dimensions;
+  size_t sites[3];
+  double length[3]; /* m: the box */
+  int image_bits[3];
+  double unit[3];   /* m per unit */
+  uint32_t step[3]; /* units per site; 0: no such direction (y in 2-D) */
+};
+
+struct particles {
+  struct frame frame;
+  double reach; /* m: widest extent of a cluster when it is made */
+
+  size_t count, clusters, capacity; /* fluid particles, their clusters, slots allocated */
+  uint32_t *x[3];
+  float *v[3], *v_next[3]; /* m/s */
+  /* Frozen walls: rho_0 / rho. Else: the pressure p / (rho_0 c^2). */
+  float *state, *state_next;
+  float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
+  float *distance; /* m: to the wall, negated where its field is not smooth; NULL without */
+  uint32_t *id;    /* site the particle started from */
+
+  size_t wall_count, wall_clusters; /* only walls that fluid can reach are kept */
+  uint16_t *site[3];
+  float *wall_state;    /* as state; frozen and adami */
+  float *wall_base;     /* sum of W over wall neighbours / alpha; frozen */
+  float *wall_distance; /* m, subvoxel */
+  float *wall_v[3];     /* m/s: prescribed, or adami's dummy velocity; NULL where all are 0 */
+  float *wall_given[3]; /* m/s: prescribed velocity beside adami's; NULL where all are 0 */
+};
+
+/* What the effects of a run need; the rest stays NULL. */
+struct particle_fields {
+  bool next_state, shift, distance;
+  bool wall_state, wall_base, wall_distance, wall_v, wall_given;
+};
+
+/* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */
+void frame_make(const struct lattice *lattice, double clearance, struct frame *frame);
+/* Fluid at rest on its sites, unsorted; walls within `range` of fluid, ordered, in clusters. */
+enum status particles_make(const struct lattice *lattice, double range, double reach,
+                           double clearance, const struct particle_fields *fields,
+                           struct particles *particles);
+void particles_free(struct particles *particles);
+/* Orders the fluid along the curve and cuts it into clusters; deterministic. */
+enum status particles_sort(struct particles *particles);
+/* Room for `clusters` clusters of fluid; what they hold is the caller's to fill. */
+enum status particles_resize(struct particles *particles, size_t clusters);
+/* m, inside the lattice's box. */
+void particles_position(const struct particles *particles, const struct lattice *lattice,
+                        size_t slot, double position[3]);
+/* Bytes held per fluid particle and per wall particle. */
+size_t particles_bytes_fluid(const struct particle_fields *fields);
+size_t particles_bytes_wall(const struct particle_fields *fields);
+
+static inline size_t particles_slots(const struct particles *p) {
+  return p->clusters * CLUSTER;
+}
+static inline size_t particles_wall_slots(const struct particles *p) {
+  return p->wall_clusters * CLUSTER;
+}
+/* Particles drift on into images of the box; this is their place in the box itself. */
+static inline uint32_t frame_fold(const struct frame *frame, int axis, uint32_t x) {
+  return x & (UINT32_MAX >> frame->image_bits[axis]);
+}
+static inline uint32_t frame_site_position(const struct frame *frame, int axis, uint32_t index) {
+  return index * frame->step[axis] + frame->step[axis] / 2;
+}
+
+#endif

@@ -1,0 +1,145 @@
+/* The vectors of one instruction set, chosen by the flags a file is compiled with. Loops see
+ * SIMD_LANES logical lanes whatever the width: a narrower machine walks them in SIMD_GROUPS
+ * groups, so that the order of every sum is the same on all. */
+#ifndef TOSUI_ENGINE_SIMD_H
+#define TOSUI_ENGINE_SIMD_H
+
+#include <immintrin.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#define SIMD_LANES 16
+#define SIMD_INLINE static inline __attribute__((always_inline))
+
+#if defined(__AVX512F__)
+#define SIMD_ISA avx512
+#define SIMD_WIDTH 16
+#elif defined(__AVX2__)
+#define SIMD_ISA avx2
+#define SIMD_WIDTH 8
+#else
+#define SIMD_ISA baseline
+#define SIMD_WIDTH 4
+#endif
+#define SIMD_GROUPS (SIMD_LANES / SIMD_WIDTH)
+
+typedef float vec __attribute__((vector_size(SIMD_WIDTH * 4)));
+typedef int32_t ivec __attribute__((vector_size(SIMD_WIDTH * 4)));
+typedef uint32_t uvec __attribute__((vector_size(SIMD_WIDTH * 4)));
+
+SIMD_INLINE vec vec_set(float value) {
+  return value - (vec){0};
+}
+SIMD_INLINE uvec uvec_set(uint32_t value) {
+  return value - (uvec){0};
+}
+SIMD_INLINE vec vec_load(const float *from) {
+  vec v;
+  memcpy(&v, from, sizeof v);
+  return v;
+}
+SIMD_INLINE void vec_store(float *to, vec v) {
+  memcpy(to, &v, sizeof v);
+}
+SIMD_INLINE uvec uvec_load(const uint32_t *from) {
+  uvec v;
+  memcpy(&v, from, sizeof v);
+  return v;
+}
+/* Signed integers to floats. */
+SIMD_INLINE vec vec_from(uvec v) {
+  return __builtin_convertvector((ivec)v, vec);
+}
+
+#if SIMD_WIDTH == 16
+SIMD_INLINE vec vec_max(vec a, vec b) {
+  return (vec)_mm512_max_ps((__m512)a, (__m512)b);
+}
+SIMD_INLINE vec vec_abs(vec a) {
+  return (vec)_mm512_abs_ps((__m512)a);
+}
+SIMD_INLINE vec vec_rsqrt_estimate(vec a) {
+  return (vec)_mm512_rsqrt14_ps((__m512)a);
+}
+SIMD_INLINE uint32_t vec_below(vec a, vec b) {
+  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+}
+SIMD_INLINE uint32_t uvec_differ(uvec a, uvec b) {
+  return _mm512_cmpneq_epu32_mask((__m512i)a, (__m512i)b);
+}
+SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
+  return (uvec)_mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)from));
+}
+/* The lanes of `mask`, in order, to `to`; writes up to SIMD_WIDTH floats. */
+SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
+  _mm512_storeu_ps(to, _mm512_maskz_compress_ps((__mmask16)mask, (__m512)a));
+}
+#else
+#if SIMD_WIDTH == 8
+SIMD_INLINE vec vec_max(vec a, vec b) {
+  return (vec)_mm256_max_ps((__m256)a, (__m256)b);
+}
+SIMD_INLINE vec vec_abs(vec a) {
+  return (vec)_mm256_andnot_ps(_mm256_set1_ps(-0.0f), (__m256)a);
+}
+SIMD_INLINE vec vec_rsqrt_estimate(vec a) {
+  return (vec)_mm256_rsqrt_ps((__m256)a);
+}
+SIMD_INLINE uint32_t vec_below(vec a, vec b) {
+  return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ));
+}
+SIMD_INLINE uint32_t uvec_differ(uvec a, uvec b) {
+  __m256i equal = _mm256_cmpeq_epi32((__m256i)a, (__m256i)b);
+  return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(equal)) ^ 0xffu;
+}
+SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
+  return (uvec)_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)from));
+}
+#else
+SIMD_INLINE vec vec_max(vec a, vec b) {
+  return (vec)_mm_max_ps((__m128)a, (__m128)b);
+}
+SIMD_INLINE vec vec_abs(vec a) {
+  return (vec)_mm_andnot_ps(_mm_set1_ps(-0.0f), (__m128)a);
+}
+SIMD_INLINE vec vec_rsqrt_estimate(vec a) {
+  return (vec)_mm_rsqrt_ps((__m128)a);
+}
+SIMD_INLINE uint32_t vec_below(vec a, vec b) {
+  return (uint32_t)_mm_movemask_ps(_mm_cmplt_ps((__m128)a, (__m128)b));
+}
+SIMD_INLINE uint32_t uvec_differ(uvec a, uvec b) {
+  __m128i equal = _mm_cmpeq_epi32((__m128i)a, (__m128i)b);
+  return (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(equal)) ^ 0xfu;
+}
+SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
+  return (uvec){from[0], from[1], from[2], from[3]};
+}
+#endif
+SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
+  if (mask == (1u << SIMD_WIDTH) - 1) {
+    vec_store(to, a);
+    return;
+  }
+  float lanes[SIMD_WIDTH];
+  vec_store(lanes, a);
+  for (; mask != 0; mask &= mask - 1) *to++ = lanes[__builtin_ctz(mask)];
+}
+#endif
+
+/* 1/sqrt(a): the machine's estimate (12 to 14 bits) and one Newton step, relative error < 3e-7. */
+SIMD_INLINE vec vec_rsqrt(vec a) {
+  vec y = vec_rsqrt_estimate(a);
+  return y * (1.5f - (0.5f * a) * (y * y));
+}
+
+/* Sum of the SIMD_LANES logical lanes in a fixed order: halves onto halves. */
+SIMD_INLINE float lanes_sum(const float *lanes) {
+  float s8[8], s4[4];
+  for (int i = 0; i < 8; i++) s8[i] = lanes[i] + lanes[i + 8];
+  for (int i = 0; i < 4; i++) s4[i] = s8[i] + s8[i + 4];
+  return (s4[0] + s4[2]) + (s4[1] + s4[3]);
+}
+
+#endif

@@ -1,0 +1,304 @@
+/* Method wcsph: weakly compressible SPH, explicit in time. */
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/method.h"
+#include "sphsolve/methods/wcsph_plan.h"
+#include "sphsolve/methods/wcsph_state.h"
+#include "sphsolve/percolation.h"
+
+/* Samples of the Darcy velocity per viscous time of a mean pore, gap^2/nu; and the fewest before
+ * a flow may be called steady: the slowest mode of a slit has then died to 1e-7. */
+#define SAMPLES_PER_PORE_TIME 50.0
+#define SAMPLES_LEAST 80
+
+struct run {
+  const struct scene *scene;
+  const struct plan *plan;
+  const struct lattice *lattice;
+  struct recorder *recorder;
+  struct wcsph_state state;
+  int64_t sample_steps, last_step;
+  double row_interval; /* s; NAN: each sample */
+  double pore_width;   /* m */
+  double direction[3]; /* of the force, or of the first moving wall */
+  double started;
+};
+
+static double run_time(const struct run *run) {
+  return (double)run->state.step * run->plan->dt;
+}
+
+static double particle_volume(const struct lattice *lattice) {
+  return lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2];
+}
+
+static enum status blown_up(const struct run *run, const struct wcsph_totals *totals) {
+  const struct engine *engine = &run->state.engine;
+  double at[3];
+  particles_position(&engine->particles, run->lattice, totals->densest, at);
+  const char *cause = run->plan->dt > 0.9 * run->plan->dt_limit
+                          ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
+                          : "the sound speed is too low for this force; raise wcsph.sound_speed";
+  return FAIL(STATUS_NUMERIC,
+              "step %lld, t = %g s: density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times "
+              "that at rest: %s (dt %g s, limit %g s, largest speed %.3g m/s, sound speed %g m/s)",
+              (long long)run->state.step, run_time(run), engine->particles.id[totals->densest],
+              at[0], at[1], at[2], totals->density_max, cause, run->plan->dt, run->plan->dt_limit,
+              engine->speed_max, engine->settings.sound_speed);
+}
+
+static enum status write_row(struct run *run, const struct wcsph_totals *totals) {
+  const struct lattice *lattice = run->lattice;
+  double density = run->scene->fluid.density, mass = density * particle_volume(lattice);
+  struct history_row row = {.time = run_time(run), .step = run->state.step, .dt = run->plan->dt};
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    row.darcy_velocity[a] = totals->velocity[a] / (double)lattice->bulk_count;
+    row.momentum[a] = mass * totals->velocity[a];
+    square += row.darcy_velocity[a] * row.darcy_velocity[a];
+  }
+  row.density_max = density * totals->density_max;
+  row.density_mean = density * totals->density / (double)lattice->fluid_count;
+  row.kinetic_energy = 0.5 * mass * totals->square;
+  row.mass = mass * (double)lattice->fluid_count;
+  row.reynolds = isfinite(run->pore_width)
+                     ? sqrt(square) * run->pore_width / run->plan->context.kinematic_viscosity
+                     : 0;
+  return recorder_row(run->recorder, &row, NULL);
+}
+
+static enum status write_snapshot(struct run *run) {
+  enum status status = STATUS_OK;
+  const struct particles *p = &run->state.engine.particles;
+  double *points = NULL;
+  float *velocity = NULL, *pressure = NULL, *density = NULL;
+  uint32_t *id = NULL;
+  size_t n = 0;
+  TRY(memory_allocate(&points, 3 * p->count, sizeof *points, "snapshot"));
+  TRY(memory_allocate(&velocity, 3 * p->count, sizeof *velocity, "snapshot"));
+  TRY(memory_allocate(&pressure, p->count, sizeof *pressure, "snapshot"));
+  TRY(memory_allocate(&density, p->count, sizeof *density, "snapshot"));
+  TRY(memory_allocate(&id, p->count, sizeof *id, "snapshot"));
+  const struct engine *engine = &run->state.engine;
+  double rest = run->scene->fluid.density;
+  double unit = rest * engine->settings.sound_speed * engine->settings.sound_speed;
+  for (size_t i = 0; i < particles_slots(p); i++) {
+    if (p->id[i] == NO_PARTICLE) continue;
+    particles_position(p, run->lattice, i, points + 3 * n);
+    for (int a = 0; a < 3; a++) velocity[3 * n + (size_t)a] = p->v[a][i];
+    pressure[n] = (float)(unit * engine_pressure(engine, i));
+    density[n] = (float)(rest * engine_density(engine, i));
+    id[n++] = p->id[i];
+  }
+  const struct snapshot_field fields[] = {
+      {"velocity", "m/s", "fluid velocity", H5_F32, 3, velocity},
+      {"pressure", "Pa", "pressure over that of the fluid at rest", H5_F32, 1, pressure},
+      {"density", "kg/m^3", "density", H5_F32, 1, density},
+      {"id", "1", "site the particle started from", H5_U32, 1, id},
+  };
+  TRY(recorder_snapshot(run->recorder, run_time(run), run->state.step, n, points,
+                        sizeof fields / sizeof *fields, fields));
+cleanup:
+  memory_free(&points);
+  memory_free(&velocity);
+  memory_free(&pressure);
+  memory_free(&density);
+  memory_free(&id);
+  return status;
+}
+
+static enum status write_checkpoint(struct run *run) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  TRY(recorder_checkpoint_begin(run->recorder, &file));
+  TRY(wcsph_write_state(&run->state, file));
+  struct h5_file *whole = file;
+  file = NULL;
+  TRY(recorder_checkpoint_commit(run->recorder, whole));
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+static enum status read_checkpoint(struct run *run) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  TRY(recorder_resume(run->recorder, &file));
+  if (file != NULL) TRY(wcsph_read_state(file, &run->state));
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+static void set_direction(struct run *run) {
+  const struct scene *scene = run->scene;
+  double driving = run->plan->context.driving;
+  for (int a = 0; a < 3 && driving > 0; a++) run->direction[a] = scene->driving[a] / driving;
+  for (size_t r = 0; r < scene->region_count && !(driving > 0); r++) {
+    const double *v = scene->regions[r].velocity;
+    double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int a = 0; a < 3 && speed > 0; a++) run->direction[a] = v[a] / speed;
+    if (speed > 0) break;
+  }
+}
+
+/* The Darcy velocity along the force first, it decides; then its components. */
+static void sample_of(const struct run *run, const struct wcsph_totals *totals,
+                      double value[MONITOR_COMPONENTS]) {
+  double n = (double)run->lattice->bulk_count;
+  value[0] = 0;
+  for (int a = 0; a < 3; a++) {
+    value[1 + a] = totals->velocity[a] / n;
+    value[0] += value[1 + a] * run->direction[a];
+  }
+}
+
+static enum status sample(struct run *run, struct monitor_verdict *verdict) {
+  enum status status = STATUS_OK;
+  struct wcsph_totals totals;
+  double value[MONITOR_COMPONENTS];
+  TRY(wcsph_sum(&run->state.engine, &totals));
+  if (!totals.finite || totals.density_max > 2) {
+    status = blown_up(run, &totals);
+    goto cleanup;
+  }
+  sample_of(run, &totals, value);
+  TRY(monitor_add(&run->state.monitor, value));
+  if (isnan(run->row_interval)) TRY(write_row(run, &totals));
+  *verdict = monitor_judge(&run->state.monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
+  char note[96];
+  snprintf(note, sizeof note, "v %.4g m/s +- %.2g %%, density %+.2f %%", verdict->mean[0],
+           100 * verdict->error, 100 * (totals.density_max - 1));
+  double done = (double)run->state.step / (double)run->last_step;
+  if (run->scene->steady_tolerance > 0 && verdict->error < 1)
+    done = fmax(done, log(verdict->error) / log(run->scene->steady_tolerance));
+  recorder_progress(run->recorder, fmin(done, 0.99), note);
+cleanup:
+  return status;
+}
+
+static enum status march(struct run *run, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct monitor_verdict verdict =
+      monitor_judge(&state->monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
+  result->status = "end_time";
+  while (state->step < run->last_step) {
+    if (recorder_interrupted(run->recorder) || recorder_checkpoint_due(run->recorder)) {
+      bool stop = recorder_interrupted(run->recorder);
+      TRY(write_checkpoint(run));
+      if (stop) {
+        result->status = "interrupted";
+        status = FAIL(STATUS_INTERRUPTED, "interrupted at step %lld, t = %g s; go on with --resume",
+                      (long long)state->step, run_time(run));
+        break;
+      }
+    }
+    TRY(engine_step(&state->engine));
+    state->step++;
+    double time = run_time(run), half = 0.5 * run->plan->dt;
+    if (!isnan(run->row_interval) && time >= state->next_row - half) {
+      struct wcsph_totals totals;
+      TRY(wcsph_sum(&state->engine, &totals));
+      TRY(write_row(run, &totals));
+      while (state->next_row <= time + half) state->next_row += run->row_interval;
+    }
+    if (time >= recorder_next_snapshot(run->recorder) - half && state->step < run->last_step)
+      TRY(write_snapshot(run));
+    if (state->step % run->sample_steps == 0 || state->step == run->last_step) {
+      TRY(sample(run, &verdict));
+      if (run->scene->steady_tolerance > 0 && verdict.steady) {
+        result->status = "steady";
+        break;
+      }
+    }
+  }
+  result_from_darcy(run->scene, verdict.mean + 1, result);
+  result->k_error = isfinite(verdict.error) ? verdict.error : NAN;
+cleanup:
+  return status;
+}
+
+static void finish(struct run *run, struct run_result *result) {
+  const struct engine *engine = &run->state.engine;
+  const double *s = engine->seconds;
+  double pair_time = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
+  result->steps = run->state.step;
+  result->wall_time = clock_seconds() - run->started;
+  result->pair_interactions = engine->pair_interactions;
+  result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += result->darcy_velocity[a] * result->darcy_velocity[a];
+  result->reynolds = isfinite(run->pore_width)
+                         ? sqrt(square) * run->pore_width / run->plan->context.kinematic_viscosity
+                         : 0;
+  bool frozen = engine->settings.wall == PASS_FROZEN;
+  recorder_add_time(run->recorder, frozen ? "density_summation" : "density_continuity",
+                    s[PHASE_DENSITY] + s[PHASE_CONTINUITY]);
+  if (s[PHASE_WALL] > 0)
+    recorder_add_time(run->recorder,
+                      engine->settings.wall == PASS_ADAMI ? "wall_adami" : "wall_subvoxel",
+                      s[PHASE_WALL]);
+  recorder_add_time(run->recorder, "forces", s[PHASE_FORCE]);
+  recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
+  recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
+  recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
+  recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
+}
+
+enum status wcsph_run(const struct scene *scene, const struct plan *plan,
+                      const struct lattice *lattice, struct recorder *recorder,
+                      struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct run run = {.scene = scene, .plan = plan, .lattice = lattice, .recorder = recorder};
+  double(*region_velocity)[3] = NULL;
+  struct engine_settings settings;
+  struct wcsph_totals totals;
+  bool flows = true;
+  run.started = clock_seconds();
+  result->k = result->k_error = NAN;
+  TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
+                      "region velocities"));
+  wcsph_settings(scene, plan, region_velocity, &settings);
+  TRY(engine_make(lattice, &settings, &run.state.engine));
+  set_direction(&run);
+  double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
+  run.pore_width = gap * plan->context.spacing;
+  double pore_time = run.pore_width * run.pore_width / plan->context.kinematic_viscosity;
+  if (!isfinite(pore_time)) pore_time = scene->end_time;
+  run.sample_steps = (int64_t)fmax(1, pore_time / SAMPLES_PER_PORE_TIME / plan->dt);
+  run.row_interval = recorder_row_interval(recorder);
+  run.state.next_row = isnan(run.row_interval) ? INFINITY : run.row_interval;
+  double last = ceil(scene->end_time / plan->dt - 1e-6);
+  run.last_step = last < 9e15 ? (int64_t)last : (int64_t)9e15;
+  TRY(read_checkpoint(&run));
+  if (run.state.step == 0) {
+    TRY(wcsph_sum(&run.state.engine, &totals));
+    TRY(write_row(&run, &totals));
+  }
+  if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
+  if (flows) {
+    status = march(&run, result);
+    if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
+  } else {
+    log_warning("no path of pores leads through the model along the force: k = 0");
+    const double none[3] = {0};
+    result_from_darcy(scene, none, result);
+    result->status = "blocked";
+    result->k_error = 0;
+  }
+  finish(&run, result);
+  enum status left = write_snapshot(&run);
+  if (status == STATUS_OK) status = left;
+cleanup:
+  monitor_free(&run.state.monitor);
+  engine_free(&run.state.engine);
+  memory_free(&region_velocity);
+  return status;
+}

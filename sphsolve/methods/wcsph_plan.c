@@ -1,0 +1,201 @@
+#include "sphsolve/methods/wcsph_plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/kernel.h"
+#include "sphsolve/method.h"
+#include "sphsolve/methods/wcsph_modes.h"
+
+#define SUPPORT_DEFAULT 2.9    /* spacings */
+#define COMPRESSION 0.01       /* density error that the sound speed must allow */
+#define SAFETY 0.8             /* of the stable time step */
+#define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
+#define DELTA 0.1              /* Molteni, Colagrossi 2009 */
+#define TAU 0.005              /* dx^2/mu: the most that pressure diffusion may do to div v */
+
+double wcsph_gap(const struct lattice *lattice) {
+  const size_t *n = lattice->size;
+  double faces = 0;
+  for (size_t k = 0; k < n[2]; k++)
+    for (size_t j = 0; j < n[1]; j++)
+      for (size_t i = 0; i < n[0]; i++) {
+        size_t at = (k * n[1] + j) * n[0] + i;
+        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
+                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
+                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
+        for (int a = 0; a < 3; a++) faces += lattice->kind[at] != lattice->kind[next[a]];
+      }
+  return 2 * (double)lattice->fluid_count / faces;
+}
+
+static double region_speed(const struct scene *scene) {
+  double most = 0;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const double *v = scene->regions[r].velocity;
+    most = fmax(most, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
+  return most;
+}
+
+/* Length of the box along the force. */
+static double path_length(const struct scene *scene, const struct lattice *lattice) {
+  int along = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabs(scene->driving[a]) > fabs(scene->driving[along])) along = a;
+  return (double)lattice->size[along] * lattice->spacing[along];
+}
+
+enum status wcsph_scales(struct plan *plan) {
+  struct effect_context *context = &plan->context;
+  const struct scene *scene = context->scene;
+  const struct lattice *lattice = context->lattice;
+  if (scene->wcsph.kernel != KERNEL_QUINTIC)
+    return FAIL(STATUS_INPUT,
+                "%s: wcsph.kernel: the engine has the quintic spline only; write "
+                "kernel = \"quintic\"",
+                scene->path);
+  if (lattice->fluid_count == 0) return FAIL(STATUS_INPUT, "%s: no site holds fluid", scene->path);
+  if (lattice->fluid_count + lattice->wall_count < lattice->count)
+    return FAIL(STATUS_INPUT,
+                "%s: %zu sites are empty, and wcsph knows no free surface; use "
+                "method = \"isph\"",
+                scene->path, lattice->count - lattice->fluid_count - lattice->wall_count);
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (scene->regions[r].type == REGION_WALL && scene->regions[r].slip)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: wcsph has no-slip walls only; leave slip out, or use "
+                  "method = \"isph\"",
+                  scene->path, scene->regions[r].line);
+  context->support =
+      isnan(scene->wcsph.support) ? SUPPORT_DEFAULT * context->spacing : scene->wcsph.support;
+  double widest = 0, least = INFINITY;
+  for (int a = 0; a < 3; a++) {
+    if (lattice->dimensions == 2 && a == 1) continue;
+    widest = fmax(widest, lattice->spacing[a]);
+    least = fmin(least, lattice->spacing[a]);
+  }
+  if (context->support < 1.5 * widest || context->support > 6 * least)
+    return FAIL(STATUS_INPUT,
+                "%s: wcsph.support = %g m is %.2f spacings; 1.5 to 6 make sense, "
+                "2.9 is the default",
+                scene->path, context->support, context->support / widest);
+  context->smoothing_length = context->support / kernel_support_ratio(KERNEL_QUINTIC);
+
+  double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
+  double peak = *scene->model_path ? 6 : 2; /* of pore velocity over its mean, sands and ducts */
+  double speed = fmax(region_speed(scene), peak * context->velocity_scale / porosity);
+  if (lattice->wall_count == 0) speed = region_speed(scene);
+  context->velocity_scale = speed;
+  double head = sqrt(context->driving * path_length(scene, lattice) / COMPRESSION);
+  /* Below this speed sound waves creep behind viscous diffusion and no time step is gained. */
+  double creep = 2 * context->kinematic_viscosity / context->smoothing_length;
+  if (lattice->wall_count == 0) creep = 0;
+  context->sound_speed = isnan(scene->wcsph.sound_speed) ? fmax(10 * speed, fmax(head, creep))
+                                                         : scene->wcsph.sound_speed;
+  if (!(context->sound_speed > 0))
+    return FAIL(STATUS_INPUT,
+                "%s: nothing drives a flow: give a force, a moving wall or an initial "
+                "velocity, or wcsph.sound_speed",
+                scene->path);
+  return STATUS_OK;
+}
+
+void wcsph_settings(const struct scene *scene, const struct plan *plan,
+                    double (*region_velocity)[3], struct engine_settings *settings) {
+  const struct effect_context *context = &plan->context;
+  memset(settings, 0, sizeof *settings);
+  settings->wall = scene->wcsph.wall == WALL_FROZEN  ? PASS_FROZEN
+                   : !context->has_wall              ? PASS_OPEN
+                   : scene->wcsph.wall == WALL_ADAMI ? PASS_ADAMI
+                                                     : PASS_SUBVOXEL;
+  settings->viscosity = plan_has(plan, "viscosity_morris");
+  settings->shift = plan_has(plan, "shifting");
+  settings->diffusion = plan_has(plan, "pressure_diffusion");
+  settings->wall_moves = plan_has(plan, "wall_moving");
+  settings->smoothing_length = context->smoothing_length;
+  settings->support = context->support;
+  settings->sound_speed = context->sound_speed;
+  settings->kinematic_viscosity = context->kinematic_viscosity;
+  settings->dt = plan->dt;
+  memcpy(settings->force, scene->driving, sizeof settings->force);
+  struct lattice_modes modes = lattice_modes_find(
+      context->lattice->dimensions, context->lattice->spacing, context->smoothing_length);
+  settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
+  double c = context->sound_speed, dx = context->spacing;
+  settings->pressure_diffusion = DELTA * context->smoothing_length * c;
+  if (context->kinematic_viscosity > 0 && context->has_wall)
+    settings->pressure_diffusion =
+        fmin(settings->pressure_diffusion, TAU * dx * dx / context->kinematic_viscosity * c * c);
+  for (size_t r = 0; r < scene->region_count; r++)
+    memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
+  settings->region_velocity = (const double(*)[3])region_velocity;
+  settings->region_count = scene->region_count;
+}
+
+static void predict_error(struct plan *plan, double gap) {
+  enum wall_scheme wall = plan->context.scene->wcsph.wall;
+  if (!isfinite(gap)) return;
+  /* Flow-rate error of a slit `gap` particles wide: lattice theory, see docs/physics.md. */
+  plan->error = wall == WALL_FROZEN  ? 3.4 / gap + 1.8 / (gap * gap)
+                : wall == WALL_ADAMI ? 2.36 / (gap * gap)
+                                     : 0.5 / (gap * gap);
+  snprintf(plan->error_why, sizeof plan->error_why,
+           "resolution; pores are about %.1f particles wide, walls %s", gap,
+           wall == WALL_FROZEN  ? "frozen"
+           : wall == WALL_ADAMI ? "adami"
+                                : "subvoxel");
+}
+
+enum status wcsph_plan(struct plan *plan, int threads) {
+  const struct effect_context *context = &plan->context;
+  const struct scene *scene = context->scene;
+  const struct lattice *lattice = context->lattice;
+  /* Sound and viscosity together: (dt/dt_sound)^2 + dt/dt_viscous < 1, the exact condition of
+   * the leapfrog with lagged viscosity for one mode. */
+  double sound = INFINITY, viscous = INFINITY;
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    if (!planned->on) continue;
+    if (!strcmp(planned->effect->name, "viscosity_morris")) viscous = planned->dt_max;
+    if (!strncmp(planned->effect->name, "pressure_", 9)) sound = fmin(sound, planned->dt_max);
+  }
+  double q = sound / viscous;
+  plan->dt_limit = sound * (sqrt(q * q / 4 + 1) - q / 2);
+  plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
+  plan->dt = isnan(scene->wcsph.dt) ? SAFETY * plan->dt_limit : scene->wcsph.dt;
+  if (plan->dt > plan->dt_limit && !scene->wcsph.force_dt)
+    return FAIL(STATUS_INPUT,
+                "%s: wcsph.dt = %g s is beyond the stable %g s (%s, sound speed %g "
+                "m/s); write dt = \"auto\" or a smaller one, or wcsph.force_dt = true",
+                scene->path, plan->dt, plan->dt_limit, plan->dt_limited_by, context->sound_speed);
+
+  struct engine_settings settings = {.wall = scene->wcsph.wall == WALL_FROZEN  ? PASS_FROZEN
+                                             : !context->has_wall              ? PASS_OPEN
+                                             : scene->wcsph.wall == WALL_ADAMI ? PASS_ADAMI
+                                                                               : PASS_SUBVOXEL,
+                                     .shift = plan_has(plan, "shifting"),
+                                     .wall_moves = plan_has(plan, "wall_moving")};
+  struct particle_fields fields = engine_fields(&settings);
+  double site = 1 + (lattice->wall_distance ? 4 : 0) + (lattice->region ? 2 : 0);
+  plan->bytes_fluid = 1.1 * (double)particles_bytes_fluid(&fields) + ENGINE_LIST_BYTES_FLUID + site;
+  plan->bytes_wall = 1.05 * (double)particles_bytes_wall(&fields) + site +
+                     (fields.wall_state ? ENGINE_LIST_BYTES_WALL : 0);
+  plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
+                      plan->bytes_wall * (double)lattice->wall_count;
+
+  double gap = wcsph_gap(lattice), wide = gap + (settings.wall == PASS_FROZEN ? 1 : 0);
+  double time = wide * wide * context->spacing * context->spacing / context->kinematic_viscosity;
+  if (!(scene->steady_tolerance > 0) || !isfinite(time)) time = INFINITY;
+  time = fmin(scene->end_time, 2 * time);
+  plan->steps = ceil(time / plan->dt);
+  double volume = 4.19;
+  for (int a = 0; a < 3; a++) volume *= context->support / lattice->spacing[a];
+  if (lattice->dimensions == 2) volume *= 0.75 * lattice->spacing[1] / context->support;
+  double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
+  plan->seconds =
+      plan->steps * passes * volume * (double)lattice->fluid_count / (PAIRS_PER_SECOND * threads);
+  predict_error(plan, gap);
+  return STATUS_OK;
+}
