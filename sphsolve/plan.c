@@ -42,8 +42,8 @@ static double mean_spacing(const struct lattice *lattice) {
 }
 
 /* Velocity and Reynolds number of the seepage before anything is solved. Kozeny (1927), Carman
- * (1937): k = n^3 / (5 S^2), S the wall surface per bulk volume; Re = v_D d / nu with the
- * equivalent grain d = 6 (1 - n) / S. The faces of voxels overstate S by about 3/2. */
+ * (1937): k = n^3 / (5 S^2), S the wall surface per bulk volume; Re = v_D / (nu S), Carman's, that
+ * of the mean pore. The faces of voxels overstate S by about 3/2. */
 static void estimate_seepage(const struct scene *scene, const struct lattice *lattice,
                              double *velocity, double *reynolds) {
   const size_t *n = lattice->size;
@@ -67,7 +67,7 @@ static void estimate_seepage(const struct scene *scene, const struct lattice *la
            scene->driving[2] * scene->driving[2]);
   if (!(s > 0 && nu > 0)) return;
   *velocity = porosity * porosity * porosity / (5 * s * s) * driving / nu;
-  *reynolds = *velocity * 6 * fmax(1 - porosity, 0.05) / s / nu;
+  *reynolds = *velocity / (nu * s);
 }
 
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
@@ -95,7 +95,7 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
     snprintf(why, EFFECT_WHY, "a wall moves");
   } else if (reynolds < 0.1) {
     *method = METHOD_STOKES;
-    snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below 0.1, and nothing moves",
+    snprintf(why, EFFECT_WHY, "the flow creeps: Re = v / (nu S) about %.2g is below 0.1, and nothing moves",
              reynolds);
   } else {
     *method = METHOD_WCSPH;
