@@ -75,6 +75,17 @@ $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/obj && find $(BUILD)/obj -name '*.d')
 
+# ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
+JAVASCRIPT = /usr/share/javascript
+ASSETS = analyze/page.css analyze/page.js $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
+  $(JAVASCRIPT)/three/three.min.js $(JAVASCRIPT)/three/examples/js/controls/OrbitControls.js
+define asset_rule
+$(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))
+	$$(Q)mkdir -p $$(@D) && { cat $$^ /dev/null; } > $$@
+$(BUILD)/obj/analyze/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
+endef
+$(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
+
 # ---- libraries (everything but the mains) and programs ----
 define library_rule
 $(call library,$(1)): $(filter-out $(call main_of,$(1)),$(call object,$(SOURCES_$(1))))

@@ -7,6 +7,7 @@
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/history.h"
+#include "analyze/page.h"
 #include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
@@ -33,11 +34,13 @@ static const struct option_command commands[] = {
     {"converge", "RUN RUN... [-o DIR]",
      "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
      "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
+    {"report", "RUN... -o report.html", "one self-contained page of all that the runs support",
+     "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html", 1, -1},
     {0}};
 
 static const struct option_entry entries[] = {
     {"output", 'o', "DIR", OPTION_ALL,
-     "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp"},
+     "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; report: the page"},
     {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
      "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
     {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
@@ -129,6 +132,24 @@ static const struct {
             {"history", history_analyze},
             {"converge", converge_analyze}};
 
+static enum status report_command(const struct options *options, const struct run *runs, size_t n) {
+  enum status status = STATUS_OK;
+  json_t *json = NULL;
+  const char *path = options_text(options, "output");
+  if (path == NULL || path[0] == '\0')
+    TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
+  TRY(page_write(runs, n, path, options_command_line(options), &json));
+  if (options_json(options)) {
+    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+    putchar('\n');
+  } else {
+    printf("written: %s\n", path);
+  }
+cleanup:
+  json_decref(json);
+  return status;
+}
+
 static enum status run_command(const struct options *options) {
   enum status status = STATUS_OK;
   const char *command = options_command(options);
@@ -137,6 +158,10 @@ static enum status run_command(const struct options *options) {
   size_t n = 0;
   TRY(product_start(command, &product));
   TRY(read_runs(options, &runs, &n));
+  if (strcmp(command, "report") == 0) {
+    TRY(report_command(options, runs, n));
+    goto cleanup;
+  }
   if (strcmp(command, "slice") == 0) {
     TRY(slice_command(options, &runs[0], &product));
   } else {

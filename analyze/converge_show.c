@@ -251,7 +251,7 @@ static void write_plot(const struct level *levels, const struct series *series, 
     char title[300];
     if (g > 0) fputs(", ", stream);
     if (s->count > 1) {
-      fprintf(stream, "[0:%.6g] fit%zu(x) with lines linewidth 2 ", 1.06e6 * widest, g);
+      fprintf(stream, "(x < 0 ? NaN : fit%zu(x)) with lines linewidth 2 ", g);
       plot_line_style(stream, g);
       fprintf(stream,
               " notitle, '+' using (0):(k0_%zu):(e_%zu) every ::::0 with yerrorbars "

@@ -62,6 +62,19 @@ cleanup:
   return status;
 }
 
+#define SERIES_ROWS 600
+
+/* Every so-manieth of `rows` values `stride` apart, and the last. */
+static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
+  json_t *array = json_array();
+  size_t step = (rows + SERIES_ROWS - 1) / SERIES_ROWS;
+  for (size_t i = 0; i < rows; i += step)
+    json_array_append_new(array, json_number(values[i * stride]));
+  if ((rows - 1) % step != 0)
+    json_array_append_new(array, json_number(values[(rows - 1) * stride]));
+  return array;
+}
+
 static void fill_json(const struct run_history *h, json_t *object) {
   const struct steady *s = &h->steady;
   json_object_set_new(object, "path", json_text(h->run->path));
@@ -88,10 +101,15 @@ static void fill_json(const struct run_history *h, json_t *object) {
   for (size_t c = 0; c < h->run->column_count; c++) {
     const struct history_column *column = &h->run->columns[c];
     if (is_standard(column->name) || column->rows == 0) continue;
-    const double *last = &column->values[(column->rows - 1) * (size_t)column->components];
-    json_object_set_new(extra, column->name,
-                        json_pack("{s:o,s:o}", "unit", json_text(column->unit), "last",
-                                  json_numbers(last, (size_t)column->components)));
+    size_t components = (size_t)column->components;
+    json_t *series = json_array();
+    for (size_t d = 0; d < components; d++)
+      json_array_append_new(series, json_thinned(column->values + d, components, column->rows));
+    json_object_set_new(
+        extra, column->name,
+        json_pack("{s:o,s:o,s:o}", "unit", json_text(column->unit), "last",
+                  json_numbers(&column->values[(column->rows - 1) * components], components),
+                  "series", series));
   }
   json_object_set_new(object, "columns", extra);
 }

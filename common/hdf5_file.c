@@ -487,6 +487,32 @@ cleanup:
   return status;
 }
 
+enum status h5_list_attributes(struct h5_file *file, const char *object, size_t *count,
+                               char ***names) {
+  enum status status = STATUS_OK;
+  H5O_info_t info;
+  size_t n = 0;
+  *count = 0;
+  *names = NULL;
+  if (!path_inside(file, object) ||
+      H5Oget_info_by_name2(file->id, object, &info, H5O_INFO_NUM_ATTRS, H5P_DEFAULT) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: has no object %s", file->path, object);
+  n = (size_t)info.num_attrs;
+  TRY(memory_allocate(names, n, sizeof **names, object));
+  for (size_t i = 0; i < n; i++) {
+    ssize_t length = H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0,
+                                        H5P_DEFAULT);
+    if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, object);
+    TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, object));
+    H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i],
+                       (size_t)length + 1, H5P_DEFAULT);
+  }
+  *count = n;
+cleanup:
+  if (status != STATUS_OK) h5_free_texts(n, names);
+  return status;
+}
+
 enum status h5_read_text(struct h5_file *file, const char *name, char **text) {
   char **texts;
   size_t count;

@@ -44,6 +44,8 @@ enum status h5_write_attribute_text(struct h5_file *file, const char *name, cons
 bool h5_exists(struct h5_file *file, const char *name);
 /* Names of a group's members, sorted; free with h5_free_texts. */
 enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names);
+enum status h5_list_attributes(struct h5_file *file, const char *object, size_t *count,
+                               char ***names);
 bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute);
 /* Shape of a dataset: rank <= max_rank, dims filled. */
 enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank,

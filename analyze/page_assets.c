@@ -1,0 +1,41 @@
+#include "analyze/page_assets.h"
+
+/* The assembler takes the files in as they are ($(BUILD)/assets, see the Makefile); an array in C
+ * would take the compiler seconds and gigabytes. */
+#define ASSET(symbol, file)                                                                        \
+  __asm__(".pushsection .rodata\n"                                                                 \
+          ".balign 16\n"                                                                           \
+          "asset_" #symbol ": .incbin \"assets/" file "\"\n"                                       \
+          "asset_" #symbol "_end: .byte 0\n"                                                       \
+          ".popsection\n");                                                                        \
+  extern const char asset_##symbol[], asset_##symbol##_end[]
+
+ASSET(style, "page.css");
+ASSET(script, "page.js");
+ASSET(dygraph, "dygraph.min.js");
+ASSET(dygraph_style, "dygraph.min.css");
+ASSET(three, "three.min.js");
+ASSET(orbit, "OrbitControls.js");
+
+#define BETWEEN(symbol)                                                                            \
+  (struct asset) {                                                                                 \
+    asset_##symbol, (size_t)(asset_##symbol##_end - asset_##symbol)                                \
+  }
+
+struct asset asset_get(enum asset_name name) {
+  switch (name) {
+  case ASSET_STYLE:
+    return BETWEEN(style);
+  case ASSET_SCRIPT:
+    return BETWEEN(script);
+  case ASSET_DYGRAPH:
+    return BETWEEN(dygraph);
+  case ASSET_DYGRAPH_STYLE:
+    return BETWEEN(dygraph_style);
+  case ASSET_THREE:
+    return BETWEEN(three);
+  case ASSET_ORBIT:
+    return BETWEEN(orbit);
+  }
+  return (struct asset){"", 0};
+}

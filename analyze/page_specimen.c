@@ -1,0 +1,165 @@
+#include "analyze/page_specimen.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "analyze/page_html.h"
+#include "analyze/product.h"
+#include "common/hdf5_file.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/model_file.h"
+#include "common/units.h"
+
+#define PICTURE_SIDE 256 /* most pixels of a slice */
+
+/* The model's path as the run has it, or beside the run. */
+static bool find_model(const struct run *run, char *path, size_t size) {
+  const char *slash = strrchr(run->model_path, '/');
+  if (run->model_path[0] == '\0') return false;
+  snprintf(path, size, "%s", run->model_path);
+  if (access(path, R_OK) == 0) return true;
+  snprintf(path, size, "%s%s", run->folder, run->model_path);
+  if (access(path, R_OK) == 0) return true;
+  snprintf(path, size, "%s%s", run->folder, slash == NULL ? run->model_path : slash + 1);
+  return access(path, R_OK) == 0;
+}
+
+/* Layer z of a field as a picture, y upwards, at most PICTURE_SIDE pixels a side. */
+static enum status picture(FILE *stream, const struct voxel_model *model, size_t z,
+                           const float *grey, double low, double high, const char *alt) {
+  enum status status = STATUS_OK;
+  uint8_t *pixels = NULL;
+  uint32_t palette[256];
+  size_t nx = model->size[0], ny = model->size[1];
+  size_t width = nx < PICTURE_SIDE ? nx : PICTURE_SIDE;
+  size_t height = ny < PICTURE_SIDE ? ny : PICTURE_SIDE;
+  TRY(memory_allocate(&pixels, width * height, 1, "a picture"));
+  for (size_t j = 0; j < height; j++)
+    for (size_t i = 0; i < width; i++) {
+      size_t site = (z * ny + (height - 1 - j) * ny / height) * nx + i * nx / width;
+      double v = grey != NULL ? ((double)grey[site] - low) / (high - low) : model->solid[site];
+      pixels[j * width + i] = (uint8_t)lrint(255.0 * fmin(fmax(v, 0.0), 1.0));
+    }
+  html_palette_grey(palette);
+  fputs("<figure class=\"pixels\">", stream);
+  TRY(html_picture(stream, pixels, width, height, palette, alt));
+  fputs("<figcaption>", stream);
+  html_text(stream, alt);
+  fputs("</figcaption></figure>", stream);
+cleanup:
+  memory_free(&pixels);
+  return status;
+}
+
+static double attribute(struct h5_file *file, const char *group, const char *name) {
+  double value = NAN;
+  if (h5_attribute_exists(file, group, name) &&
+      h5_read_attribute(file, group, name, H5_F64, 1, &value) != STATUS_OK)
+    error_clear();
+  return value;
+}
+
+static void row(FILE *stream, const char *name, double value, const char *unit) {
+  if (!isfinite(value)) return;
+  fprintf(stream, "<tr><th>%s</th><td>%.5g%s%s</td></tr>\n", name, value, unit[0] ? " " : "", unit);
+}
+
+static void write_table(FILE *stream, struct h5_file *file, const struct voxel_model *model,
+                        const char *path) {
+  fputs("<table class=\"facts\"><tbody>\n<tr><th>Model file</th><td>", stream);
+  html_text(stream, path);
+  fprintf(stream,
+          "</td></tr>\n<tr><th>Sites (x, y, z)</th><td>%zu &times; %zu &times; %zu</td></tr>\n",
+          model->size[0], model->size[1], model->size[2]);
+  row(stream, "Spacing", 1e6 * model->spacing[0], "&micro;m");
+  row(stream, "Void ratio, measured on the specimen", model->void_ratio_measured, "");
+  row(stream, "Void ratio of the model", model->void_ratio, "");
+  row(stream, "Grey threshold", model->threshold, "");
+  row(stream, "Otsu's threshold, for comparison", attribute(file, "/calibration", "threshold_otsu"),
+      "");
+  row(stream, "Threshold per void ratio, dT/de",
+      attribute(file, "/calibration", "dthreshold_dvoid_ratio"), "");
+  row(stream, "Porosity", attribute(file, "/model", "porosity"), "");
+  row(stream, "Connected porosity", attribute(file, "/model", "connected_porosity"), "");
+  row(stream, "Isolated pores", attribute(file, "/model", "isolated_pores"), "");
+  row(stream, "Specific surface", 1e-3 * attribute(file, "/model", "specific_surface"),
+      "1/mm of bulk volume");
+  fputs("</tbody></table>\n", stream);
+}
+
+static enum status read_calibration(struct h5_file *file, const struct voxel_model *model,
+                                    json_t **calibration) {
+  enum status status = STATUS_OK;
+  static const char *const names[] = {"threshold", "void_ratio", "histogram"};
+  double *values[3] = {NULL, NULL, NULL};
+  size_t count[3] = {0, 0, 0};
+  json_t *object = NULL;
+  for (int i = 0; i < 3; i++) {
+    char name[64];
+    snprintf(name, sizeof name, "/calibration/%s", names[i]);
+    if (!h5_exists(file, name)) goto cleanup;
+    TRY(h5_read(file, name, H5_F64, 1, &count[i], &values[i]));
+  }
+  object = json_object();
+  for (int i = 0; i < 3; i++)
+    json_object_set_new(object, names[i], json_numbers(values[i], count[i]));
+  json_object_set_new(object, "void_ratio_measured", json_number(model->void_ratio_measured));
+  json_object_set_new(object, "threshold_chosen", json_number(model->threshold));
+  *calibration = object;
+cleanup:
+  for (int i = 0; i < 3; i++) memory_free(&values[i]);
+  return status;
+}
+
+static enum status write_model(const char *path, FILE *stream, json_t **calibration) {
+  enum status status = STATUS_OK;
+  struct voxel_model model = {0};
+  struct h5_file *file = NULL;
+  TRY(model_read(path, &model));
+  TRY(h5_open(path, &file));
+  size_t z = model.size[2] / 2;
+  if (model.mirror_plane > 0) z = (size_t)model.mirror_plane / 2; /* not the mirror itself */
+  fputs("<div class=\"pictures\">", stream);
+  if (model.grain_fraction != NULL)
+    TRY(picture(stream, &model, z, model.grain_fraction, 0.0, 1.0,
+                "Grain fraction of a layer, from the scan at the model's resolution"));
+  if (model.wall_distance != NULL)
+    TRY(picture(stream, &model, z, model.wall_distance, 2.0 * model.spacing[0],
+                -2.0 * model.spacing[0],
+                "Signed distance to the grain surface, 2 spacings each way"));
+  TRY(picture(stream, &model, z, NULL, 0.0, 1.0,
+              "The same layer of the binary model (grains light)"));
+  fputs("</div>\n", stream);
+  write_table(stream, file, &model, path);
+  TRY(read_calibration(file, &model, calibration));
+cleanup:
+  h5_close(file);
+  model_free(&model);
+  return status;
+}
+
+enum status page_specimen(const struct run *run, FILE *stream, json_t **calibration) {
+  char path[8200];
+  *calibration = NULL;
+  if (run->model_path[0] == '\0') {
+    fputs("<p>The scene has no scanned model; its domain and regions stand in the scene file "
+          "below.</p>\n",
+          stream);
+    return STATUS_OK;
+  }
+  if (find_model(run, path, sizeof path)) {
+    if (write_model(path, stream, calibration) == STATUS_OK) return STATUS_OK;
+    log_warning("%s; the report leaves the specimen out", error_message());
+    error_clear();
+  } else {
+    log_warning("%s: the model file %s is not found; the report leaves the specimen out (put it "
+                "beside the run)",
+                run->path, run->model_path);
+  }
+  fputs("<p>The model file <code>", stream);
+  html_text(stream, run->model_path);
+  fputs("</code> could not be read when this page was made.</p>\n", stream);
+  return STATUS_OK;
+}
