@@ -194,14 +194,14 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     }
     double scale = fit->intrinsic_permeability / fit->k;
     fputs("  k = ", stream);
-    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "cm/s");
+    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "+-", "cm/s");
     fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->k, fit->k_error, "m/s");
+    write_value_with_error(stream, fit->k, fit->k_error, "+-", "m/s");
     fputs("\n  intrinsic permeability = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "m^2");
+    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "+-", "m^2");
     fputs("\n    = ", stream);
     write_value_with_error(stream, fit->intrinsic_permeability / DARCY,
-                           scale * fit->k_error / DARCY, "darcy");
+                           scale * fit->k_error / DARCY, "+-", "darcy");
     fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
             table->first[g]->viscosity, table->first[g]->density);
     if (isfinite(fit->r_squared))

@@ -90,8 +90,15 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "drift_m_per_s", json_number(s->drift));
   json_object_set_new(object, "density_max_ratio", json_number(h->density_peak));
   json_object_set_new(object, "density_mean_ratio", json_number(h->density_mean));
-  json_object_set_new(object, "time_s", json_numbers(h->times, h->rows));
-  json_object_set_new(object, "darcy_velocity_series_m_per_s", json_numbers(h->velocity, h->rows));
+  /* The series are thinned to what a plot can show; history.csv has every row. */
+  json_object_set_new(object, "time_s", json_thinned(h->times, 1, h->rows));
+  json_object_set_new(object, "darcy_velocity_series_m_per_s",
+                      json_thinned(h->velocity, 1, h->rows));
+  const struct history_column *density = run_column(h->run, "density_max", 1);
+  json_object_set_new(object, "density_reference_kg_per_m3", json_number(h->run->density));
+  if (density != NULL)
+    json_object_set_new(object, "density_max_series_kg_per_m3",
+                        json_thinned(density->values, 1, h->rows));
   if (h->density.bins > 0)
     json_object_set_new(object, "density_histogram",
                         json_pack("{s:o,s:o}", "bin_edges",

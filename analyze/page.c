@@ -127,7 +127,7 @@ static double number(const json_t *object, const char *key) {
 
 static void quantity(FILE *out, double value, double relative, const char *unit) {
   fputs("<span class=\"quantity\">", out);
-  write_value_with_error(out, value, relative * value, unit);
+  write_value_with_error(out, value, relative * value, "&plusmn;", unit);
   fputs("</span>", out);
 }
 

@@ -135,7 +135,8 @@ void csv_text(FILE *stream, const char *text) {
   fputc('"', stream);
 }
 
-void write_value_with_error(FILE *stream, double value, double error, const char *unit) {
+void write_value_with_error(FILE *stream, double value, double error, const char *sign,
+                            const char *unit) {
   if (!isfinite(error)) {
     fprintf(stream, "%.4g %s (error unknown)", value, unit);
     return;
@@ -144,7 +145,7 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   /* As many digits as bring two of the error. */
   int digits = share > 0 ? (int)(floor(log10(fabs(value))) - floor(log10(error))) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
-  fprintf(stream, "%.*g +- %.2g %s (%.2g %%)", digits, value, error, unit, 100.0 * share);
+  fprintf(stream, "%.*g %s %.2g %s (%.2g %%)", digits, value, sign, error, unit, 100.0 * share);
 }
 
 json_t *json_number(double value) {

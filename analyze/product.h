@@ -37,8 +37,9 @@ enum status file_write(const char *path, const char *data, size_t size);
 
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
-/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to. */
-void write_value_with_error(FILE *stream, double value, double error, const char *unit);
+/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-". */
+void write_value_with_error(FILE *stream, double value, double error, const char *sign,
+                            const char *unit);
 
 /* A JSON number, null where it is not finite; a string, with bytes that are no UTF-8 replaced. */
 json_t *json_number(double value);
