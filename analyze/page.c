@@ -125,9 +125,19 @@ static double number(const json_t *object, const char *key) {
   return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
+/* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)", small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
 static void quantity(FILE *out, double value, double relative, const char *unit) {
+  char scaled[80];
+  int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   fputs("<span class=\"quantity\">", out);
-  write_value_with_error(out, value, relative * value, "&plusmn;", unit);
+  if (power >= -2 && power < 5) {
+    write_value_with_error(out, value, relative * value, "&plusmn;", unit);
+  } else {
+    double unitless = value / pow(10.0, power);
+    snprintf(scaled, sizeof scaled, "&times; 10<sup>%s%d</sup> %s", power < 0 ? "&minus;" : "",
+             abs(power), unit);
+    write_value_with_error(out, unitless, relative * unitless, "&plusmn;", scaled);
+  }
   fputs("</span>", out);
 }
 
@@ -309,8 +319,7 @@ static enum status write_body(struct page *page) {
   }
   fputs("</section>\n", out);
   TRY(write_figure(page, PART_DARCY, "Darcy&rsquo;s law",
-                   "Darcy velocity against hydraulic gradient with the fitted line; bars are "
-                   "95&nbsp;%."));
+                   "Darcy velocity against hydraulic gradient with the fitted line."));
   TRY(write_figure(
       page, PART_HISTORY, "History",
       "Darcy velocity and density against time, the density's histogram at the end, and "

@@ -16,6 +16,8 @@ field() { /usr/bin/python3 -c "import json,sys
 v = json.load(open('$1'))
 for key in '$2'.split('.'): v = v[int(key)] if key.isdigit() else v[key]
 print(v)"; }
+# absent ARGUMENTS: grep finds nothing (a bare "! grep" would not fail a bats test)
+absent() { if grep "$@"; then return 1; fi; }
 # near VALUE WANTED RELATIVE
 near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"; }
 
@@ -166,4 +168,68 @@ PY
   [ "$status" -eq 3 ]
   run analyze converge d1.hdf d5.hdf
   [ "$status" -eq 3 ] && [[ "$output" == *"same spacing"* ]]
+}
+
+# The page's own copy of the numbers, or its text.
+page_data() { /usr/bin/python3 - "$1" <<'PY'
+import re, sys
+print(re.search(r'<script type="application/json" id="data">(.*?)</script>', open(sys.argv[1]).read(), re.S).group(1))
+PY
+}
+
+@test "report: one self-contained page whose numbers are those of the JSON" {
+  analyze report d1.hdf d5.hdf d10.hdf -o page.html > /dev/null
+  [ "$(stat -c %s page.html)" -lt 3000000 ]
+  absent -qE '(src|href)="?(https?:)?//|<link|@import' page.html
+  page_data page.html > page.json
+  analyze darcy d1.hdf d5.hdf d10.hdf --json > same.json
+  /usr/bin/python3 - <<'PY'
+import json
+page, alone = json.load(open("page.json")), json.load(open("same.json"))
+assert page["darcy"] == alone
+for part in ("darcy", "history", "pdf", "slice"):
+    assert part in page, part
+PY
+  for section in headline specimen darcy history pdf slice flow effects methods provenance; do
+    grep -q "id=\"$section\"" page.html
+  done
+  grep -q "0.14981 &plusmn;" page.html
+}
+
+@test "report: nothing from a file is taken for HTML" {
+  /usr/bin/python3 "$MAKE_RUN" evil.hdf 'name=</script><script>alert(1)</script>' 'model=a"onload="x.hdf' 'status=<b>&'
+  analyze report evil.hdf -o evil.html > /dev/null
+  absent -q '<script>alert' evil.html
+  ! grep -q '"onload="' evil.html
+  page_data evil.html | /usr/bin/python3 -c 'import json,sys
+assert json.load(sys.stdin)["history"]["runs"][0]["name"] == "</script><script>alert(1)</script>"'
+}
+
+@test "report: runs without snapshots, without a force and of several spacings" {
+  /usr/bin/python3 "$MAKE_RUN" nosnap.hdf snapshots=0
+  run analyze report nosnap.hdf -o nosnap.html
+  [ "$status" -eq 0 ] && [[ "$output" == *"no velocity distribution"* ]]
+  /usr/bin/python3 "$MAKE_RUN" calm.hdf i=0 k=0 driving=0
+  run analyze report calm.hdf -o calm.html
+  [ "$status" -eq 0 ]
+  grep -q "there is no permeability" calm.html
+  /usr/bin/python3 "$MAKE_RUN" r20.hdf n=20 spacing=4e-5 k=1.04e-3 method=stokes
+  /usr/bin/python3 "$MAKE_RUN" r40.hdf n=40 spacing=2e-5 k=1.01e-3 method=stokes
+  analyze report r20.hdf r40.hdf -o conv.html > /dev/null
+  grep -q "Extrapolated to spacing 0" conv.html
+  run analyze report d1.hdf
+  [ "$status" -eq 2 ]
+}
+
+@test "report: renders in a browser without an error and draws in three dimensions" {
+  command -v chromium > /dev/null || skip "chromium is not installed"
+  analyze report d1.hdf d10.hdf -o page.html > /dev/null
+  chromium --headless --no-sandbox --disable-quic --no-first-run --disable-background-networking \
+    --disable-component-update --disable-sync --user-data-dir="$PWD/profile" --use-angle=swiftshader \
+    --enable-unsafe-swiftshader --virtual-time-budget=20000 --enable-logging=stderr \
+    --dump-dom "file://$PWD/page.html" > dom.html 2> browser.log
+  absent -iE "CONSOLE.*(error|exception|refused|three-dimensional)" browser.log
+  grep -q 'data-drawn="yes"' dom.html
+  [ "$(grep -o '<canvas' dom.html | wc -l)" -ge 11 ] # two a curve, and the view
+  absent -q ">undefined<\|>NaN<" dom.html
 }
