@@ -1,6 +1,6 @@
 /* Particle shifting by concentration (Lind et al. 2012; Skillen et al. 2013): particles drift from
  * where they crowd to where they are sparse,
- *   dx = - A h U dt grad C,  C = sum V W,  U the larger of the particle's speed and h |grad v|,
+ *   dx = - min(A U dt, h) h grad C,  C = sum V W,  U the larger of the particle's speed and h |S|,
  * at most a tenth of a particle. The velocity goes along with the particle, v += dx . grad v, which
  * is what keeps shifting from diffusing momentum. None at a free surface, none where nothing moves.
  */
@@ -9,13 +9,13 @@
 
 #include <math.h>
 
-#define SHIFT_STRENGTH 2.0
-#define SHIFT_MOST 0.1 /* of the particle's size */
+#define SHIFT_STRENGTH 10.0 /* A */
+#define SHIFT_MOST 0.1      /* of the particle's size */
 
 /* `imbalance` = - grad C. */
 static inline void shift_of(const double imbalance[3], double h, double speed, double dt,
                             double size, double weight, double shift[3]) {
-  double scale = SHIFT_STRENGTH * h * speed * dt * weight;
+  double scale = fmin(SHIFT_STRENGTH * speed * dt, h) * h * weight;
   double length = scale * sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] +
                                imbalance[2] * imbalance[2]);
   if (length > SHIFT_MOST * size) scale *= SHIFT_MOST * size / length;

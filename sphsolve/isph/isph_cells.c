@@ -228,6 +228,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     s->pair_number[i] = (uint16_t)(count - chunk->pair_count);
     chunk->pair_count = count;
 
+    double water = filling;
     s->wall_first[i] = (uint32_t)chunk->wall_count;
     s->wall_number[i] = 0;
     if (s->boundary_count > 0)
@@ -250,6 +251,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     }
 
     s->filling[i] = filling;
+    if (s->on.surface) s->filling_walls[i] = filling - water;
     memcpy(s->imbalance[i], imbalance, sizeof imbalance);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */

@@ -54,7 +54,10 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
   TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
-  if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
+  if (s->on.surface) {
+    TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
+    TRY(memory_resize(&s->filling_walls, n, sizeof *s->filling_walls, what));
+  }
   if (s->on.turbulence || s->on.shifting)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -198,6 +201,7 @@ void isph_free(struct isph *s) {
                     &s->imbalance,
                     &s->correction,
                     &s->surface,
+                    &s->filling_walls,
                     &s->gradient,
                     &s->mobility,
                     &s->eddy,

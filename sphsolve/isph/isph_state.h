@@ -105,6 +105,7 @@ struct isph {
   double (*imbalance)[3];        /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];        /* L, gradient correction */
   double *surface;               /* 0 bulk .. 1 surface; NULL without */
+  double *filling_walls;         /* the walls' part of it; NULL without a surface */
   float (*gradient)[9];          /* dv_a/dx_b; NULL if nobody asks */
   double *drag_left;             /* B: share of v_D left by the drag; NULL without */
   double *mobility;              /* k = B T G / rho_w */

@@ -126,63 +126,47 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* The level q = 0 of the reduced pressure q = P - rho f.x: its mean over the surface, or over all
- * water without one. */
-static double reduced_datum(const struct isph *s) {
-  double sum = 0, weight = 0;
-  for (size_t i = 0; i < s->count; i++) {
-    const double *x = s->position[i], *f = s->force;
-    double w = s->closed || !s->on.surface ? 1 : s->surface[i];
-    sum += w * (s->pressure[i] - s->density * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]));
-    weight += w;
-  }
-  return weight > 0 ? sum / weight : 0;
+/* A neighbour's share of the gradients of q and of P. */
+static inline void add_drop(const double f[3], double rho, double weight, double drop,
+                            const double r[3], double reduced[3], double own[3]) {
+  double fall = drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+  for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
 }
 
-/* v^{n+1} = v* - k grad q, q = P - rho f.x the pressure without its hydrostatic part, with
- *   grad q = sum_j V_j (q_i + q_j) grad W + 2 q_i sum_walls V grad W + 2 w q_s n-part
- * the exact adjoint of the divergence: what the pressure does to the velocities never adds energy,
- * and q is the same everywhere in water at rest. Written about q_i:
- *   grad q = sum_j V_j (q_j - q_i) grad W + 2 (q_i - w q_s) sum V grad W,  q_s = -rho f.x_s. */
+/* v^{n+1} = v* - k grad q, q = P - rho f.x the pressure without its hydrostatic part. The gradient
+ * is the adjoint of the divergence up to terms in the imbalance sum V grad W, so that the pressure
+ * takes energy from the flow and never gives any:
+ *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s.
+ * The second term is the surface's; walls have q_w = q_i. In water at rest q is the same everywhere
+ * and nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
+ * gradient corrected to be exact for linear fields is unstable beside walls and surfaces.) */
 static void correct(struct isph *s) {
-  const double *f = s->force, rho = s->density, datum = reduced_datum(s);
+  const double *f = s->force, rho = s->density;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i], *m = s->imbalance[i];
-      double k = s->mobility[i], pressure = s->pressure[i], sum[3] = {0};
+      const double *xi = s->position[i];
+      double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         double r[3];
         isph_separation(s, xi, s->position, chunk->pair[p], r);
-        double drop = pressure - s->pressure[j] - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-        double d = s->volume[j] * (double)chunk->slope[p] * drop;
-        for (int a = 0; a < 3; a++) sum[a] += d * r[a];
+        add_drop(f, rho, s->volume[j] * (double)chunk->slope[p], pressure - s->pressure[j], r,
+                 reduced, own);
       }
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) continue;
         double r[3];
         isph_separation(s, xi, s->boundary_position, entry, r);
-        double drop =
-            pressure - s->boundary_pressure[j] - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-        double d = s->wall_volume * (double)chunk->wall_slope[p] * drop;
-        for (int a = 0; a < 3; a++) sum[a] += d * r[a];
+        add_drop(f, rho, s->wall_volume * (double)chunk->wall_slope[p],
+                 pressure - s->boundary_pressure[j], r, reduced, own);
       }
-      double potential = rho * (f[0] * xi[0] + f[1] * xi[1] + f[2] * xi[2]);
-      double q = pressure - potential - datum, whole = 1;
-      if (s->on.surface) {
-        double w = s->surface[i], length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-        double d = 0.5 * size_of(s, s->volume[i]) / fmax(length, 1e-30);
-        double q_s = -potential - rho * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]) - datum;
-        q -= w * q_s;
-        whole = fmin(1, fmax(0, (s->filling[i] - s->filling_alone - 0.1) * 5));
-      }
-      for (int a = 0; a < 3; a++) {
-        double gradient = sum[a] - 2 * q * m[a];
-        s->velocity[i][a] = s->predicted[i][a] - k * (whole * gradient - (1 - whole) * rho * f[a]);
-      }
+      double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
+      for (int a = 0; a < 3; a++)
+        s->velocity[i][a] =
+            s->predicted[i][a] - k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
     }
   }
 }
@@ -279,7 +263,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   }
   double force =
       sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]);
-  double dt = 0.25 * s->spacing / fmax(fastest, 1e-30);
+  double dt = (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30);
   *limited_by = "isph_projection";
   if (force > 0 && 0.25 * sqrt(s->spacing / force) < dt) dt = 0.25 * sqrt(s->spacing / force);
   if (s->on.viscosity && 0.1 * s->spacing * s->spacing / thickest < dt) {
