@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/isph_kernel.h"
+#include "sphsolve/isph/isph_multigrid.h"
 
 /* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
  * with a support of a few spacings misses 1 are taken out of every operator. */
@@ -65,6 +66,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
   TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
+  TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
   for (int k = 0; k < 4; k++) TRY(memory_resize(&s->work[k], n, sizeof *s->work[k], what));
   TRY(memory_resize(&s->pair_first, n, sizeof *s->pair_first, what));
   TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
@@ -175,6 +177,7 @@ cleanup:
 }
 
 void isph_free(struct isph *s) {
+  multigrid_free(s);
 
   for (size_t c = 0; c < s->chunk_capacity; c++) {
     memory_free(&s->chunks[c].pair);
@@ -208,6 +211,7 @@ void isph_free(struct isph *s) {
                     &s->predicted,
                     &s->diagonal,
                     &s->source,
+                    &s->tied,
                     &s->work[0],
                     &s->work[1],
                     &s->work[2],

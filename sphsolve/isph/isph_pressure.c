@@ -5,6 +5,7 @@
 
 #include "sphsolve/effects/isph_relaxation.h"
 #include "sphsolve/effects/isph_surface.h"
+#include "sphsolve/isph/isph_multigrid.h"
 
 #define BLOCK 1024
 #define ITERATIONS_MAX 2000
@@ -42,11 +43,10 @@ void isph_assemble(struct isph *s, double tau) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
-    chunk->fixed = 0;
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i], *vi = s->predicted[i];
       double ki = s->mobility[i], vol = s->volume[i];
-      double diagonal = 0, source = 0, divergence = 0, walled = 0;
+      double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->slope[p];
@@ -65,7 +65,7 @@ void isph_assemble(struct isph *s, double tau) {
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double a = 2 * vol * s->wall_volume * ki * slope;
-          diagonal += a, chunk->fixed += a;
+          diagonal += a, tied += a;
           source += a * (s->boundary_pressure[j] + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]));
           continue;
         }
@@ -80,15 +80,16 @@ void isph_assemble(struct isph *s, double tau) {
       if (s->on.surface) {
         double coefficient, load;
         surface_row(s, i, diagonal + walled, &coefficient, &load);
-        diagonal += coefficient, chunk->fixed += coefficient;
+        diagonal += coefficient, tied += coefficient;
         source += load;
       }
       if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau);
       s->diagonal[i] = diagonal > 0 ? diagonal : 1;
       s->source[i] = source;
+      s->tied[i] = tied;
     }
   }
-  for (size_t c = 0; c < s->chunk_count; c++) fixed += s->chunks[c].fixed;
+  for (size_t i = 0; i < s->count; i++) fixed += s->tied[i];
   s->closed = fixed == 0;
 }
 
@@ -112,16 +113,13 @@ static void remove_mean(size_t n, double *values, const double *ones) {
   for (size_t i = 0; i < n; i++) values[i] -= mean;
 }
 
-static void precondition(struct isph *s, const double *r, double *z) {
-  for (size_t i = 0; i < s->count; i++) z[i] = r[i] / s->diagonal[i];
-}
-
 enum status isph_solve_pressure(struct isph *s) {
   size_t n = s->count;
   double *x = s->pressure, *b = s->source;
   double *r = s->work[0], *z = s->work[1], *p = s->work[2], *q = s->work[3];
   double tolerance = s->scene->isph.tolerance;
   struct isph_solve *solve = &s->solve;
+  enum status status;
   solve->iterations = 0;
   solve->solves++;
   if (n == 0) return STATUS_OK;
@@ -140,13 +138,15 @@ enum status isph_solve_pressure(struct isph *s) {
     memset(x, 0, n * sizeof *x);
     return STATUS_OK;
   }
+  status = multigrid_build(s);
+  if (status != STATUS_OK) return status;
   multiply(s, x, q);
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < n; i++) r[i] = b[i] - q[i];
   double residual = sqrt(isph_dot(n, r, r)), rz = 0;
   int iteration = 0;
   while (residual > tolerance * norm && iteration < ITERATIONS_MAX) {
-    precondition(s, r, z);
+    multigrid_apply(s, r, z);
     double rz_new = isph_dot(n, r, z), beta = iteration > 0 ? rz_new / rz : 0;
     rz = rz_new;
 #pragma omp parallel for schedule(static)

@@ -60,7 +60,6 @@ struct isph_chunk {
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
   float *wall_slope;
-  double fixed; /* sum of what ties the pressure of this chunk to a given one */
 };
 
 struct isph_cells {
@@ -73,6 +72,8 @@ struct isph_solve {
   int iterations, iterations_total, solves;
   double residual;
 };
+
+struct isph_multigrid;
 
 struct isph {
   const struct scene *scene;
@@ -98,20 +99,21 @@ struct isph {
 
   /* found anew each step */
   double *volume, *support;
-  double *porosity, *soil_share; /* NULL without soil */
-  double *drag_a, *drag_b;       /* NULL without soil */
-  double (*soil_velocity)[3];    /* NULL unless soil moves */
-  double *filling;               /* sum V W with walls: 1 in the bulk */
-  double (*imbalance)[3];        /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];        /* L, gradient correction */
-  double *surface;               /* 0 bulk .. 1 surface; NULL without */
-  double *filling_walls;         /* the walls' part of it; NULL without a surface */
-  float (*gradient)[9];          /* dv_a/dx_b; NULL if nobody asks */
-  double *drag_left;             /* B: share of v_D left by the drag; NULL without */
-  double *mobility;              /* k = B T G / rho_w */
-  double *eddy;                  /* nu + nu_T; NULL without viscosity */
-  double (*predicted)[3];        /* v* without the driving force */
-  double *diagonal, *source;
+  double *porosity, *soil_share;    /* NULL without soil */
+  double *drag_a, *drag_b;          /* NULL without soil */
+  double (*soil_velocity)[3];       /* NULL unless soil moves */
+  double *filling;                  /* sum V W with walls: 1 in the bulk */
+  double (*imbalance)[3];           /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];           /* L, gradient correction */
+  double *surface;                  /* 0 bulk .. 1 surface; NULL without */
+  double *filling_walls;            /* the walls' part of it; NULL without a surface */
+  float (*gradient)[9];             /* dv_a/dx_b; NULL if nobody asks */
+  double *drag_left;                /* B: share of v_D left by the drag; NULL without */
+  double *mobility;                 /* k = B T G / rho_w */
+  double *eddy;                     /* nu + nu_T; NULL without viscosity */
+  double (*predicted)[3];           /* v* without the driving force */
+  double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
+  struct isph_multigrid *multigrid;
   double *work[4];                   /* r, z, p, q of CG */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
