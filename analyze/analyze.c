@@ -84,7 +84,7 @@ static enum status parse_zoom(const struct options *options, struct slice_reques
 static enum status slice_command(const struct options *options, const struct run *run,
                                  struct product *product) {
   enum status status = STATUS_OK;
-  struct slice_request request = {.position = NAN, .thickness = NAN};
+  struct slice_request request = {.axis = -1, .position = NAN, .thickness = NAN};
   TRY(parse_plane(options, &request));
   TRY(parse_zoom(options, &request));
   TRY(options_quantity(options, "thickness", DIM_LENGTH, &request.thickness));
@@ -98,9 +98,17 @@ static enum status read_runs(const struct options *options, struct run **runs, s
   size_t count = options_operand_count(options);
   TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
   for (size_t i = 0; i < count; i++) {
-    TRY(run_read(options_operand(options, i), &(*runs)[i]));
-    *n = i + 1;
+    const char *path = options_operand(options, i);
+    if (count > 1 && run_is_companion(path)) {
+      log_info("%s: no run but a file beside one, passed over", path);
+      continue;
+    }
+    TRY(run_read(path, &(*runs)[*n]));
+    (*n)++;
   }
+  if (*n == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: none of the files is a run; give OUT.hdf of sphsolve run",
+             options_operand(options, 0));
 cleanup:
   return status;
 }

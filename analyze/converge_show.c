@@ -203,7 +203,7 @@ static void write_summary(const struct level *levels, const struct series *serie
     }
     double k = s->result.value * conductivity(fine);
     fputs("  extrapolated to spacing 0: k = ", stream);
-    write_value_with_error(stream, 100.0 * k, 100.0 * k * s->error, "+-", "cm/s");
+    write_value_with_error(stream, 100.0 * k, 100.0 * k * s->error, "+-", " cm/s");
     fprintf(stream, "\n    = %.5g m/s = %.5g m^2 = %.5g darcy\n", k, s->result.value,
             s->result.value / DARCY);
     if (isfinite(s->result.order))

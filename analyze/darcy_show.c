@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/error_budget.h"
 #include "analyze/plot.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -108,13 +109,53 @@ static void fit_json(const struct darcy_fit *fit, json_t *object) {
                                 "share_at_highest_velocity", json_number(fit->curvature)));
 }
 
+/* The parts of the error, of the group's first run. */
+static void budget_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
+  struct error_budget budget;
+  double statistical = fit->count > 0 ? fit->k_error / fit->k : NAN;
+  error_budget_read(run, &budget);
+  json_object_set_new(object, "error_budget",
+                      json_pack("{s:o,s:o,s:o,s:o}", "averaging_and_fit", json_number(statistical),
+                                "resolution_expected", json_number(budget.resolution), "void_ratio",
+                                json_number(budget.void_ratio), "total",
+                                json_number(error_budget_total(&budget, statistical))));
+  json_object_set_new(object, "dlnk_dvoid_ratio", json_number(budget.slope_void_ratio));
+  json_object_set_new(object, "dlnk_dthreshold", json_number(budget.slope_threshold));
+}
+
+static void write_budget(const struct run *run, const struct darcy_fit *fit, FILE *stream) {
+  struct error_budget budget;
+  double statistical = fit->k_error / fit->k;
+  error_budget_read(run, &budget);
+  fputs("  error of k: averaging and fit ", stream);
+  if (isfinite(statistical))
+    fprintf(stream, "%.2g %%", 100.0 * statistical);
+  else
+    fputs("unknown", stream);
+  if (isfinite(budget.resolution))
+    fprintf(stream, ", resolution (expected) %.2g %%", 100.0 * budget.resolution);
+  if (isfinite(budget.void_ratio))
+    fprintf(stream, ", void ratio %.2g %%", 100.0 * budget.void_ratio);
+  fprintf(stream, "; together %.2g %%\n", 100.0 * error_budget_total(&budget, statistical));
+  if (isfinite(budget.slope_void_ratio))
+    fprintf(stream, "  k moves by %.2g %% for 0.01 of void ratio (Kozeny-Carman)",
+            budget.slope_void_ratio);
+  if (isfinite(budget.slope_threshold))
+    fprintf(stream, ", by %.2g %% for one grey level of the threshold",
+            100.0 * budget.slope_threshold);
+  if (isfinite(budget.slope_void_ratio)) fputc('\n', stream);
+}
+
 static const char superficial[] =
     "superficial (Darcy) velocity = sum of the fluid's velocity over all sites / number of sites "
     "of the bulk, grains included";
 
 static void write_json(const struct darcy_table *table, json_t *json) {
   json_t *groups = json_array();
-  if (table->groups == 1) fit_json(&table->fits[0], json);
+  if (table->groups == 1) {
+    fit_json(&table->fits[0], json);
+    budget_json(table->first[0], &table->fits[0], json);
+  }
   for (size_t g = 0; g < table->groups; g++) {
     char name[400];
     json_t *group = json_object(), *rows = json_array();
@@ -122,6 +163,7 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     run_group_name(first, name, sizeof name);
     json_object_set_new(group, "name", json_text(name));
     fit_json(&table->fits[g], group);
+    budget_json(first, &table->fits[g], group);
     json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
     json_object_set_new(group, "density_kg_per_m3", json_number(first->density));
     for (size_t i = 0; i < table->n; i++) {
@@ -194,16 +236,17 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     }
     double scale = fit->intrinsic_permeability / fit->k;
     fputs("  k = ", stream);
-    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "+-", "cm/s");
+    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "+-", " cm/s");
     fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->k, fit->k_error, "+-", "m/s");
+    write_value_with_error(stream, fit->k, fit->k_error, "+-", " m/s");
     fputs("\n  intrinsic permeability = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "+-", "m^2");
+    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "+-", " m^2");
     fputs("\n    = ", stream);
     write_value_with_error(stream, fit->intrinsic_permeability / DARCY,
-                           scale * fit->k_error / DARCY, "+-", "darcy");
+                           scale * fit->k_error / DARCY, "+-", " darcy");
     fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
             table->first[g]->viscosity, table->first[g]->density);
+    write_budget(table->first[g], fit, stream);
     if (isfinite(fit->r_squared))
       fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
     if (isfinite(fit->free_slope))

@@ -40,10 +40,9 @@ struct page {
  */
 static enum status run_part(struct page *page, enum part part) {
   enum status status = STATUS_OK;
-  struct slice_request middle = {.position = NAN, .thickness = NAN};
+  struct slice_request middle = {.axis = -1, .position = NAN, .thickness = NAN};
   struct product *product = &page->part[part];
   const struct run *first = &page->runs[0];
-  if (first->size[0] == 1 || first->dimensions == 2) middle.axis = 1;
   TRY(product_start(part_names[part], product));
   page->has[part] = true;
   switch (part) {
@@ -131,10 +130,12 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
   int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   fputs("<span class=\"quantity\">", out);
   if (power >= -2 && power < 5) {
-    write_value_with_error(out, value, relative * value, "&plusmn;", unit);
+    snprintf(scaled, sizeof scaled, " %s", unit);
+    write_value_with_error(out, value, relative * value, "&plusmn;", scaled);
   } else {
     double unitless = value / pow(10.0, power);
-    snprintf(scaled, sizeof scaled, "&times; 10<sup>%s%d</sup> %s", power < 0 ? "&minus;" : "",
+    fputc('(', out);
+    snprintf(scaled, sizeof scaled, ") &times; 10<sup>%s%d</sup> %s", power < 0 ? "&minus;" : "",
              abs(power), unit);
     write_value_with_error(out, unitless, relative * unitless, "&plusmn;", scaled);
   }
@@ -162,7 +163,16 @@ static void write_headline(FILE *out, const json_t *fit, const char *name, const
   quantity(out, permeability, relative, "m&sup2;");
   fputs("<br>= ", out);
   quantity(out, permeability / 9.869233e-13, relative, "darcy");
-  fprintf(out, "</p>\n<p class=\"note\">%s</p></article>\n", note);
+  fprintf(out, "</p>\n<p class=\"note\">%s", note);
+  const json_t *budget = json_object_get(fit, "error_budget");
+  double resolution = number(budget, "resolution_expected"), off = number(budget, "void_ratio");
+  if (isfinite(resolution))
+    fprintf(out, " Resolution is expected to add %.2g&nbsp;%%.", 100.0 * resolution);
+  if (isfinite(off)) fprintf(out, " The model&rsquo;s void ratio adds %.2g&nbsp;%%.", 100.0 * off);
+  if (isfinite(number(fit, "dlnk_dthreshold")))
+    fprintf(out, " One grey level of the threshold moves <var>k</var> by about %.2g&nbsp;%%.",
+            100.0 * number(fit, "dlnk_dthreshold"));
+  fputs("</p></article>\n", out);
 }
 
 static void write_headlines(struct page *page) {

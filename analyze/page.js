@@ -8,7 +8,9 @@
   };
   const data = read('data');
   const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const okabeIto = ['#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9', '#999999'];
+  const dark = window.matchMedia('(prefers-color-scheme: dark)').matches && !window.matchMedia('print').matches;
+  /* Okabe, Ito (2008); on dark paper the light ones first. */
+  const okabeIto = dark ? ['#56B4E9', '#E69F00', '#009E73', '#CC79A7', '#F0E442', '#D55E00', '#999999'] : ['#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9', '#999999'];
   const colour = i => okabeIto[i % okabeIto.length];
   const element = (parent, tag, className, text) => {
     const e = document.createElement(tag);

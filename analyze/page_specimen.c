@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "analyze/page_html.h"
 #include "analyze/product.h"
@@ -13,18 +12,6 @@
 #include "common/units.h"
 
 #define PICTURE_SIDE 256 /* most pixels of a slice */
-
-/* The model's path as the run has it, or beside the run. */
-static bool find_model(const struct run *run, char *path, size_t size) {
-  const char *slash = strrchr(run->model_path, '/');
-  if (run->model_path[0] == '\0') return false;
-  snprintf(path, size, "%s", run->model_path);
-  if (access(path, R_OK) == 0) return true;
-  snprintf(path, size, "%s%s", run->folder, run->model_path);
-  if (access(path, R_OK) == 0) return true;
-  snprintf(path, size, "%s%s", run->folder, slash == NULL ? run->model_path : slash + 1);
-  return access(path, R_OK) == 0;
-}
 
 /* Layer z of a field as a picture, y upwards, at most PICTURE_SIDE pixels a side. */
 static enum status picture(FILE *stream, const struct voxel_model *model, size_t z,
@@ -149,7 +136,7 @@ enum status page_specimen(const struct run *run, FILE *stream, json_t **calibrat
           stream);
     return STATUS_OK;
   }
-  if (find_model(run, path, sizeof path)) {
+  if (run_find_model(run, path, sizeof path)) {
     if (write_model(path, stream, calibration) == STATUS_OK) return STATUS_OK;
     log_warning("%s; the report leaves the specimen out", error_message());
     error_clear();

@@ -138,14 +138,14 @@ void csv_text(FILE *stream, const char *text) {
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit) {
   if (!isfinite(error)) {
-    fprintf(stream, "%.4g %s (error unknown)", value, unit);
+    fprintf(stream, "%.4g%s (error unknown)", value, unit);
     return;
   }
   double share = error / fabs(value);
   /* As many digits as bring two of the error. */
   int digits = share > 0 ? (int)(floor(log10(fabs(value))) - floor(log10(error))) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
-  fprintf(stream, "%.*g %s %.2g %s (%.2g %%)", digits, value, sign, error, unit, 100.0 * share);
+  fprintf(stream, "%.*g %s %.2g%s (%.2g %%)", digits, value, sign, error, unit, 100.0 * share);
 }
 
 json_t *json_number(double value) {

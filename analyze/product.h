@@ -37,7 +37,8 @@ enum status file_write(const char *path, const char *data, size_t size);
 
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
-/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-". */
+/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-",
+ * `unit` " cm/s". */
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit);
 

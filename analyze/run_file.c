@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/memory.h"
 #include "common/provenance.h"
@@ -58,6 +59,8 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "darcy_velocity", 3, run->darcy_velocity));
   TRY(read_numbers(file, "k", 1, &run->k));
   TRY(read_numbers(file, "k_error", 1, &run->k_error));
+  TRY(read_numbers(file, "reynolds", 1, &run->reynolds));
+  TRY(read_numbers(file, "predicted_error", 1, &run->predicted_error));
   TRY(read_numbers(file, "wall_time", 1, &run->wall_time));
   TRY(read_numbers(file, "steps", 1, &run->steps));
 
@@ -210,6 +213,29 @@ cleanup:
   h5_close(file);
   if (status != STATUS_OK) run_free(run);
   return status;
+}
+
+bool run_is_companion(const char *path) {
+  struct h5_file *file = NULL;
+  bool companion = false;
+  if (h5_open(path, &file) == STATUS_OK)
+    companion = !h5_exists(file, "/run") &&
+                (h5_exists(file, "/VTKHDF/Points") || h5_exists(file, "/recorder"));
+  else
+    error_clear();
+  h5_close(file);
+  return companion;
+}
+
+bool run_find_model(const struct run *run, char *path, size_t size) {
+  const char *slash = strrchr(run->model_path, '/');
+  if (run->model_path[0] == '\0') return false;
+  snprintf(path, size, "%s", run->model_path);
+  if (access(path, R_OK) == 0) return true;
+  snprintf(path, size, "%s%s", run->folder, run->model_path);
+  if (access(path, R_OK) == 0) return true;
+  snprintf(path, size, "%s%s", run->folder, slash == NULL ? run->model_path : slash + 1);
+  return access(path, R_OK) == 0;
 }
 
 void run_free(struct run *run) {

@@ -33,9 +33,10 @@ struct run {
   size_t size[3];
   int dimensions;
   double bulk_count, fluid_count;
-  double darcy_velocity[3]; /* as sphsolve found it; NAN if not stored */
-  double k, k_error;        /* m/s, relative; NAN if not stored */
-  double wall_time, steps;  /* s; NAN if not stored */
+  double darcy_velocity[3];         /* as sphsolve found it; NAN if not stored */
+  double k, k_error;                /* m/s, relative; NAN if not stored */
+  double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
+  double wall_time, steps;          /* s; NAN if not stored */
 
   size_t column_count;
   struct history_column *columns;
@@ -48,6 +49,13 @@ struct run {
 /* Reads everything but the snapshots' particles. On failure the run is empty. */
 enum status run_read(const char *path, struct run *run);
 void run_free(struct run *run);
+
+/* Whether `path` is a snapshot or checkpoint that lies beside a run, as a shell's OUT*.hdf names
+ * it. */
+bool run_is_companion(const char *path);
+
+/* The run's model file: as the run names it, or beside the run. False without one. */
+bool run_find_model(const struct run *run, char *path, size_t size);
 
 /* The column of that name with that many components, or NULL. */
 const struct history_column *run_column(const struct run *run, const char *name, int components);

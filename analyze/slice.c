@@ -27,9 +27,9 @@ static double extent_high(const struct run *run, int d) {
 static enum status choose_window(const struct run *run, const struct slice_request *request,
                                  struct window *w) {
   static const char axes[] = "xyz";
-  w->axis = request->axis;
-  w->across = request->axis == 0 ? 1 : 0;
-  w->up = request->axis == 2 ? 1 : 2;
+  w->axis = request->axis >= 0 ? request->axis : run->dimensions == 2 ? 1 : 0;
+  w->across = w->axis == 0 ? 1 : 0;
+  w->up = w->axis == 2 ? 1 : 2;
   double low = extent_low(run, w->axis), high = extent_high(run, w->axis);
   w->middle = isfinite(request->position) ? request->position : 0.5 * (low + high);
   w->thickness = isfinite(request->thickness) ? request->thickness : run->spacing[w->axis];

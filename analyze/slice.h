@@ -9,7 +9,7 @@
 #include "analyze/run_file.h"
 
 struct slice_request {
-  int axis;         /* normal of the plane: 0 x, 1 y, 2 z */
+  int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y of a 2-D run */
   double position;  /* m, middle of the slab; NAN: middle of the run */
   double thickness; /* m; NAN: one spacing */
   bool zoomed;
