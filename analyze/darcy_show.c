@@ -123,27 +123,28 @@ static void budget_json(const struct run *run, const struct darcy_fit *fit, json
   json_object_set_new(object, "dlnk_dthreshold", json_number(budget.slope_threshold));
 }
 
+static void write_part(FILE *stream, const char *what, double share) {
+  if (!isfinite(share)) return;
+  fputs(what, stream);
+  write_percent(stream, share);
+}
+
 static void write_budget(const struct run *run, const struct darcy_fit *fit, FILE *stream) {
   struct error_budget budget;
   double statistical = fit->k_error / fit->k;
   error_budget_read(run, &budget);
   fputs("  error of k: averaging and fit ", stream);
   if (isfinite(statistical))
-    fprintf(stream, "%.2g %%", 100.0 * statistical);
+    write_percent(stream, statistical);
   else
     fputs("unknown", stream);
-  if (isfinite(budget.resolution))
-    fprintf(stream, ", resolution (expected) %.2g %%", 100.0 * budget.resolution);
-  if (isfinite(budget.void_ratio))
-    fprintf(stream, ", void ratio %.2g %%", 100.0 * budget.void_ratio);
-  fprintf(stream, "; together %.2g %%\n", 100.0 * error_budget_total(&budget, statistical));
-  if (isfinite(budget.slope_void_ratio))
-    fprintf(stream, "  k moves by %.2g %% for 0.01 of void ratio (Kozeny-Carman)",
-            budget.slope_void_ratio);
-  if (isfinite(budget.slope_threshold))
-    fprintf(stream, ", by %.2g %% for one grey level of the threshold",
-            100.0 * budget.slope_threshold);
-  if (isfinite(budget.slope_void_ratio)) fputc('\n', stream);
+  write_part(stream, ", resolution (expected) ", budget.resolution);
+  write_part(stream, ", void ratio ", budget.void_ratio);
+  write_part(stream, "; together ", error_budget_total(&budget, statistical));
+  write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * budget.slope_void_ratio);
+  write_part(stream, " (Kozeny-Carman), one grey level of the threshold by ",
+             budget.slope_threshold);
+  fputc('\n', stream);
 }
 
 static const char superficial[] =

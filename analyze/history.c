@@ -180,7 +180,7 @@ static void write_series(FILE *stream, const char *name, size_t i, size_t rows, 
                          double time_scale, const double *values, size_t stride, double scale,
                          double offset) {
   fprintf(stream, "$%s%zu << EOD\n", name, i);
-  size_t step = rows / 4000 + 1; /* more points than pixels only swell the file */
+  size_t step = rows / 1000 + 1; /* more points than pixels only swell the file */
   for (size_t r = 0; r < rows; r += step)
     if (isfinite(values[r * stride]))
       fprintf(stream, "%.8g %.8g\n", times[r] * time_scale, values[r * stride] * scale - offset);

@@ -142,6 +142,13 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
   fputs("</span>", out);
 }
 
+static void note_percent(FILE *out, const char *what, double share) {
+  if (!isfinite(share)) return;
+  fputs(what, out);
+  write_percent(out, share);
+  fputc('.', out);
+}
+
 /* "0.154 +- 0.002 cm/s" large, the other units below; the JSON of the page holds the same numbers.
  */
 static void write_headline(FILE *out, const json_t *fit, const char *name, const char *note) {
@@ -165,13 +172,10 @@ static void write_headline(FILE *out, const json_t *fit, const char *name, const
   quantity(out, permeability / 9.869233e-13, relative, "darcy");
   fprintf(out, "</p>\n<p class=\"note\">%s", note);
   const json_t *budget = json_object_get(fit, "error_budget");
-  double resolution = number(budget, "resolution_expected"), off = number(budget, "void_ratio");
-  if (isfinite(resolution))
-    fprintf(out, " Resolution is expected to add %.2g&nbsp;%%.", 100.0 * resolution);
-  if (isfinite(off)) fprintf(out, " The model&rsquo;s void ratio adds %.2g&nbsp;%%.", 100.0 * off);
-  if (isfinite(number(fit, "dlnk_dthreshold")))
-    fprintf(out, " One grey level of the threshold moves <var>k</var> by about %.2g&nbsp;%%.",
-            100.0 * number(fit, "dlnk_dthreshold"));
+  note_percent(out, " Resolution is expected to add ", number(budget, "resolution_expected"));
+  note_percent(out, " The model&rsquo;s void ratio adds ", number(budget, "void_ratio"));
+  note_percent(out, " One grey level of the threshold moves <var>k</var> by about ",
+               number(fit, "dlnk_dthreshold"));
   fputs("</p></article>\n", out);
 }
 

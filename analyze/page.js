@@ -178,11 +178,10 @@
              logscale: true});
     },
     calibration(parent, c) {
-      const most = Math.max.apply(null, c.threshold), least = Math.min.apply(null, c.threshold);
-      const finite = zip(c.threshold, c.void_ratio).filter(p => p[1] !== null && p[1] < 5);
+      const finite = zip(c.threshold, c.void_ratio).filter(p => p[1] !== null && p[1] < 3 * (c.void_ratio_measured || 1));
       const series = [{name: 'void ratio', points: finite}];
       if (c.void_ratio_measured !== null)
-        series.push({name: 'measured', points: [[least, c.void_ratio_measured], [most, c.void_ratio_measured]], dash: [7, 3]});
+        series.push({name: 'measured', points: [finite[0], finite[finite.length - 1]].map(p => [p[0], c.void_ratio_measured]), dash: [7, 3]});
       if (c.threshold_chosen !== null)
         series.push({name: 'threshold', points: [[c.threshold_chosen, 0], [c.threshold_chosen, Math.max.apply(null, finite.map(p => p[1]))]], dash: [2, 3]});
       chart(parent, 'Calibration', 'Grey threshold', 'Void ratio (-)', series, {includeZero: true});
@@ -272,6 +271,19 @@
     return {positions: positions, indices: indices};
   }
 
+  /* One pass of (1, 4, 1)/6 along each axis takes the stairs off binary sites. */
+  function smooth(f, size) {
+    const step = [1, size[0], size[0] * size[1]];
+    for (let d = 0; d < 3; d++) {
+      const old = f.slice();
+      for (let i = 0; i < f.length; i++) {
+        const k = Math.floor(i / step[d]) % size[d];
+        const a = k > 0 ? old[i - step[d]] : old[i], b = k + 1 < size[d] ? old[i + step[d]] : old[i];
+        f[i] = (a + 4 * old[i] + b) / 6;
+      }
+    }
+  }
+
   /* Five-sided tubes along the streamlines; `stops` colour by speed. */
   function tubes(flow, radius) {
     const words = new Uint16Array(bytes(flow.points).buffer);
@@ -320,7 +332,10 @@
     const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
     renderer.localClippingEnabled = true;
     renderer.setPixelRatio(window.devicePixelRatio || 1);
-    const size = flow.size, field = Float32Array.from(bytes(flow.grains), v => v / 255);
+    const size = flow.size, packed = bytes(flow.grains);
+    const field = new Float32Array(size[0] * size[1] * size[2]);
+    for (let i = 0; i < field.length; i++) field[i] = (packed[i >> 1] >> (i % 2 * 4) & 15) / 15;
+    smooth(field, size);
     const scene = new THREE.Scene(), group = new THREE.Group();
     const plane = new THREE.Plane(new THREE.Vector3(0, 0, -1), 0);
     group.add(mesh(surface(field, size), new THREE.MeshStandardMaterial(
@@ -340,7 +355,7 @@
     sun.position.set(-1, 2, 1.5);
     scene.add(sun);
     const camera = new THREE.PerspectiveCamera(35, 1, 0.1, 40 * big);
-    camera.position.set(-1.05 * big, 0.95 * big, 1.75 * big);
+    camera.position.set(-1.25 * big, 1.1 * big, 2.1 * big);
     const controls = new THREE.OrbitControls(camera, renderer.domElement);
     const paint = () => {
       scene.background = new THREE.Color(css('--card'));

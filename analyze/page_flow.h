@@ -26,7 +26,8 @@ struct flow {
 enum status flow_build(const struct run *run, const struct particles *particles, struct flow *flow);
 void flow_free(struct flow *flow);
 
-/* JSON for page.js: sizes, grains as one base64 byte a cell, points as base64 u16. */
+/* JSON for page.js: sizes, grains as base64, four bits a cell (the first in the low ones), points
+ * as base64 u16. */
 void flow_write_json(const struct flow *flow, const char *label, FILE *stream);
 
 /* <img>: orthographic view with a corner cut away, grains shaded, streamlines by speed. */

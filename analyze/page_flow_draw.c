@@ -16,8 +16,9 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
   fputs("],\"grains\":\"", stream);
   uint8_t *bytes = NULL;
   if (memory_allocate(&bytes, cells, 1, "grains") == STATUS_OK) {
-    for (size_t i = 0; i < cells; i++) bytes[i] = (uint8_t)lrintf(255.0f * flow->solid[i]);
-    html_base64(stream, bytes, cells);
+    for (size_t i = 0; i < cells; i++)
+      bytes[i / 2] |= (uint8_t)((unsigned)lrintf(15.0f * flow->solid[i]) << (i % 2 * 4));
+    html_base64(stream, bytes, (cells + 1) / 2);
   }
   memory_free(&bytes);
   fputs("\",\"points\":\"", stream);
@@ -32,7 +33,7 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
   fputs("\"}", stream);
 }
 
-#define STILL 420 /* pixels a side */
+#define STILL 360 /* pixels a side */
 
 struct camera {
   double right[3], up[3], forward[3], middle[3], scale; /* cells a pixel */

@@ -113,9 +113,8 @@ static enum status write_model(const char *path, FILE *stream, json_t **calibrat
     TRY(picture(stream, &model, z, model.grain_fraction, 0.0, 1.0,
                 "Grain fraction of a layer, from the scan at the model's resolution"));
   if (model.wall_distance != NULL)
-    TRY(picture(stream, &model, z, model.wall_distance, 2.0 * model.spacing[0],
-                -2.0 * model.spacing[0],
-                "Signed distance to the grain surface, 2 spacings each way"));
+    TRY(picture(stream, &model, z, model.wall_distance, model.spacing[0], -model.spacing[0],
+                "Signed distance to the grain surface, one spacing each way"));
   TRY(picture(stream, &model, z, NULL, 0.0, 1.0,
               "The same layer of the binary model (grains light)"));
   fputs("</div>\n", stream);

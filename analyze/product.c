@@ -135,6 +135,15 @@ void csv_text(FILE *stream, const char *text) {
   fputc('"', stream);
 }
 
+void write_percent(FILE *stream, double share) {
+  double percent = 100.0 * share;
+  int digits = fabs(percent) >= 10.0 ? 0 : fabs(percent) >= 1.0 ? 1 : fabs(percent) >= 0.1 ? 2 : 3;
+  if (percent != 0.0 && fabs(percent) < 0.001)
+    fputs("under 0.001 %", stream);
+  else
+    fprintf(stream, "%.*f %%", digits, percent);
+}
+
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit) {
   if (!isfinite(error)) {
@@ -145,7 +154,9 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   /* As many digits as bring two of the error. */
   int digits = share > 0 ? (int)(floor(log10(fabs(value))) - floor(log10(error))) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
-  fprintf(stream, "%.*g %s %.2g%s (%.2g %%)", digits, value, sign, error, unit, 100.0 * share);
+  fprintf(stream, "%.*g %s %.2g%s (", digits, value, sign, error, unit);
+  write_percent(stream, share);
+  fputc(')', stream);
 }
 
 json_t *json_number(double value) {

@@ -42,6 +42,9 @@ void csv_text(FILE *stream, const char *text);
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit);
 
+/* 0.0012 as "0.12 %", 6.8 as "680 %": never with an exponent. */
+void write_percent(FILE *stream, double share);
+
 /* A JSON number, null where it is not finite; a string, with bytes that are no UTF-8 replaced. */
 json_t *json_number(double value);
 json_t *json_text(const char *text);

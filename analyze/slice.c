@@ -79,20 +79,25 @@ cleanup:
   return status;
 }
 
-/* Grain sites of the layer nearest the plane as (across, up, 1) for `with image`, in mm. */
+/* Share of grain in the slab's layers (at least the one nearest the plane) as (across, up, share)
+ * for `with rgbimage`, in mm. */
 static void write_grains(const struct run *run, const struct window *w, FILE *stream) {
   const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
-  double layer = round((w->middle - run->origin[w->axis]) / run->spacing[w->axis]);
-  double last = (double)run->size[w->axis] - 1.0;
-  size_t k = (size_t)(layer < 0 ? 0 : layer > last ? last : layer);
+  const double last = (double)run->size[w->axis] - 1.0, spacing = run->spacing[w->axis];
+  double at = (w->middle - run->origin[w->axis]) / spacing, half = 0.5 * w->thickness / spacing;
+  size_t first = (size_t)fmin(fmax(ceil(at - half), 0.0), last);
+  size_t end = (size_t)fmin(fmax(floor(at + half), 0.0), last);
+  if (end < first) first = end = (size_t)fmin(fmax(round(at), 0.0), last);
   fputs("$grains << EOD\n", stream);
   for (size_t j = 0; j < run->size[w->up]; j++) {
     for (size_t i = 0; i < run->size[w->across]; i++) {
-      size_t site = k * stride[w->axis] + j * stride[w->up] + i * stride[w->across];
-      fprintf(stream, "%.7g %.7g %d\n",
+      size_t site = j * stride[w->up] + i * stride[w->across], solid = 0;
+      for (size_t k = first; run->solid != NULL && k <= end; k++)
+        solid += run->solid[site + k * stride[w->axis]] != 0;
+      fprintf(stream, "%.7g %.7g %.3g\n",
               1e3 * (run->origin[w->across] + (double)i * run->spacing[w->across]),
               1e3 * (run->origin[w->up] + (double)j * run->spacing[w->up]),
-              run->solid != NULL && run->solid[site] != 0);
+              (double)solid / (double)(end - first + 1));
     }
   }
   fputs("EOD\n", stream);
@@ -145,9 +150,9 @@ static void write_plot(const struct run *run, const struct window *w, const stru
           "1 '#0d0887')\n"
           "set cblabel 'Speed in the plane (mm/s)' offset 1.6,0\nset cbrange [0:%.5g]\n"
           "set colorbox user origin graph 1.03, graph 0 size graph 0.03, graph 1\n"
-          "grain(v) = v > 0 ? 0xc8c2b8 : 0xffffff\n"
+          "grain(v) = int(255 - 60*v)*65536 + int(255 - 66*v)*256 + int(255 - 77*v)\n"
           "plot $grains using 1:2:(grain($3)) with rgbimage, \\\n"
-          "  $vectors using 1:2:3:4:5 with vectors head filled size graph %.4f,18 "
+          "  $vectors using 1:2:3:4:5 with vectors head noborder size graph %.4f,18 "
           "linewidth 1.2 linecolor palette\n",
           axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
           1e3 * w->low[1], 1e3 * w->high[1], 90.0 / product->width,
