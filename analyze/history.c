@@ -88,8 +88,10 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "darcy_velocity_m_per_s", json_number(s->mean));
   json_object_set_new(object, "darcy_velocity_error_m_per_s", json_number(s->error95));
   json_object_set_new(object, "drift_m_per_s", json_number(s->drift));
-  json_object_set_new(object, "density_max_ratio", json_number(h->density_peak));
-  json_object_set_new(object, "density_mean_ratio", json_number(h->density_mean));
+  json_object_set_new(object, "density_max_rise_percent",
+                      json_number(100.0 * (h->density_peak - 1.0)));
+  json_object_set_new(object, "density_mean_rise_percent",
+                      json_number(100.0 * (h->density_mean - 1.0)));
   /* The series are thinned to what a plot can show; history.csv has every row. */
   json_object_set_new(object, "time_s", json_thinned(h->times, 1, h->rows));
   json_object_set_new(object, "darcy_velocity_series_m_per_s",

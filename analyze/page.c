@@ -211,32 +211,63 @@ static void write_headlines(struct page *page) {
   fputs("</section>\n", out);
 }
 
+/* The plot of `body` as a still picture. */
+static enum status write_still(FILE *out, const char *name, const char *body, int width, int height,
+                               const char *title) {
+  enum status status = STATUS_OK;
+  char *svg = NULL;
+  TRY(plot_svg(name, body, width, height, &svg));
+  if (svg != NULL) {
+    fprintf(out,
+            "<img class=\"still\" data-name=\"%s\" width=\"%d\" height=\"%d\" alt=\"%s\" "
+            "src=\"data:image/svg+xml;base64,",
+            name, width, height, title);
+    html_base64(out, svg, strlen(svg));
+    fputs("\">\n", out);
+  } else
+    fputs("<p class=\"still\">No still picture: gnuplot was not installed.</p>\n", out);
+cleanup:
+  memory_free(&svg);
+  return status;
+}
+
 /* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
 static enum status write_figure(struct page *page, enum part part, const char *title,
                                 const char *caption) {
   enum status status = STATUS_OK;
   FILE *out = page->out;
   const struct product *product = &page->part[part];
-  char *svg = NULL;
   if (!page->has[part]) return STATUS_OK;
   fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n<figure>", part_names[part], title);
   if (part != PART_SLICE)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", part_names[part]);
-  TRY(plot_svg(part_names[part], product->plot.data, product->width, product->height, &svg));
-  if (svg != NULL) {
-    fprintf(out,
-            "<img class=\"still\" data-name=\"%s\" width=\"%d\" height=\"%d\" alt=\"%s\" "
-            "src=\"data:image/svg+xml;base64,",
-            part_names[part], product->width, product->height, title);
-    html_base64(out, svg, strlen(svg));
-    fputs("\">\n", out);
-  } else
-    fputs("<p class=\"still\">No still picture: gnuplot was not installed.</p>\n", out);
+  TRY(write_still(out, part_names[part], product->plot.data, product->width, product->height,
+                  title));
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
   fputs("</pre></section>\n", out);
 cleanup:
-  memory_free(&svg);
+  return status;
+}
+
+static enum status write_calibration(FILE *out, const json_t *calibration) {
+  enum status status = STATUS_OK;
+  char *body = NULL;
+  size_t size = 0;
+  FILE *plot = open_memstream(&body, &size);
+  if (plot == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
+  page_calibration_plot(calibration, plot);
+  if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
+  fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
+  TRY(write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold"));
+  fputs(
+      "<figcaption>Void ratio against the grey threshold, with the measured void ratio (level) and "
+      "the threshold it calls for (upright), and the histogram of grey values; at the resolution "
+      "of "
+      "the model and of the scan.</figcaption></figure>\n",
+      out);
+cleanup:
+  free(body);
   return status;
 }
 
@@ -325,11 +356,7 @@ static enum status write_body(struct page *page) {
   TRY(page_specimen(&page->runs[0], out, &calibration));
   if (calibration != NULL) {
     json_object_set_new(page->data, "calibration", calibration);
-    fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div><figcaption>Void ratio of "
-          "the scan against the grey threshold, with the measured void ratio (level) and the "
-          "threshold it calls for (upright), and the histogram of grey values.</figcaption>"
-          "</figure>\n",
-          out);
+    TRY(write_calibration(out, calibration));
   }
   fputs("</section>\n", out);
   TRY(write_figure(page, PART_DARCY, "Darcy&rsquo;s law",

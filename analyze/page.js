@@ -178,14 +178,22 @@
              logscale: true});
     },
     calibration(parent, c) {
-      const finite = zip(c.threshold, c.void_ratio).filter(p => p[1] !== null && p[1] < 3 * (c.void_ratio_measured || 1));
-      const series = [{name: 'void ratio', points: finite}];
+      const high = 3 * (c.void_ratio_measured || 1);
+      const curve = values => (values ? zip(c.threshold, values).filter(p => p[1] !== null && p[1] < high) : []);
+      const model = curve(c.void_ratio), last = model[model.length - 1];
+      const series = [{name: 'model', points: model}, {name: 'scan', points: curve(c.void_ratio_original)}];
+      const line = (name, points) => series.push({name: name, points: points, dash: [7, 3], colour: css('--soft')});
       if (c.void_ratio_measured !== null)
-        series.push({name: 'measured', points: [finite[0], finite[finite.length - 1]].map(p => [p[0], c.void_ratio_measured]), dash: [7, 3]});
-      if (c.threshold_chosen !== null)
-        series.push({name: 'threshold', points: [[c.threshold_chosen, 0], [c.threshold_chosen, Math.max.apply(null, finite.map(p => p[1]))]], dash: [2, 3]});
+        line('measured void ratio', [model[0], last].map(p => [p[0], c.void_ratio_measured]));
+      if (c.threshold_chosen !== null) line('threshold', [[c.threshold_chosen, 0], [c.threshold_chosen, last[1]]]);
       chart(parent, 'Calibration', 'Grey threshold', 'Void ratio (-)', series, {includeZero: true});
-      chart(parent, 'Grey values', 'Grey value', 'Voxels', [{name: 'histogram', points: zip(c.threshold, c.histogram), step: true}], {includeZero: true});
+      const share = values => {
+        const most = Math.max.apply(null, values || [1]);
+        return values ? zip(c.threshold, values.map(v => v / most)) : [];
+      };
+      chart(parent, 'Grey values', 'Grey value', 'Voxels (share of the highest)',
+            [{name: 'model', points: share(c.histogram)}, {name: 'scan', points: share(c.histogram_original)}],
+            {includeZero: true});
     }
   };
 
@@ -387,7 +395,11 @@
     fit();
     controls.update();
     cut();
-    box.dataset.drawn = 'yes';
+    const gl = renderer.getContext(), wide = gl.drawingBufferWidth, pixels = new Uint8Array(4 * wide);
+    gl.readPixels(0, gl.drawingBufferHeight >> 1, wide, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    let drawn = 0; /* of the middle row, those that differ from its first */
+    for (let i = 4; i < pixels.length; i += 4) if (pixels[i] !== pixels[0] || pixels[i + 1] !== pixels[1]) drawn++;
+    box.dataset.drawn = drawn;
   }
 
   const flow = read('flow-data');

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/page_html.h"
+#include "analyze/plot.h"
 #include "analyze/product.h"
 #include "common/hdf5_file.h"
 #include "common/log.h"
@@ -76,28 +77,86 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   fputs("</tbody></table>\n", stream);
 }
 
+/* Datasets of /calibration: at the model's resolution, then the scan's own where it is stored. */
+#define CURVES 5
+static const char *const curves[CURVES] = {"threshold", "void_ratio", "histogram",
+                                           "void_ratio_original", "histogram_original"};
+
 static enum status read_calibration(struct h5_file *file, const struct voxel_model *model,
                                     json_t **calibration) {
   enum status status = STATUS_OK;
-  static const char *const names[] = {"threshold", "void_ratio", "histogram"};
-  double *values[3] = {NULL, NULL, NULL};
-  size_t count[3] = {0, 0, 0};
   json_t *object = NULL;
-  for (int i = 0; i < 3; i++) {
+  for (size_t i = 0; i < CURVES; i++) {
+    double *values = NULL;
+    size_t count = 0;
     char name[64];
-    snprintf(name, sizeof name, "/calibration/%s", names[i]);
-    if (!h5_exists(file, name)) goto cleanup;
-    TRY(h5_read(file, name, H5_F64, 1, &count[i], &values[i]));
+    snprintf(name, sizeof name, "/calibration/%s", curves[i]);
+    if (!h5_exists(file, name)) {
+      if (i == 0) return STATUS_OK; /* no thresholds, no curve */
+      continue;
+    }
+    TRY(h5_read(file, name, H5_F64, 1, &count, &values));
+    if (object == NULL) object = json_object();
+    json_object_set_new(object, curves[i], json_numbers(values, count));
+    memory_free(&values);
   }
-  object = json_object();
-  for (int i = 0; i < 3; i++)
-    json_object_set_new(object, names[i], json_numbers(values[i], count[i]));
   json_object_set_new(object, "void_ratio_measured", json_number(model->void_ratio_measured));
   json_object_set_new(object, "threshold_chosen", json_number(model->threshold));
   *calibration = object;
+  object = NULL;
 cleanup:
-  for (int i = 0; i < 3; i++) memory_free(&values[i]);
+  json_decref(object);
   return status;
+}
+
+static double array_number(const json_t *object, const char *name, size_t i) {
+  const json_t *value = json_array_get(json_object_get(object, name), i);
+  return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+void page_calibration_plot(const json_t *calibration, FILE *plot) {
+  size_t n = json_array_size(json_object_get(calibration, "threshold"));
+  double measured = json_number_value(json_object_get(calibration, "void_ratio_measured"));
+  double chosen = json_number_value(json_object_get(calibration, "threshold_chosen"));
+  double highest = 3.0 * (measured > 0.0 ? measured : 1.0), end = 0.0;
+  fputs("$c << EOD\n", plot); /* the curves in the order of `curves` */
+  for (size_t i = 0; i < n; i++) {
+    for (size_t c = 0; c < CURVES; c++) {
+      double v = array_number(calibration, curves[c], i);
+      fprintf(plot, isfinite(v) ? "%.7g " : "NaN ", v);
+    }
+    fputc('\n', plot);
+    if (array_number(calibration, "histogram", i) > 0.0)
+      end = array_number(calibration, "threshold", i);
+  }
+  fprintf(plot,
+          "EOD\nset multiplot layout 1,2 margins 0.07,0.985,0.22,0.97 spacing 0.1,0\n"
+          "set xlabel 'Grey threshold'\nset ylabel 'Void ratio (-)'\nset yrange [0:%.4g]\n"
+          "set xrange [*:%.6g]\n"
+          "set key at screen 0.5,0.02 center bottom horizontal samplen 2 reverse Left\n",
+          highest, end > 0.0 ? 1.05 * end : 1e9);
+  if (measured > 0.0)
+    fprintf(plot,
+            "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead dashtype 2 "
+            "linewidth 1.5 linecolor rgb '#444444'\n",
+            measured, measured);
+  if (isfinite(chosen) && chosen != 0.0)
+    fprintf(plot,
+            "set arrow from first %.6g, graph 0 to first %.6g, graph 1 nohead dashtype 2 "
+            "linewidth 1.5 linecolor rgb '#444444'\n",
+            chosen, chosen);
+  fprintf(plot,
+          "plot $c using 1:2 with lines linewidth 2 linecolor rgb '%s' title 'model', "
+          "$c using 1:4 with lines linewidth 2 linecolor rgb '%s' title 'scan', "
+          "NaN with lines dashtype 2 linewidth 1.5 linecolor rgb '#444444' "
+          "title 'measured void ratio and its threshold'\n"
+          "unset arrow\nunset key\nset yrange [0:*]\nset xlabel 'Grey value'\n"
+          "set ylabel 'Voxels (share of the highest)'\n"
+          "stats $c using 3 nooutput name 'm'\nstats $c using 5 nooutput name 's'\n"
+          "plot $c using 1:($3/m_max) with lines linewidth 1.8 linecolor rgb '%s', "
+          "$c using 1:($5/s_max) with lines linewidth 1.8 linecolor rgb '%s'\n"
+          "unset multiplot\n",
+          plot_colours[0], plot_colours[1], plot_colours[0], plot_colours[1]);
 }
 
 static enum status write_model(const char *path, FILE *stream, json_t **calibration) {

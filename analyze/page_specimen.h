@@ -12,4 +12,7 @@
  * found, a sentence says so; that is no failure. */
 enum status page_specimen(const struct run *run, FILE *stream, json_t **calibration);
 
+/* Body of the calibration's plot: void ratio against threshold, and the grey histogram. */
+void page_calibration_plot(const json_t *calibration, FILE *plot);
+
 #endif
