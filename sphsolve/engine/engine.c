@@ -12,7 +12,7 @@
 /* Clusters are cut when wider than this, lists reach this much farther than the kernel; both in
  * spacings. Measured on sand models, see docs/performance.md. */
 #define REACH 3.2
-#define SKIN 0.5
+#define SKIN 0.8
 /* Row clusters a thread takes at a time. */
 #define BLOCK 32
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */
@@ -98,7 +98,7 @@ static enum status make_locals(struct engine *engine) {
   TRY(memory_allocate(&engine->locals, (size_t)engine->threads, sizeof *engine->locals, "threads"));
   for (int t = 0; t < engine->threads; t++) {
     struct local *local = &engine->locals[t];
-    local->capacity = ((size_t)(1.5 * sites) + CLUSTER * RUN_MAX + 256) / 16 * 16;
+    local->capacity = ((size_t)(1.5 * sites) + 1024) / 16 * 16;
     TRY(memory_allocate(&local->field[0], local->capacity * LOCAL_FIELDS, sizeof(float),
                         "columns of a cluster"));
     for (int f = 1; f < LOCAL_FIELDS; f++)
@@ -128,7 +128,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   TRY(pair_table_choose(&engine->table));
   double reach = REACH * widest;
   TRY(particles_make(lattice, s->support + engine->skin, reach,
-                     2 * (s->support + 2 * engine->skin + reach), &engine->fields,
+                     2 * (s->support + 2 * engine->skin + 2 * reach), &engine->fields,
                      &engine->particles));
   if (engine->fields.wall_base) wall_base_sum(engine);
   set_velocities(engine);
@@ -218,16 +218,18 @@ static enum status make_lists(struct engine *engine, bool sort) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
   struct cluster_set fluid = {0};
-  double range = engine->settings.support + engine->skin;
+  double range = engine->settings.support + engine->skin, widest = 2 * p->reach;
   if (sort) {
     TRY(particles_sort(p));
     engine->moved = 0;
   }
   TRY(cluster_boxes_fluid(p, &fluid));
-  TRY(neighbours_build(&p->frame, &fluid, &fluid, range, &engine->fluid_fluid));
-  TRY(neighbours_build(&p->frame, &fluid, &engine->wall_boxes, range, &engine->fluid_wall));
+  TRY(neighbours_build(&p->frame, &fluid, &fluid, range, widest, &engine->fluid_fluid));
+  range = engine->settings.support + 0.5 * engine->skin; /* walls do not come to meet */
+  TRY(neighbours_build(&p->frame, &fluid, &engine->wall_boxes, range, widest, &engine->fluid_wall));
   if (engine->fields.wall_state)
-    TRY(neighbours_build(&p->frame, &engine->wall_boxes, &fluid, range, &engine->wall_fluid));
+    TRY(neighbours_build(&p->frame, &engine->wall_boxes, &fluid, range, widest,
+                         &engine->wall_fluid));
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;

@@ -7,6 +7,9 @@
 
 #include "common/memory.h"
 
+/* Integers and comparisons of unfused floats: every variant gives the same lists. */
+#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+
 static void box_of(const struct frame *frame, uint32_t (*x)[3], int members,
                    struct cluster_box *box) {
   for (int a = 0; a < 3; a++) {
@@ -69,6 +72,8 @@ void cluster_set_free(struct cluster_set *set) {
 struct bins {
   int cells[3];
   uint32_t *start, *member;
+  uint32_t *centre[3]; /* of the members, in their order */
+  float *half[3];
   float half_max[3];
 };
 
@@ -107,96 +112,165 @@ static enum status bins_make(const struct frame *frame, const struct cluster_set
     if (pass == 0)
       for (size_t i = 2; i < cells + 2; i++) bins->start[i] += bins->start[i - 1];
   }
-  for (size_t c = 0; c < columns->clusters; c++)
-    for (int a = 0; a < 3; a++)
-      if (columns->boxes[c].half[a] > bins->half_max[a])
-        bins->half_max[a] = columns->boxes[c].half[a];
+  for (int a = 0; a < 3; a++) {
+    TRY(memory_allocate(&bins->centre[a], columns->clusters, sizeof **bins->centre, "cells"));
+    TRY(memory_allocate(&bins->half[a], columns->clusters, sizeof **bins->half, "cells"));
+    for (size_t m = 0; m < columns->clusters; m++) {
+      const struct cluster_box *box = &columns->boxes[bins->member[m]];
+      bins->centre[a][m] = box->centre[a];
+      bins->half[a][m] = box->half[a];
+      if (box->half[a] > bins->half_max[a]) bins->half_max[a] = box->half[a];
+    }
+  }
 cleanup:
   return status;
 }
 
 struct found {
-  uint64_t *key; /* image << 32 | cluster */
-  size_t n, capacity;
+  uint64_t *key, *sorted; /* image << 32 | cluster */
+  float *square, *at[3], *half[3];
+  size_t n, picked, capacity;
 };
 
-static enum status found_push(struct found *found, uint64_t key) {
+/* Room for `more` further finds and for their squares. */
+static enum status found_reserve(struct found *found, size_t more) {
   enum status status = STATUS_OK;
-  if (found->n == found->capacity) {
-    size_t capacity = found->capacity == 0 ? 256 : 2 * found->capacity;
-    TRY(memory_resize(&found->key, capacity, sizeof *found->key, "neighbour clusters"));
-    found->capacity = capacity;
+  if (found->n + more + 1 <= found->capacity) return STATUS_OK;
+  size_t capacity = 2 * (found->n + more) + 256;
+  TRY(memory_resize(&found->key, capacity, sizeof *found->key, "neighbour clusters"));
+  TRY(memory_resize(&found->sorted, capacity, sizeof *found->sorted, "neighbour clusters"));
+  TRY(memory_resize(&found->square, capacity, sizeof *found->square, "neighbour clusters"));
+  for (int a = 0; a < 3; a++) {
+    TRY(memory_resize(&found->at[a], capacity, sizeof(float), "neighbour clusters"));
+    TRY(memory_resize(&found->half[a], capacity, sizeof(float), "neighbour clusters"));
   }
-  found->key[found->n++] = key;
+  found->capacity = capacity;
 cleanup:
   return status;
 }
 
-/* Cells come in ascending order and so do their members: a few long runs, for which insertion
- * from the back is quick. */
-static void found_sort(struct found *found) {
-  for (size_t i = 1; i < found->n; i++) {
-    uint64_t key = found->key[i];
-    size_t j = i;
-    for (; j > 0 && found->key[j - 1] > key; j--) found->key[j] = found->key[j - 1];
-    found->key[j] = key;
+static void found_free(struct found *found) {
+  memory_free(&found->key);
+  memory_free(&found->sorted);
+  memory_free(&found->square);
+  for (int a = 0; a < 3; a++) {
+    memory_free(&found->at[a]);
+    memory_free(&found->half[a]);
   }
 }
 
-/* All column clusters and images within range of one row. */
-static enum status search_row(const struct frame *frame, const struct bins *bins,
-                              const struct cluster_set *columns, const struct cluster_box *row,
-                              double range, struct found *found) {
-  enum status status = STATUS_OK;
-  int64_t low[3], high[3];
-  for (int a = 0; a < 3; a++) {
-    double cell = frame->length[a] / bins->cells[a];
-    double around = range + (double)row->half[a] + (double)bins->half_max[a];
-    /* The row's own centre may lie in an image; only differences matter, so start from its fold. */
-    double at = frame->unit[a] * (double)row->centre[a];
-    low[a] = (int64_t)floor((at - around) / cell);
-    high[a] = (int64_t)floor((at + around) / cell);
-    int64_t all = (int64_t)bins->cells[a] << frame->image_bits[a];
-    if (high[a] - low[a] + 1 > all) high[a] = low[a] + all - 1;
-    if (frame->step[a] == 0) low[a] = high[a] = 0;
+/* Ascending order by counting what is smaller: n is a few hundred at most, and this is what
+ * vectors do well. */
+TARGETS static void found_sort(struct found *found) {
+  size_t n = found->n;
+  const uint64_t *key = found->key;
+  for (size_t i = 0; i < n; i++) {
+    uint64_t own = key[i], rank = 0;
+    for (size_t j = 0; j < n; j++) rank += key[j] < own;
+    found->sorted[rank] = own;
   }
-  float limit = (float)(range * range), unit[3];
-  for (int a = 0; a < 3; a++) unit[a] = (float)frame->unit[a];
-  found->n = 0;
-  for (int64_t k = low[2]; k <= high[2]; k++) {
-    for (int64_t j = low[1]; j <= high[1]; j++) {
-      for (int64_t i = low[0]; i <= high[0]; i++) {
-        int64_t at[3] = {i, j, k};
-        uint32_t which[3];
-        size_t cell[3];
-        for (int a = 0; a < 3; a++) {
-          int64_t n = bins->cells[a], box = at[a] >= 0 ? at[a] / n : -((n - 1 - at[a]) / n);
-          cell[a] = (size_t)(at[a] - box * n);
-          which[a] = (uint32_t)box;
-        }
-        size_t c = (cell[2] * (size_t)bins->cells[1] + cell[1]) * (size_t)bins->cells[0] + cell[0];
-        for (uint32_t m = bins->start[c]; m < bins->start[c + 1]; m++) {
-          const struct cluster_box *box = &columns->boxes[bins->member[m]];
-          uint32_t offset[3] = {0}, image = 0;
-          for (int a = 0; a < 3; a++) {
-            /* The column's centre may itself lie in an image of the cell. */
-            int bits = frame->image_bits[a];
-            if (bits == 0) continue;
-            uint32_t own = (which[a] - (box->centre[a] >> (32 - bits))) & ((1u << bits) - 1);
-            offset[a] = own << (32 - bits);
-            image |= own << (RUN_IMAGE_BITS * a);
-          }
-          float sum = 0;
-          for (int a = 0; a < 3; a++) {
-            float d = (float)(int32_t)(box->centre[a] + offset[a] - row->centre[a]) * unit[a];
-            float gap = fabsf(d) - box->half[a] - row->half[a];
-            if (gap > 0) sum += gap * gap;
-          }
-          if (sum < limit) TRY(found_push(found, (uint64_t)image << 32 | bins->member[m]));
-        }
-      }
+  uint64_t *swap = found->key;
+  found->key = found->sorted;
+  found->sorted = swap;
+}
+
+/* Where the cells [low, high] of an axis lie: in the box, and in which of its images. */
+#define AXIS_CELLS 512
+struct axis_cells {
+  int count;
+  uint16_t cell[AXIS_CELLS];
+  uint32_t image[AXIS_CELLS];
+};
+
+static void axis_find(const struct frame *frame, const struct bins *bins,
+                      const struct cluster_box *row, double range, int a, struct axis_cells *axis) {
+  int n = bins->cells[a];
+  axis->count = 1;
+  axis->cell[0] = 0;
+  axis->image[0] = 0;
+  if (frame->step[a] == 0) return;
+  double cell = frame->length[a] / n, at = frame->unit[a] * (double)row->centre[a];
+  double around = range + (double)row->half[a] + (double)bins->half_max[a];
+  long low = (long)floor((at - around) / cell), high = (long)floor((at + around) / cell);
+  long all = (long)n << frame->image_bits[a];
+  if (high - low + 1 > all) high = low + all - 1;
+  if (high - low + 1 > AXIS_CELLS) high = low + AXIS_CELLS - 1;
+  long box = low >= 0 ? low / n : -((n - 1 - low) / n), in = low - box * n;
+  for (axis->count = 0; low <= high; low++) {
+    axis->cell[axis->count] = (uint16_t)in;
+    axis->image[axis->count++] = (uint32_t)box & ((1u << frame->image_bits[a]) - 1);
+    if (++in == n) in = 0, box++;
+  }
+}
+
+/* Squared gaps from the row's box to those of columns [begin, end) of the bins. */
+TARGETS static void find_gaps(const struct bins *bins, size_t begin, size_t end,
+                              const uint32_t from[3], const float half[3], const float unit[3],
+                              float *restrict square) {
+  for (size_t m = begin; m < end; m++) {
+    float sum = 0;
+    for (int a = 0; a < 3; a++) {
+      float d = (float)(int32_t)(bins->centre[a][m] - from[a]) * unit[a];
+      float gap = fabsf(d) - bins->half[a][m] - half[a];
+      gap = gap > 0 ? gap : 0;
+      sum += gap * gap;
     }
+    square[m - begin] = sum;
   }
+}
+
+/* All column clusters and images within range of a box, in no order. */
+static enum status search_box(const struct frame *frame, const struct bins *bins,
+                              const struct cluster_box *row, double range, struct found *found) {
+  enum status status = STATUS_OK;
+  struct axis_cells axis[3];
+  for (int a = 0; a < 3; a++) axis_find(frame, bins, row, range, a, &axis[a]);
+  float limit = (float)(range * range), unit[3];
+  bool images = false;
+  for (int a = 0; a < 3; a++) {
+    unit[a] = (float)frame->unit[a];
+    images = images || frame->image_bits[a] > 0;
+  }
+  found->n = 0;
+  for (int k = 0; k < axis[2].count; k++)
+    for (int j = 0; j < axis[1].count; j++)
+      for (int i = 0; i < axis[0].count;) {
+        /* Cells in a row along x hold their members side by side. */
+        int run = 1;
+        while (i + run < axis[0].count && axis[0].cell[i + run] == axis[0].cell[i] + run &&
+               axis[0].image[i + run] == axis[0].image[i])
+          run++;
+        size_t cell = ((size_t)axis[2].cell[k] * (size_t)bins->cells[1] + axis[1].cell[j]) *
+                          (size_t)bins->cells[0] +
+                      axis[0].cell[i];
+        size_t begin = bins->start[cell], end = bins->start[cell + (size_t)run];
+        TRY(found_reserve(found, end - begin));
+        if (!images) {
+          find_gaps(bins, begin, end, row->centre, row->half, unit, found->square);
+          for (size_t m = begin; m < end; m++) {
+            found->key[found->n] = bins->member[m];
+            found->n += found->square[m - begin] < limit;
+          }
+        } else {
+          uint32_t at[3] = {axis[0].image[i], axis[1].image[j], axis[2].image[k]};
+          for (size_t m = begin; m < end; m++) {
+            uint32_t from[3], image = 0;
+            for (int a = 0; a < 3; a++) {
+              /* The column's centre may itself lie in an image of the cell. */
+              int bits = frame->image_bits[a];
+              from[a] = row->centre[a];
+              if (bits == 0) continue;
+              uint32_t own = (at[a] - (bins->centre[a][m] >> (32 - bits))) & ((1u << bits) - 1);
+              from[a] -= own << (32 - bits);
+              image |= own << (RUN_IMAGE_BITS * a);
+            }
+            find_gaps(bins, m, m + 1, from, row->half, unit, found->square);
+            found->key[found->n] = (uint64_t)image << 32 | bins->member[m];
+            found->n += found->square[0] < limit;
+          }
+        }
+        i += run;
+      }
 cleanup:
   return status;
 }
@@ -213,15 +287,99 @@ cleanup:
   return status;
 }
 
+/* Rows are searched in groups of up to GROUP that follow each other on the curve: what is near the
+ * group is found and put in order once, then each row picks its own. */
+#define GROUP 6
+struct group {
+  struct cluster_box box;
+  size_t rows;
+};
+
+/* Rows from `first` on, as long as their common box stays below `widest` (m). */
+static struct group group_make(const struct frame *frame, const struct cluster_set *rows,
+                               size_t first, size_t end, double widest) {
+  struct group group = {.rows = 0};
+  const struct cluster_box *boxes = rows->boxes;
+  double low[3] = {0}, high[3] = {0};
+  for (size_t r = first; r < end && group.rows < GROUP; r++, group.rows++) {
+    double next_low[3], next_high[3];
+    bool fits = true;
+    for (int a = 0; a < 3; a++) {
+      double d = frame->unit[a] * (int32_t)(boxes[r].centre[a] - boxes[first].centre[a]);
+      next_low[a] = fmin(low[a], d - (double)boxes[r].half[a]);
+      next_high[a] = fmax(high[a], d + (double)boxes[r].half[a]);
+      fits = fits && next_high[a] - next_low[a] <= widest;
+    }
+    if (!fits && r > first) break;
+    memcpy(low, next_low, sizeof low);
+    memcpy(high, next_high, sizeof high);
+  }
+  for (int a = 0; a < 3; a++) {
+    double middle = 0.5 * (low[a] + high[a]);
+    group.box.centre[a] =
+        boxes[first].centre[a] + (uint32_t)(int32_t)lrint(middle / frame->unit[a]);
+    /* The centre is rounded to a unit. */
+    group.box.half[a] = (float)(0.5 * (high[a] - low[a]) + 2 * frame->unit[a]);
+  }
+  return group;
+}
+
+/* Boxes of the columns found, relative to the centre of a group. */
+static void place_found(const struct frame *frame, const struct cluster_set *columns,
+                        const struct cluster_box *group, struct found *found) {
+  for (size_t m = 0; m < found->n; m++) {
+    const struct cluster_box *box = &columns->boxes[(uint32_t)found->key[m]];
+    uint32_t image = (uint32_t)(found->key[m] >> 32);
+    for (int a = 0; a < 3; a++) {
+      int bits = frame->image_bits[a];
+      uint32_t own = image >> (RUN_IMAGE_BITS * a) & ((1u << RUN_IMAGE_BITS) - 1);
+      uint32_t offset = bits == 0 ? 0 : own << (32 - bits);
+      found->at[a][m] =
+          (float)(int32_t)(box->centre[a] + offset - group->centre[a]) * (float)frame->unit[a];
+      found->half[a][m] = box->half[a];
+    }
+  }
+}
+
+/* Squared gaps between a row's box and those found. */
+TARGETS static void row_gaps(const struct found *found, const float at[3], const float half[3],
+                             float *restrict square) {
+  for (size_t m = 0; m < found->n; m++) {
+    float sum = 0;
+    for (int a = 0; a < 3; a++) {
+      float gap = fabsf(found->at[a][m] - at[a]) - found->half[a][m] - half[a];
+      gap = gap > 0 ? gap : 0;
+      sum += gap * gap;
+    }
+    square[m] = sum;
+  }
+}
+
+/* The columns of one row out of those of its group, in order. */
+static void pick_row(const struct frame *frame, const struct cluster_box *row,
+                     const struct cluster_box *group, double range, struct found *found) {
+  float at[3], limit = (float)(range * range);
+  size_t n = 0;
+  for (int a = 0; a < 3; a++)
+    at[a] = (float)(int32_t)(row->centre[a] - group->centre[a]) * (float)frame->unit[a];
+  row_gaps(found, at, row->half, found->square);
+  for (size_t m = 0; m < found->n; m++) {
+    found->sorted[n] = found->key[m];
+    n += found->square[m] < limit;
+  }
+  found->picked = n;
+}
+
 static enum status encode_row(const struct found *found, struct list_chunk *chunk) {
   enum status status = STATUS_OK;
   uint32_t image = 0;
-  for (size_t i = 0; i < found->n;) {
-    uint32_t own = (uint32_t)(found->key[i] >> 32), start = (uint32_t)found->key[i], n = 1;
-    while (n < RUN_MAX && i + n < found->n && found->key[i + n] == found->key[i] + n) n++;
+  const uint64_t *key = found->sorted;
+  for (size_t i = 0; i < found->picked;) {
+    uint32_t own = (uint32_t)(key[i] >> 32), start = (uint32_t)key[i], n = 1;
+    if (i + 1 < found->picked && key[i + 1] == key[i] + 1) n = 2;
     if (own != image) TRY(chunk_push(chunk, RUN_IMAGE | own));
     image = own;
-    TRY(chunk_push(chunk, (n - 1) << RUN_START_BITS | start));
+    TRY(chunk_push(chunk, n == 2 ? RUN_PAIR | start : start));
     i += n;
   }
 cleanup:
@@ -229,7 +387,7 @@ cleanup:
 }
 
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
-                             const struct cluster_set *columns, double range,
+                             const struct cluster_set *columns, double range, double widest,
                              struct neighbour_list *list) {
   enum status status = STATUS_OK;
   struct bins bins = {0};
@@ -249,13 +407,22 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
     enum status failed = STATUS_OK;
     to->used = 0;
     size_t end = list_chunk_begin(list, chunk + 1);
-    for (size_t r = list_chunk_begin(list, chunk); r < end && failed == STATUS_OK; r++) {
-      list->start[r] = (uint32_t)to->used;
-      failed = search_row(frame, &bins, columns, &rows->boxes[r], range, &found);
+    for (size_t r = list_chunk_begin(list, chunk); r < end && failed == STATUS_OK;) {
+      struct group group = group_make(frame, rows, r, end, widest);
+      failed = search_box(frame, &bins, &group.box, range, &found);
       found_sort(&found);
-      if (failed == STATUS_OK) failed = encode_row(&found, to);
+      place_found(frame, columns, &group.box, &found);
+      for (size_t last = r + group.rows; r < last && failed == STATUS_OK; r++) {
+        list->start[r] = (uint32_t)to->used;
+        pick_row(frame, &rows->boxes[r], &group.box, range, &found);
+        failed = encode_row(&found, to);
+      }
     }
-    memory_free(&found.key);
+    if (failed == STATUS_OK && to->capacity > to->used + to->used / 8 + 64) {
+      failed = memory_resize(&to->entries, to->used, sizeof *to->entries, "neighbour lists");
+      to->capacity = to->used;
+    }
+    found_free(&found);
     if (failed != STATUS_OK) {
 #pragma omp atomic write
       status = failed;
@@ -264,6 +431,10 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
 cleanup:
   memory_free(&bins.start);
   memory_free(&bins.member);
+  for (int a = 0; a < 3; a++) {
+    memory_free(&bins.centre[a]);
+    memory_free(&bins.half[a]);
+  }
   return status;
 }
 

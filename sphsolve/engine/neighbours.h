@@ -1,7 +1,7 @@
 /* Verlet lists from clusters to clusters.
  *
  * A list holds, for each row cluster, the column clusters whose bounding box comes within `range`
- * of its own, as runs of consecutive clusters in ascending order (image by image). Exactness is
+ * of its own, in ascending order (image by image). Exactness is
  * left to the pair loop, which drops every particle out of reach of the row cluster as it now
  * stands: a longer list changes no bit of a result. */
 #ifndef TOSUI_ENGINE_NEIGHBOURS_H
@@ -13,10 +13,12 @@
 #include "common/error.h"
 #include "sphsolve/engine/particles.h"
 
-/* An entry is a run (start, length - 1) or, with RUN_IMAGE set, names the image of those after it:
- * offsets of RUN_IMAGE_BITS bits for x, y, z in units of one box. Image 0 need not be named. */
+/* An entry is a cluster, with RUN_PAIR two consecutive ones (a full vector of 16), or, with
+ * RUN_IMAGE set, names the image of those after it: offsets of RUN_IMAGE_BITS bits for x, y, z in
+ * units of one box. Image 0 need not be named. */
 #define RUN_START_BITS 26
-#define RUN_MAX 32
+#define RUN_START ((1u << RUN_START_BITS) - 1)
+#define RUN_PAIR (1u << RUN_START_BITS)
 #define RUN_IMAGE 0x80000000u
 #define RUN_IMAGE_BITS 8
 
@@ -44,9 +46,10 @@ enum status cluster_boxes_fluid(const struct particles *particles, struct cluste
 enum status cluster_boxes_wall(const struct particles *particles, struct cluster_set *set);
 void cluster_set_free(struct cluster_set *set);
 
-/* Replaces the list. */
+/* Replaces the list. `widest`: extent that rows may have when they are searched together, m; half
+ * of it, `range` and the half extents of two clusters stay below half of the box's images. */
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
-                             const struct cluster_set *columns, double range,
+                             const struct cluster_set *columns, double range, double widest,
                              struct neighbour_list *list);
 void neighbours_free(struct neighbour_list *list);
 size_t neighbours_bytes(const struct neighbour_list *list);

@@ -67,6 +67,12 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   const struct particles *p = pass->particles;
   size_t entries;
   const uint32_t *entry = list_row(list, row, &entries);
+  if (n + entries * SIMD_LANES + SIMD_LANES > local->capacity) {
+    local->overflow = true;
+    return n;
+  }
+  float *field[LOCAL_FIELDS];
+  for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
   uvec origin[3];
   vec scale[3], half[3], limit = vec_set(pass->radius * pass->radius), zero = vec_set(0.0f);
   for (int a = 0; a < 3; a++) {
@@ -84,23 +90,20 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
       }
       continue;
     }
-    size_t start = (size_t)(entry[e] & ((1u << RUN_START_BITS) - 1)) * CLUSTER;
-    size_t count = ((entry[e] >> RUN_START_BITS) + 1) * CLUSTER;
-    if (n + count + SIMD_LANES > local->capacity) {
-      local->overflow = true;
-      return n;
-    }
-    for (size_t k = 0; k < count; k += SIMD_WIDTH) {
+    size_t start = (size_t)(entry[e] & RUN_START) * CLUSTER;
+    uint32_t lanes = entry[e] & RUN_PAIR ? 0xffffu : 0xffu;
+    for (size_t k = 0; k < SIMD_LANES; k += SIMD_WIDTH) {
       size_t slot = start + k;
       vec x[3], sum = zero;
-      uint32_t mask;
+      uint32_t mask = lanes >> k;
+      if (SIMD_WIDTH < SIMD_LANES && mask == 0) break;
       if (wall) {
         uvec site = uvec_load16(p->site[0] + slot);
-        mask = uvec_differ(site, uvec_set(NO_SITE));
+        mask &= uvec_differ(site, uvec_set(NO_SITE));
         for (int a = 0; a < 3; a++)
           x[a] = vec_from(uvec_load16(p->site[a] + slot) * p->frame.step[a] - origin[a]);
       } else {
-        mask = uvec_differ(uvec_load(p->id + slot), uvec_set(NO_PARTICLE));
+        mask &= uvec_differ(uvec_load(p->id + slot), uvec_set(NO_PARTICLE));
         for (int a = 0; a < 3; a++) x[a] = vec_from(uvec_load(p->x[a] + slot) - origin[a]);
       }
       for (int a = 0; a < 3; a++) {
@@ -109,11 +112,9 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
         sum += gap * gap;
       }
       mask &= vec_below(sum, limit);
-      if (count - k < SIMD_WIDTH) mask &= (1u << (count - k)) - 1;
-      if (mask == 0) continue;
-      for (int a = 0; a < 3; a++) vec_compress(local->field[a] + n, mask, x[a]);
+      for (int a = 0; a < 3; a++) vec_compress(field[a] + n, mask, x[a]);
       for (int f = 0; f < fields; f++)
-        vec_compress(local->field[LVX + f] + n, mask,
+        vec_compress(field[LVX + f] + n, mask,
                      source[f] == NULL ? zero : vec_load(source[f] + slot));
       n += (size_t)__builtin_popcount(mask);
     }

@@ -190,15 +190,18 @@ enum status particles_sort(struct particles *p) {
   int bits = curve_bits(frame);
   TRY(memory_allocate(&entries, p->count, sizeof *entries, "sorting keys"));
   TRY(memory_allocate(&scratch, p->count, sizeof *scratch, "sorting keys"));
-  for (size_t i = 0; i < slots; i++) {
-    if (p->id[i] == NO_PARTICLE) continue;
+  for (size_t i = 0; i < slots; i++)
+    if (p->id[i] != NO_PARTICLE) entries[n++] = i;
+#pragma omp parallel for schedule(static)
+  for (size_t k = 0; k < n; k++) {
+    size_t i = entries[k];
     uint32_t cell[3];
     for (int a = 0; a < 3; a++) {
       p->x[a][i] = frame_fold(frame, a, p->x[a][i]);
       cell[a] =
           (uint32_t)(((uint64_t)p->x[a][i] * (2 * frame->sites[a])) >> (32 - frame->image_bits[a]));
     }
-    entries[n++] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
+    entries[k] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
   }
   radix_sort(entries, scratch, n);
 

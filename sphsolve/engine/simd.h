@@ -136,10 +136,11 @@ SIMD_INLINE vec vec_rsqrt(vec a) {
 
 /* Sum of the SIMD_LANES logical lanes in a fixed order: halves onto halves. */
 SIMD_INLINE float lanes_sum(const float *lanes) {
-  float s8[8], s4[4];
-  for (int i = 0; i < 8; i++) s8[i] = lanes[i] + lanes[i + 8];
-  for (int i = 0; i < 4; i++) s4[i] = s8[i] + s8[i + 4];
-  return (s4[0] + s4[2]) + (s4[1] + s4[3]);
+  __m128 low = _mm_add_ps(_mm_loadu_ps(lanes), _mm_loadu_ps(lanes + 8));
+  __m128 high = _mm_add_ps(_mm_loadu_ps(lanes + 4), _mm_loadu_ps(lanes + 12));
+  __m128 four = _mm_add_ps(low, high);
+  __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
 }
 
 #endif
