@@ -211,12 +211,14 @@ static void write_headlines(struct page *page) {
   fputs("</section>\n", out);
 }
 
-/* The plot of `body` as a still picture. */
-static enum status write_still(FILE *out, const char *name, const char *body, int width, int height,
-                               const char *title) {
-  enum status status = STATUS_OK;
+/* The plot of `body` as a still picture; a page without one is better than no page. */
+static void write_still(FILE *out, const char *name, const char *body, int width, int height,
+                        const char *title) {
   char *svg = NULL;
-  TRY(plot_svg(name, body, width, height, &svg));
+  if (plot_svg(name, body, width, height, &svg) != STATUS_OK) {
+    log_warning("%s", error_message());
+    error_clear();
+  }
   if (svg != NULL) {
     fprintf(out,
             "<img class=\"still\" data-name=\"%s\" width=\"%d\" height=\"%d\" alt=\"%s\" "
@@ -224,30 +226,27 @@ static enum status write_still(FILE *out, const char *name, const char *body, in
             name, width, height, title);
     html_base64(out, svg, strlen(svg));
     fputs("\">\n", out);
-  } else
-    fputs("<p class=\"still\">No still picture: gnuplot was not installed.</p>\n", out);
-cleanup:
+  } else {
+    fputs("<p class=\"still\">No still picture: gnuplot did not draw it when the page was "
+          "made.</p>\n",
+          out);
+  }
   memory_free(&svg);
-  return status;
 }
 
 /* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
-static enum status write_figure(struct page *page, enum part part, const char *title,
-                                const char *caption) {
-  enum status status = STATUS_OK;
+static void write_figure(struct page *page, enum part part, const char *title,
+                         const char *caption) {
   FILE *out = page->out;
   const struct product *product = &page->part[part];
-  if (!page->has[part]) return STATUS_OK;
+  if (!page->has[part]) return;
   fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n<figure>", part_names[part], title);
   if (part != PART_SLICE)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", part_names[part]);
-  TRY(write_still(out, part_names[part], product->plot.data, product->width, product->height,
-                  title));
+  write_still(out, part_names[part], product->plot.data, product->width, product->height, title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
   fputs("</pre></section>\n", out);
-cleanup:
-  return status;
 }
 
 static enum status write_calibration(FILE *out, const json_t *calibration) {
@@ -259,7 +258,7 @@ static enum status write_calibration(FILE *out, const json_t *calibration) {
   page_calibration_plot(calibration, plot);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
-  TRY(write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold"));
+  write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
   fputs(
       "<figcaption>Void ratio against the grey threshold, with the measured void ratio (level) and "
       "the threshold it calls for (upright), and the histogram of grey values; at the resolution "
@@ -359,22 +358,21 @@ static enum status write_body(struct page *page) {
     TRY(write_calibration(out, calibration));
   }
   fputs("</section>\n", out);
-  TRY(write_figure(page, PART_DARCY, "Darcy&rsquo;s law",
-                   "Darcy velocity against hydraulic gradient with the fitted line."));
-  TRY(write_figure(
-      page, PART_HISTORY, "History",
-      "Darcy velocity and density against time, the density's histogram at the end, and "
-      "what the scene records."));
-  TRY(write_figure(page, PART_PDF, "Pore velocity",
-                   "Probability density of the velocity along the driving force, raw and over the "
-                   "pore mean, with those of a slit, a tube, an exponential and a fitted "
-                   "power-exponential."));
-  TRY(write_figure(page, PART_SLICE, "Slice",
-                   "Velocity in the plane over the grains (grey), half-way through the body."));
+  write_figure(page, PART_DARCY, "Darcy&rsquo;s law",
+               "Darcy velocity against hydraulic gradient with the fitted line.");
+  write_figure(page, PART_HISTORY, "History",
+               "Darcy velocity and density against time, the density's histogram at the end, and "
+               "what the scene records.");
+  write_figure(page, PART_PDF, "Pore velocity",
+               "Probability density of the velocity along the driving force, raw and over the "
+               "pore mean, with those of a slit, a tube, an exponential and a fitted "
+               "power-exponential.");
+  write_figure(page, PART_SLICE, "Slice",
+               "Velocity in the plane over the grains (grey), half-way through the body.");
   TRY(write_flow(page));
-  TRY(write_figure(page, PART_CONVERGE, "Accuracy and its cost",
-                   "k against spacing with the extrapolation, and its deviation from the "
-                   "extrapolated k against wall-clock time."));
+  write_figure(page, PART_CONVERGE, "Accuracy and its cost",
+               "k against spacing with the extrapolation, and its deviation from the "
+               "extrapolated k against wall-clock time.");
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
   TRY(page_effects(&page->runs[0], out));
   fputs("</section>\n<section id=\"methods\"><h2>Methods</h2>\n", out);

@@ -14,21 +14,21 @@
 
 #define PICTURE_SIDE 256 /* most pixels of a slice */
 
-/* Layer z of a field as a picture, y upwards, at most PICTURE_SIDE pixels a side. */
-static enum status picture(FILE *stream, const struct voxel_model *model, size_t z,
-                           const float *grey, double low, double high, const char *alt) {
+/* A field [ny][nx] as a picture, y upwards, black at `low`, white at `high`, at most PICTURE_SIDE
+ * pixels a side. */
+static enum status picture(FILE *stream, const float *field, size_t nx, size_t ny, double low,
+                           double high, const char *alt) {
   enum status status = STATUS_OK;
   uint8_t *pixels = NULL;
   uint32_t palette[256];
-  size_t nx = model->size[0], ny = model->size[1];
   size_t width = nx < PICTURE_SIDE ? nx : PICTURE_SIDE;
   size_t height = ny < PICTURE_SIDE ? ny : PICTURE_SIDE;
   TRY(memory_allocate(&pixels, width * height, 1, "a picture"));
   for (size_t j = 0; j < height; j++)
     for (size_t i = 0; i < width; i++) {
-      size_t site = (z * ny + (height - 1 - j) * ny / height) * nx + i * nx / width;
-      double v = grey != NULL ? ((double)grey[site] - low) / (high - low) : model->solid[site];
-      pixels[j * width + i] = (uint8_t)lrint(255.0 * fmin(fmax(v, 0.0), 1.0));
+      double v = (double)field[(height - 1 - j) * ny / height * nx + i * nx / width];
+      pixels[j * width + i] =
+          (uint8_t)lrint(255.0 * fmin(fmax((v - low) / (high - low), 0.0), 1.0));
     }
   html_palette_grey(palette);
   fputs("<figure class=\"pixels\">", stream);
@@ -114,6 +114,13 @@ static double array_number(const json_t *object, const char *name, size_t i) {
   return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
+static double largest(const json_t *object, const char *name) {
+  double most = 0.0;
+  for (size_t i = 0; i < json_array_size(json_object_get(object, name)); i++)
+    most = fmax(most, array_number(object, name, i));
+  return most > 0.0 ? most : 1.0;
+}
+
 void page_calibration_plot(const json_t *calibration, FILE *plot) {
   size_t n = json_array_size(json_object_get(calibration, "threshold"));
   double measured = json_number_value(json_object_get(calibration, "void_ratio_measured"));
@@ -145,18 +152,68 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
             "set arrow from first %.6g, graph 0 to first %.6g, graph 1 nohead dashtype 2 "
             "linewidth 1.5 linecolor rgb '#444444'\n",
             chosen, chosen);
+  bool scan = json_array_size(json_object_get(calibration, "void_ratio_original")) == n &&
+              json_array_size(json_object_get(calibration, "histogram_original")) == n;
+  fprintf(plot, "plot $c using 1:2 with lines linewidth 2 linecolor rgb '%s' title 'model', ",
+          plot_colours[0]);
+  if (scan)
+    fprintf(plot, "$c using 1:4 with lines linewidth 2 linecolor rgb '%s' title 'scan', ",
+            plot_colours[1]);
   fprintf(plot,
-          "plot $c using 1:2 with lines linewidth 2 linecolor rgb '%s' title 'model', "
-          "$c using 1:4 with lines linewidth 2 linecolor rgb '%s' title 'scan', "
           "NaN with lines dashtype 2 linewidth 1.5 linecolor rgb '#444444' "
           "title 'measured void ratio and its threshold'\n"
           "unset arrow\nunset key\nset yrange [0:*]\nset xlabel 'Grey value'\n"
           "set ylabel 'Voxels (share of the highest)'\n"
-          "stats $c using 3 nooutput name 'm'\nstats $c using 5 nooutput name 's'\n"
-          "plot $c using 1:($3/m_max) with lines linewidth 1.8 linecolor rgb '%s', "
-          "$c using 1:($5/s_max) with lines linewidth 1.8 linecolor rgb '%s'\n"
-          "unset multiplot\n",
-          plot_colours[0], plot_colours[1], plot_colours[0], plot_colours[1]);
+          "plot $c using 1:($3/%.8g) with lines linewidth 1.8 linecolor rgb '%s'",
+          largest(calibration, "histogram"), plot_colours[0]);
+  if (scan)
+    fprintf(plot, ", $c using 1:($5/%.8g) with lines linewidth 1.8 linecolor rgb '%s'",
+            largest(calibration, "histogram_original"), plot_colours[1]);
+  fputs("\nunset multiplot\n", plot);
+}
+
+/* The middle slice of the scan, where the file keeps one: grey, and cut at the scan's threshold. */
+static enum status scan_pictures(FILE *stream, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  float *grey = NULL;
+  size_t size[2]; /* y, x */
+  if (!h5_exists(file, "/calibration/slice")) return STATUS_OK;
+  double pore = attribute(file, "/calibration", "pore_peak");
+  double grain = attribute(file, "/calibration", "grain_peak");
+  double threshold = attribute(file, "/calibration", "threshold_original");
+  TRY(h5_read(file, "/calibration/slice", H5_F32, 2, size, &grey));
+  if (!(fabs(grain - pore) > 0.0)) goto cleanup;
+  TRY(picture(stream, grey, size[1], size[0], pore - 0.3 * (grain - pore),
+              grain + 0.3 * (grain - pore), "A slice through the middle of the scan"));
+  if (isfinite(threshold)) {
+    for (size_t i = 0; i < size[0] * size[1]; i++)
+      grey[i] = ((double)grey[i] > threshold) == (grain > pore) ? 1.0f : 0.0f;
+    TRY(picture(stream, grey, size[1], size[0], 0.0, 1.0,
+                "The slice at the threshold that gives the measured void ratio"));
+  }
+cleanup:
+  memory_free(&grey);
+  return status;
+}
+
+static enum status model_pictures(FILE *stream, const struct voxel_model *model) {
+  enum status status = STATUS_OK;
+  size_t nx = model->size[0], ny = model->size[1], z = model->size[2] / 2;
+  float *layer = NULL;
+  if (model->mirror_plane > 0) z = (size_t)model->mirror_plane / 2; /* the middle of the scan */
+  TRY(memory_allocate(&layer, nx * ny, sizeof *layer, "a picture"));
+  for (size_t i = 0; i < nx * ny; i++) layer[i] = (float)model->solid[z * nx * ny + i];
+  if (model->grain_fraction != NULL)
+    TRY(picture(stream, model->grain_fraction + z * nx * ny, nx, ny, 0.0, 1.0,
+                "Grain fraction of a layer, at the model's resolution"));
+  if (model->wall_distance != NULL)
+    TRY(picture(stream, model->wall_distance + z * nx * ny, nx, ny, model->spacing[0],
+                -model->spacing[0], "Signed distance to the grain surface, one spacing each way"));
+  TRY(picture(stream, layer, nx, ny, 0.0, 1.0,
+              "The same layer of the binary model (grains light)"));
+cleanup:
+  memory_free(&layer);
+  return status;
 }
 
 static enum status write_model(const char *path, FILE *stream, json_t **calibration) {
@@ -165,17 +222,9 @@ static enum status write_model(const char *path, FILE *stream, json_t **calibrat
   struct h5_file *file = NULL;
   TRY(model_read(path, &model));
   TRY(h5_open(path, &file));
-  size_t z = model.size[2] / 2;
-  if (model.mirror_plane > 0) z = (size_t)model.mirror_plane / 2; /* not the mirror itself */
   fputs("<div class=\"pictures\">", stream);
-  if (model.grain_fraction != NULL)
-    TRY(picture(stream, &model, z, model.grain_fraction, 0.0, 1.0,
-                "Grain fraction of a layer, from the scan at the model's resolution"));
-  if (model.wall_distance != NULL)
-    TRY(picture(stream, &model, z, model.wall_distance, model.spacing[0], -model.spacing[0],
-                "Signed distance to the grain surface, one spacing each way"));
-  TRY(picture(stream, &model, z, NULL, 0.0, 1.0,
-              "The same layer of the binary model (grains light)"));
+  TRY(scan_pictures(stream, file));
+  TRY(model_pictures(stream, &model));
   fputs("</div>\n", stream);
   write_table(stream, file, &model, path);
   TRY(read_calibration(file, &model, calibration));

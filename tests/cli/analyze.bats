@@ -205,6 +205,34 @@ PY
 assert json.load(sys.stdin)["history"]["runs"][0]["name"] == "</script><script>alert(1)</script>"'
 }
 
+@test "report and darcy: the model beside the run gives the specimen and its share of the error" {
+  mkdir -p beside && /usr/bin/python3 "$MAKE_RUN" beside/run.hdf model=elsewhere/sand.hdf
+  /usr/bin/python3 - <<'PY'
+import h5py, numpy as np
+with h5py.File("beside/sand.hdf", "w") as f:
+    rng = np.random.default_rng(1)
+    f["/model/solid"] = (rng.random((6, 8, 9)) < 0.6).astype(np.uint8)
+    a = f["/model"].attrs
+    a["spacing"], a["void_ratio"], a["void_ratio_measured"], a["threshold"] = [1e-5] * 3, 0.75, 0.74, 57.0
+    t = np.arange(0, 120.0)
+    f["/calibration/threshold"], f["/calibration/void_ratio"] = t, 0.013 * t
+    f["/calibration/histogram"] = np.exp(-((t - 100) / 9) ** 2)
+    f["/calibration/slice"] = (100 * rng.random((20, 30))).astype(np.float32)
+    c = f["/calibration"].attrs
+    c["pore_peak"], c["grain_peak"], c["threshold_original"], c["dthreshold_dvoid_ratio"] = 20.0, 100.0, 60.0, 70.0
+PY
+  analyze report beside/run.hdf -o specimen.html
+  grep -q "A slice through the middle of the scan" specimen.html
+  grep -q "Void ratio, measured on the specimen</th><td>0.74<" specimen.html
+  grep -q 'data-part="calibration"' specimen.html
+  page_data specimen.html > specimen.json
+  near "$(field specimen.json calibration.void_ratio_measured)" 0.74 1e-9
+  # Kozeny-Carman: d ln k/de = 3/0.75 - 1/1.75
+  near "$(field specimen.json darcy.dlnk_dvoid_ratio)" 3.428571 1e-5
+  near "$(field specimen.json darcy.error_budget.void_ratio)" 0.03428571 1e-5
+  near "$(field specimen.json darcy.dlnk_dthreshold)" 0.0489796 1e-5
+}
+
 @test "report: runs without snapshots, without a force and of several spacings" {
   /usr/bin/python3 "$MAKE_RUN" nosnap.hdf snapshots=0
   run analyze report nosnap.hdf -o nosnap.html
