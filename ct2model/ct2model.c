@@ -5,6 +5,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/describe.h"
+#include "ct2model/model_output.h"
 #include "ct2model/pipeline.h"
 #include "ct2model/report.h"
 #include "ct2model/request.h"
@@ -22,7 +23,7 @@ static enum status run_pipeline(const struct options *options, const struct requ
   TRY(pipeline_run(request, paths, n, build, &pipeline));
   TRY(sweep_table_make(&pipeline, &table));
   if (build)
-    TRY(report_write_model(&pipeline, options, &table));
+    TRY(model_output_write(&pipeline, options, &table));
   else if (request->output != NULL)
     TRY(sweep_table_write(&table, request->output));
   TRY(report_print(&pipeline, options, build ? NULL : &table));

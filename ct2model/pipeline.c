@@ -13,6 +13,11 @@ double pipeline_grey(const struct pipeline *pipeline, double internal) {
   return internal * pipeline->grey_scale * (pipeline->request->dark_grains ? -1.0 : 1.0);
 }
 
+double pipeline_threshold_error(const struct pipeline *pipeline) {
+  return fabs(pipeline_grey(pipeline, pipeline->threshold_slope)) *
+         pipeline->request->void_ratio_error;
+}
+
 /* ---- region: crop, voxel size, size after resampling ---- */
 
 static enum status choose_voxel(struct pipeline *pipeline) {
@@ -274,6 +279,8 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(binarise_calibrate(pipeline));
   if (resample) TRY(make_solid(pipeline));
   TRY(find_walls(pipeline, distances));
+  if (distances)
+    TRY(morphology_measure(&pipeline->model, pipeline->size[2], &pipeline->morphology));
 cleanup:
   return status;
 }

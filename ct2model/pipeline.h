@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/model_file.h"
 #include "ct2model/calibrate.h"
+#include "ct2model/morphology.h"
 #include "ct2model/region.h"
 #include "ct2model/request.h"
 #include "ct2model/stack.h"
@@ -37,6 +38,7 @@ struct pipeline {
   struct grey_phases phases;
   struct voxel_model model;
   struct quality quality;
+  struct morphology morphology;
   size_t specks, disagreeing;
 };
 
@@ -47,5 +49,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
 void pipeline_end(struct pipeline *pipeline);
 
 double pipeline_grey(const struct pipeline *pipeline, double internal);
+/* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
+double pipeline_threshold_error(const struct pipeline *pipeline);
 
 #endif

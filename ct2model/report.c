@@ -6,10 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
 #include "common/log.h"
-#include "common/memory.h"
-#include "common/provenance.h"
 #include "common/units.h"
 
 /* The numbers of both outputs. JSON has no NaN: what is not known is null. */
@@ -75,6 +72,23 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   put(root, "specific_surface_model_per_m", quality->surface_model);
 }
 
+static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
+  const struct morphology *m = &pipeline->morphology;
+  json_t *windows = json_array();
+  for (size_t i = 0; i < m->window_count; i++)
+    json_array_append_new(windows, json_pack("{s:f,s:o,s:o}", "size_m",
+                                             (double)m->window[i] * pipeline->model.spacing[0],
+                                             "void_ratio", number(m->window_mean[i]), "deviation",
+                                             number(m->window_deviation[i])));
+  put(root, "correlation_length_m", m->correlation_length);
+  put(root, "pore_voxels_touching_grain", m->touching);
+  put(root, "local_thickness_median_voxels", m->thickness_median);
+  put(root, "expected_error_of_k", m->expected_error);
+  json_object_set_new(root, "local_thickness_histogram",
+                      numbers(m->thickness_histogram, THICKNESS_BINS));
+  json_object_set_new(root, "representative_volume", windows);
+}
+
 static enum status print_json(const struct pipeline *pipeline, const struct options *options,
                               const struct sweep_table *table) {
   json_t *root = json_object();
@@ -82,6 +96,8 @@ static enum status print_json(const struct pipeline *pipeline, const struct opti
   put(root, "void_ratio_measured", pipeline->request->void_ratio);
   put(root, "threshold", pipeline_grey(pipeline, pipeline->threshold));
   put(root, "threshold_original", pipeline_grey(pipeline, pipeline->threshold_original));
+  put(root, "void_ratio_measured_uncertainty", pipeline->request->void_ratio_error);
+  put(root, "threshold_uncertainty", pipeline_threshold_error(pipeline));
   put(root, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu));
   put(root, "threshold_valley", pipeline_grey(pipeline, pipeline->phases.valley));
   put(root, "dthreshold_dvoid_ratio", threshold_slope(pipeline));
@@ -95,7 +111,10 @@ static enum status print_json(const struct pipeline *pipeline, const struct opti
   json_object_set_new(root, "size_original", sizes(pipeline->region.size));
   json_object_set_new(root, "voxel_size_m", numbers(pipeline->region.voxel, 3));
   if (pipeline->volume != NULL) json_of_model(pipeline, root);
-  if (build) put_count(root, "sign_adjusted", pipeline->disagreeing);
+  if (build) {
+    put_count(root, "sign_adjusted", pipeline->disagreeing);
+    json_of_morphology(pipeline, root);
+  }
   if (table != NULL) json_object_set_new(root, "sweep", json_of_table(table));
   if (pipeline->request->output != NULL)
     json_object_set_new(root, "output", json_string(pipeline->request->output));
@@ -128,10 +147,58 @@ static void print_model(const struct pipeline *pipeline) {
          quality->floating_voxels);
 }
 
+/* The pores against the voxels, and what would be fine enough: the error of a second-order wall
+ * across N voxels is about 1 / (2 N^2). */
+static void print_advice(const struct pipeline *pipeline) {
+  const struct morphology *m = &pipeline->morphology;
+  const double aim = 0.05;
+  if (!(m->expected_error > aim)) return;
+  double finer = sqrt(m->expected_error / aim);
+  size_t size[3];
+  bool beyond = false;
+  for (int d = 0; d < 3; d++) {
+    size[d] = (size_t)ceil(finer * (double)pipeline->size[d]);
+    if (size[d] > pipeline->region.size[d]) {
+      size[d] = pipeline->region.size[d];
+      beyond = true;
+    }
+  }
+  if (pipeline->size[0] == pipeline->region.size[0])
+    printf("                  too coarse for 5 %%, and the scan holds no more: a finer scan is "
+           "needed\n");
+  else
+    printf("                  too coarse for 5 %%: --size %zux%zux%zu %s\n", size[0], size[1],
+           size[2], beyond ? "is the best this scan can give" : "would do");
+}
+
+static void print_morphology(const struct pipeline *pipeline) {
+  const struct morphology *m = &pipeline->morphology;
+  char length[40];
+  printf("pore widths       %.0f %% of the pore voxels touch a grain", 100.0 * m->touching);
+  if (isfinite(m->thickness_median))
+    printf("; median width %.1f voxels, so k is good to about %.2g %%", m->thickness_median,
+           100.0 * m->expected_error);
+  putchar('\n');
+  print_advice(pipeline);
+  if (isfinite(m->correlation_length)) {
+    quantity_format(m->correlation_length, "m", length, sizeof length);
+    printf("correlation       over %s; the model is %.0f times as wide\n", length,
+           (double)pipeline->model.size[0] * pipeline->model.spacing[0] / m->correlation_length);
+  }
+  if (m->window_count >= 2) {
+    size_t i = m->window_count - 2;
+    quantity_format((double)m->window[i] * pipeline->model.spacing[0], "m", length, sizeof length);
+    printf("representative    void ratio varies by +-%.2g %% between windows of %s\n",
+           100.0 * m->window_deviation[i] / m->window_mean[i], length);
+  }
+}
+
 static void print_text(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const struct quality *quality = &pipeline->quality;
   printf("threshold         %.4f", pipeline_grey(pipeline, pipeline->threshold));
+  if (isfinite(pipeline_threshold_error(pipeline)))
+    printf(" +- %.3g", pipeline_threshold_error(pipeline));
   printf(" (full resolution %.4f, Otsu %.4g)\n",
          pipeline_grey(pipeline, pipeline->threshold_original),
          pipeline_grey(pipeline, pipeline->otsu));
@@ -150,6 +217,7 @@ static void print_text(const struct pipeline *pipeline) {
   printf("specific surface  %.4g 1/mm of bulk volume", quality->surface_original * 1e-3);
   if (pipeline->volume != NULL) printf(" (model %.4g)", quality->surface_model * 1e-3);
   putchar('\n');
+  if (pipeline->model.wall_distance != NULL) print_morphology(pipeline);
   if (request->output != NULL) printf("written           %s\n", request->output);
 }
 
@@ -158,97 +226,4 @@ enum status report_print(const struct pipeline *pipeline, const struct options *
   if (options_json(options)) return print_json(pipeline, options, table);
   print_text(pipeline);
   return STATUS_OK;
-}
-
-/* ---- the model file ---- */
-
-static enum status write_number(struct h5_file *file, const char *group, const char *name,
-                                double value) {
-  return h5_write_attribute(file, group, name, H5_F64, 1, &value);
-}
-
-static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline,
-                                     const struct sweep_table *table) {
-  enum status status = STATUS_OK;
-  const char *group = "/calibration";
-  TRY(h5_write(file, "/calibration/threshold", H5_F64, 1, &table->count, table->threshold, false));
-  TRY(h5_write(file, "/calibration/void_ratio", H5_F64, 1, &table->count,
-               table->void_ratio_resampled, false));
-  TRY(h5_write(file, "/calibration/histogram", H5_F64, 1, &table->count, table->histogram_resampled,
-               false));
-  TRY(h5_write(file, "/calibration/void_ratio_original", H5_F64, 1, &table->count,
-               table->void_ratio, false));
-  TRY(h5_write(file, "/calibration/histogram_original", H5_F64, 1, &table->count, table->histogram,
-               false));
-  TRY(write_number(file, group, "threshold", pipeline_grey(pipeline, pipeline->threshold)));
-  TRY(write_number(file, group, "threshold_original",
-                   pipeline_grey(pipeline, pipeline->threshold_original)));
-  TRY(write_number(file, group, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu)));
-  TRY(write_number(file, group, "dthreshold_dvoid_ratio", threshold_slope(pipeline)));
-  TRY(write_number(file, group, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak)));
-  TRY(write_number(file, group, "grain_peak",
-                   pipeline_grey(pipeline, pipeline->phases.grain_peak)));
-cleanup:
-  return status;
-}
-
-static enum status write_quality(struct h5_file *file, const struct pipeline *pipeline) {
-  enum status status = STATUS_OK;
-  const struct quality *quality = &pipeline->quality;
-  int32_t percolates[3] = {quality->percolates[2], quality->percolates[1], quality->percolates[0]};
-  TRY(write_number(file, "/model", "void_ratio_error",
-                   pipeline->model.void_ratio - pipeline->request->void_ratio));
-  TRY(write_number(file, "/model", "porosity", quality->porosity));
-  TRY(write_number(file, "/model", "connected_porosity", quality->connected_porosity));
-  TRY(write_number(file, "/model", "isolated_pores", (double)quality->isolated_pores));
-  TRY(write_number(file, "/model", "isolated_pore_voxels", (double)quality->isolated_voxels));
-  TRY(write_number(file, "/model", "specific_surface", quality->surface_original));
-  TRY(write_number(file, "/model", "specific_surface_model", quality->surface_model));
-  TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
-cleanup:
-  return status;
-}
-
-static enum status write_provenance(struct h5_file *file, const struct pipeline *pipeline,
-                                    const struct options *options) {
-  enum status status = STATUS_OK;
-  size_t n = pipeline->stack.file_count;
-  uint64_t *hashes = NULL;
-  const char **paths = NULL;
-  TRY(memory_allocate(&hashes, n, sizeof *hashes, "hashes"));
-  TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
-#pragma omp parallel for schedule(dynamic)
-  for (size_t i = 0; i < n; i++) {
-    const struct image *image = &pipeline->stack.files[i];
-    paths[i] = image->path;
-    enum status one =
-        hash_file(image->data_path != NULL ? image->data_path : image->path, &hashes[i]);
-    if (one != STATUS_OK) {
-#pragma omp critical
-      status = one;
-    }
-  }
-  if (status != STATUS_OK) goto cleanup;
-  TRY(provenance_write(file, "ct2model", options_command_line(options), n, paths, hashes));
-cleanup:
-  memory_free(&hashes);
-  memory_free(&paths);
-  return status;
-}
-
-enum status report_write_model(const struct pipeline *pipeline, const struct options *options,
-                               const struct sweep_table *table) {
-  enum status status = STATUS_OK;
-  struct h5_file *file = NULL;
-  TRY(h5_create(pipeline->request->output, &file));
-  TRY(model_write(file, &pipeline->model));
-  TRY(write_calibration(file, pipeline, table));
-  TRY(write_quality(file, pipeline));
-  TRY(write_provenance(file, pipeline, options));
-  struct h5_file *whole = file;
-  file = NULL; /* commit frees it */
-  TRY(h5_commit(whole));
-cleanup:
-  h5_close(file);
-  return status;
 }

@@ -1,4 +1,4 @@
-/* What ct2model tells: text for people, JSON for programs, and the model file. */
+/* What ct2model tells: text for people, JSON for programs. */
 #ifndef TOSUI_CT2MODEL_REPORT_H
 #define TOSUI_CT2MODEL_REPORT_H
 
@@ -10,8 +10,5 @@
 /* To stdout. `table` is NULL for build. */
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
                          const struct sweep_table *table);
-/* model.hdf with calibration, quality and provenance. */
-enum status report_write_model(const struct pipeline *pipeline, const struct options *options,
-                               const struct sweep_table *table);
 
 #endif

@@ -22,7 +22,8 @@ static const struct option_command COMMANDS[] = {
 };
 
 static const struct option_entry ENTRIES[] = {
-    {"void-ratio", 'e', "E", SWEEP | BUILD, "measured void ratio, pore volume / grain volume"},
+    {"void-ratio", 'e', "E", SWEEP | BUILD,
+     "measured void ratio, pore volume / grain volume; 0.725 or 0.725+-0.005"},
     {"output", 'o', "FILE", SWEEP | BUILD, "where the model (build) or the table (sweep) goes"},
     {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
      "edge of a voxel, e.g. 5.83um (needed unless the file says it)"},
@@ -64,6 +65,29 @@ static enum status parse_numbers(const struct options *options, const char *name
   return STATUS_OK;
 }
 
+/* "0.725", "0.725+-0.005", "0.725\u00b10.005" */
+static enum status parse_void_ratio(const struct options *options, struct request *request) {
+  const char *text = options_text(options, "void-ratio");
+  if (text == NULL) return STATUS_OK;
+  char *end;
+  request->void_ratio = strtod(text, &end);
+  bool good = end != text && request->void_ratio > 0.0 && request->void_ratio < 1000.0;
+  size_t sign = strncmp(end, "+-", 2) == 0 || strncmp(end, "\xC2\xB1", 2) == 0 ? 2
+                : strncmp(end, "+/-", 3) == 0                                  ? 3
+                                                                               : 0;
+  if (good && sign > 0) {
+    const char *error = end + sign;
+    request->void_ratio_error = strtod(error, &end);
+    good = end != error && request->void_ratio_error >= 0.0 &&
+           request->void_ratio_error < request->void_ratio;
+  }
+  if (good && *end == '\0') return STATUS_OK;
+  return FAIL(STATUS_USAGE,
+              "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 or 0.725+-0.005 "
+              "(porosity n is e = n / (1 - n))",
+              text);
+}
+
 static enum status parse_threshold(const struct options *options, struct request *request) {
   const char *text = options_text(options, "threshold");
   if (text == NULL || strcmp(text, "auto") == 0) return STATUS_OK;
@@ -102,7 +126,8 @@ enum status request_parse(const struct options *options, struct request *request
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
   bool info = strcmp(options_command(options), "info") == 0;
-  *request = (struct request){.voxel = NAN, .void_ratio = NAN, .scale_peak = NAN};
+  *request =
+      (struct request){.voxel = NAN, .void_ratio = NAN, .void_ratio_error = NAN, .scale_peak = NAN};
   if (options_given(options, "raw"))
     TRY(raw_layout_parse(options_text(options, "raw"), &request->raw));
   TRY(options_quantity(options, "voxel-size", DIM_LENGTH, &request->voxel));
@@ -115,16 +140,10 @@ enum status request_parse(const struct options *options, struct request *request
   request->output = options_text(options, "output");
   TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
   TRY(parse_numbers(options, "size", 'x', 3, "60x60x31", request->size));
-  TRY(options_number(options, "void-ratio", &request->void_ratio));
+  TRY(parse_void_ratio(options, request));
   TRY(options_number(options, "scale-peak", &request->scale_peak));
   TRY(parse_threshold(options, request));
   TRY(parse_choices(options, request));
-  if (options_given(options, "void-ratio") &&
-      !(request->void_ratio > 0.0 && request->void_ratio < 1000.0))
-    TRY_FAIL(STATUS_USAGE,
-             "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 (porosity n is "
-             "e = n / (1 - n))",
-             options_text(options, "void-ratio"));
   if (options_given(options, "scale-peak") && !(request->scale_peak > 0.0))
     TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0", options_text(options, "scale-peak"));
   if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio))

@@ -19,7 +19,7 @@ struct request {
   size_t crop[6]; /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
   enum filter filter;
-  double void_ratio; /* NAN if not given */
+  double void_ratio, void_ratio_error; /* NAN if not given */
   enum threshold_rule rule;
   double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;

@@ -57,9 +57,9 @@ static double pieces_distance(const struct walk *walk, const double point[3], do
   return best;
 }
 
-/* `point` in stretched voxels of the region. */
-static double wall_distance(const struct walk *walk, const double point[3]) {
-  double best = pieces_distance(walk, point, walk->band);
+/* Distance of `point` (stretched voxels of the region) to the surface, at most `limit`. */
+static double wall_distance(const struct walk *walk, const double point[3], double limit) {
+  double best = pieces_distance(walk, point, limit);
   if (!walk->request->mirror) return best;
   /* Images by reflection about z = 0 and about the middle of the last layer. */
   double plane = mirror_plane(walk) * walk->stretch[2];
@@ -95,13 +95,16 @@ static void sign_layer(const struct walk *walk, size_t layer, float *distance) {
 
 static void measure_layer(const struct walk *walk, size_t layer, float *distance) {
   const size_t *size = walk->request->size;
+  const double step = walk->factor[0] * walk->stretch[0];
 #pragma omp parallel for schedule(dynamic, 4)
   for (size_t row = layer * size[1]; row < (layer + 1) * size[1]; row++) {
+    double best = walk->band;
     for (size_t x = 0; x < size[0]; x++) {
       double point[3];
       centre_of(walk, row, x, point);
       for (int d = 0; d < 3; d++) point[d] *= walk->stretch[d];
-      double best = wall_distance(walk, point);
+      /* One step further the distance is at most one step more. */
+      best = wall_distance(walk, point, fmin(walk->band, 1.0001 * (best + step)));
       float *value = &distance[row * size[0] + x];
       *value = best < walk->band ? *value * (float)(best * walk->unit) : INFINITY;
     }

@@ -106,6 +106,20 @@ bats_require_minimum_version 1.5.0
   near "$(echo "$output" | value files.0.void_ratio 2> /dev/null || echo 3.959)" 3.959 0.01
 }
 
+@test "the uncertainty of the void ratio becomes one of the threshold" {
+  cd "$WORK"
+  for e in 3.959+-0.04 3.959±0.04; do
+    run_ct build spheres.raw $RAW --void-ratio $e --size 24x24x24 --json -o u.hdf
+    [ "$status" -eq 0 ]
+    slope=$(echo "$output" | value dthreshold_dvoid_ratio)
+    near "$(echo "$output" | value threshold_uncertainty)" "$(awk "BEGIN { print 0.04 * $slope }")" 1e-4
+  done
+  for e in 3.959+- 3.959+-x 3.959+-4 3.959-+1 0; do
+    run_ct build spheres.raw $RAW --void-ratio $e -o no.hdf
+    [ "$status" -eq 2 ]
+  done
+}
+
 @test "dark grains are bright grains negated" {
   cd "$WORK"
   LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
