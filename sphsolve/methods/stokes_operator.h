@@ -1,13 +1,16 @@
 /* The steady SPH-Stokes system on the active sites, matrix-free, in lattice units (length: mean
  * spacing; kinematic viscosity and density 1):
- *   A v + D G p = f,   div v + tau L p = 0
+ *   A v + D G p = D f,   div v + tau (L + div G) p = 0
  *   (A v)_a = sum_b c_ab (v_a - v_b), c_ab = -2 (1/r) dW/dr          Morris, Fox, Zhu 1997 eq. 22
  *   wall site b: v_b = v_w + (v_w - v_a) d_b / d_a, continued by the parabola of the momentum
  *   equation, - (f - G p)_a d_b (d_a + d_b) / 2                      after Basa et al. 2009
  * The parabola is local to site a, so it scales that site's momentum equation by
  * D_a = 1 - sum over wall sites of c_ab d_b (d_a + d_b) / 2 and needs no outer iteration.
- *   (G p)_a = sum over pore sites of (p_b - p_a) g_ab; div is minus its transpose
- *   L: the Laplacian with c_ab over pore pairs; tau keeps checkerboard pressures out. */
+ *   (G p)_a = B_a sum over pore sites of (p_b - p_a) g_ab; div is minus its transpose. B inverts
+ *   the moments sum of g_ab r_ab (Bonet, Lok 1999): without it a pressure gradient along a wall,
+ *   and the flux along it, count for half in the sites next to the wall.
+ *   L: the Laplacian with c_ab over pore pairs; tau keeps checkerboard pressures out. For
+ *   smooth p the two Laplacians L and -div G cancel, and with them its error (Rhie, Chow 1983). */
 #ifndef TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
 #define TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
 
@@ -18,6 +21,13 @@
 #include "sphsolve/methods/stokes_grid.h"
 #include "sphsolve/methods/stokes_stencil.h"
 #include "sphsolve/scene.h"
+
+#define STOKES_MOMENT_FLOOR 0.1
+
+/* Where entry (a, b) of a symmetric matrix is kept. */
+static inline size_t stokes_symmetric(int axes, int a, int b) {
+  return (size_t)(a == b ? a : axes + a + b - 1);
+}
 
 struct stokes_operator {
   const struct stokes_stencil *stencil;
@@ -30,6 +40,7 @@ struct stokes_operator {
   float *parabola;      /* [n] D */
   float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
   float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
+  float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
   float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
   float *flux_velocity; /* [n] the volume integral of the velocity is the sum over sites of */
   float *flux_force;    /* [n] flux_velocity v + flux_force (f - G p); NULL: plain sum of v */
@@ -52,15 +63,27 @@ void stokes_operator_free(struct stokes_operator *op);
 void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
 /* The velocity block alone: y[axis] = A x[axis] for `count` components. */
 void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x, float *y);
-/* y = D G p, y [axis_count][n]. */
+/* y = G p, y [axis_count][n]. */
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
 
 /* residual = (D force + drag, 0) - K x in double precision, rounded at the end. force by axis
- * number (x, y, z). */
+ * number (x, y, z); work [n]. */
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
-                              float *residual);
-/* Volume integral of the velocity over the pores; p_gradient: DG p as apply_gradient gives it. */
+                              double *work, float *residual);
+/* Volume integral of the velocity over the pores; p_gradient: G p as apply_gradient gives it. */
 void stokes_operator_flux(const struct stokes_operator *op, const double force[3], const double *x,
                           const float *p_gradient, double flux[3]);
+
+/* out = B in at site i; in [axis_count][pitch]. */
+static inline void stokes_correct(const struct stokes_operator *op, size_t i, const float *in,
+                                  size_t pitch, float out[3]) {
+  const int axes = op->stencil->axis_count;
+  for (int a = 0; a < axes; a++) {
+    out[a] = 0.0f;
+    for (int b = 0; b < axes; b++)
+      out[a] +=
+          op->correction[stokes_symmetric(axes, a, b) * op->n + i] * in[(size_t)b * pitch + i];
+  }
+}
 
 #endif

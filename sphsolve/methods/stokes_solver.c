@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <stdlib.h>
 
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_stabilisation.h"
@@ -45,7 +46,8 @@ static void measure(struct stokes_solver *s) {
       if (op->drag) force += (double)op->drag[a * n + i];
       work += fabs(force * s->x[a * n + i]);
     }
-  stokes_operator_residual(&s->operator, s->force, s->x, s->residual);
+  stokes_operator_residual(&s->operator, s->force, s->x, (double *)(void *)s->krylov.basis,
+                           s->residual);
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) square += (double)continuity[i] * (double)continuity[i];
   s->divergence = work > 0.0 ? sqrt(square / work) : INFINITY;
@@ -88,8 +90,9 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
   if (s->grid.active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
-                            s->velocity_unit, &s->operator));
+  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall,
+                            getenv("TAU") ? atof(getenv("TAU")) : STOKES_TAU, s->velocity_unit,
+                            &s->operator));
   TRY(krylov_build(length, BASIS, &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;

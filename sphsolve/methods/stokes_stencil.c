@@ -21,16 +21,15 @@ static void solve_ones(int n, double m[3][3], double x[3]) {
   }
 }
 
-/* Morris, Fox, Zhu 1997 eq. 22: c = -2 V (1/r) dW/dr; gradient V dW/dr e. Their lattice sums are
- * scaled axis by axis so that the operators are exact for quadratic velocity and linear pressure
- * on this lattice, cubic or not. */
+/* Morris, Fox, Zhu 1997 eq. 22: c = -2 V (1/r) dW/dr; gradient V dW/dr e. The viscous
+ * lattice sums are scaled axis by axis so that the operator is exact for a quadratic velocity on
+ * this lattice, cubic or not; the gradient has its own correction. */
 static void scale_moments(struct stokes_stencil *s) {
-  double second[3][3] = {{0}}, first[3] = {0}, scale[3];
+  double second[3][3] = {{0}}, scale[3];
   for (int o = 0; o < s->offset_count; o++) {
     const struct stokes_offset *offset = &s->offsets[o];
     for (int a = 0; a < s->axis_count; a++) {
       const double x = offset->step[s->axes[a]] * s->spacing[s->axes[a]];
-      first[a] += offset->gradient[s->axes[a]] * x;
       for (int b = 0; b < s->axis_count; b++) {
         const double y = offset->step[s->axes[b]] * s->spacing[s->axes[b]] / offset->r;
         second[a][b] += 0.5 * offset->viscous * x * x * y * y;
@@ -44,7 +43,6 @@ static void scale_moments(struct stokes_stencil *s) {
     for (int a = 0; a < s->axis_count; a++) {
       const double e = offset->step[s->axes[a]] * s->spacing[s->axes[a]] / offset->r;
       factor += scale[a] * e * e;
-      offset->gradient[s->axes[a]] /= first[a];
     }
     offset->viscous *= factor;
   }

@@ -1,0 +1,246 @@
+#include "sphsolve/methods/stokes_operator.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/effects/stokes_wall_subvoxel.h"
+
+struct builder {
+  struct stokes_operator *op;
+  const struct lattice *lattice;
+  const struct scene *scene;
+  enum wall_scheme wall;
+  double velocity_unit;
+};
+
+/* What the walls around one site do to its momentum equation, and its sums over pore sites. */
+struct site_sums {
+  double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
+  double moment[3][3]; /* sum over pore sites of g_ab times the vector to b */
+  double flux_velocity, flux_force;
+  bool smooth; /* the wall distances are those of a surface */
+};
+
+static double distance(const struct builder *b, size_t site) {
+  return b->lattice->wall_distance[site] / b->op->stencil->unit;
+}
+
+static const struct region *wall_region(const struct builder *b, size_t site) {
+  if (!b->scene || !b->lattice->region || b->lattice->region[site] == 0) return NULL;
+  return &b->scene->regions[b->lattice->region[site] - 1];
+}
+
+static void add_wall(const struct builder *b, const struct stokes_offset *offset, size_t site,
+                     size_t other, struct site_sums *sums) {
+  const struct region *region = wall_region(b, other);
+  if (region && region->slip) return; /* moves along: no shear */
+  double factor = 1.0;                /* frozen: at rest where it is */
+  if (b->wall == WALL_ADAMI) factor = 2.0;
+  if (b->wall == WALL_SUBVOXEL) {
+    const struct wall_image image =
+        wall_subvoxel(distance(b, site), -distance(b, other), offset->r);
+    factor = 1.0 + image.linear;
+    sums->parabola += offset->viscous * image.parabola;
+    sums->smooth = sums->smooth && image.smooth;
+  }
+  sums->diagonal += offset->viscous * factor;
+  for (int a = 0; region && a < 3; a++)
+    sums->drag[a] += offset->viscous * factor * region->velocity[a] / b->velocity_unit;
+}
+
+/* Curvature of the wall seen from a site: the Laplacian of the wall distance. Where distances from
+ * two walls meet, or are noise, their gradient is no unit vector and the wall is taken as flat. */
+static double wall_curvature(const struct builder *b, const size_t at[3], size_t site) {
+  const struct lattice *l = b->lattice;
+  const struct stokes_stencil *stencil = b->op->stencil;
+  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  double square = 0.0, laplacian = 0.0;
+  const double d = distance(b, site);
+  for (int c = 0; c < stencil->axis_count; c++) {
+    const int a = stencil->axes[c];
+    const size_t up = at[a] + 1 < l->size[a] ? site + step[a] : site - at[a] * step[a];
+    const size_t down = at[a] > 0 ? site - step[a] : site + (l->size[a] - 1) * step[a];
+    const double high = distance(b, up), low = distance(b, down), h = stencil->spacing[a];
+    square += (high - low) * (high - low) / (4.0 * h * h);
+    laplacian += (high + low - 2.0 * d) / (h * h);
+  }
+  if (square < WALL_GRADIENT_MIN * WALL_GRADIENT_MIN || square > 1.21) return 0.0;
+  return fmax(-WALL_CURVATURE_MAX, fmin(laplacian, WALL_CURVATURE_MAX));
+}
+
+static void sum_site(const struct builder *b, const size_t at[3], struct site_sums *sums) {
+  const struct stokes_stencil *stencil = b->op->stencil;
+  const struct stokes_grid *grid = b->op->grid;
+  const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
+  *sums = (struct site_sums){.flux_velocity = 1.0, .smooth = true};
+  double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
+  for (int o = 0; o < stencil->offset_count; o++) {
+    const struct stokes_offset *offset = &stencil->offsets[o];
+    const size_t row = stokes_grid_row(grid, at[1], at[2], offset->step[1], offset->step[2]);
+    const long x = ((long)at[0] + offset->step[0]) % (long)nx;
+    const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
+    const int *step = offset->step;
+    if (stokes_grid_is_active(grid, row, i)) {
+      sums->diagonal += offset->viscous;
+      sums->pore_sum += offset->viscous;
+      for (int a = 0; a < stencil->axis_count; a++) {
+        const double g = offset->gradient[stencil->axes[a]];
+        sums->pore_gradient[a] += g;
+        for (int c = 0; c < stencil->axis_count; c++) {
+          const int axis = stencil->axes[c];
+          sums->moment[a][c] += g * offset->step[axis] * stencil->spacing[axis];
+        }
+      }
+    } else if (b->lattice->kind[other] == SITE_WALL) {
+      const double before = sums->diagonal;
+      add_wall(b, offset, site, other, sums);
+      linear += sums->diagonal - before;
+      if (b->wall == WALL_SUBVOXEL && abs(step[0]) + abs(step[1]) + abs(step[2]) == 1) {
+        const struct wall_quadrature end =
+            wall_quadrature(distance(b, site), -distance(b, other), offset->r);
+        sums->flux_velocity += end.velocity;
+        sums->flux_force += end.force;
+      }
+    } else {
+      sums->diagonal += offset->viscous; /* a pore that cannot flow: at rest */
+    }
+  }
+  if (!sums->smooth) sums->parabola = 0.0;
+  if (sums->parabola > 0.0) {
+    const double d_a = fmax(distance(b, site), WALL_DISTANCE_FLOOR);
+    const double curvature = wall_curvature(b, at, site);
+    const double bend = 1.0 / (1.0 - 0.5 * d_a * curvature);
+    sums->parabola *= bend;
+    sums->flux_velocity = 1.0 + (sums->flux_velocity - 1.0) * bend;
+    sums->flux_force *= bend;
+    sums->diagonal += fmax(sums->parabola * curvature / d_a, -0.5 * linear);
+  }
+  sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
+}
+
+/* Inverse of the symmetric moment matrix: gradient and flux are then exact for linear fields next
+ * to a wall too, where sites are missing (Bonet, Lok 1999). Directions with hardly any site get the
+ * weight of a bound. By Jacobi's rotations. */
+static void invert_moment(int n, double m[3][3], double inverse[3][3]) {
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 8; sweep++)
+    for (int p = 0; p < n; p++)
+      for (int q = p + 1; q < n; q++) {
+        if (fabs(m[p][q]) < 1e-12) continue;
+        const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q];
+        const double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
+        const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+        for (int k = 0; k < n; k++) {
+          const double kp = m[k][p], kq = m[k][q];
+          m[k][p] = c * kp - s * kq, m[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < n; k++) {
+          const double pk = m[p][k], qk = m[q][k], vp = v[k][p], vq = v[k][q];
+          m[p][k] = c * pk - s * qk, m[q][k] = s * pk + c * qk;
+          v[k][p] = c * vp - s * vq, v[k][q] = s * vp + c * vq;
+        }
+      }
+  for (int a = 0; a < n; a++)
+    for (int b = 0; b < n; b++) {
+      inverse[a][b] = 0.0;
+      for (int k = 0; k < n; k++)
+        inverse[a][b] += v[a][k] * v[b][k] / fmax(m[k][k], STOKES_MOMENT_FLOOR);
+    }
+}
+
+static void build_sites(const struct builder *b) {
+  struct stokes_operator *op = b->op;
+  const struct stokes_grid *grid = op->grid;
+  const int axes = op->stencil->axis_count;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (size_t row = 0; row < grid->rows; row++) {
+    size_t n = grid->row_start[row];
+    for (size_t i = 0; i < grid->size[0]; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      struct site_sums sums;
+      sum_site(b, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
+      op->diagonal[n] = (float)sums.diagonal;
+      op->pore_sum[n] = (float)sums.pore_sum;
+      op->parabola[n] = (float)(1.0 - sums.parabola);
+      if (op->flux_velocity) {
+        op->flux_velocity[n] = (float)sums.flux_velocity;
+        op->flux_force[n] = (float)sums.flux_force;
+      }
+      double inverse[3][3];
+      invert_moment(axes, sums.moment, inverse);
+      for (int a = 0; a < axes; a++) {
+        for (int c = a; c < axes; c++)
+          op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
+        op->pore_gradient[(size_t)a * op->n + n] = (float)sums.pore_gradient[a];
+        if (op->drag) op->drag[(size_t)a * op->n + n] = (float)sums.drag[op->stencil->axes[a]];
+      }
+      n++;
+    }
+  }
+}
+
+static bool walls_move(const struct scene *scene) {
+  for (size_t r = 0; scene && r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type == REGION_WALL &&
+        (region->velocity[0] != 0.0 || region->velocity[1] != 0.0 || region->velocity[2] != 0.0))
+      return true;
+  }
+  return false;
+}
+
+enum status stokes_operator_build(const struct stokes_stencil *stencil,
+                                  const struct stokes_grid *grid, const struct lattice *lattice,
+                                  const struct scene *scene, enum wall_scheme wall, double tau,
+                                  double velocity_unit, struct stokes_operator *op) {
+  enum status status = STATUS_OK;
+  memset(op, 0, sizeof *op);
+  op->stencil = stencil;
+  op->grid = grid;
+  op->rows = stokes_rows_best();
+  op->tau = tau;
+  op->components = stencil->axis_count + 1;
+  op->n = grid->active;
+  op->threads = omp_get_max_threads();
+  /* one convolution in double precision, and three rows of a gradient */
+  op->scratch_size = 2 * stokes_rows_scratch(grid->stride) + 8 * grid->stride;
+  const size_t axes = (size_t)stencil->axis_count;
+  TRY(memory_allocate(&op->diagonal, op->n, sizeof *op->diagonal, "diagonal"));
+  TRY(memory_allocate(&op->parabola, op->n, sizeof *op->parabola, "parabola factors"));
+  TRY(memory_allocate(&op->pore_sum, op->n, sizeof *op->pore_sum, "pore sums"));
+  TRY(memory_allocate(&op->pore_gradient, axes * op->n, sizeof *op->pore_gradient,
+                      "pore gradients"));
+  TRY(memory_allocate(&op->correction, axes * (axes + 1) / 2 * op->n, sizeof *op->correction,
+                      "gradient corrections"));
+  if (walls_move(scene))
+    TRY(memory_allocate(&op->drag, axes * op->n, sizeof *op->drag, "drag of moving walls"));
+  if (wall == WALL_SUBVOXEL) {
+    TRY(memory_allocate(&op->flux_velocity, op->n, sizeof *op->flux_velocity, "flux weights"));
+    TRY(memory_allocate(&op->flux_force, op->n, sizeof *op->flux_force, "flux weights"));
+  }
+  TRY(memory_allocate(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
+                      "fields on the lattice"));
+  TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
+                      "row buffers"));
+  build_sites(&(struct builder){op, lattice, scene, wall, velocity_unit});
+  return STATUS_OK;
+cleanup:
+  stokes_operator_free(op);
+  return status;
+}
+
+void stokes_operator_free(struct stokes_operator *op) {
+  memory_free(&op->diagonal);
+  memory_free(&op->parabola);
+  memory_free(&op->pore_sum);
+  memory_free(&op->pore_gradient);
+  memory_free(&op->correction);
+  memory_free(&op->drag);
+  memory_free(&op->flux_velocity);
+  memory_free(&op->flux_force);
+  memory_free(&op->field);
+  memory_free(&op->scratch);
+}
