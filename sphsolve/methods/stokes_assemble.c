@@ -21,7 +21,8 @@ struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
   double moment[3][3]; /* sum over pore sites of g_ab times the vector to b */
   double flux_velocity, flux_force;
-  bool smooth; /* the wall distances are those of a surface */
+  double normal[3], curvature; /* of the nearest wall, 0 where there is none */
+  bool smooth;                 /* the wall distances are those of a surface */
 };
 
 static double distance(const struct builder *b, size_t site) {
@@ -51,24 +52,30 @@ static void add_wall(const struct builder *b, const struct stokes_offset *offset
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / b->velocity_unit;
 }
 
-/* Curvature of the wall seen from a site: the Laplacian of the wall distance. Where distances from
- * two walls meet, or are noise, their gradient is no unit vector and the wall is taken as flat. */
-static double wall_curvature(const struct builder *b, const size_t at[3], size_t site) {
+/* Normal and curvature of the wall seen from a site: gradient and Laplacian of the wall distance.
+ * Where distances from two walls meet, or are noise, the gradient is no unit vector: there is no
+ * normal then, and the wall is taken as flat. */
+static void wall_shape(const struct builder *b, const size_t at[3], size_t site,
+                       struct site_sums *sums) {
   const struct lattice *l = b->lattice;
   const struct stokes_stencil *stencil = b->op->stencil;
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  double square = 0.0, laplacian = 0.0;
   const double d = distance(b, site);
+  double square = 0.0;
   for (int c = 0; c < stencil->axis_count; c++) {
     const int a = stencil->axes[c];
     const size_t up = at[a] + 1 < l->size[a] ? site + step[a] : site - at[a] * step[a];
     const size_t down = at[a] > 0 ? site - step[a] : site + (l->size[a] - 1) * step[a];
     const double high = distance(b, up), low = distance(b, down), h = stencil->spacing[a];
-    square += (high - low) * (high - low) / (4.0 * h * h);
-    laplacian += (high + low - 2.0 * d) / (h * h);
+    sums->normal[c] = (high - low) / (2.0 * h);
+    square += sums->normal[c] * sums->normal[c];
+    sums->curvature += (high + low - 2.0 * d) / (h * h);
   }
-  if (square < WALL_GRADIENT_MIN * WALL_GRADIENT_MIN || square > 1.21) return 0.0;
-  return fmax(-WALL_CURVATURE_MAX, fmin(laplacian, WALL_CURVATURE_MAX));
+  const double length = sqrt(square);
+  const bool flat = length < WALL_GRADIENT_MIN || length > 2.0 - WALL_GRADIENT_MIN;
+  sums->curvature =
+      flat ? 0.0 : fmax(-WALL_CURVATURE_MAX, fmin(sums->curvature, WALL_CURVATURE_MAX));
+  for (int c = 0; c < 3; c++) sums->normal[c] = length < 0.5 ? 0.0 : sums->normal[c] / length;
 }
 
 static void sum_site(const struct builder *b, const size_t at[3], struct site_sums *sums) {
@@ -109,20 +116,33 @@ static void sum_site(const struct builder *b, const size_t at[3], struct site_su
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
+  if (linear > 0.0) wall_shape(b, at, site, sums);
   if (sums->parabola > 0.0) {
     const double d_a = fmax(distance(b, site), WALL_DISTANCE_FLOOR);
-    const double curvature = wall_curvature(b, at, site);
-    const double bend = 1.0 / (1.0 - 0.5 * d_a * curvature);
+    const double bend = 1.0 / (1.0 - 0.5 * d_a * sums->curvature);
     sums->parabola *= bend;
     sums->flux_velocity = 1.0 + (sums->flux_velocity - 1.0) * bend;
     sums->flux_force *= bend;
-    sums->diagonal += fmax(sums->parabola * curvature / d_a, -0.5 * linear);
+    sums->diagonal += fmax(sums->parabola * sums->curvature / d_a, -0.5 * linear);
   }
   sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
 }
 
-/* Inverse of the symmetric moment matrix: gradient and flux are then exact for linear fields next
- * to a wall too, where sites are missing (Bonet, Lok 1999). Directions with hardly any site get the
+/* Along the wall's normal n the missing sites mirror the inner ones (equal pressure, opposite
+ * velocity) and need no correction: m = (1 - n n) m (1 - n n) + n n. */
+static void free_normal(int axes, const double n[3], double m[3][3]) {
+  double along[3] = {0.0}, twice = 0.0;
+  if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) return;
+  for (int a = 0; a < axes; a++)
+    for (int c = 0; c < axes; c++) along[a] += m[a][c] * n[c];
+  for (int a = 0; a < axes; a++) twice += n[a] * along[a];
+  for (int a = 0; a < axes; a++)
+    for (int c = 0; c < axes; c++)
+      m[a][c] += (twice + 1.0) * n[a] * n[c] - n[a] * along[c] - along[a] * n[c];
+}
+
+/* Inverse of the symmetric moment matrix: gradient and flux are then exact for linear fields along
+ * a wall too, where sites are missing (Bonet, Lok 1999). Directions with hardly any site get the
  * weight of a bound. By Jacobi's rotations. */
 static void invert_moment(int n, double m[3][3], double inverse[3][3]) {
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -170,6 +190,7 @@ static void build_sites(const struct builder *b) {
         op->flux_force[n] = (float)sums.flux_force;
       }
       double inverse[3][3];
+      free_normal(axes, sums.normal, sums.moment);
       invert_moment(axes, sums.moment, inverse);
       for (int a = 0; a < axes; a++) {
         for (int c = a; c < axes; c++)

@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <stdlib.h>
 
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_stabilisation.h"
@@ -90,9 +89,8 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
   if (s->grid.active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall,
-                            getenv("TAU") ? atof(getenv("TAU")) : STOKES_TAU, s->velocity_unit,
-                            &s->operator));
+  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
+                            s->velocity_unit, &s->operator));
   TRY(krylov_build(length, BASIS, &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
