@@ -16,10 +16,7 @@ static void apply(void *system, const float *x, float *y) {
 
 static void precondition(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
-  const size_t n = s->grid.active, velocities = (size_t)s->stencil.axis_count * n;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < velocities; i++) y[i] = x[i] / s->operator.diagonal[i % n];
-  memcpy(y + velocities, x + velocities, n * sizeof *y);
+  stokes_preconditioner_apply(&s->preconditioner, x, y);
 }
 
 static void measure(struct stokes_solver *s) {
@@ -91,6 +88,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
                             s->velocity_unit, &s->operator));
+  TRY(stokes_preconditioner_build(&s->operator, &s->preconditioner));
   TRY(krylov_build(length, BASIS, &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
@@ -107,6 +105,7 @@ cleanup:
 void stokes_solver_free(struct stokes_solver *s) {
   stokes_grid_free(&s->grid);
   stokes_operator_free(&s->operator);
+  stokes_preconditioner_free(&s->preconditioner);
   krylov_free(&s->krylov);
   memory_free(&s->x);
   memory_free(&s->residual);

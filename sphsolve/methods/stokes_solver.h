@@ -13,6 +13,7 @@
 #include "sphsolve/methods/stokes_grid.h"
 #include "sphsolve/methods/stokes_krylov.h"
 #include "sphsolve/methods/stokes_operator.h"
+#include "sphsolve/methods/stokes_precondition.h"
 #include "sphsolve/methods/stokes_stencil.h"
 #include "sphsolve/scene.h"
 
@@ -20,6 +21,7 @@ struct stokes_solver {
   struct stokes_stencil stencil;
   struct stokes_grid grid;
   struct stokes_operator operator;
+  struct stokes_preconditioner preconditioner;
   struct krylov krylov;
   double acceleration, velocity_unit; /* m/s^2, m/s */
   double force[3];                    /* driving / acceleration */

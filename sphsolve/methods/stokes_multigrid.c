@@ -1,0 +1,178 @@
+#include "sphsolve/methods/stokes_multigrid.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define SWEEPS 2
+#define SWEEPS_COARSEST 16
+#define DAMPING 0.8f
+/* Blocks with constant values make the coarse operator twice too stiff (Braess 1995). */
+#define OVERCORRECTION 0.5f
+#define PARALLEL_FROM 20000
+
+enum status multigrid_build(const size_t size[3], struct multigrid *m) {
+  enum status status = STATUS_OK;
+  memset(m, 0, sizeof *m);
+  size_t n[3] = {size[0], size[1], size[2]};
+  for (bool more = true; more && m->level_count < MULTIGRID_LEVELS;) {
+    struct multigrid_level *l = &m->levels[m->level_count++];
+    memcpy(l->size, n, sizeof l->size);
+    l->count = n[0] * n[1] * n[2];
+    for (int a = 0; a < 3; a++)
+      TRY(memory_allocate(&l->face[a], l->count, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&l->mass, l->count, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&l->inverse, l->count, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&l->u, l->count, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&l->b, l->count, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&l->r, l->count, sizeof(float), "multigrid"));
+    more = n[0] > 2 || n[1] > 2 || n[2] > 2;
+    for (int a = 0; a < 3; a++) n[a] = (n[a] + 1) / 2;
+  }
+  return STATUS_OK;
+cleanup:
+  multigrid_free(m);
+  return status;
+}
+
+void multigrid_free(struct multigrid *m) {
+  for (int i = 0; i < m->level_count; i++) {
+    struct multigrid_level *l = &m->levels[i];
+    for (int a = 0; a < 3; a++) memory_free(&l->face[a]);
+    memory_free(&l->mass);
+    memory_free(&l->inverse);
+    memory_free(&l->u);
+    memory_free(&l->b);
+    memory_free(&l->r);
+  }
+  m->level_count = 0;
+}
+
+static size_t index_of(const struct multigrid_level *l, size_t i, size_t j, size_t k) {
+  return (k * l->size[1] + j) * l->size[0] + i;
+}
+
+/* Site beyond the face along `axis`. */
+static size_t next_of(const struct multigrid_level *l, size_t i, size_t j, size_t k, int axis) {
+  size_t at[3] = {i, j, k};
+  at[axis] = at[axis] + 1 < l->size[axis] ? at[axis] + 1 : 0;
+  return index_of(l, at[0], at[1], at[2]);
+}
+
+/* Every coarse site gathers its own: no two threads write to one place. */
+static void coarsen_level(const struct multigrid_level *fine, struct multigrid_level *coarse) {
+#pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
+  for (size_t c = 0; c < coarse->count; c++) {
+    const size_t at[3] = {c % coarse->size[0], c / coarse->size[0] % coarse->size[1],
+                          c / coarse->size[0] / coarse->size[1]};
+    float face[3] = {0.0f}, mass = 0.0f;
+    for (size_t s = 0; s < 8; s++) {
+      const size_t i = 2 * at[0] + (s & 1), j = 2 * at[1] + (s >> 1 & 1), k = 2 * at[2] + (s >> 2);
+      if (i >= fine->size[0] || j >= fine->size[1] || k >= fine->size[2]) continue;
+      const size_t f = index_of(fine, i, j, k), along[3] = {i, j, k};
+      mass += fine->mass[f];
+      for (int a = 0; a < 3; a++)
+        if (along[a] == 2 * at[a] + 1 || along[a] + 1 == fine->size[a])
+          face[a] += fine->face[a][f];
+    }
+    coarse->mass[c] = mass;
+    for (int a = 0; a < 3; a++)
+      coarse->face[a][c] = coarse->size[a] > 1 ? OVERCORRECTION * face[a] : 0.0f;
+  }
+}
+
+static void invert_diagonal(struct multigrid_level *l) {
+  memcpy(l->r, l->mass, l->count * sizeof *l->r);
+  for (size_t s = 0; s < l->count; s++) {
+    const size_t i = s % l->size[0], j = s / l->size[0] % l->size[1];
+    const size_t k = s / l->size[0] / l->size[1];
+    for (int a = 0; a < 3; a++) {
+      l->r[s] += l->face[a][s];
+      l->r[next_of(l, i, j, k, a)] += l->face[a][s];
+    }
+  }
+  for (size_t s = 0; s < l->count; s++) l->inverse[s] = l->r[s] > 0.0f ? 1.0f / l->r[s] : 0.0f;
+}
+
+void multigrid_coarsen(struct multigrid *m) {
+  for (int i = 0; i < m->level_count; i++) {
+    if (i > 0) coarsen_level(&m->levels[i - 1], &m->levels[i]);
+    invert_diagonal(&m->levels[i]);
+  }
+}
+
+/* r = b - T u on row (j, k). */
+static void residual_row(const struct multigrid_level *l, size_t j, size_t k) {
+  const size_t nx = l->size[0], row = index_of(l, 0, j, k);
+  const size_t up_y = next_of(l, 0, j, k, 1), up_z = next_of(l, 0, j, k, 2);
+  const size_t down_y = index_of(l, 0, j > 0 ? j - 1 : l->size[1] - 1, k);
+  const size_t down_z = index_of(l, 0, j, k > 0 ? k - 1 : l->size[2] - 1);
+  const float *u = l->u + row, *tx = l->face[0] + row;
+  const float *uy = l->u + up_y, *uz = l->u + up_z, *vy = l->u + down_y, *vz = l->u + down_z;
+  const float *ty = l->face[1] + row, *tz = l->face[2] + row;
+  const float *sy = l->face[1] + down_y, *sz = l->face[2] + down_z;
+  const float *mass = l->mass + row, *b = l->b + row;
+  float *r = l->r + row;
+  for (size_t i = 0; i < nx; i++)
+    r[i] = b[i] - mass[i] * u[i] - ty[i] * (u[i] - uy[i]) - sy[i] * (u[i] - vy[i]) -
+           tz[i] * (u[i] - uz[i]) - sz[i] * (u[i] - vz[i]);
+  for (size_t i = 0; i + 1 < nx; i++) r[i] -= tx[i] * (u[i] - u[i + 1]);
+  for (size_t i = 1; i < nx; i++) r[i] -= tx[i - 1] * (u[i] - u[i - 1]);
+  r[nx - 1] -= tx[nx - 1] * (u[nx - 1] - u[0]);
+  r[0] -= tx[nx - 1] * (u[0] - u[nx - 1]);
+}
+
+static void residual(struct multigrid_level *l) {
+  const size_t rows = l->size[1] * l->size[2];
+#pragma omp parallel for schedule(static) if (l->count > PARALLEL_FROM)
+  for (size_t row = 0; row < rows; row++) residual_row(l, row % l->size[1], row / l->size[1]);
+}
+
+static void smooth(struct multigrid_level *l, int sweeps, bool from_zero) {
+  for (int s = 0; s < sweeps; s++) {
+    const bool first = s == 0 && from_zero;
+    if (!first) residual(l);
+    const float *r = first ? l->b : l->r;
+#pragma omp parallel for simd schedule(static) if (l->count > PARALLEL_FROM)
+    for (size_t i = 0; i < l->count; i++)
+      l->u[i] = (first ? 0.0f : l->u[i]) + DAMPING * l->inverse[i] * r[i];
+  }
+}
+
+static void restrict_residual(const struct multigrid_level *fine, struct multigrid_level *coarse) {
+#pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
+  for (size_t c = 0; c < coarse->count; c++) {
+    const size_t I = 2 * (c % coarse->size[0]), J = 2 * (c / coarse->size[0] % coarse->size[1]);
+    const size_t K = 2 * (c / coarse->size[0] / coarse->size[1]);
+    float sum = 0.0f;
+    for (size_t k = K; k < K + 2 && k < fine->size[2]; k++)
+      for (size_t j = J; j < J + 2 && j < fine->size[1]; j++)
+        for (size_t i = I; i < I + 2 && i < fine->size[0]; i++) sum += fine->r[index_of(fine, i, j, k)];
+    coarse->b[c] = sum;
+  }
+}
+
+static void prolong(const struct multigrid_level *coarse, struct multigrid_level *fine) {
+#pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
+  for (size_t row = 0; row < fine->size[1] * fine->size[2]; row++) {
+    const size_t j = row % fine->size[1], k = row / fine->size[1];
+    const float *from = coarse->u + index_of(coarse, 0, j / 2, k / 2);
+    float *to = fine->u + index_of(fine, 0, j, k);
+    for (size_t i = 0; i < fine->size[0]; i++) to[i] += from[i / 2];
+  }
+}
+
+void multigrid_cycle(struct multigrid *m) {
+  const int last = m->level_count - 1;
+  for (int i = 0; i < last; i++) {
+    smooth(&m->levels[i], SWEEPS, true);
+    residual(&m->levels[i]);
+    restrict_residual(&m->levels[i], &m->levels[i + 1]);
+  }
+  smooth(&m->levels[last], SWEEPS_COARSEST, true);
+  for (int i = last - 1; i >= 0; i--) {
+    prolong(&m->levels[i + 1], &m->levels[i]);
+    smooth(&m->levels[i], SWEEPS, false);
+  }
+}

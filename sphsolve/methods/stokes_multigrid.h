@@ -1,0 +1,36 @@
+/* Multigrid for a symmetric seven-point operator on a periodic lattice,
+ *   (T u)_a = sum over the six faces of t_ab (u_a - u_b) + m_a u_a,
+ * with blocks of 2^3 sites as coarse sites. Used from the second level on: method stokes smooths on
+ * its own lattice with its own stencil. */
+#ifndef TOSUI_SPHSOLVE_METHODS_STOKES_MULTIGRID_H
+#define TOSUI_SPHSOLVE_METHODS_STOKES_MULTIGRID_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+
+#define MULTIGRID_LEVELS 12
+
+struct multigrid_level {
+  size_t size[3], count;
+  float *face[3];       /* t to the next site along x, y, z; 0 where there is no way */
+  float *mass;          /* m */
+  float *inverse;       /* 1 / diagonal, 0 for a site without any coupling */
+  float *u, *b, *r;
+};
+
+struct multigrid {
+  int level_count;
+  struct multigrid_level levels[MULTIGRID_LEVELS];
+};
+
+/* Allocates all levels, the first of `size`. The caller fills face and mass of levels[0], then
+ * calls multigrid_coarsen. */
+enum status multigrid_build(const size_t size[3], struct multigrid *multigrid);
+void multigrid_coarsen(struct multigrid *multigrid);
+void multigrid_free(struct multigrid *multigrid);
+
+/* One V-cycle from u = 0: levels[0].b in, levels[0].u out. A fixed, symmetric, linear operation. */
+void multigrid_cycle(struct multigrid *multigrid);
+
+#endif
