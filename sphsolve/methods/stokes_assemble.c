@@ -10,28 +10,25 @@
 
 struct builder {
   struct stokes_operator *op;
-  const struct lattice *lattice;
   const struct scene *scene;
-  enum wall_scheme wall;
   double velocity_unit;
 };
 
 /* What the walls around one site do to its momentum equation, and its sums over pore sites. */
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
-  double moment[3][3]; /* sum over pore sites of g_ab times the vector to b */
-  double flux_velocity, flux_force;
+  double moment[3][3];         /* sum over pore sites of g_ab times the vector to b */
   double normal[3], curvature; /* of the nearest wall, 0 where there is none */
   bool smooth;                 /* the wall distances are those of a surface */
 };
 
-static double distance(const struct builder *b, size_t site) {
-  return b->lattice->wall_distance[site] / b->op->stencil->unit;
+static double distance(const struct stokes_operator *op, size_t site) {
+  return op->lattice->wall_distance[site] / op->stencil->unit;
 }
 
 static const struct region *wall_region(const struct builder *b, size_t site) {
-  if (!b->scene || !b->lattice->region || b->lattice->region[site] == 0) return NULL;
-  return &b->scene->regions[b->lattice->region[site] - 1];
+  if (!b->scene || !b->op->lattice->region || b->op->lattice->region[site] == 0) return NULL;
+  return &b->scene->regions[b->op->lattice->region[site] - 1];
 }
 
 static void add_wall(const struct builder *b, const struct stokes_offset *offset, size_t site,
@@ -39,10 +36,10 @@ static void add_wall(const struct builder *b, const struct stokes_offset *offset
   const struct region *region = wall_region(b, other);
   if (region && region->slip) return; /* moves along: no shear */
   double factor = 1.0;                /* frozen: at rest where it is */
-  if (b->wall == WALL_ADAMI) factor = 2.0;
-  if (b->wall == WALL_SUBVOXEL) {
+  if (b->op->wall == WALL_ADAMI) factor = 2.0;
+  if (b->op->wall == WALL_SUBVOXEL) {
     const struct wall_image image =
-        wall_subvoxel(distance(b, site), -distance(b, other), offset->r);
+        wall_subvoxel(distance(b->op, site), -distance(b->op, other), offset->r);
     factor = 1.0 + image.linear;
     sums->parabola += offset->viscous * image.parabola;
     sums->smooth = sums->smooth && image.smooth;
@@ -55,41 +52,39 @@ static void add_wall(const struct builder *b, const struct stokes_offset *offset
 /* Normal and curvature of the wall seen from a site: gradient and Laplacian of the wall distance.
  * Where distances from two walls meet, or are noise, the gradient is no unit vector: there is no
  * normal then, and the wall is taken as flat. */
-static void wall_shape(const struct builder *b, const size_t at[3], size_t site,
-                       struct site_sums *sums) {
-  const struct lattice *l = b->lattice;
-  const struct stokes_stencil *stencil = b->op->stencil;
+static void wall_shape(const struct stokes_operator *op, const size_t at[3], size_t site,
+                       double normal[3], double *bend) {
+  const struct lattice *l = op->lattice;
+  const struct stokes_stencil *stencil = op->stencil;
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const double d = distance(b, site);
+  const double d = distance(op, site);
   double square = 0.0;
   for (int c = 0; c < stencil->axis_count; c++) {
     const int a = stencil->axes[c];
     const size_t up = at[a] + 1 < l->size[a] ? site + step[a] : site - at[a] * step[a];
     const size_t down = at[a] > 0 ? site - step[a] : site + (l->size[a] - 1) * step[a];
-    const double high = distance(b, up), low = distance(b, down), h = stencil->spacing[a];
-    sums->normal[c] = (high - low) / (2.0 * h);
-    square += sums->normal[c] * sums->normal[c];
-    sums->curvature += (high + low - 2.0 * d) / (h * h);
+    const double high = distance(op, up), low = distance(op, down), h = stencil->spacing[a];
+    normal[c] = (high - low) / (2.0 * h);
+    square += normal[c] * normal[c];
+    *bend += (high + low - 2.0 * d) / (h * h);
   }
   const double length = sqrt(square);
   const bool flat = length < WALL_GRADIENT_MIN || length > 2.0 - WALL_GRADIENT_MIN;
-  sums->curvature =
-      flat ? 0.0 : fmax(-WALL_CURVATURE_MAX, fmin(sums->curvature, WALL_CURVATURE_MAX));
-  for (int c = 0; c < 3; c++) sums->normal[c] = length < 0.5 ? 0.0 : sums->normal[c] / length;
+  *bend = flat ? 0.0 : fmax(-WALL_CURVATURE_MAX, fmin(*bend, WALL_CURVATURE_MAX));
+  for (int c = 0; c < 3; c++) normal[c] = length < 0.5 ? 0.0 : normal[c] / length;
 }
 
 static void sum_site(const struct builder *b, const size_t at[3], struct site_sums *sums) {
   const struct stokes_stencil *stencil = b->op->stencil;
   const struct stokes_grid *grid = b->op->grid;
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
-  *sums = (struct site_sums){.flux_velocity = 1.0, .smooth = true};
+  *sums = (struct site_sums){.smooth = true};
   double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
   for (int o = 0; o < stencil->offset_count; o++) {
     const struct stokes_offset *offset = &stencil->offsets[o];
     const size_t row = stokes_grid_row(grid, at[1], at[2], offset->step[1], offset->step[2]);
     const long x = ((long)at[0] + offset->step[0]) % (long)nx;
     const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
-    const int *step = offset->step;
     if (stokes_grid_is_active(grid, row, i)) {
       sums->diagonal += offset->viscous;
       sums->pore_sum += offset->viscous;
@@ -101,28 +96,20 @@ static void sum_site(const struct builder *b, const size_t at[3], struct site_su
           sums->moment[a][c] += g * offset->step[axis] * stencil->spacing[axis];
         }
       }
-    } else if (b->lattice->kind[other] == SITE_WALL) {
+    } else if (b->op->lattice->kind[other] == SITE_WALL) {
       const double before = sums->diagonal;
       add_wall(b, offset, site, other, sums);
       linear += sums->diagonal - before;
-      if (b->wall == WALL_SUBVOXEL && abs(step[0]) + abs(step[1]) + abs(step[2]) == 1) {
-        const struct wall_quadrature end =
-            wall_quadrature(distance(b, site), -distance(b, other), offset->r);
-        sums->flux_velocity += end.velocity;
-        sums->flux_force += end.force;
-      }
     } else {
       sums->diagonal += offset->viscous; /* a pore that cannot flow: at rest */
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
-  if (linear > 0.0) wall_shape(b, at, site, sums);
+  if (linear > 0.0) wall_shape(b->op, at, site, sums->normal, &sums->curvature);
   if (sums->parabola > 0.0) {
-    const double d_a = fmax(distance(b, site), WALL_DISTANCE_FLOOR);
+    const double d_a = fmax(distance(b->op, site), WALL_DISTANCE_FLOOR);
     const double bend = 1.0 / (1.0 - 0.5 * d_a * sums->curvature);
     sums->parabola *= bend;
-    sums->flux_velocity = 1.0 + (sums->flux_velocity - 1.0) * bend;
-    sums->flux_force *= bend;
     sums->diagonal += fmax(sums->parabola * sums->curvature / d_a, -0.5 * linear);
   }
   sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
@@ -185,10 +172,6 @@ static void build_sites(const struct builder *b) {
       op->diagonal[n] = (float)sums.diagonal;
       op->pore_sum[n] = (float)sums.pore_sum;
       op->parabola[n] = (float)(1.0 - sums.parabola);
-      if (op->flux_velocity) {
-        op->flux_velocity[n] = (float)sums.flux_velocity;
-        op->flux_force[n] = (float)sums.flux_force;
-      }
       double inverse[3][3];
       free_normal(axes, sums.normal, sums.moment);
       invert_moment(axes, sums.moment, inverse);
@@ -221,6 +204,8 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   memset(op, 0, sizeof *op);
   op->stencil = stencil;
   op->grid = grid;
+  op->lattice = lattice;
+  op->wall = wall;
   op->rows = stokes_rows_best();
   op->tau = tau;
   op->components = stencil->axis_count + 1;
@@ -238,15 +223,12 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                       "gradient corrections"));
   if (walls_move(scene))
     TRY(memory_allocate(&op->drag, axes * op->n, sizeof *op->drag, "drag of moving walls"));
-  if (wall == WALL_SUBVOXEL) {
-    TRY(memory_allocate(&op->flux_velocity, op->n, sizeof *op->flux_velocity, "flux weights"));
-    TRY(memory_allocate(&op->flux_force, op->n, sizeof *op->flux_force, "flux weights"));
-  }
+  TRY(memory_allocate(&op->row_flux, 3 * grid->rows, sizeof *op->row_flux, "flux of the rows"));
   TRY(memory_allocate(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
                       "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
-  build_sites(&(struct builder){op, lattice, scene, wall, velocity_unit});
+  build_sites(&(struct builder){op, scene, velocity_unit});
   return STATUS_OK;
 cleanup:
   stokes_operator_free(op);
@@ -260,8 +242,65 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->pore_gradient);
   memory_free(&op->correction);
   memory_free(&op->drag);
-  memory_free(&op->flux_velocity);
-  memory_free(&op->flux_force);
+  memory_free(&op->row_flux);
   memory_free(&op->field);
   memory_free(&op->scratch);
+}
+
+/* Factors of v and (f - G p) of one site in the volume integral. */
+static void flux_weights(const struct stokes_operator *op, const size_t at[3], size_t site,
+                         double *velocity, double *net_force) {
+  const struct lattice *l = op->lattice;
+  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  const double d_a = distance(op, site);
+  double v = 0.0, f = 0.0;
+  for (int c = 0; c < op->stencil->axis_count; c++)
+    for (int up = 0; up < 2; up++) {
+      const int a = op->stencil->axes[c];
+      const size_t last = (l->size[a] - 1) * step[a];
+      const size_t other = up ? (at[a] + 1 < l->size[a] ? site + step[a] : site - last)
+                              : (at[a] > 0 ? site - step[a] : site + last);
+      if (l->kind[other] != SITE_WALL) continue;
+      const struct wall_quadrature end =
+          wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
+      v += end.velocity;
+      f += end.force;
+    }
+  if (v != 0.0) {
+    double normal[3], curvature = 0.0;
+    wall_shape(op, at, site, normal, &curvature);
+    const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
+    v *= bend;
+    f *= bend;
+  }
+  *velocity = 1.0 + v;
+  *net_force = f;
+}
+
+void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
+                          const float *p_gradient, double flux[3]) {
+  const struct stokes_grid *grid = op->grid;
+  const int axes = op->stencil->axis_count;
+#pragma omp parallel for schedule(static) num_threads(op->threads)
+  for (size_t row = 0; row < grid->rows; row++) {
+    size_t n = grid->row_start[row];
+    double *sum = op->row_flux + 3 * row;
+    memset(sum, 0, 3 * sizeof *sum);
+    for (size_t i = 0; i < grid->size[0]; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      double velocity = 1.0, net_force = 0.0;
+      if (op->wall == WALL_SUBVOXEL)
+        flux_weights(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]},
+                     row * grid->size[0] + i, &velocity, &net_force);
+      for (int a = 0; a < axes; a++) {
+        const size_t at = (size_t)a * op->n + n;
+        sum[a] +=
+            velocity * x[at] + net_force * (force[op->stencil->axes[a]] - (double)p_gradient[at]);
+      }
+      n++;
+    }
+  }
+  memset(flux, 0, 3 * sizeof *flux);
+  for (size_t row = 0; row < grid->rows; row++)
+    for (int a = 0; a < axes; a++) flux[op->stencil->axes[a]] += op->row_flux[3 * row + (size_t)a];
 }

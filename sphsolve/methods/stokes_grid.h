@@ -30,11 +30,15 @@ static inline int stokes_grid_is_active(const struct stokes_grid *grid, size_t r
   return grid->mask[row * grid->chunks + i / STOKES_LANES] >> (i % STOKES_LANES) & 1;
 }
 
-/* Row at an offset, around the periodic box. */
+/* Row at an offset, around the periodic box as often as need be. */
 static inline size_t stokes_grid_row(const struct stokes_grid *grid, size_t j, size_t k, int dj,
                                      int dk) {
   const long ny = (long)grid->size[1], nz = (long)grid->size[2];
-  const long y = (((long)j + dj) % ny + ny) % ny, z = (((long)k + dk) % nz + nz) % nz;
+  long y = (long)j + dj, z = (long)k + dk;
+  while (y < 0) y += ny;
+  while (y >= ny) y -= ny;
+  while (z < 0) z += nz;
+  while (z >= nz) z -= nz;
   return (size_t)(z * ny + y);
 }
 

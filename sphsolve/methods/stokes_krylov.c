@@ -33,18 +33,28 @@ void krylov_free(struct krylov *k) {
   memory_free(&k->partial);
 }
 
+typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
+
+/* Sum of x y over a block: short runs in float lanes, then in double. */
+static double dot_block(size_t n, const float *x, const float *y) {
+  double sum = 0.0;
+  size_t i = 0;
+  while (i + 16 <= n) {
+    lanes run = {0};
+    for (const size_t end = i + 256; i + 16 <= n && i < end; i += 16)
+      run += *(const lanes *)(x + i) * *(const lanes *)(y + i);
+    for (int l = 0; l < 16; l++) sum += (double)run[l];
+  }
+  for (; i < n; i++) sum += (double)x[i] * (double)y[i];
+  return sum;
+}
+
 static double dot(struct krylov *k, const float *x, const float *y) {
   const size_t blocks = block_count(k->length);
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < blocks; b++) {
-    const size_t start = b * BLOCK, end = start + BLOCK < k->length ? start + BLOCK : k->length;
-    double sum[8] = {0}; /* independent lanes, so that the loop runs in vectors */
-    size_t i = start;
-    for (; i + 8 <= end; i += 8)
-      for (size_t l = 0; l < 8; l++) sum[l] += (double)x[i + l] * (double)y[i + l];
-    for (; i < end; i++) sum[0] += (double)x[i] * (double)y[i];
-    k->partial[b] =
-        ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+    const size_t start = b * BLOCK, left = k->length - start;
+    k->partial[b] = dot_block(left < BLOCK ? left : BLOCK, x + start, y + start);
   }
   double total = 0.0;
   for (size_t b = 0; b < blocks; b++) total += k->partial[b];
@@ -55,7 +65,7 @@ double krylov_norm(struct krylov *k, const float *x) {
   return sqrt(dot(k, x, x));
 }
 
-/* y = scale * (y - factor x), then its own square sum in one go would save a pass; kept simple. */
+/* y -= factor x. */
 static void subtract(struct krylov *k, double factor, const float *x, float *y) {
   const float f = (float)factor;
 #pragma omp parallel for simd schedule(static)
@@ -103,14 +113,27 @@ int krylov_correct(struct krylov *k, float *residual, double reduction, double *
     n++;
     *reached = fabs(g[n]) / start;
   }
+  /* What is left: g[n] times the last unit vector, turned back by the rotations. */
+  double left[BASIS_MAX + 1] = {0.0};
+  left[n] = g[n];
+  for (int i = n - 1; i >= 0; i--) {
+    left[i] = -sine[i] * left[i + 1];
+    left[i + 1] *= cosine[i];
+  }
   for (int i = n - 1; i >= 0; i--) {
     for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
     g[i] /= h[i][i];
   }
-  memset(residual, 0, k->length * sizeof *residual);
-  for (int i = 0; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, residual);
-  k->precondition(k->system, residual, k->work);
+  if (n == 0) return 0;
+  /* Both sums in place, in the last and the first vector of the basis. */
+  float *first = k->basis, *last = k->basis + (size_t)n * k->length;
+  scale(k, left[n], last);
+  for (int i = 0; i < n; i++) subtract(k, -left[i], k->basis + (size_t)i * k->length, last);
+  scale(k, g[0], first);
+  for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
+  k->precondition(k->system, first, k->work);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
+  memcpy(residual, last, k->length * sizeof *residual);
   return n;
 }

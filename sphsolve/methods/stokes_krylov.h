@@ -22,7 +22,8 @@ enum status krylov_build(size_t length, int basis_max, struct krylov *krylov);
 void krylov_free(struct krylov *krylov);
 
 /* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
- * the basis is full. `residual` is overwritten. Returns the iterations; *reached the shrinkage. */
+ * the basis is full. `residual` becomes what is left of it; `precondition` may overwrite it before.
+ * Returns the iterations; *reached the shrinkage. */
 int krylov_correct(struct krylov *krylov, float *residual, double reduction, double *x,
                    double *reached);
 

@@ -73,8 +73,7 @@ static void coarsen_level(const struct multigrid_level *fine, struct multigrid_l
       const size_t f = index_of(fine, i, j, k), along[3] = {i, j, k};
       mass += fine->mass[f];
       for (int a = 0; a < 3; a++)
-        if (along[a] == 2 * at[a] + 1 || along[a] + 1 == fine->size[a])
-          face[a] += fine->face[a][f];
+        if (along[a] == 2 * at[a] + 1 || along[a] + 1 == fine->size[a]) face[a] += fine->face[a][f];
     }
     coarse->mass[c] = mass;
     for (int a = 0; a < 3; a++)
@@ -148,7 +147,8 @@ static void restrict_residual(const struct multigrid_level *fine, struct multigr
     float sum = 0.0f;
     for (size_t k = K; k < K + 2 && k < fine->size[2]; k++)
       for (size_t j = J; j < J + 2 && j < fine->size[1]; j++)
-        for (size_t i = I; i < I + 2 && i < fine->size[0]; i++) sum += fine->r[index_of(fine, i, j, k)];
+        for (size_t i = I; i < I + 2 && i < fine->size[0]; i++)
+          sum += fine->r[index_of(fine, i, j, k)];
     coarse->b[c] = sum;
   }
 }

@@ -13,9 +13,9 @@
 
 struct multigrid_level {
   size_t size[3], count;
-  float *face[3];       /* t to the next site along x, y, z; 0 where there is no way */
-  float *mass;          /* m */
-  float *inverse;       /* 1 / diagonal, 0 for a site without any coupling */
+  float *face[3]; /* t to the next site along x, y, z; 0 where there is no way */
+  float *mass;    /* m */
+  float *inverse; /* 1 / diagonal, 0 for a site without any coupling */
   float *u, *b, *r;
 };
 

@@ -171,21 +171,3 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
       if (op->grid->row_start[row] < op->grid->row_start[row + 1]) gradient_row(op, row, p, y);
   }
 }
-
-void stokes_operator_flux(const struct stokes_operator *op, const double force[3], const double *x,
-                          const float *p_gradient, double flux[3]) {
-  memset(flux, 0, 3 * sizeof *flux);
-  for (int a = 0; a < op->stencil->axis_count; a++) {
-    const int axis = op->stencil->axes[a];
-    const double *v = x + (size_t)a * op->n;
-    const float *gradient = p_gradient + (size_t)a * op->n;
-    for (size_t i = 0; i < op->n; i++) {
-      if (!op->flux_velocity) {
-        flux[axis] += v[i];
-        continue;
-      }
-      const double net = force[axis] - (double)gradient[i];
-      flux[axis] += (double)op->flux_velocity[i] * v[i] + (double)op->flux_force[i] * net;
-    }
-  }
-}

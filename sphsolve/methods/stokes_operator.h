@@ -32,7 +32,9 @@ static inline size_t stokes_symmetric(int axes, int a, int b) {
 struct stokes_operator {
   const struct stokes_stencil *stencil;
   const struct stokes_grid *grid;
+  const struct lattice *lattice;
   const struct stokes_rows *rows;
+  enum wall_scheme wall;
   double tau;
   int components;       /* axis_count velocities, then the pressure */
   size_t n;             /* active sites; vectors are [components][n] */
@@ -42,15 +44,14 @@ struct stokes_operator {
   float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
   float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
   float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
-  float *flux_velocity; /* [n] the volume integral of the velocity is the sum over sites of */
-  float *flux_force;    /* [n] flux_velocity v + flux_force (f - G p); NULL: plain sum of v */
+  double *row_flux;     /* [rows][3] */
   float *field;         /* [4][rows][stride] unpacked vectors; two in double precision */
   float *scratch;       /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;
 };
 
-/* Distances and kinds of sites come from `lattice`; grid and stencil must outlive the operator.
+/* Distances and kinds of sites come from `lattice`; all three must outlive the operator.
  * `scene` (may be NULL) gives walls their velocity and slip; velocity_unit is that of the lattice
  * units in m/s. */
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
@@ -71,7 +72,7 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
                               double *work, float *residual);
 /* Volume integral of the velocity over the pores; p_gradient: G p as apply_gradient gives it. */
-void stokes_operator_flux(const struct stokes_operator *op, const double force[3], const double *x,
+void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
                           const float *p_gradient, double flux[3]);
 
 /* out = B in at site i; in [axis_count][pitch]. */

@@ -131,17 +131,16 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   multigrid_coarsen(&pc->pressure);
 }
 
-enum status stokes_preconditioner_build(struct stokes_operator *op,
+enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
                                         struct stokes_preconditioner *pc) {
   enum status status = STATUS_OK;
   memset(pc, 0, sizeof *pc);
   pc->op = op;
-  const size_t axes = (size_t)op->stencil->axis_count;
+  pc->work = work;
   size_t coarse[3];
   for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
   TRY(solve_kappa(pc));
-  TRY(memory_allocate(&pc->residual, 2 * axes * op->n, sizeof *pc->residual, "preconditioner"));
   TRY(multigrid_build(coarse, &pc->velocity));
   TRY(multigrid_build(coarse, &pc->pressure));
   fill_levels(pc);
@@ -153,7 +152,6 @@ cleanup:
 
 void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
   memory_free(&pc->kappa);
-  memory_free(&pc->residual);
   multigrid_free(&pc->velocity);
   multigrid_free(&pc->pressure);
 }
@@ -167,39 +165,30 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
   prolong_packed(pc, coarse, false, p);
 }
 
-/* y = A~^-1 x for all velocity components: smooth, coarse correction, smooth. x is overwritten. */
-static void solve_velocity(struct stokes_preconditioner *pc, float *x, float *y) {
+/* y = A~^-1 x for one velocity component: coarse correction, then a sweep of Jacobi. */
+static void solve_velocity(struct stokes_preconditioner *pc, const float *x, float *product,
+                           float *y) {
   struct stokes_operator *op = pc->op;
   struct multigrid_level *coarse = &pc->velocity.levels[0];
-  const int axes = op->stencil->axis_count;
-  const size_t n = op->n, length = (size_t)axes * n;
-  for (int a = 0; a < axes; a++) {
-    float *r = x + (size_t)a * n, *v = y + (size_t)a * n;
-    restrict_packed(pc, r, true, coarse, coarse->b);
-    multigrid_cycle(&pc->velocity);
-    memset(v, 0, n * sizeof *v);
-    prolong_packed(pc, coarse, true, v);
-  }
-  float *product = pc->residual + length;
-  stokes_operator_apply_viscous(op, axes, y, product);
-  for (int a = 0; a < axes; a++) {
-    const float *Av = product + (size_t)a * n;
-    float *r = x + (size_t)a * n, *v = y + (size_t)a * n;
+  restrict_packed(pc, x, true, coarse, coarse->b);
+  multigrid_cycle(&pc->velocity);
+  memset(y, 0, op->n * sizeof *y);
+  prolong_packed(pc, coarse, true, y);
+  stokes_operator_apply_viscous(op, 1, y, product);
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < n; i++) v[i] += DAMPING * (r[i] - Av[i]) / op->diagonal[i];
-  }
+  for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
 }
 
 void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *y) {
   struct stokes_operator *op = pc->op;
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
-  float *p = y + axes * n, *r = pc->residual;
+  float *p = y + axes * n, *r = pc->work, *product = pc->work + axes * n;
   solve_pressure(pc, x + axes * n, p);
-  stokes_operator_apply_gradient(op, p, y);
-  for (size_t a = 0; a < axes; a++)
+  stokes_operator_apply_gradient(op, p, r);
+  for (size_t a = 0; a < axes; a++) {
+    float *ra = r + a * n;
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < n; i++)
-      y[a * n + i] = x[a * n + i] - op->parabola[i] * y[a * n + i];
-  memcpy(r, y, axes * n * sizeof *r);
-  solve_velocity(pc, r, y);
+    for (size_t i = 0; i < n; i++) ra[i] = x[a * n + i] - op->parabola[i] * ra[i];
+    solve_velocity(pc, ra, product, y + a * n);
+  }
 }

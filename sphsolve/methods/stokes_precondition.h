@@ -14,13 +14,13 @@
 
 struct stokes_preconditioner {
   struct stokes_operator *op;
-  float *kappa;    /* [n] */
-  float *residual; /* [axis_count][n] */
+  float *kappa; /* [n] */
+  float *work;  /* [components][n], not owned */
   struct multigrid velocity, pressure;
-  double average_kappa;
 };
 
-enum status stokes_preconditioner_build(struct stokes_operator *op,
+/* `work` [components][n] is overwritten by every application. */
+enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
                                         struct stokes_preconditioner *preconditioner);
 void stokes_preconditioner_free(struct stokes_preconditioner *preconditioner);
 

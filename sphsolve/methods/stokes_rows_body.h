@@ -9,34 +9,64 @@
 
 typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
 
+/* As many vectors at once as the registers hold. */
+#ifdef __AVX512F__
+#define MAX_WIDTH 4
+#else
+#define MAX_WIDTH 1
+#endif
 #define LOAD(p) (*(const vec *)(p))
 
-/* Sums over y and z for every |di| at once: partial[m][i] = sum over the classes of c[m] times the
- * signed sum of their rows. `reach` is a constant where it matters. */
+/* Sums over y and z for every |di| at once, for `width` vectors of a row: partial[m][i] = sum over
+ * the classes of c[m] times the signed sum of their rows. width and reach are constants where it is
+ * called, so that the sums stay in registers. */
+static inline __attribute__((always_inline)) void
+sum_block(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t start,
+          size_t pitch, float *partial, const int width, const int reach) {
+  vec sum[MAX_WIDTH][STOKES_REACH + 1] = {{{0}}};
+  for (int c = 0; c < convolution->class_count; c++) {
+    const struct stokes_class *class = &convolution->classes[c];
+    const float *const *row = rows[c];
+    vec s[MAX_WIDTH];
+    for (int w = 0; w < width; w++) s[w] = LOAD(row[0] + start + w * STOKES_LANES);
+    if (class->row_count == 2) {
+      if (class->plus_count == 2)
+        for (int w = 0; w < width; w++) s[w] += LOAD(row[1] + start + w * STOKES_LANES);
+      else
+        for (int w = 0; w < width; w++) s[w] -= LOAD(row[1] + start + w * STOKES_LANES);
+    } else if (class->row_count == 4) {
+      for (int w = 0; w < width; w++) {
+        const size_t i = start + (size_t)w * STOKES_LANES;
+        const vec t = LOAD(row[2] + i) + LOAD(row[3] + i);
+        s[w] += LOAD(row[1] + i);
+        s[w] = class->plus_count == 4 ? s[w] + t : s[w] - t;
+      }
+    }
+    for (int m = 0; m <= reach; m++)
+      for (int w = 0; w < width; w++) sum[w][m] += class->c[m] * s[w];
+  }
+  for (int m = 0; m <= reach; m++)
+    for (int w = 0; w < width; w++)
+      *(vec *)(partial + (size_t)m * pitch + start + w * STOKES_LANES) = sum[w][m];
+}
+
 static inline __attribute__((always_inline)) void
 sum_rows(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t stride,
-         size_t pitch, float *partial, int reach) {
-  for (size_t i = 0; i < stride; i += STOKES_LANES) {
-    vec sum[STOKES_REACH + 1] = {0};
-    for (int c = 0; c < convolution->class_count; c++) {
-      const struct stokes_class *class = &convolution->classes[c];
-      vec s = LOAD(rows[c][0] + i);
-      if (class->row_count == 2) {
-        if (class->plus_count == 2)
-          s += LOAD(rows[c][1] + i);
-        else
-          s -= LOAD(rows[c][1] + i);
-      } else if (class->row_count == 4) {
-        s += LOAD(rows[c][1] + i);
-        const vec t = LOAD(rows[c][2] + i) + LOAD(rows[c][3] + i);
-        if (class->plus_count == 4)
-          s += t;
-        else
-          s -= t;
-      }
-      for (int m = 0; m <= reach; m++) sum[m] += class->c[m] * s;
+         size_t pitch, float *partial, const int reach) {
+  size_t i = 0;
+  for (; i + MAX_WIDTH * STOKES_LANES <= stride; i += MAX_WIDTH * STOKES_LANES)
+    sum_block(convolution, rows, i, pitch, partial, MAX_WIDTH, reach);
+  for (; i < stride; i += STOKES_LANES) sum_block(convolution, rows, i, pitch, partial, 1, reach);
+}
+
+/* The values beyond the ends of a row, from around the box; a row may be shorter than the reach. */
+static void wrap(float *partial, size_t nx, size_t pitch, int reach) {
+  for (int m = 1; m <= reach; m++) {
+    float *p = partial + (size_t)m * pitch;
+    for (int i = 0; i < m; i++) {
+      p[nx + (size_t)i] = p[(size_t)i % nx];
+      p[-1 - i] = p[nx - 1 - (size_t)i % nx];
     }
-    for (int m = 0; m <= reach; m++) *(vec *)(partial + (size_t)m * pitch + i) = sum[m];
   }
 }
 
@@ -45,22 +75,19 @@ static void convolve(const struct stokes_convolution *convolution, const float *
   const size_t pitch = stride + 2 * STOKES_LANES;
   float *partial = scratch + STOKES_LANES;
   const int reach = convolution->reach;
-  if (reach == 2)
-    sum_rows(convolution, rows, stride, pitch, partial, 2);
-  else
-    sum_rows(convolution, rows, stride, pitch, partial, reach);
-  for (int m = 1; m <= reach; m++) {
-    float *p = partial + (size_t)m * pitch;
-    for (int i = 0; i < m; i++) { /* a row may be shorter than the reach */
-      p[nx + (size_t)i] = p[(size_t)i % nx];
-      p[-1 - i] = p[nx - 1 - (size_t)i % nx];
-    }
-  }
-  if (convolution->odd_x)
-    memset(out, 0, stride * sizeof *out);
-  else
-    memcpy(out, partial, stride * sizeof *out);
   const float sign = convolution->odd_x ? -1.0f : 1.0f;
+  if (reach == 2) { /* the usual support */
+    sum_rows(convolution, rows, stride, pitch, partial, 2);
+    wrap(partial, nx, pitch, 2);
+    const float own = convolution->odd_x ? 0.0f : 1.0f;
+    const float *one = partial + pitch, *two = partial + 2 * pitch;
+    for (size_t i = 0; i < nx; i++)
+      out[i] = own * partial[i] + one[i + 1] + sign * one[i - 1] + two[i + 2] + sign * two[i - 2];
+    return;
+  }
+  sum_rows(convolution, rows, stride, pitch, partial, reach);
+  wrap(partial, nx, pitch, reach);
+  for (size_t i = 0; i < nx; i++) out[i] = convolution->odd_x ? 0.0f : partial[i];
   for (int m = 1; m <= reach; m++) {
     const float *right = partial + (size_t)m * pitch + m, *left = right - 2 * m;
     for (size_t i = 0; i < nx; i++) out[i] += right[i] + sign * left[i];

@@ -6,8 +6,19 @@
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_stabilisation.h"
 
-#define BASIS 30
-#define ROUND_REDUCTION 1e-3
+#define ROUND_REDUCTION 1e-2
+/* The basis takes what MEMORY_GOAL leaves. Bytes per site: 5 the lattice, 16 the unpacked fields,
+ * 10 the coarse levels; per active site 52 the operator, 4 kappa, 32 + 16 x and residual, 16 the
+ * Krylov work vector. A short basis costs few iterations more. */
+#define MEMORY_GOAL 112.0
+#define BASIS_MIN 5
+#define BASIS_MAX 24
+
+static int basis_size(const struct lattice *lattice, size_t active) {
+  const double porosity = (double)active / (double)lattice->count;
+  const double left = (MEMORY_GOAL - 31.0 - 120.0 * porosity) / (16.0 * porosity) - 1.0;
+  return (int)fmax(BASIS_MIN, fmin(left, BASIS_MAX));
+}
 
 static void apply(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
@@ -27,7 +38,7 @@ static void measure(struct stokes_solver *s) {
   float *p = s->krylov.work, *p_gradient = s->krylov.basis;
   for (size_t i = 0; i < n; i++) p[i] = (float)s->x[axes * n + i];
   stokes_operator_apply_gradient(&s->operator, p, p_gradient);
-  stokes_operator_flux(op, s->force, s->x, p_gradient, flux);
+  stokes_operator_flux(&s->operator, s->force, s->x, p_gradient, flux);
   for (int a = 0; a < 3; a++) {
     const double mean = flux[a] / (double)s->bulk_count;
     moved = hypot(moved, mean - s->mean[a]);
@@ -88,13 +99,13 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
                             s->velocity_unit, &s->operator));
-  TRY(stokes_preconditioner_build(&s->operator, &s->preconditioner));
-  TRY(krylov_build(length, BASIS, &s->krylov));
+  TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
+  TRY(stokes_preconditioner_build(&s->operator, s->residual, &s->preconditioner));
+  TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
+  TRY(krylov_build(length, basis_size(lattice, s->grid.active), &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
-  TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
   measure(s);
   return STATUS_OK;
 cleanup:
@@ -112,8 +123,12 @@ void stokes_solver_free(struct stokes_solver *s) {
 }
 
 void stokes_solver_round(struct stokes_solver *s) {
-  double reached;
-  s->iterations += krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION, s->x, &reached);
+  double shrunk = 1.0, reached;
+  for (int cycle = 0; cycle < 20 && shrunk > ROUND_REDUCTION; cycle++) {
+    s->iterations +=
+        krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION / shrunk, s->x, &reached);
+    shrunk *= reached;
+  }
   measure(s);
 }
 
