@@ -24,14 +24,14 @@
 #define WALL_CURVATURE_MAX 0.5
 #define WALL_GRADIENT_MIN 0.9
 
-struct wall_image {
+struct stokes_wall_image {
   double linear;   /* d_b / d_a */
   double parabola; /* d_b (d_a + d_b) / 2 */
   bool smooth;
 };
 
-static inline struct wall_image wall_subvoxel(double d_a, double d_b, double r) {
-  struct wall_image image;
+static inline struct stokes_wall_image stokes_wall_image(double d_a, double d_b, double r) {
+  struct stokes_wall_image image;
   image.smooth = d_a + d_b <= WALL_SMOOTH_TOLERANCE * r;
   d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
   d_b = fmax(fmin(d_b, r - d_a), 0.0);
@@ -45,17 +45,18 @@ static inline struct wall_image wall_subvoxel(double d_a, double d_b, double r) 
  * the last site from the wall in spacings, B2(s) = s^2 - s + 1/6; dv/dx = n dv/dn with the normal's
  * component n along the line, dv/dn = v/d_a + (F - G p) d_a / 2 by the same parabola. A surface
  * that is cut by lines of all axes is shared among them by n^2. */
-struct wall_quadrature {
+struct stokes_wall_quadrature {
   double velocity, force; /* factors of v_a and (F - G p)_a */
 };
 
-static inline struct wall_quadrature wall_quadrature(double d_a, double d_b, double step) {
+static inline struct stokes_wall_quadrature stokes_wall_quadrature(double d_a, double d_b,
+                                                                   double step) {
   d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
   d_b = fmax(d_b, 0.0);
   const double n = fmin((d_a + d_b) / step, 1.0), s = fmin(d_a / (d_a + d_b), 1.0);
   const double bernoulli = s * s - s + 1.0 / 6.0;
   const double slope = 0.5 * bernoulli * n * n * n * step;
-  return (struct wall_quadrature){slope / d_a, 0.5 * slope * d_a};
+  return (struct stokes_wall_quadrature){slope / d_a, 0.5 * slope * d_a};
 }
 
 static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *context,

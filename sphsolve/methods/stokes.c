@@ -168,7 +168,7 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   recorder_set_fact(recorder, "divergence", s.divergence);
   recorder_set_fact(recorder, "iterations", (double)s.iterations);
   recorder_set_fact(recorder, "sites_solved", (double)s.grid.active);
-  krylov_free(&s.krylov); /* room for the snapshot */
+  stokes_krylov_free(&s.krylov); /* room for the snapshot */
   stokes_operator_free(&s.operator);
   TRY(write_snapshot(scene, lattice, &s, recorder));
   if (recorder_interrupted(recorder)) status = FAIL(STATUS_INTERRUPTED, "interrupted");

@@ -38,8 +38,8 @@ static void add_wall(const struct builder *b, const struct stokes_offset *offset
   double factor = 1.0;                /* frozen: at rest where it is */
   if (b->op->wall == WALL_ADAMI) factor = 2.0;
   if (b->op->wall == WALL_SUBVOXEL) {
-    const struct wall_image image =
-        wall_subvoxel(distance(b->op, site), -distance(b->op, other), offset->r);
+    const struct stokes_wall_image image =
+        stokes_wall_image(distance(b->op, site), -distance(b->op, other), offset->r);
     factor = 1.0 + image.linear;
     sums->parabola += offset->viscous * image.parabola;
     sums->smooth = sums->smooth && image.smooth;
@@ -261,8 +261,8 @@ static void flux_weights(const struct stokes_operator *op, const size_t at[3], s
       const size_t other = up ? (at[a] + 1 < l->size[a] ? site + step[a] : site - last)
                               : (at[a] > 0 ? site - step[a] : site + last);
       if (l->kind[other] != SITE_WALL) continue;
-      const struct wall_quadrature end =
-          wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
+      const struct stokes_wall_quadrature end =
+          stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
       v += end.velocity;
       f += end.force;
     }

@@ -12,7 +12,7 @@ static size_t block_count(size_t length) {
   return (length + BLOCK - 1) / BLOCK;
 }
 
-enum status krylov_build(size_t length, int basis_max, struct krylov *k) {
+enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *k) {
   enum status status = STATUS_OK;
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
@@ -23,11 +23,11 @@ enum status krylov_build(size_t length, int basis_max, struct krylov *k) {
   TRY(memory_allocate(&k->partial, block_count(length), sizeof *k->partial, "partial sums"));
   return STATUS_OK;
 cleanup:
-  krylov_free(k);
+  stokes_krylov_free(k);
   return status;
 }
 
-void krylov_free(struct krylov *k) {
+void stokes_krylov_free(struct stokes_krylov *k) {
   memory_free(&k->basis);
   memory_free(&k->work);
   memory_free(&k->partial);
@@ -49,7 +49,7 @@ static double dot_block(size_t n, const float *x, const float *y) {
   return sum;
 }
 
-static double dot(struct krylov *k, const float *x, const float *y) {
+static double dot(struct stokes_krylov *k, const float *x, const float *y) {
   const size_t blocks = block_count(k->length);
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < blocks; b++) {
@@ -61,27 +61,27 @@ static double dot(struct krylov *k, const float *x, const float *y) {
   return total;
 }
 
-double krylov_norm(struct krylov *k, const float *x) {
+double stokes_krylov_norm(struct stokes_krylov *k, const float *x) {
   return sqrt(dot(k, x, x));
 }
 
 /* y -= factor x. */
-static void subtract(struct krylov *k, double factor, const float *x, float *y) {
+static void subtract(struct stokes_krylov *k, double factor, const float *x, float *y) {
   const float f = (float)factor;
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) y[i] -= f * x[i];
 }
 
-static void scale(struct krylov *k, double factor, float *x) {
+static void scale(struct stokes_krylov *k, double factor, float *x) {
   const float f = (float)factor;
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] *= f;
 }
 
-int krylov_correct(struct krylov *k, float *residual, double reduction, double *x,
-                   double *reached) {
+int stokes_krylov_correct(struct stokes_krylov *k, float *residual, double reduction, double *x,
+                          double *reached) {
   double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
-  const double start = krylov_norm(k, residual);
+  const double start = stokes_krylov_norm(k, residual);
   *reached = start > 0.0 ? 1.0 : 0.0;
   if (!(start > 0.0)) return 0;
   memcpy(k->basis, residual, k->length * sizeof *residual);
@@ -97,7 +97,7 @@ int krylov_correct(struct krylov *k, float *residual, double reduction, double *
       h[i][n] = dot(k, v, w);
       subtract(k, h[i][n], v, w);
     }
-    h[n + 1][n] = krylov_norm(k, w);
+    h[n + 1][n] = stokes_krylov_norm(k, w);
     if (h[n + 1][n] > 0.0) scale(k, 1.0 / h[n + 1][n], w);
     for (int i = 0; i < n; i++) {
       const double upper = h[i][n];

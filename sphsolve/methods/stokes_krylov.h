@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 
-struct krylov {
+struct stokes_krylov {
   size_t length;
   int basis_max;   /* vectors kept */
   float *basis;    /* [basis_max + 1][length] */
@@ -18,15 +18,15 @@ struct krylov {
   void (*precondition)(void *system, const float *x, float *y); /* y = M^-1 x */
 };
 
-enum status krylov_build(size_t length, int basis_max, struct krylov *krylov);
-void krylov_free(struct krylov *krylov);
+enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *krylov);
+void stokes_krylov_free(struct stokes_krylov *krylov);
 
 /* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
  * the basis is full. `residual` becomes what is left of it; `precondition` may overwrite it before.
  * Returns the iterations; *reached the shrinkage. */
-int krylov_correct(struct krylov *krylov, float *residual, double reduction, double *x,
-                   double *reached);
+int stokes_krylov_correct(struct stokes_krylov *krylov, float *residual, double reduction,
+                          double *x, double *reached);
 
-double krylov_norm(struct krylov *krylov, const float *x);
+double stokes_krylov_norm(struct stokes_krylov *krylov, const float *x);
 
 #endif

@@ -12,12 +12,12 @@
 #define OVERCORRECTION 0.5f
 #define PARALLEL_FROM 20000
 
-enum status multigrid_build(const size_t size[3], struct multigrid *m) {
+enum status stokes_multigrid_build(const size_t size[3], struct stokes_multigrid *m) {
   enum status status = STATUS_OK;
   memset(m, 0, sizeof *m);
   size_t n[3] = {size[0], size[1], size[2]};
   for (bool more = true; more && m->level_count < MULTIGRID_LEVELS;) {
-    struct multigrid_level *l = &m->levels[m->level_count++];
+    struct stokes_multigrid_level *l = &m->levels[m->level_count++];
     memcpy(l->size, n, sizeof l->size);
     l->count = n[0] * n[1] * n[2];
     for (int a = 0; a < 3; a++)
@@ -32,13 +32,13 @@ enum status multigrid_build(const size_t size[3], struct multigrid *m) {
   }
   return STATUS_OK;
 cleanup:
-  multigrid_free(m);
+  stokes_multigrid_free(m);
   return status;
 }
 
-void multigrid_free(struct multigrid *m) {
+void stokes_multigrid_free(struct stokes_multigrid *m) {
   for (int i = 0; i < m->level_count; i++) {
-    struct multigrid_level *l = &m->levels[i];
+    struct stokes_multigrid_level *l = &m->levels[i];
     for (int a = 0; a < 3; a++) memory_free(&l->face[a]);
     memory_free(&l->mass);
     memory_free(&l->inverse);
@@ -49,19 +49,21 @@ void multigrid_free(struct multigrid *m) {
   m->level_count = 0;
 }
 
-static size_t index_of(const struct multigrid_level *l, size_t i, size_t j, size_t k) {
+static size_t index_of(const struct stokes_multigrid_level *l, size_t i, size_t j, size_t k) {
   return (k * l->size[1] + j) * l->size[0] + i;
 }
 
 /* Site beyond the face along `axis`. */
-static size_t next_of(const struct multigrid_level *l, size_t i, size_t j, size_t k, int axis) {
+static size_t next_of(const struct stokes_multigrid_level *l, size_t i, size_t j, size_t k,
+                      int axis) {
   size_t at[3] = {i, j, k};
   at[axis] = at[axis] + 1 < l->size[axis] ? at[axis] + 1 : 0;
   return index_of(l, at[0], at[1], at[2]);
 }
 
 /* Every coarse site gathers its own: no two threads write to one place. */
-static void coarsen_level(const struct multigrid_level *fine, struct multigrid_level *coarse) {
+static void coarsen_level(const struct stokes_multigrid_level *fine,
+                          struct stokes_multigrid_level *coarse) {
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
   for (size_t c = 0; c < coarse->count; c++) {
     const size_t at[3] = {c % coarse->size[0], c / coarse->size[0] % coarse->size[1],
@@ -81,7 +83,7 @@ static void coarsen_level(const struct multigrid_level *fine, struct multigrid_l
   }
 }
 
-static void invert_diagonal(struct multigrid_level *l) {
+static void invert_diagonal(struct stokes_multigrid_level *l) {
   memcpy(l->r, l->mass, l->count * sizeof *l->r);
   for (size_t s = 0; s < l->count; s++) {
     const size_t i = s % l->size[0], j = s / l->size[0] % l->size[1];
@@ -94,7 +96,7 @@ static void invert_diagonal(struct multigrid_level *l) {
   for (size_t s = 0; s < l->count; s++) l->inverse[s] = l->r[s] > 0.0f ? 1.0f / l->r[s] : 0.0f;
 }
 
-void multigrid_coarsen(struct multigrid *m) {
+void stokes_multigrid_coarsen(struct stokes_multigrid *m) {
   for (int i = 0; i < m->level_count; i++) {
     if (i > 0) coarsen_level(&m->levels[i - 1], &m->levels[i]);
     invert_diagonal(&m->levels[i]);
@@ -102,7 +104,7 @@ void multigrid_coarsen(struct multigrid *m) {
 }
 
 /* r = b - T u on row (j, k). */
-static void residual_row(const struct multigrid_level *l, size_t j, size_t k) {
+static void residual_row(const struct stokes_multigrid_level *l, size_t j, size_t k) {
   const size_t nx = l->size[0], row = index_of(l, 0, j, k);
   const size_t up_y = next_of(l, 0, j, k, 1), up_z = next_of(l, 0, j, k, 2);
   const size_t down_y = index_of(l, 0, j > 0 ? j - 1 : l->size[1] - 1, k);
@@ -122,13 +124,13 @@ static void residual_row(const struct multigrid_level *l, size_t j, size_t k) {
   r[0] -= tx[nx - 1] * (u[0] - u[nx - 1]);
 }
 
-static void residual(struct multigrid_level *l) {
+static void residual(struct stokes_multigrid_level *l) {
   const size_t rows = l->size[1] * l->size[2];
 #pragma omp parallel for schedule(static) if (l->count > PARALLEL_FROM)
   for (size_t row = 0; row < rows; row++) residual_row(l, row % l->size[1], row / l->size[1]);
 }
 
-static void smooth(struct multigrid_level *l, int sweeps, bool from_zero) {
+static void smooth(struct stokes_multigrid_level *l, int sweeps, bool from_zero) {
   for (int s = 0; s < sweeps; s++) {
     const bool first = s == 0 && from_zero;
     if (!first) residual(l);
@@ -139,7 +141,8 @@ static void smooth(struct multigrid_level *l, int sweeps, bool from_zero) {
   }
 }
 
-static void restrict_residual(const struct multigrid_level *fine, struct multigrid_level *coarse) {
+static void restrict_residual(const struct stokes_multigrid_level *fine,
+                              struct stokes_multigrid_level *coarse) {
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
   for (size_t c = 0; c < coarse->count; c++) {
     const size_t I = 2 * (c % coarse->size[0]), J = 2 * (c / coarse->size[0] % coarse->size[1]);
@@ -153,7 +156,8 @@ static void restrict_residual(const struct multigrid_level *fine, struct multigr
   }
 }
 
-static void prolong(const struct multigrid_level *coarse, struct multigrid_level *fine) {
+static void prolong(const struct stokes_multigrid_level *coarse,
+                    struct stokes_multigrid_level *fine) {
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
   for (size_t row = 0; row < fine->size[1] * fine->size[2]; row++) {
     const size_t j = row % fine->size[1], k = row / fine->size[1];
@@ -163,7 +167,7 @@ static void prolong(const struct multigrid_level *coarse, struct multigrid_level
   }
 }
 
-void multigrid_cycle(struct multigrid *m) {
+void stokes_multigrid_cycle(struct stokes_multigrid *m) {
   const int last = m->level_count - 1;
   for (int i = 0; i < last; i++) {
     smooth(&m->levels[i], SWEEPS, true);

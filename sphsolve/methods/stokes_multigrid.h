@@ -11,7 +11,7 @@
 
 #define MULTIGRID_LEVELS 12
 
-struct multigrid_level {
+struct stokes_multigrid_level {
   size_t size[3], count;
   float *face[3]; /* t to the next site along x, y, z; 0 where there is no way */
   float *mass;    /* m */
@@ -19,18 +19,18 @@ struct multigrid_level {
   float *u, *b, *r;
 };
 
-struct multigrid {
+struct stokes_multigrid {
   int level_count;
-  struct multigrid_level levels[MULTIGRID_LEVELS];
+  struct stokes_multigrid_level levels[MULTIGRID_LEVELS];
 };
 
 /* Allocates all levels, the first of `size`. The caller fills face and mass of levels[0], then
- * calls multigrid_coarsen. */
-enum status multigrid_build(const size_t size[3], struct multigrid *multigrid);
-void multigrid_coarsen(struct multigrid *multigrid);
-void multigrid_free(struct multigrid *multigrid);
+ * calls stokes_multigrid_coarsen. */
+enum status stokes_multigrid_build(const size_t size[3], struct stokes_multigrid *multigrid);
+void stokes_multigrid_coarsen(struct stokes_multigrid *multigrid);
+void stokes_multigrid_free(struct stokes_multigrid *multigrid);
 
 /* One V-cycle from u = 0: levels[0].b in, levels[0].u out. A fixed, symmetric, linear operation. */
-void multigrid_cycle(struct multigrid *multigrid);
+void stokes_multigrid_cycle(struct stokes_multigrid *multigrid);
 
 #endif

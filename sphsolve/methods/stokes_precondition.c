@@ -54,7 +54,7 @@ cleanup:
 
 /* Sum of a packed vector (times kappa) over the blocks of the first coarse level. */
 static void restrict_packed(const struct stokes_preconditioner *pc, const float *x, bool weigh,
-                            const struct multigrid_level *coarse, float *out) {
+                            const struct stokes_multigrid_level *coarse, float *out) {
   const struct stokes_grid *grid = pc->op->grid;
   const size_t ny = grid->size[1], nz = grid->size[2];
 #pragma omp parallel for schedule(static)
@@ -78,7 +78,7 @@ static void restrict_packed(const struct stokes_preconditioner *pc, const float 
 
 /* x += value of the block (times kappa). */
 static void prolong_packed(const struct stokes_preconditioner *pc,
-                           const struct multigrid_level *coarse, bool weigh, float *x) {
+                           const struct stokes_multigrid_level *coarse, bool weigh, float *x) {
   const struct stokes_grid *grid = pc->op->grid;
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < grid->rows; row++) {
@@ -99,7 +99,7 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   struct stokes_operator *op = pc->op;
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], *size = grid->size;
-  struct multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
+  struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
   float *kappa = op->field; /* by lattice site */
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < grid->rows; row++)
@@ -127,8 +127,8 @@ static void fill_levels(struct stokes_preconditioner *pc) {
       }
     }
   }
-  multigrid_coarsen(&pc->velocity);
-  multigrid_coarsen(&pc->pressure);
+  stokes_multigrid_coarsen(&pc->velocity);
+  stokes_multigrid_coarsen(&pc->pressure);
 }
 
 enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
@@ -141,8 +141,8 @@ enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
   for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
   TRY(solve_kappa(pc));
-  TRY(multigrid_build(coarse, &pc->velocity));
-  TRY(multigrid_build(coarse, &pc->pressure));
+  TRY(stokes_multigrid_build(coarse, &pc->velocity));
+  TRY(stokes_multigrid_build(coarse, &pc->pressure));
   fill_levels(pc);
   return STATUS_OK;
 cleanup:
@@ -152,14 +152,14 @@ cleanup:
 
 void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
   memory_free(&pc->kappa);
-  multigrid_free(&pc->velocity);
-  multigrid_free(&pc->pressure);
+  stokes_multigrid_free(&pc->velocity);
+  stokes_multigrid_free(&pc->pressure);
 }
 
 static void solve_pressure(struct stokes_preconditioner *pc, const float *r, float *p) {
-  struct multigrid_level *coarse = &pc->pressure.levels[0];
+  struct stokes_multigrid_level *coarse = &pc->pressure.levels[0];
   restrict_packed(pc, r, false, coarse, coarse->b);
-  multigrid_cycle(&pc->pressure);
+  stokes_multigrid_cycle(&pc->pressure);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < pc->op->n; i++) p[i] = r[i] * (1.0f + 0.5f / pc->kappa[i]);
   prolong_packed(pc, coarse, false, p);
@@ -169,9 +169,9 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
 static void solve_velocity(struct stokes_preconditioner *pc, const float *x, float *product,
                            float *y) {
   struct stokes_operator *op = pc->op;
-  struct multigrid_level *coarse = &pc->velocity.levels[0];
+  struct stokes_multigrid_level *coarse = &pc->velocity.levels[0];
   restrict_packed(pc, x, true, coarse, coarse->b);
-  multigrid_cycle(&pc->velocity);
+  stokes_multigrid_cycle(&pc->velocity);
   memset(y, 0, op->n * sizeof *y);
   prolong_packed(pc, coarse, true, y);
   stokes_operator_apply_viscous(op, 1, y, product);

@@ -16,7 +16,7 @@ struct stokes_preconditioner {
   struct stokes_operator *op;
   float *kappa; /* [n] */
   float *work;  /* [components][n], not owned */
-  struct multigrid velocity, pressure;
+  struct stokes_multigrid velocity, pressure;
 };
 
 /* `work` [components][n] is overwritten by every application. */

@@ -58,7 +58,7 @@ static void measure(struct stokes_solver *s) {
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) square += (double)continuity[i] * (double)continuity[i];
   s->divergence = work > 0.0 ? sqrt(square / work) : INFINITY;
-  const double norm = krylov_norm(&s->krylov, s->residual);
+  const double norm = stokes_krylov_norm(&s->krylov, s->residual);
   if (s->residual_start == 0.0) s->residual_start = norm;
   s->residual_now = norm / s->residual_start;
 }
@@ -102,7 +102,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
   TRY(stokes_preconditioner_build(&s->operator, s->residual, &s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  TRY(krylov_build(length, basis_size(lattice, s->grid.active), &s->krylov));
+  TRY(stokes_krylov_build(length, basis_size(lattice, s->grid.active), &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
@@ -117,7 +117,7 @@ void stokes_solver_free(struct stokes_solver *s) {
   stokes_grid_free(&s->grid);
   stokes_operator_free(&s->operator);
   stokes_preconditioner_free(&s->preconditioner);
-  krylov_free(&s->krylov);
+  stokes_krylov_free(&s->krylov);
   memory_free(&s->x);
   memory_free(&s->residual);
 }
@@ -126,7 +126,7 @@ void stokes_solver_round(struct stokes_solver *s) {
   double shrunk = 1.0, reached;
   for (int cycle = 0; cycle < 20 && shrunk > ROUND_REDUCTION; cycle++) {
     s->iterations +=
-        krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION / shrunk, s->x, &reached);
+        stokes_krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION / shrunk, s->x, &reached);
     shrunk *= reached;
   }
   measure(s);

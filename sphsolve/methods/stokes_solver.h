@@ -22,7 +22,7 @@ struct stokes_solver {
   struct stokes_grid grid;
   struct stokes_operator operator;
   struct stokes_preconditioner preconditioner;
-  struct krylov krylov;
+  struct stokes_krylov krylov;
   double acceleration, velocity_unit; /* m/s^2, m/s */
   double force[3];                    /* driving / acceleration */
   bool walls_move;
