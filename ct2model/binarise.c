@@ -60,7 +60,8 @@ static void warn_if_fragile(const struct pipeline *pipeline) {
 
 static enum status check_levels(const struct pipeline *pipeline) {
   size_t levels = 0;
-  for (size_t i = 0; i < pipeline->histogram.bins; i++) levels += pipeline->histogram.counts[i] > 0;
+  for (size_t i = 0; i < pipeline->calibration.bins; i++)
+    levels += pipeline->calibration.counts[i] > 0;
   if (levels >= 2) return STATUS_OK;
   return FAIL(STATUS_INPUT, "%s: all pixels of the region have the same grey; nothing to divide",
               pipeline->stack.files[0].path);
@@ -95,7 +96,7 @@ cleanup:
 enum status binarise_calibrate(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
-  const struct grey_histogram *histogram = &pipeline->histogram;
+  const struct grey_histogram *histogram = &pipeline->calibration;
   double sign = request->dark_grains ? -1.0 : 1.0;
   TRY(check_levels(pipeline));
   pipeline->otsu = grey_histogram_otsu(histogram);
@@ -137,6 +138,15 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
                pipeline_grey(pipeline, grey_histogram_quantile(histogram, 1.0)));
     TRY(check_reading(pipeline, porosity, true));
   }
+  /* A region of interest fixes the threshold at full resolution; the region that is modelled may
+   * be denser or looser, and the resampled model matches its void ratio. */
+  if (request->roi.kind != ROI_NONE)
+    porosity = grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original);
+  histogram = &pipeline->histogram;
+  if (porosity <= 0.0 || porosity >= 1.0)
+    TRY_FAIL(STATUS_INPUT, "all of the region is %s at threshold %g",
+             porosity > 0.0 ? "pore" : "grain",
+             pipeline_grey(pipeline, pipeline->threshold_original));
   pipeline->threshold_slope_original = grey_histogram_slope(histogram, porosity);
   pipeline->threshold_slope = pipeline->threshold_slope_original;
   if (pipeline->volume != NULL) {

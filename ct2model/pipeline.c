@@ -185,6 +185,21 @@ cleanup:
   return status;
 }
 
+static enum status count_calibration(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct grey_histogram *region = &pipeline->histogram;
+  struct grey_histogram *calibration = &pipeline->calibration;
+  TRY(grey_histogram_start(region->low, region->width, region->bins, calibration));
+  if (pipeline->request->roi.kind != ROI_NONE) {
+    TRY(roi_count(&pipeline->request->roi, &pipeline->region, calibration));
+  } else {
+    memcpy(calibration->counts, region->counts, region->bins * sizeof *region->counts);
+    calibration->total = region->total;
+  }
+cleanup:
+  return status;
+}
+
 /* ---- model ---- */
 
 static void add_layers(struct pipeline *pipeline) {
@@ -276,6 +291,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   const size_t *out = pipeline->size;
   bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
   TRY(scan(pipeline, resample));
+  TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
   if (resample) TRY(make_solid(pipeline));
   TRY(find_walls(pipeline, distances));
@@ -288,6 +304,7 @@ cleanup:
 void pipeline_end(struct pipeline *pipeline) {
   model_free(&pipeline->model);
   grey_histogram_end(&pipeline->histogram);
+  grey_histogram_end(&pipeline->calibration);
   memory_free(&pipeline->volume);
   memory_free(&pipeline->weight);
   stack_close(&pipeline->stack);

@@ -26,8 +26,9 @@ struct pipeline {
   const struct request *request;
   struct stack stack;
   struct region region;
-  struct grey_histogram histogram;
-  size_t size[3];    /* after resampling, before mirroring */
+  struct grey_histogram histogram;   /* of the region */
+  struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */
+  size_t size[3];                    /* after resampling, before mirroring */
   float *volume;     /* greys after resampling; NULL where a sweep leaves a huge scan alone */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */

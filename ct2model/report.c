@@ -211,7 +211,8 @@ static void print_text(const struct pipeline *pipeline) {
   if (isfinite(pipeline->phases.contrast_to_noise))
     printf(", contrast %.3g times the noise", pipeline->phases.contrast_to_noise);
   putchar('\n');
-  if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2)
+  if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2 ||
+      request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);
   if (pipeline->volume != NULL) print_model(pipeline);
   printf("specific surface  %.4g 1/mm of bulk volume", quality->surface_original * 1e-3);

@@ -31,6 +31,8 @@ static const struct option_entry ENTRIES[] = {
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
      "f64be"},
     {"crop", 0, "X0,Y0,Z0,NX,NY,NZ", SWEEP | BUILD, "use this box of voxels only"},
+    {"roi", 0, "SHAPE", SWEEP | BUILD,
+     "where the void ratio was measured: box:X0,Y0,Z0,NX,NY,NZ, cylinder:CX,CY,R or mask:PATH"},
     {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
     {"filter", 0, "NAME", SWEEP | BUILD,
      "bicubic (antialiased, default), bicubic-point, area or none"},
@@ -138,6 +140,7 @@ enum status request_parse(const struct options *options, struct request *request
   request->size_given = options_given(options, "size");
   request->grain_given = options_given(options, "grain");
   request->output = options_text(options, "output");
+  if (options_given(options, "roi")) TRY(roi_parse(options_text(options, "roi"), &request->roi));
   TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
   TRY(parse_numbers(options, "size", 'x', 3, "60x60x31", request->size));
   TRY(parse_void_ratio(options, request));

@@ -9,6 +9,7 @@
 #include "common/options.h"
 #include "ct2model/image.h"
 #include "ct2model/resample.h"
+#include "ct2model/roi.h"
 
 enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 
@@ -18,6 +19,7 @@ struct request {
   bool crop_given, size_given, grain_given, fill_islands, mirror;
   size_t crop[6]; /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
+  struct roi roi;
   enum filter filter;
   double void_ratio, void_ratio_error; /* NAN if not given */
   enum threshold_rule rule;

@@ -7,7 +7,7 @@ setup_file() {
   # Four spheres of radius 11 in a periodic box of 48^3, grey 20 in the pore and 120 in the grain,
   # linear over two voxels: the true void ratio is 48^3 / (4 x 4/3 pi 11^3) - 1 = 3.959.
   awk 'BEGIN {
-    n = 48; r = 11; printf "" > "greys.txt"
+    n = 48; r = 11
     split("12.3 11.6 12.2 35.9 36.4 12.7 11.8 36.2 35.7 36.3 12.1 36.4", c, " ")
     for (z = 0; z < n; z++) for (y = 0; y < n; y++) for (x = 0; x < n; x++) {
       d = 1e9
@@ -17,7 +17,14 @@ setup_file() {
       }
       v = 70 - 50 * (d < -1 ? -1 : d > 1 ? 1 : d)
       printf "%c", int(v + .5) >> "spheres.raw"
+      # The same in a bright tube of inner radius 22 voxels, with a mask of its inside.
+      inside = (x - 23.5)^2 + (y - 23.5)^2 < 22^2
+      printf "%c", (inside ? int(v + .5) : 126) >> "tube.raw"
+      printf "%c", (inside ? 1 : 0) >> "mask.raw"
+      if (inside && d < 0) grain++
+      total += inside
     }
+    print total / grain - 1 > "tube.txt"
   }' < /dev/null
   export RAW="--raw 48x48x48:u8 --voxel-size 10um --quiet"
 }
@@ -118,6 +125,29 @@ bats_require_minimum_version 1.5.0
     run_ct build spheres.raw $RAW --void-ratio $e -o no.hdf
     [ "$status" -eq 2 ]
   done
+}
+
+@test "a region of interest leaves the container out of the calibration" {
+  cd "$WORK"
+  e=$(cat tube.txt)
+  run_ct sweep tube.raw $RAW --void-ratio $e --json
+  [ "$status" -eq 0 ]
+  ! near "$(echo "$output" | value threshold_original)" 70 5
+  printf 'ObjectType = Image\nNDims = 3\nDimSize = 48 48 48\nElementType = MET_UCHAR\nElementDataFile = mask.raw\n' > mask.mhd
+  for roi in cylinder:24,24,22 mask:mask.mhd; do
+    run_ct build tube.raw $RAW --void-ratio $e --roi $roi --crop 10,10,4,28,28,40 --size 14x14x20 --json -o roi.hdf
+    [ "$status" -eq 0 ]
+    near "$(echo "$output" | value threshold_original)" 70 1.5
+    near "$(echo "$output" | value void_ratio)" "$(echo "$output" | value void_ratio_original)" 0.02
+  done
+  run_ct sweep tube.raw $RAW --void-ratio $e --roi box:12,12,2,24,24,44 --json
+  [ "$status" -eq 0 ]
+  for roi in cylinder:1,2 ball:3 mask: box:0,0,0,1,1 cylinder:24,24,-1; do
+    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
+    [ "$status" -eq 2 ]
+  done
+  run_ct sweep tube.raw $RAW --void-ratio $e --roi cylinder:-100,24,3
+  [ "$status" -eq 3 ]
 }
 
 @test "dark grains are bright grains negated" {

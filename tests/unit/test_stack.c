@@ -379,6 +379,7 @@ static void refuse(const char *path, const struct raw_layout *raw, const char *w
   enum status status = stack_open(paths, 1, raw, &stack);
   for (size_t z = 0; status == STATUS_OK && z < stack.size[2]; z++)
     status = stack_read(&stack, z, slice);
+  stack_close(&stack);
   if (status == STATUS_OK || strstr(error_message(), word) == NULL)
     fail_msg("%s: expected a message with '%s', got '%s'", path, word, error_message());
   assert_int_equal(status, STATUS_INPUT);
