@@ -75,6 +75,15 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   /* Off the credible range only the two finest speak, as they lie nearest to the limit. */
   bool all = n > 2 && result->credible;
   fit_power(h, f, all ? n : 2, result->order_used, &result->value, &result->slope);
+  /* A value beyond zero, or moved by more than half, is no value: the finest stands. */
+  if (!(fabs(result->value - f[0]) <= 0.5 * fabs(f[0]))) {
+    result->far = true;
+    result->credible = false;
+    result->value = f[0];
+    result->slope = 0.0;
+    result->index = 3.0 * (high - low) / fabs(f[0]);
+    return;
+  }
   double p =
       result->safety < 3.0 || n == 2 ? formal_order : fmin(fmax(result->order, 0.5), formal_order);
   double ratio = pow(h[1] / h[0], p);

@@ -134,6 +134,12 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
     log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
                 "three times the range as its error: add a finer run",
                 run->method, run->wall[0] ? run->wall : "no");
+  else if (s->result.far)
+    log_warning(
+        "%s, %s walls: the spacings are too coarse to extrapolate from (k would move by more "
+        "than half); the finest value stands, with three times the range as its error: add "
+        "finer runs",
+        run->method, run->wall[0] ? run->wall : "no");
   else if (s->count > 2 && !s->result.credible)
     log_warning("%s, %s walls: the observed order %.2f is not credible (formal %g): the coarsest "
                 "run is too coarse, or something else differs; the error is widened",
@@ -163,6 +169,8 @@ static void series_json(const struct level *levels, const struct series *s, json
   json_object_set_new(object, "formal_order", json_number(s->formal_order));
   json_object_set_new(object, "order_credible", json_boolean(s->result.credible));
   json_object_set_new(object, "monotone", json_boolean(s->result.monotone));
+  json_object_set_new(object, "extrapolated",
+                      json_boolean(ok && s->result.monotone && !s->result.far));
   json_object_set_new(object, "grid_convergence_index", json_number(ok ? s->result.index : NAN));
   json_object_set_new(object, "safety_factor", json_number(ok ? s->result.safety : NAN));
   for (size_t i = s->first; i < s->first + s->count; i++) {
@@ -202,11 +210,15 @@ static void write_summary(const struct level *levels, const struct series *serie
       continue;
     }
     double k = s->result.value * conductivity(fine);
-    fputs("  extrapolated to spacing 0: k = ", stream);
+    fputs(s->result.far || !s->result.monotone ? "  not extrapolated, the finest: k = "
+                                               : "  extrapolated to spacing 0: k = ",
+          stream);
     write_value_with_error(stream, 100.0 * k, 100.0 * k * s->error, "+-", " cm/s");
     fprintf(stream, "\n    = %.5g m/s = %.5g m^2 = %.5g darcy\n", k, s->result.value,
             s->result.value / DARCY);
-    if (isfinite(s->result.order))
+    if (s->result.far)
+      fputs("  TOO COARSE to extrapolate, ", stream);
+    else if (isfinite(s->result.order))
       fprintf(stream, "  observed order %.2f (formal %g, %s), ", s->result.order, s->formal_order,
               s->result.credible ? "credible" : "NOT CREDIBLE");
     else if (s->count > 2)

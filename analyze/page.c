@@ -189,11 +189,17 @@ static void write_headlines(struct page *page) {
     json_array_foreach(list, i, group) {
       char name[300];
       if (json_is_null(json_object_get(group, "k_m_per_s"))) continue;
-      snprintf(name, sizeof name, "Extrapolated to spacing 0 (%.60s, %.60s walls)",
+      snprintf(name, sizeof name, "%s (%.60s, %.60s walls)",
+               json_is_true(json_object_get(group, "extrapolated")) ? "Extrapolated to spacing 0"
+                                                                    : "At the finest spacing",
                json_string_value(json_object_get(group, "method")),
                json_string_value(json_object_get(group, "wall")));
-      write_headline(out, group, name,
-                     "Richardson extrapolation; the error holds the grid convergence index.");
+      write_headline(
+          out, group, name,
+          json_is_true(json_object_get(group, "extrapolated"))
+              ? "Richardson extrapolation; the error holds the grid convergence index."
+              : "The spacings do not converge well enough to extrapolate; the error is three "
+                "times their range.");
     }
   }
   if (page->has[PART_DARCY]) {

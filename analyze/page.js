@@ -122,14 +122,16 @@
     },
     history(parent, history) {
       const runs = history.runs;
-      const end = Math.max.apply(null, runs.map(r => r.end_time_s));
-      const scale = end < 0.1 ? 1e3 : 1, time = end < 0.1 ? 'Time (ms)' : 'Time (s)';
+      const iterations = runs[0].stationary, abscissa = r => r.time_s || r.iteration;
+      const end = Math.max.apply(null, runs.map(r => r.end_time_s || 0));
+      const scale = end < 0.1 && !iterations ? 1e3 : 1;
+      const time = iterations ? 'Iteration' : end < 0.1 ? 'Time (ms)' : 'Time (s)';
       const against = (name, pick) => runs.map(r => ({name: r.name, points: pick(r) || []}));
-      const series = (r, values, f) => values && r.time_s.map((t, i) => [t * scale, values[i] === null ? null : f(values[i])]);
+      const series = (r, values, f) => values && abscissa(r).map((t, i) => [t * scale, values[i] === null ? null : f(values[i])]);
       chart(parent, 'Darcy velocity', time, 'Darcy velocity (cm/s)',
             against('', r => series(r, r.darcy_velocity_series_m_per_s, v => 100 * v)));
       chart(parent, 'Maximum density', time, 'Above reference (%)',
-            against('', r => series(r, r.density_max_series_kg_per_m3, v => 100 * (v / r.density_reference_kg_per_m3 - 1))));
+            against('', r => !r.stationary && series(r, r.density_max_series_kg_per_m3, v => 100 * (v / r.density_reference_kg_per_m3 - 1))));
       chart(parent, 'Density at the end', 'Above reference (%)', 'Probability density (1/%)',
             runs.map(r => ({name: r.name, step: true,
                             points: r.density_histogram ? steps(r.density_histogram, 100, 100, false) : []})), {includeZero: true});
@@ -138,7 +140,10 @@
         runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d) => list.push({
           name: r.name + (r.columns[name].series.length > 1 ? ' ' + 'xyz'[d] : ''),
           points: series(r, values, v => v)})));
-        chart(parent, name, time, name + ' (' + (column.unit || '-') + ')', list);
+        const all = [].concat.apply([], list.map(s => s.points.map(p => p[1]))).filter(v => v !== null);
+        const least = Math.min.apply(null, all), most = Math.max.apply(null, all);
+        chart(parent, name, time, name + ' (' + (column.unit === '1' ? '-' : column.unit || '-') + ')', list,
+              least > 0 && most > 1e3 * least ? {logscale: true} : {});
       });
     },
     pdf(parent, pdf) {

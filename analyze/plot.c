@@ -2,6 +2,7 @@
 #include "analyze/plot.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <spawn.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -54,9 +55,10 @@ void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges
   fputs("EOD\n", stream);
 }
 
-/* Runs gnuplot in `folder` on NAME.gp. *ran is false when there is no gnuplot. */
-static enum status run_gnuplot(const char *folder, const char *name, const char *format,
-                               bool *ran) {
+/* Runs gnuplot in `folder` on NAME.gp; `exit_code` is -1 when there is no gnuplot. Its remarks are
+ * shown only where asked for. */
+static enum status spawn_gnuplot(const char *folder, const char *name, const char *format,
+                                 bool remarks, int *exit_code) {
   char script[300], set_format[40];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(set_format, sizeof set_format, "format='%s'", format);
@@ -64,22 +66,36 @@ static enum status run_gnuplot(const char *folder, const char *name, const char 
   posix_spawn_file_actions_t actions;
   pid_t child = 0;
   int state = 0;
-  *ran = false;
+  *exit_code = -1;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  if (!remarks) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   int failure = posix_spawnp(&child, "gnuplot", &actions, NULL, argv, environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) return STATUS_OK;
   while (waitpid(child, &state, 0) < 0)
     if (errno != EINTR) return FAIL(STATUS_RUN, "gnuplot: %s", strerror(errno));
-  if (WIFEXITED(state) && WEXITSTATUS(state) == 127) return STATUS_OK;
-  *ran = true;
-  if (!WIFEXITED(state) || WEXITSTATUS(state) != 0)
-    return FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above", folder,
-                name);
+  int code = WIFEXITED(state) ? WEXITSTATUS(state) : 1;
+  *exit_code = code == 127 ? -1 : code;
   return STATUS_OK;
+}
+
+/* *ran is false when there is no gnuplot. A script that fails runs again with its remarks. */
+static enum status run_gnuplot(const char *folder, const char *name, const char *format,
+                               bool *ran) {
+  enum status status = STATUS_OK;
+  int code;
+  TRY(spawn_gnuplot(folder, name, format, false, &code));
+  *ran = code >= 0;
+  if (code > 0) {
+    TRY(spawn_gnuplot(folder, name, format, true, &code));
+    TRY_FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above", folder,
+             name);
+  }
+cleanup:
+  return status;
 }
 
 static void write_head(FILE *stream, const char *name, int width, int height) {

@@ -64,11 +64,20 @@ static void test_oscillation_gives_no_order(void **state) {
   assert_true(c.value == 1.0 && isnan(c.order) && fabs(c.index - 0.45) < 1e-12);
 }
 
+static void test_too_coarse_is_not_extrapolated(void **state) {
+  (void)state;
+  const double f[2] = {1.0, 1.9}, coarse[2] = {3.0, 4.0};
+  struct convergence c;
+  converge_extrapolate(coarse, f, 2, 2.0, &c); /* would give -0.16 */
+  assert_true(c.far && !c.credible && c.value == 1.0 && fabs(c.index - 2.7) < 1e-12);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_order_and_limit_are_exact),
       cmocka_unit_test(test_order_off_the_formal_one_widens_the_error),
       cmocka_unit_test(test_two_spacings_take_the_formal_order),
-      cmocka_unit_test(test_oscillation_gives_no_order)};
+      cmocka_unit_test(test_oscillation_gives_no_order),
+      cmocka_unit_test(test_too_coarse_is_not_extrapolated)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
