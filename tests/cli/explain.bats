@@ -1,0 +1,33 @@
+#!/usr/bin/env bats
+# The plan of every sample scene, held against tests/cli/golden/NAME.txt. After a wanted change:
+#   UPDATE_GOLDEN=1 BUILD=$PWD/build bats tests/cli/explain.bats
+
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH"
+  cd "$BATS_FILE_TMPDIR"
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 32x32x14 -o dense.hdf --quiet > /dev/null
+}
+
+@test "explain of every sample scene is as recorded" {
+  cd "$BATS_FILE_TMPDIR"
+  failed=0
+  for scene in "$ROOT"/data-samples/scenes/*.cfg; do
+    name=$(basename "$scene" .cfg)
+    golden=$ROOT/tests/cli/golden/$name.txt
+    set_model=()
+    grep -q '^model' "$scene" && set_model=(--set model.file=dense.hdf)
+    sphsolve explain "$scene" "${set_model[@]}" --threads 2 > "$name.txt" || { echo "$name: explain failed"; failed=1; }
+    if [ -n "$UPDATE_GOLDEN" ]; then cp "$name.txt" "$golden"; fi
+    diff -u "$golden" "$name.txt" || failed=1
+  done
+  [ $failed -eq 0 ]
+}
+
+@test "no golden file without its scene" {
+  for golden in "$ROOT"/tests/cli/golden/*.txt; do
+    [ -e "$ROOT/data-samples/scenes/$(basename "$golden" .txt).cfg" ]
+  done
+}
