@@ -1,0 +1,55 @@
+#!/usr/bin/env bats
+# Real CT data, where it is at hand (../shared/data beside the repository); skipped with a message elsewhere.
+
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  export DATA=$ROOT/../shared/data
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH"
+}
+setup() {
+  [ -d "$DATA" ] || skip "no real scans at ../shared/data"
+  cd "$BATS_TEST_TMPDIR"
+}
+
+@test "fiberform, grey, 100^3: calibrated, percolates, k positive" {
+  ct2model build "$DATA/fiberform/100_fiberform.tif" --voxel-size 1.3um --void-ratio 5.67 --size 25x25x25 -o fiber.hdf --json > fiber.json
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=fiber.hdf -o run --json > run.json
+  python3 - <<'END'
+import json
+model, run = json.load(open("fiber.json")), json.load(open("run.json"))
+assert abs(model["void_ratio"] / 5.67 - 1) < 0.01 and all(model["percolates"].values())
+# Carbon-fibre felts of porosity 0.85 and fibres of about 10 um: 1e-11 to 3e-10 m^2.
+assert 1e-11 < run["intrinsic_permeability"] < 3e-10, run
+END
+}
+
+@test "berea, segmented, 400^3: porosity as published" {
+  command -v unzip > /dev/null || python3 -c 'import zipfile' || skip "no unzip"
+  python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"
+  tif=$(find . -name '*.tif*' | head -1)
+  ct2model build "$tif" --voxel-size 5.345um --void-ratio 0.2445 --threshold 128 --crop 0,0,0,400,400,200 --size 50x50x25 \
+    -o berea.hdf --json > berea.json
+  python3 - <<'END'
+import json
+model = json.load(open("berea.json"))
+n = model["void_ratio_original"] / (1 + model["void_ratio_original"])
+assert abs(n - 0.196) < 0.01, n   # .19645 in all 400 layers
+END
+}
+
+@test "versa: Otsu fails on one slice, the void-ratio match does not" {
+  for slice in 0000 0200 0400; do
+    ct2model sweep "$DATA/versa/Sandstone_Versa$slice.tif" --voxel-size 2.231um --crop 287,248,0,450,500,1 --void-ratio 0.2 \
+      -o "$slice.csv" --json > "$slice.json" 2> log
+  done
+  python3 - <<'END'
+import json
+slices = [json.load(open(f"{s}.json")) for s in ("0000", "0200", "0400")]
+matched = [s["threshold"] for s in slices]
+otsu = [s["threshold_otsu"] for s in slices]
+assert max(matched) - min(matched) < 10 and all(70 < t < 110 for t in matched), matched
+assert max(otsu) > 150, otsu
+END
+}
