@@ -154,12 +154,15 @@ static enum status read_identity(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
   char *text = NULL;
   if (h5_attribute_exists(file, "/run", "model_hash")) {
-    if (h5_read_attribute_text(file, "/run", "model_hash", &text) == STATUS_OK) {
+    status = h5_read_attribute_text(file, "/run", "model_hash", &text);
+    if (status == STATUS_OK) {
       if (text[0] != '\0' && strspn(text, "0x") != strlen(text))
         run->identity = hash_bytes(text, strlen(text));
-    } else {
+    } else if (status == STATUS_INPUT) {
       error_clear();
       TRY(h5_read_attribute(file, "/run", "model_hash", H5_U64, 1, &run->identity));
+    } else {
+      goto cleanup;
     }
   }
   if (run->identity == 0) {
