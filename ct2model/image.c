@@ -15,6 +15,7 @@
 #include "ct2model/image_nrrd.h"
 #include "ct2model/image_png.h"
 #include "ct2model/image_tiff.h"
+#include "ct2model/inflate.h"
 
 static enum status raw_read(const struct image *image, size_t page, float *out) {
   return image_read_contiguous(image, page, out);
@@ -150,6 +151,8 @@ void image_close(struct image *image) {
   free(image->path);
   free(image->data_path);
   memory_free(&image->page_offsets);
+  inflate_end(image->inflated);
+  image->inflated = NULL;
   image->path = NULL;
   image->data_path = NULL;
 }
@@ -164,25 +167,53 @@ enum status image_read(const struct image *image, size_t page, float *out) {
   return STATUS_OK;
 }
 
-enum status image_read_contiguous(const struct image *image, size_t page, float *out) {
+enum status image_claim_pixels(struct image *image, bool compressed) {
   const char *path = image->data_path != NULL ? image->data_path : image->path;
-  enum status status = STATUS_OK;
-  size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
-  unsigned char *buffer = NULL;
+  uint64_t bytes = 0;
+  enum status status = image_file_size(path, &bytes);
+  if (status != STATUS_OK) return status;
+  double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
+                  (double)pixel_size(image->type);
+  if (compressed && wanted < 1e15) {
+    status = inflate_start(path, image->data_offset, (uint64_t)wanted, &image->inflated);
+    image->data_offset = 0;
+    return status;
+  }
+  if ((double)bytes - (double)image->data_offset >= wanted) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f", path,
+              (double)bytes - (double)image->data_offset, wanted);
+}
+
+/* One page at `offset` of a file as it is. */
+static enum status read_bytes(const char *path, uint64_t offset, size_t size, size_t page,
+                              unsigned char *out) {
   int file = open(path, O_RDONLY | O_CLOEXEC);
-  if (file < 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  TRY(memory_allocate(&buffer, bytes, 1, "a slice"));
-  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
-  for (size_t done = 0; done < bytes;) {
-    ssize_t got = pread(file, buffer + done, bytes - done, (off_t)(offset + done));
+  if (file < 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  size_t done = 0;
+  while (done < size) {
+    ssize_t got = pread(file, out + done, size - done, (off_t)(offset + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0)
-      TRY_FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
+    if (got <= 0) break;
     done += (size_t)got;
   }
+  close(file);
+  if (done == size) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
+}
+
+enum status image_read_contiguous(const struct image *image, size_t page, float *out) {
+  enum status status = STATUS_OK;
+  size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
+  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  unsigned char *buffer = NULL;
+  TRY(memory_allocate(&buffer, bytes, 1, "a slice"));
+  if (image->inflated != NULL)
+    TRY(inflate_read(image->inflated, offset, bytes, buffer));
+  else
+    TRY(read_bytes(image->data_path != NULL ? image->data_path : image->path, offset, bytes, page,
+                   buffer));
   pixels_to_float(out, buffer, pixels, image->type, image->swap);
 cleanup:
   memory_free(&buffer);
-  if (file >= 0) close(file);
   return status;
 }

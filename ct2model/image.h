@@ -13,6 +13,7 @@
 #include "ct2model/pixels.h"
 
 struct image_reader;
+struct inflated;
 
 struct image {
   char *path;
@@ -24,8 +25,10 @@ struct image {
   const char *voxel_source; /* "TIFF resolution tags"; NULL if none */
   char note[160];           /* what a user should hear about this file; "" if nothing */
   /* for the reader */
-  char *data_path;        /* where the pixels are, if not in `path` */
-  uint64_t data_offset;   /* of page 0, for contiguous pixels; 0 otherwise */
+  char *data_path;      /* where the pixels are, if not in `path` */
+  uint64_t data_offset; /* of page 0, for contiguous pixels; 0 otherwise */
+  struct inflated
+      *inflated;          /* compressed contiguous pixels; data_offset then counts unpacked bytes */
   bool swap;              /* bytes of contiguous pixels */
   uint64_t *page_offsets; /* of the directories of a multi-page TIFF */
   bool invert;            /* white is zero */
@@ -60,6 +63,9 @@ bool image_name_known(const char *name);
 
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, float *out);
+/* For readers: checks that the pixels promised by the header are there; with `compressed` they are
+ * gzip or zlib data from data_offset on. */
+enum status image_claim_pixels(struct image *image, bool compressed);
 /* For readers: size of a file in bytes. */
 enum status image_file_size(const char *path, uint64_t *size);
 

@@ -43,7 +43,7 @@ static enum status beside(const char *path, const char *name, char **joined) {
 static enum status meta_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char line[512], key[64], value[400];
-  bool sized = false, typed = false, placed = false;
+  bool sized = false, typed = false, placed = false, compressed = false;
   int dimensions = 3;
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
@@ -68,9 +68,8 @@ static enum status meta_open(const char *path, struct image *image) {
       typed = element_type(value, &image->type);
       if (!typed)
         TRY_FAIL(STATUS_INPUT, "%s:%d: ElementType = %s is not read", path, number, value);
-    } else if (strcmp(key, "CompressedData") == 0 && strcasecmp(value, "True") == 0) {
-      TRY_FAIL(STATUS_INPUT, "%s:%d: compressed pixels are not read; save without compression",
-               path, number);
+    } else if (strcmp(key, "CompressedData") == 0) {
+      compressed = strcasecmp(value, "True") == 0;
     } else if (strcmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
       TRY_FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read", path, number, value);
     } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
@@ -96,14 +95,7 @@ static enum status meta_open(const char *path, struct image *image) {
              !sized   ? "DimSize"
              : !typed ? "ElementType"
                       : "ElementDataFile");
-  uint64_t bytes;
-  TRY(image_file_size(image->data_path != NULL ? image->data_path : path, &bytes));
-  double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
-                  (double)pixel_size(image->type);
-  if ((double)bytes - (double)image->data_offset < wanted)
-    TRY_FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f",
-             image->data_path != NULL ? image->data_path : path,
-             (double)bytes - (double)image->data_offset, wanted);
+  TRY(image_claim_pixels(image, compressed));
 cleanup:
   if (file != NULL) fclose(file);
   return status;

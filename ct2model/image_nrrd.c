@@ -78,7 +78,7 @@ static void read_spacing(struct image *image, const char *value, const char *uni
 static enum status nrrd_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char line[1024], spacing[256] = "", units[128] = "";
-  bool typed = false, sized = false, ended = false;
+  bool typed = false, sized = false, ended = false, compressed = false;
   const char *slash = strrchr(path, '/');
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
@@ -105,8 +105,10 @@ static enum status nrrd_open(const char *path, struct image *image) {
     } else if (strcmp(line, "endian") == 0) {
       image->swap = strcmp(value, "big") == 0;
     } else if (strcmp(line, "encoding") == 0) {
-      if (strcmp(value, "raw") != 0)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: encoding %s is not read; save as raw", path, number, value);
+      compressed = strcmp(value, "gzip") == 0 || strcmp(value, "gz") == 0;
+      if (!compressed && strcmp(value, "raw") != 0)
+        TRY_FAIL(STATUS_INPUT, "%s:%d: encoding %s is not read; save as raw or gzip", path, number,
+                 value);
     } else if (strcmp(line, "spacings") == 0 || strcmp(line, "space directions") == 0) {
       snprintf(spacing, sizeof spacing, "%s", value);
     } else if (strcmp(line, "space units") == 0 || strcmp(line, "units") == 0) {
@@ -129,13 +131,7 @@ static enum status nrrd_open(const char *path, struct image *image) {
     TRY_FAIL(STATUS_INPUT, "%s: %s is missing", path, !typed ? "type" : "sizes");
   if (image->data_path == NULL) image->data_offset += (uint64_t)ftell(file);
   read_spacing(image, spacing, units);
-  uint64_t bytes;
-  TRY(image_file_size(image->data_path != NULL ? image->data_path : path, &bytes));
-  double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
-                  (double)pixel_size(image->type);
-  if ((double)bytes - (double)image->data_offset < wanted)
-    TRY_FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f", path,
-             (double)bytes - (double)image->data_offset, wanted);
+  TRY(image_claim_pixels(image, compressed));
 cleanup:
   if (file != NULL) fclose(file);
   return status;

@@ -142,6 +142,19 @@ static void read_voxel_size(TIFF *tiff, const char *description, struct image *i
   if (!isfinite(image->voxel[0])) image->voxel_source = NULL;
 }
 
+/* Channels and time steps are no slices. */
+static enum status refuse_hyperstack(const char *path, const char *description) {
+  static const char *const KEYS[] = {"channels", "frames"};
+  char text[40];
+  if (description == NULL || strncmp(description, "ImageJ=", 7) != 0) return STATUS_OK;
+  for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
+    if (description_value(description, KEYS[i], text, sizeof text) && atoi(text) > 1)
+      return FAIL(STATUS_INPUT, "%s: a hyperstack of %s %s; save one of them as a stack", path,
+                  text, KEYS[i]);
+  }
+  return STATUS_OK;
+}
+
 /* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */
 static bool imagej_contiguous(TIFF *tiff, const char *description, const struct tiff_layout *layout,
                               struct image *image) {
@@ -218,6 +231,7 @@ static enum status tiff_open(const char *path, struct image *image) {
     snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_voxel_size(tiff, description, image);
+  TRY(refuse_hyperstack(path, description));
   if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
   image->data_offset = 0;
   image->pages = 0;

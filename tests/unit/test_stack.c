@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "common/error.h"
 #include "ct2model/stack.h"
@@ -359,6 +360,38 @@ static void test_raw_meta_nrrd(void **state) {
   stack_close(&stack);
 }
 
+/* `head`, then the pattern packed by gzip (window 15 + 16) or zlib (15). */
+static void write_packed(const char *path, const char *head, int window, size_t cut) {
+  static unsigned char plain[NX * NY * NZ], packed[2 * NX * NY * NZ];
+  for (size_t i = 0; i < sizeof plain; i++)
+    plain[i] = (unsigned char)pattern(i % NX, i / NX % NY, i / NX / NY);
+  z_stream stream = {
+      .next_in = plain, .avail_in = sizeof plain, .next_out = packed, .avail_out = sizeof packed};
+  assert_int_equal(deflateInit2(&stream, 6, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  assert_int_equal(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  FILE *file = fopen(path, "wb");
+  fputs(head, file);
+  fwrite(packed, 1, stream.total_out - cut, file);
+  fclose(file);
+  deflateEnd(&stream);
+}
+
+static void refuse(const char *path, const struct raw_layout *raw, const char *word);
+
+static void test_compressed_meta_and_nrrd(void **state) {
+  (void)state;
+  const char *nrrd = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 37 21 3\nencoding: gzip\n\n";
+  write_packed(in_folder("z.nrrd"), nrrd, 15 + 16, 0);
+  check_u8(in_folder("z.nrrd"), NULL, 3);
+  write_packed(in_folder("z.mha"),
+               "NDims = 3\nDimSize = 37 21 3\nElementType = MET_UCHAR\nCompressedData = True\n"
+               "ElementDataFile = LOCAL\n",
+               15, 0);
+  check_u8(in_folder("z.mha"), NULL, 3);
+  write_packed(in_folder("cut.nrrd"), nrrd, 15 + 16, 60);
+  refuse(in_folder("cut.nrrd"), NULL, "the header promises");
+}
+
 static void test_raw_layout_words(void **state) {
   (void)state;
   struct raw_layout raw;
@@ -468,6 +501,7 @@ int main(void) {
       cmocka_unit_test(test_imagej_single_directory),
       cmocka_unit_test(test_png),
       cmocka_unit_test(test_raw_meta_nrrd),
+      cmocka_unit_test(test_compressed_meta_and_nrrd),
       cmocka_unit_test(test_raw_layout_words),
       cmocka_unit_test(test_broken_files),
       cmocka_unit_test(test_folders),
