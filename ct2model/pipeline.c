@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "ct2model/autocrop.h"
 #include "ct2model/binarise.h"
 #include "ct2model/wall_distance.h"
 
@@ -93,6 +94,7 @@ static enum status choose_region(struct pipeline *pipeline) {
                region -> origin[d], region -> origin[d] + region -> size[d], stack -> size[0],
                stack -> size[1], stack -> size[2]);
   }
+  if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
   TRY(choose_size(pipeline));
   TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));

@@ -30,7 +30,8 @@ static const struct option_entry ENTRIES[] = {
     {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
      "f64be"},
-    {"crop", 0, "X0,Y0,Z0,NX,NY,NZ", SWEEP | BUILD, "use this box of voxels only"},
+    {"crop", 0, "BOX", SWEEP | BUILD,
+     "X0,Y0,Z0,NX,NY,NZ: use these voxels only; auto: the largest box in the specimen"},
     {"roi", 0, "SHAPE", SWEEP | BUILD,
      "where the void ratio was measured: box:X0,Y0,Z0,NX,NY,NZ, cylinder:CX,CY,R or mask:PATH"},
     {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
@@ -136,12 +137,15 @@ enum status request_parse(const struct options *options, struct request *request
   if (options_given(options, "voxel-size") && !(request->voxel > 0.0))
     TRY_FAIL(STATUS_USAGE, "--voxel-size %s: must be above 0", options_text(options, "voxel-size"));
   if (info) goto cleanup;
-  request->crop_given = options_given(options, "crop");
+  const char *crop = options_text(options, "crop");
+  request->crop_auto = crop != NULL && strcmp(crop, "auto") == 0;
+  request->crop_given = crop != NULL && !request->crop_auto;
   request->size_given = options_given(options, "size");
   request->grain_given = options_given(options, "grain");
   request->output = options_text(options, "output");
   if (options_given(options, "roi")) TRY(roi_parse(options_text(options, "roi"), &request->roi));
-  TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
+  if (request->crop_given)
+    TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
   TRY(parse_numbers(options, "size", 'x', 3, "60x60x31", request->size));
   TRY(parse_void_ratio(options, request));
   TRY(options_number(options, "scale-peak", &request->scale_peak));

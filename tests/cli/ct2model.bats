@@ -150,6 +150,25 @@ bats_require_minimum_version 1.5.0
   [ "$status" -eq 3 ]
 }
 
+@test "crop auto finds the specimen in its surroundings, and nothing where there are none" {
+  cd "$WORK"
+  # A disc of radius 70 of stripes (grey 40 and 110) in air of grey 3.
+  awk 'BEGIN { for (z = 0; z < 4; z++) for (y = 0; y < 160; y++) for (x = 0; x < 160; x++)
+    printf "%c", (x - 79.5)^2 + (y - 79.5)^2 > 4900 ? 3 : (x + y) % 10 < 4 ? 40 : 110 }' > disc.raw
+  run --separate-stderr "$CT" build disc.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto \
+    --json -o disc.hdf
+  [ "$status" -eq 0 ]
+  crop=$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')
+  # The box lies in the disc and holds most of its largest square (side 99).
+  echo "$crop" | awk -F, '{ ok = $4 * $5 > 80 * 80
+    for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 80; y = $2 + int(i / 2) * $5 - 80; ok = ok && x^2 + y^2 < 71^2 }
+    exit !ok }'
+  near "$(echo "$output" | value void_ratio)" 0.6667 0.02
+  run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"whole stack"* ]]
+}
+
 @test "dark grains are bright grains negated" {
   cd "$WORK"
   LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
