@@ -260,13 +260,6 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
-  for (size_t k = 0; k < s->side_count; k++) {
-    char name[64];
-    const struct isph_open_side *side = &s->sides[k];
-    size_t cells = side->cells[0] * side->cells[1] * side->cells[2];
-    snprintf(name, sizeof name, "/state/side_%zu", k);
-    TRY(h5_write(file, name, H5_F64, 1, &cells, side->displacement, false));
-  }
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
@@ -323,13 +316,6 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   if (s->boundary_count > 0)
     TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,
                   s->boundary_position));
-  for (size_t k = 0; k < s->side_count; k++) {
-    char name[64];
-    struct isph_open_side *side = &s->sides[k];
-    snprintf(name, sizeof name, "/state/side_%zu", k);
-    TRY(read_into(file, name, H5_F64, side->cells[0] * side->cells[1] * side->cells[2], 1,
-                  side->displacement));
-  }
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
     double box[6];

@@ -186,7 +186,6 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].wall);
     memory_free(&s->chunks[c].wall_slope);
   }
-  for (size_t k = 0; k < s->side_count; k++) memory_free(&s->sides[k].displacement);
   void *blocks[] = {&s->id,
                     &s->position,
                     &s->velocity,

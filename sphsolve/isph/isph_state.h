@@ -46,9 +46,6 @@ struct isph_open_side {
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   double head, flux;
-  size_t cells[3]; /* of its emission grid; 1 along `axis` */
-  double pitch[3];
-  double *displacement; /* per cell: how far the water has come in since the last particle, m */
 };
 
 struct isph_chunk {
@@ -198,11 +195,18 @@ double isph_dot(size_t n, const double *a, const double *b);
 
 /* isph_open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
-enum status isph_open_exchange(struct isph *s, double dt);
-
-static inline const struct isph_chunk *isph_chunk_of(const struct isph *s, size_t i) {
-  return &s->chunks[i / CHUNK];
-}
+double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
+int isph_open_side_behind(const struct isph *s, const double x[3]);
+/* Between predictor and pressure. */
+void isph_open_straighten(struct isph *s);
+/* Takes out particles outside the domain: those that left through a window, and with a warning
+ * those that should not be there. */
+void isph_remove_outside(struct isph *s);
+/* Lets particles in, from sorted particles with fresh volumes; leaves the order unsorted. */
+enum status isph_admit(struct isph *s, size_t *admitted);
+/* isph_cells.c: filling of a point by water and boundary, and the mean velocity of water there. */
+enum status isph_probe(const struct isph *s, const double x[3], double *filling,
+                       double velocity[3]);
 
 /* r = x_i - x_j for a pair entry. */
 static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],

@@ -208,8 +208,17 @@ static void move(struct isph *s, double dt) {
 enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
+  isph_remove_outside(s);
   TRY(isph_sort(s));
   update_volumes(s);
+  if (s->on.open_sides && s->step > 0) {
+    size_t admitted;
+    TRY(isph_admit(s, &admitted));
+    if (admitted > 0) {
+      TRY(isph_sort(s));
+      update_volumes(s);
+    }
+  }
   TRY(isph_find_neighbours(s));
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->surface[i] = surface_weight(s->filling[i]);
@@ -226,6 +235,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
+  if (s->on.open_sides) isph_open_straighten(s);
   isph_assemble(s, tau);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
@@ -243,7 +253,6 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.moving_soil)
     for (size_t k = 0; k < scene->region_count; k++)
       for (int a = 0; a < 3; a++) s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;
-  if (s->on.open_sides) TRY(isph_open_exchange(s, dt));
   s->time += dt;
   s->step++;
   s->seconds_correct += clock_seconds() - start;

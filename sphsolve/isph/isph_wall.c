@@ -37,20 +37,6 @@ static enum status add_boundary(struct isph *s, size_t *capacity, const double x
   return STATUS_OK;
 }
 
-/* The open side whose window x lies behind, or -1. */
-static int side_behind(const struct isph *s, const double x[3]) {
-  for (size_t k = 0; k < s->side_count; k++) {
-    const struct isph_open_side *side = &s->sides[k];
-    bool behind =
-        side->inward > 0 ? x[side->axis] < s->low[side->axis] : x[side->axis] > s->high[side->axis];
-    for (int a = 0; a < 3; a++)
-      if (a != side->axis && used(s, a))
-        behind = behind && x[a] > side->low[a] && x[a] < side->high[a];
-    if (behind) return (int)k;
-  }
-  return -1;
-}
-
 static enum status fill_tank(struct isph *s, size_t *capacity) {
   int n[3], from[3], to[3];
   double pitch[3];
@@ -72,7 +58,7 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
           outside = outside || at[a] < 0 || at[a] >= n[a];
         }
         if (!outside) continue;
-        int side = side_behind(s, x);
+        int side = isph_open_side_behind(s, x);
         enum status status = side < 0
                                  ? add_boundary(s, capacity, x, BOUNDARY_WALL, 0)
                                  : add_boundary(s, capacity, x, s->sides[side].kind, (size_t)side);
@@ -155,9 +141,6 @@ void isph_wall_move(struct isph *s, double dt) {
       s->wall_boxes[b].low[a] += s->wall_boxes[b].velocity[a] * dt;
       s->wall_boxes[b].high[a] += s->wall_boxes[b].velocity[a] * dt;
     }
-  double weight =
-      sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]) *
-      s->density;
   for (size_t j = 0; j < s->boundary_count; j++) {
     size_t box = s->boundary_box[j];
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
@@ -168,7 +151,7 @@ void isph_wall_move(struct isph *s, double dt) {
     } else if (s->boundary_kind[j] == BOUNDARY_OPEN_FLUX) {
       s->boundary_velocity[j][s->sides[box].axis] = s->sides[box].flux * s->sides[box].inward;
     } else {
-      s->boundary_pressure[j] = weight * (s->sides[box].head - s->boundary_position[j][2]);
+      s->boundary_pressure[j] = isph_open_pressure(s, &s->sides[box], s->boundary_position[j][2]);
     }
   }
 }
@@ -227,11 +210,11 @@ void isph_wall_guard(struct isph *s, double dt) {
       double outside[3] = {x[0], x[1], x[2]};
       if (below < reach) {
         outside[a] = s->low[a] - reach;
-        if (side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
+        if (isph_open_side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
       }
       if (above < reach) {
         outside[a] = s->high[a] + reach;
-        if (side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
+        if (isph_open_side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
       }
     }
     for (size_t b = 1; b < s->wall_box_count; b++) {
