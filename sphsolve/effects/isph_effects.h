@@ -131,6 +131,12 @@ static inline bool isph_shifting_wanted(const struct effect_context *context,
   return true;
 }
 
+static inline bool isph_calming_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  bool on = context->has_surface && context->driving > 0;
+  WHY(on ? "a surface under gravity is never quite still without" : "no surface under gravity");
+  return on;
+}
+
 /* Whether a wall of the given kind of slip is there. */
 static inline bool isph_wall_kind(const struct effect_context *context, bool slip) {
   const struct scene *scene = context->scene;
@@ -203,6 +209,8 @@ EFFECT_OF(isph_turbulence, isph_turbulence_wanted, NULL, FIELD_BIT(VELOCITY),
 EFFECT_OF(isph_shifting, isph_shifting_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(POSITION) | FIELD_BIT(SHIFT), "particles drift to where they are sparse",
           "Lind et al. 2012; Skillen et al. 2013");
+EFFECT_OF(isph_calming, isph_calming_wanted, NULL, FIELD_BIT(VELOCITY), FIELD_BIT(VELOCITY),
+          "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)", "docs/physics.md");
 EFFECT_OF(isph_wall_no_slip, isph_no_slip_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(IMAGE_VELOCITY), "mirrored images v_w + (v_w - v) d_w/d",
           "Takeda et al. 1994; Morris et al. 1997");

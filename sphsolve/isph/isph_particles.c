@@ -59,7 +59,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
     TRY(memory_resize(&s->filling_walls, n, sizeof *s->filling_walls, what));
   }
-  if (s->on.turbulence || s->on.shifting)
+  if (s->on.turbulence || s->on.shifting || s->on.calming)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
   if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));

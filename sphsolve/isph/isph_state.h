@@ -26,7 +26,7 @@
 /* What of the physics is on; each is an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer;
-  bool viscosity, turbulence, relaxation, surface, shifting;
+  bool viscosity, turbulence, relaxation, surface, shifting, calming;
   bool walls, no_slip, moving_walls, open_sides;
 };
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/log.h"
+#include "sphsolve/effects/isph_calming.h"
 #include "sphsolve/effects/isph_drag.h"
 #include "sphsolve/effects/isph_shifting.h"
 #include "sphsolve/effects/isph_surface.h"
@@ -64,13 +65,14 @@ static void find_velocity_gradient(struct isph *s) {
 
 static void find_viscosity(struct isph *s) {
   const double constant = s->scene->isph.smagorinsky;
+  double calm = s->on.calming ? calming_viscosity(s) : 0;
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) {
-    double nu = s->viscosity, eps = s->on.soil ? s->porosity[i] : 1;
+    double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
+    double eddies = 0;
     if (s->on.turbulence)
-      nu += eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]),
-                           s->on.soil ? s->soil_share[i] : 0);
-    s->eddy[i] = nu / eps;
+      eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
+    s->eddy[i] = (s->viscosity + fmax(eddies, calm * (1 - soil))) / eps;
   }
 }
 

@@ -65,6 +65,7 @@ static void switch_effects(const struct plan *plan, struct isph_switches *on) {
       .relaxation = plan_has(plan, "isph_relaxation"),
       .surface = plan_has(plan, "isph_surface"),
       .shifting = plan_has(plan, "isph_shifting"),
+      .calming = plan_has(plan, "isph_calming"),
       .no_slip = plan_has(plan, "isph_wall_no_slip"),
       .moving_walls = plan_has(plan, "isph_wall_moving"),
       .open_sides = plan_has(plan, "isph_open_side"),
