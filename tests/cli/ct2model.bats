@@ -154,7 +154,7 @@ bats_require_minimum_version 1.5.0
   cd "$WORK"
   # A disc of radius 70 of stripes (grey 40 and 110) in air of grey 3.
   awk 'BEGIN { for (z = 0; z < 4; z++) for (y = 0; y < 160; y++) for (x = 0; x < 160; x++)
-    printf "%c", (x - 79.5)^2 + (y - 79.5)^2 > 4900 ? 3 : (x + y) % 10 < 4 ? 40 : 110 }' > disc.raw
+    printf "%c", ((x - 79.5)^2 + (y - 79.5)^2 > 4900 ? 3 : (x + y) % 10 < 4 ? 40 : 110) }' > disc.raw
   run --separate-stderr "$CT" build disc.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto \
     --json -o disc.hdf
   [ "$status" -eq 0 ]
