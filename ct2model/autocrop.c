@@ -123,10 +123,12 @@ enum status autocrop(struct region *region) {
   }
   size_t n = blocks->n;
   largest_rectangle(inside, n, best);
-  if (best[2] < 3 || best[3] < 3)
+  if (best[2] < 5 || best[3] < 5)
     TRY_FAIL(STATUS_INPUT, "%s: --crop auto finds no box inside the specimen; give --crop",
              region->stack->files[0].path);
-  for (size_t d = 0; d < 2; d++) {
+  for (size_t d = 0; d < 2; d++) { /* one block less on each side: those at the rim are mixed */
+    best[d]++;
+    best[d + 2] -= 2;
     size_t whole = region->size[d];
     region->origin[d] = (best[d] * whole + n - 1) / n;
     region->size[d] = (best[d] + best[d + 2]) * whole / n - region->origin[d];
