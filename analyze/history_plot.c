@@ -113,10 +113,10 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
   product->height = (int)(down * 400 + key_rows * 26 + 20);
   double bottom = (double)(key_rows * 26 + 70) / product->height;
   fprintf(stream,
-          "set multiplot layout %zu,%zu margins %s,0.985,%.4f,0.975 spacing 0.10,%.3f\n"
+          "set multiplot layout %zu,%zu margins %s,0.985,%.4f,0.975 spacing 0.115,%.3f\n"
           "set key at screen 0.5,0.008 center bottom horizontal maxcols 3 samplen 2 reverse Left\n"
           "set yrange [*:*]\nset autoscale xfix\n",
-          down, across, across == 2 ? "0.075" : "0.11", bottom, 85.0 / product->height);
+          down, across, across == 2 ? "0.09" : "0.12", bottom, 85.0 / product->height);
   start_panel(stream, time_label, "Darcy velocity (cm/s)");
   plot_lines(stream, "v", n, "lines", table);
   if (any_peak) {

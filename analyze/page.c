@@ -16,6 +16,7 @@
 #include "analyze/pdf.h"
 #include "analyze/plot.h"
 #include "analyze/slice.h"
+#include "analyze/steady.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/provenance.h"
@@ -74,6 +75,21 @@ static bool all_driven(const struct page *page) {
   return true;
 }
 
+/* A tank that fills or sloshes is driven by gravity and has no permeability: of method isph only
+ * runs with a steady seepage count. */
+static enum status seeps(const struct page *page, bool *result) {
+  enum status status = STATUS_OK;
+  *result = all_driven(page);
+  for (size_t i = 0; *result && i < page->n; i++) {
+    struct steady steady;
+    if (strcmp(page->runs[i].method, "isph") != 0) continue;
+    TRY(steady_darcy(&page->runs[i], &steady));
+    *result = steady.is_steady;
+  }
+cleanup:
+  return status;
+}
+
 static bool all_have_snapshots(const struct page *page) {
   for (size_t i = 0; i < page->n; i++)
     if (page->runs[i].snapshot_count == 0) return false;
@@ -89,10 +105,12 @@ static bool spacings_differ(const struct page *page) {
 static enum status run_parts(struct page *page) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
-  if (all_driven(page)) TRY(run_part(page, PART_DARCY));
+  bool permeable;
+  TRY(seeps(page, &permeable));
+  if (permeable) TRY(run_part(page, PART_DARCY));
   TRY(run_part(page, PART_HISTORY));
   if (all_have_snapshots(page)) {
-    if (all_driven(page)) TRY(run_part(page, PART_PDF));
+    if (permeable) TRY(run_part(page, PART_PDF));
     TRY(run_part(page, PART_SLICE));
     TRY(run_last_snapshot(&page->runs[0], &particles));
     if (page->runs[0].dimensions == 3) {
@@ -103,7 +121,7 @@ static enum status run_parts(struct page *page) {
     log_warning("not every run has a snapshot, so the report shows no velocity distribution and no "
                 "flow");
   }
-  if (all_driven(page) && spacings_differ(page)) {
+  if (permeable && spacings_differ(page)) {
     /* Runs of one scan at several spacings, or of different bodies: then nothing is extrapolated.
      */
     if (run_part(page, PART_CONVERGE) != STATUS_OK) {
@@ -210,7 +228,8 @@ static void write_headlines(struct page *page) {
                      "error of resolution.");
     }
   } else {
-    fputs("<article class=\"card\"><p>Nothing drives every run, so there is no permeability.</p>"
+    fputs("<article class=\"card\"><p>No steady seepage is driven in every run, so there is no "
+          "permeability.</p>"
           "</article>\n",
           out);
   }

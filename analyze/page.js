@@ -19,7 +19,11 @@
     parent.appendChild(e);
     return e;
   };
-  const short = v => (v === null || Number.isNaN(v) ? '' : Number(v.toPrecision(5)).toString());
+  const short = v => {
+    if (v === null || Number.isNaN(v)) return '';
+    const n = Number(v.toPrecision(5)), size = Math.abs(n);
+    return n !== 0 && (size < 1e-3 || size >= 1e6) ? n.toExponential() : n.toString();
+  };
   const save = (name, href) => {
     const a = document.createElement('a');
     a.download = name;

@@ -137,27 +137,32 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
   double pixels = 720.0 / fmax(width, height);
   /* Room for axis labels (90, 75 pixels) and the colour bar (130). */
-  double across = fmax(width * pixels, 240.0), up = fmax(height * pixels, 160.0);
-  product->width = (int)across + 220;
-  product->height = (int)up + 95;
+  double across = width * pixels, up = height * pixels;
+  product->width = (int)fmax(across, 160.0) + 220;
+  product->height = (int)fmax(up, 160.0) + 95;
+  double x = 90.0 / product->width, y = 75.0 / product->height;
+  double dx = across / product->width, dy = up / product->height;
   fprintf(stream,
           "set xlabel '{/:Italic %c} (mm)'\nset ylabel '{/:Italic %c} (mm)'\n"
-          "set size ratio %.8g\nset xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\n"
+          "set size ratio %.8g\nset xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\n",
+          axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
+          1e3 * w->low[1], 1e3 * w->high[1]);
+  if (across < 300.0) fprintf(stream, "set xtics %.1g\n", 0.5e3 * width); /* few, not to overlap */
+  if (up < 200.0) fprintf(stream, "set ytics %.1g\n", 0.5e3 * height);
+  fprintf(stream,
           "unset grid\nunset key\nset tics out nomirror\n"
           "set lmargin at screen %.4f\nset rmargin at screen %.4f\n"
           "set bmargin at screen %.4f\nset tmargin at screen %.4f\n"
           "set palette defined (0 '#fdb42f', 0.25 '#ed7953', 0.5 '#cc4778', 0.75 '#9c179e', "
           "1 '#0d0887')\n"
           "set cblabel 'Speed in the plane (mm/s)' offset 1.6,0\nset cbrange [0:%.5g]\n"
-          "set colorbox user origin graph 1.03, graph 0 size graph 0.03, graph 1\n"
+          "set colorbox user origin screen %.4f, screen %.4f size screen %.4f, screen %.4f\n"
           "grain(v) = int(255 - 60*v)*65536 + int(255 - 66*v)*256 + int(255 - 77*v)\n"
           "plot $grains using 1:2:(grain($3)) with rgbimage, \\\n"
-          "  $vectors using 1:2:3:4:5 with vectors head noborder size graph %.4f,18 "
+          "  $vectors using 1:2:3:4:5 with vectors head noborder size screen %.4f,18 "
           "linewidth 1.2 linecolor palette\n",
-          axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
-          1e3 * w->low[1], 1e3 * w->high[1], 90.0 / product->width,
-          (90.0 + across) / product->width, 75.0 / product->height, (75.0 + up) / product->height,
-          fast > 0 ? 1e3 * fast : 1.0, 0.45 * w->cell / fmax(width, height));
+          x, x + dx, y, y + dy, fast > 0 ? 1e3 * fast : 1.0, x + dx + 20.0 / product->width, y,
+          20.0 / product->width, dy, 0.45 * w->cell * pixels / product->width);
 }
 
 enum status slice_analyze(const struct run *run, const struct slice_request *request,

@@ -241,6 +241,9 @@ PY
   run analyze report calm.hdf -o calm.html
   [ "$status" -eq 0 ]
   grep -q "there is no permeability" calm.html
+  /usr/bin/python3 "$MAKE_RUN" tank.hdf method=isph tau=10 end=0.01 gauge=1
+  analyze report tank.hdf -o tank.html
+  grep -q "there is no permeability" tank.html
   /usr/bin/python3 "$MAKE_RUN" r20.hdf n=20 spacing=4e-5 k=1.04e-3 method=stokes
   /usr/bin/python3 "$MAKE_RUN" r40.hdf n=40 spacing=2e-5 k=1.01e-3 method=stokes
   analyze report r20.hdf r40.hdf -o conv.html > /dev/null
