@@ -1,6 +1,9 @@
 /* ct2model: CT slices to a calibrated voxel model. */
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/log.h"
 #include "common/memory.h"
@@ -11,6 +14,17 @@
 #include "ct2model/request.h"
 #include "ct2model/sweep_table.h"
 
+/* Said before the work, not after it. */
+static enum status check_output(const char *path) {
+  if (path == NULL) return STATUS_OK;
+  const char *slash = strrchr(path, '/');
+  char folder[PATH_MAX] = ".";
+  if (slash != NULL)
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash == path ? 1 : slash - path), path);
+  if (access(folder, W_OK) == 0) return STATUS_OK;
+  return FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
+}
+
 static enum status run_pipeline(const struct options *options, const struct request *request) {
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
@@ -18,6 +32,7 @@ static enum status run_pipeline(const struct options *options, const struct requ
   struct sweep_table table = {0};
   size_t n = options_operand_count(options);
   const char **paths = NULL;
+  TRY(check_output(request->output));
   TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
   for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
   TRY(pipeline_run(request, paths, n, build, &pipeline));

@@ -11,6 +11,14 @@ static enum status write_number(struct h5_file *file, const char *group, const c
   return h5_write_attribute(file, group, name, H5_F64, 1, &value);
 }
 
+/* Greys of the middle slice as reported, for people who look at the report. */
+static enum status write_slice(struct h5_file *file, const struct pipeline *pipeline) {
+  const size_t dims[2] = {pipeline->region.size[1], pipeline->region.size[0]};
+  for (size_t i = 0; i < dims[0] * dims[1]; i++)
+    pipeline->middle[i] = (float)pipeline_grey(pipeline, (double)pipeline->middle[i]);
+  return h5_write(file, "/calibration/slice", H5_F32, 2, dims, pipeline->middle, true);
+}
+
 static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline,
                                      const struct sweep_table *table) {
   enum status status = STATUS_OK;
@@ -24,6 +32,7 @@ static enum status write_calibration(struct h5_file *file, const struct pipeline
                table->void_ratio, false));
   TRY(h5_write(file, "/calibration/histogram_original", H5_F64, 1, &table->count, table->histogram,
                false));
+  TRY(write_slice(file, pipeline));
   TRY(write_number(file, group, "threshold", pipeline_grey(pipeline, pipeline->threshold)));
   TRY(write_number(file, group, "threshold_original",
                    pipeline_grey(pipeline, pipeline->threshold_original)));

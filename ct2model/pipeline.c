@@ -165,6 +165,7 @@ static enum status scan(struct pipeline *pipeline, bool resample) {
   float *slices = NULL;
   struct progress progress;
   TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
+  TRY(memory_allocate(&pipeline->middle, plane, sizeof *pipeline->middle, "the middle slice"));
   TRY(start_histogram(pipeline, slices));
   if (resample) {
     TRY(memory_allocate(&pipeline->volume, sites, sizeof *pipeline->volume, "the resampled model"));
@@ -178,6 +179,9 @@ static enum status scan(struct pipeline *pipeline, bool resample) {
     TRY(region_read(region, numbers, n, slices));
     TRY(histogram_batch(&pipeline->histogram, slices, n * plane));
     if (resample) TRY(resampler_feed(&resampler, z, n, slices, pipeline->volume));
+    size_t middle = region->size[2] / 2;
+    if (middle >= z && middle < z + n)
+      memcpy(pipeline->middle, slices + (middle - z) * plane, plane * sizeof *slices);
     progress_update(&progress, (double)(z + n), NULL);
   }
   progress_end(&progress);
@@ -308,6 +312,7 @@ void pipeline_end(struct pipeline *pipeline) {
   grey_histogram_end(&pipeline->histogram);
   grey_histogram_end(&pipeline->calibration);
   memory_free(&pipeline->volume);
+  memory_free(&pipeline->middle);
   memory_free(&pipeline->weight);
   stack_close(&pipeline->stack);
 }

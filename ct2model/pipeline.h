@@ -30,6 +30,7 @@ struct pipeline {
   struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */
   size_t size[3];                    /* after resampling, before mirroring */
   float *volume;     /* greys after resampling; NULL where a sweep leaves a huge scan alone */
+  float *middle;     /* the middle slice of the region, full resolution */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */
   double threshold_original, threshold;             /* full resolution; model */
