@@ -33,6 +33,7 @@ struct page {
   struct product part[PARTS];
   struct flow flow;
   bool has_flow;
+  bool lean;    /* leaves the still pictures to the charts, to stay small */
   json_t *data; /* {"darcy": .., "pdf": .., ...} as embedded */
   FILE *out;
 };
@@ -41,7 +42,7 @@ struct page {
  */
 static enum status run_part(struct page *page, enum part part) {
   enum status status = STATUS_OK;
-  struct slice_request middle = {.axis = -1, .position = NAN, .thickness = NAN};
+  struct slice_request middle = {.axis = -1, .position = NAN, .thickness = NAN, .vectors = 42.0};
   struct product *product = &page->part[part];
   const struct run *first = &page->runs[0];
   TRY(product_start(part_names[part], product));
@@ -268,7 +269,8 @@ static void write_figure(struct page *page, enum part part, const char *title,
   fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n<figure>", part_names[part], title);
   if (part != PART_SLICE)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", part_names[part]);
-  write_still(out, part_names[part], product->plot.data, product->width, product->height, title);
+  if (!page->lean || part == PART_SLICE)
+    write_still(out, part_names[part], product->plot.data, product->width, product->height, title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
   fputs("</pre></section>\n", out);
@@ -418,28 +420,43 @@ cleanup:
   return status;
 }
 
+/* The page's text in new memory (free). */
+static enum status compose(struct page *page, char **text, size_t *size) {
+  enum status status = STATUS_OK;
+  free(*text);
+  *text = NULL;
+  page->out = open_memstream(text, size);
+  if (page->out == NULL) return FAIL(STATUS_RUN, "out of memory for the report");
+  status = write_body(page);
+  bool bad = ferror(page->out) != 0;
+  bad |= fclose(page->out) != 0;
+  if (status == STATUS_OK && bad) status = FAIL(STATUS_RUN, "out of memory for the report");
+  return status;
+}
+
+#define PAGE_LIMIT 3000000 /* bytes; mail and browsers take it without thinking */
+
 enum status page_write(const struct run *runs, size_t n, const char *path, const char *command_line,
                        json_t **json) {
   enum status status = STATUS_OK;
   struct page page = {.runs = runs, .n = n, .command_line = command_line};
   char *text = NULL;
   size_t size = 0;
+  bool charts = asset_get(ASSET_DYGRAPH).size > 0;
   page.data = json_object();
-  page.out = open_memstream(&text, &size);
-  if (page.data == NULL || page.out == NULL) TRY_FAIL(STATUS_RUN, "out of memory for the report");
-  if (asset_get(ASSET_DYGRAPH).size == 0 || asset_get(ASSET_THREE).size == 0)
+  if (page.data == NULL) TRY_FAIL(STATUS_RUN, "out of memory for the report");
+  if (!charts || asset_get(ASSET_THREE).size == 0)
     log_warning("this program was built without libjs-dygraphs or libjs-three: the report shows "
                 "still pictures; install both and build again");
   TRY(run_parts(&page));
-  TRY(write_body(&page));
-  bool bad = ferror(page.out) != 0;
-  bad |= fclose(page.out) != 0;
-  page.out = NULL;
-  if (bad) TRY_FAIL(STATUS_RUN, "out of memory for the report");
+  TRY(compose(&page, &text, &size));
+  if (size > PAGE_LIMIT && charts) {
+    page.lean = true;
+    TRY(compose(&page, &text, &size));
+  }
   TRY(file_write(path, text, size));
   *json = json_incref(page.data);
 cleanup:
-  if (page.out != NULL) fclose(page.out);
   free(text);
   json_decref(page.data);
   for (int i = 0; i < PARTS; i++) product_free(&page.part[i]);

@@ -6,8 +6,6 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-static const double most_vectors = 60.0; /* along the longer side of the window */
-
 struct window {
   int axis, across, up;     /* normal; horizontal; vertical */
   double middle, thickness; /* of the slab, m */
@@ -48,8 +46,9 @@ static enum status choose_window(const struct run *run, const struct slice_reque
       return FAIL(STATUS_USAGE, "--zoom: the window lies outside the run in %c (%g to %g m)",
                   axes[d], extent_low(run, d), extent_high(run, d));
   }
+  double vectors = request->vectors > 0.0 ? request->vectors : 60.0;
   double longest = fmax(w->high[0] - w->low[0], w->high[1] - w->low[1]);
-  w->cell = fmax(fmax(run->spacing[w->across], run->spacing[w->up]), longest / most_vectors);
+  w->cell = fmax(fmax(run->spacing[w->across], run->spacing[w->up]), longest / vectors);
   for (int i = 0; i < 2; i++) w->cells[i] = (size_t)ceil((w->high[i] - w->low[i]) / w->cell - 1e-9);
   return STATUS_OK;
 }

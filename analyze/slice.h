@@ -12,11 +12,12 @@ struct slice_request {
   int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y of a 2-D run */
   double position;  /* m, middle of the slab; NAN: middle of the run */
   double thickness; /* m; NAN: one spacing */
+  double vectors;   /* most along the longer side; 0: 60 */
   bool zoomed;
   double zoom[4]; /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
 };
 
-/* Vectors are means over cells so that not more than about 60 stand along an axis. */
+/* Vectors are means over cells so that not more than `vectors` stand along an axis. */
 enum status slice_analyze(const struct run *run, const struct slice_request *request,
                           struct product *product);
 
