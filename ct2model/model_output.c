@@ -62,6 +62,9 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "specific_surface_model", quality->surface_model));
   TRY(write_number(file, "/model", "correlation_length", morphology->correlation_length));
   TRY(write_number(file, "/model", "local_thickness_median", morphology->thickness_median));
+  static const char *const SCAN_AXES[] = {"yzx", "zxy", "xyz"};
+  TRY(h5_write_attribute_text(file, "/model", "scan_axes",
+                              SCAN_AXES[pipeline->request->flow_axis]));
   TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
 cleanup:
   return status;

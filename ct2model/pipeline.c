@@ -82,7 +82,7 @@ static enum status choose_size(struct pipeline *pipeline) {
 static enum status choose_region(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
-  const struct stack *stack = &pipeline->stack;
+  struct stack *stack = &pipeline->stack;
   struct region *region = &pipeline->region;
   *region = (struct region){.stack = stack, .scale = request->dark_grains ? -1.0 : 1.0};
   memcpy(region->size, stack->size, sizeof region->size);
@@ -94,8 +94,10 @@ static enum status choose_region(struct pipeline *pipeline) {
                region -> origin[d], region -> origin[d] + region -> size[d], stack -> size[0],
                stack -> size[1], stack -> size[2]);
   }
+  TRY(stack_keep_labels(stack, region->origin[2]));
   if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
+  if (request->flow_axis != 2) TRY(region_turn(region, request->flow_axis, &pipeline->turned));
   TRY(choose_size(pipeline));
   TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));
   for (size_t z = 0; z < pipeline->size[2]; z++)
@@ -292,7 +294,6 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   TRY(choose_region(pipeline));
-  TRY(stack_keep_labels(&pipeline->stack, pipeline->region.origin[2]));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
   bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
@@ -313,6 +314,7 @@ void pipeline_end(struct pipeline *pipeline) {
   grey_histogram_end(&pipeline->calibration);
   memory_free(&pipeline->volume);
   memory_free(&pipeline->middle);
+  memory_free(&pipeline->turned);
   memory_free(&pipeline->weight);
   stack_close(&pipeline->stack);
 }

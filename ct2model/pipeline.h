@@ -26,6 +26,7 @@ struct pipeline {
   const struct request *request;
   struct stack stack;
   struct region region;
+  float *turned;                     /* the scan with other axes (--flow); NULL if z stays z */
   struct grey_histogram histogram;   /* of the region */
   struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */
   size_t size[3];                    /* after resampling, before mirroring */

@@ -36,6 +36,12 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
 
 enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
   enum status status = STATUS_OK;
+  if (region->turned != NULL) {
+    size_t plane = region->size[0] * region->size[1];
+    for (size_t i = 0; i < n; i++)
+      memcpy(out + i * plane, region->turned + numbers[i] * plane, plane * sizeof *out);
+    return STATUS_OK;
+  }
   size_t pixels = region->stack->size[0] * region->stack->size[1];
 #pragma omp parallel
   {
@@ -52,5 +58,36 @@ enum status region_read(const struct region *region, const size_t *numbers, size
       status = mine;
     }
   }
+  return status;
+}
+
+enum status region_turn(struct region *region, int axis, float **store) {
+  enum status status = STATUS_OK;
+  const struct region from = *region;
+  size_t plane = from.size[0] * from.size[1], batch = region_batch(&from), numbers[64];
+  size_t stride[3]; /* in the turned region, of a step along the scan's x, y, z */
+  float *slices = NULL, *turned = NULL;
+  for (int d = 0; d < 3;
+       d++) { /* the turned z is `axis`, its x the next axis, its y the one after */
+    int source = (axis + 1 + d) % 3;
+    region->size[d] = from.size[source];
+    region->voxel[d] = from.voxel[source];
+    stride[source] = d == 0 ? 1 : d == 1 ? region->size[0] : region->size[0] * region->size[1];
+  }
+  TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
+  TRY(memory_allocate(&turned, plane * from.size[2], sizeof *turned, "the turned scan"));
+  for (size_t z = 0; z < from.size[2]; z += batch) {
+    size_t n = from.size[2] - z < batch ? from.size[2] - z : batch;
+    for (size_t i = 0; i < n; i++) numbers[i] = z + i;
+    TRY(region_read(&from, numbers, n, slices));
+    for (size_t i = 0; i < n * plane; i++)
+      turned[(z + i / plane) * stride[2] + i % plane / from.size[0] * stride[1] +
+             i % from.size[0] * stride[0]] = slices[i];
+  }
+  *store = turned;
+  region->turned = turned;
+cleanup:
+  memory_free(&slices);
+  if (status != STATUS_OK) memory_free(&turned);
   return status;
 }

@@ -13,11 +13,16 @@ struct region {
   size_t origin[3], size[3]; /* x, y, z */
   double voxel[3];           /* m */
   double scale;              /* grey = scale * stored value; negative for dark grains */
+  const float *turned;       /* the whole region with other axes, once region_turn made it */
 };
 
 /* How many slices are read at a time (bounded memory). */
 size_t region_batch(const struct region *region);
 /* Slices of the region numbers[0 .. n-1] into out[n][size y][size x]. */
 enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out);
+
+/* Makes `axis` (0 x, 1 y) of the scan the z of the region, by a cyclic change of axes; size and
+ * voxel follow. The whole region is held in *store (memory_free after the last read). */
+enum status region_turn(struct region *region, int axis, float **store);
 
 #endif

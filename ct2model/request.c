@@ -39,6 +39,8 @@ static const struct option_entry ENTRIES[] = {
      "bicubic (antialiased, default), bicubic-point, area or none"},
     {"mirror", 0, "z|none", SWEEP | BUILD,
      "z: n layers become 2n-1, so that the model is periodic (default)"},
+    {"flow", 0, "x|y|z", SWEEP | BUILD,
+     "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "RULE", SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
@@ -109,12 +111,15 @@ static enum status parse_threshold(const struct options *options, struct request
 static enum status parse_choices(const struct options *options, struct request *request) {
   static const char *const FILTERS[] = {"bicubic", "bicubic-point", "area", "none", NULL};
   static const char *const MIRRORS[] = {"z", "none", NULL};
+  static const char *const AXES[] = {"x", "y", "z", NULL};
   static const char *const GRAINS[] = {"bright", "dark", NULL};
   static const char *const ISLANDS[] = {"keep", "fill", NULL};
   enum status status = STATUS_OK;
   int filter = FILTER_BICUBIC, mirror = 0, grain = 0, islands = 0;
   TRY(options_choice(options, "filter", FILTERS, &filter));
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
+  request->flow_axis = 2;
+  TRY(options_choice(options, "flow", AXES, &request->flow_axis));
   TRY(options_choice(options, "grain", GRAINS, &grain));
   TRY(options_choice(options, "islands", ISLANDS, &islands));
   request->filter = (enum filter)filter;

@@ -20,6 +20,7 @@ struct request {
   size_t crop[6]; /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
   struct roi roi;
+  int flow_axis; /* of the scan, 0 x .. 2 z: the model's z */
   enum filter filter;
   double void_ratio, void_ratio_error; /* NAN if not given */
   enum threshold_rule rule;

@@ -169,6 +169,25 @@ bats_require_minimum_version 1.5.0
   [[ "$stderr" == *"whole stack"* ]]
 }
 
+@test "the flow axis turns the scan" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  cd "$WORK"
+  # 6 x 5 x 4 voxels, each with a grey of its own.
+  awk 'BEGIN { for (i = 0; i < 120; i++) printf "%c", i + 1 }' > axes.raw
+  for axis in x y z; do
+    run_ct build axes.raw --raw 6x5x4:u8 --voxel-size 1um --threshold 60.5 --filter none --flow $axis --mirror none \
+      -o axes_$axis.hdf --quiet
+    [ "$status" -eq 0 ]
+  done
+  /usr/bin/python3 - <<'P'
+import h5py, numpy as np
+a = (np.arange(120).reshape(4, 5, 6) + 1 > 60.5).astype(np.uint8)  # [z][y][x]
+for axis, order in (("x", (2, 0, 1)), ("y", (1, 2, 0)), ("z", (0, 1, 2))):
+    s = h5py.File("axes_%s.hdf" % axis)["model/solid"][()]
+    assert s.shape == a.transpose(order).shape and (s == a.transpose(order)).all(), axis
+P
+}
+
 @test "dark grains are bright grains negated" {
   cd "$WORK"
   LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
