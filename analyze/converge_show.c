@@ -166,6 +166,10 @@ static void series_json(const struct level *levels, const struct series *s, json
   json_object_set_new(object, "k_relative_error", json_number(s->error));
   json_object_set_new(object, "intrinsic_permeability_m2", json_number(value));
   json_object_set_new(object, "observed_order", json_number(ok ? s->result.order : NAN));
+  json_object_set_new(object, "fit",
+                      json_pack("{s:o,s:o}", "order", json_number(ok ? s->result.order_used : NAN),
+                                "slope_m2_per_m_to_the_order",
+                                json_number(ok ? s->result.slope : NAN)));
   json_object_set_new(object, "formal_order", json_number(s->formal_order));
   json_object_set_new(object, "order_credible", json_boolean(s->result.credible));
   json_object_set_new(object, "monotone", json_boolean(s->result.monotone));

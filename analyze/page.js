@@ -177,7 +177,11 @@
         against.push({name: name, dots: true, colour: colour(i),
                       points: s.runs.map(r => [1e6 * r.spacing_m, 100 * r.k_m_per_s])});
         if (s.k_m_per_s === null) return;
-        against.push({name: name + ', extrapolated', dots: true, colour: colour(i + 3), points: [[0, s.k_cm_per_s]]});
+        const widest = Math.max.apply(null, s.runs.map(r => r.spacing_m));
+        const perArea = s.k_cm_per_s / s.intrinsic_permeability_m2;
+        const fit = h => perArea * (s.intrinsic_permeability_m2 + s.fit.slope_m2_per_m_to_the_order * Math.pow(h, s.fit.order));
+        if (s.extrapolated)
+          against.push({name: name + ', fit', colour: colour(i), points: sample(h => fit(h * 1e-6), 0, 1e6 * widest, 80)});
         cost.push({name: name, colour: colour(i), points: s.runs.filter(r => r.wall_time_s > 0).map(
           r => [r.wall_time_s, Math.max(1e-6, 100 * Math.abs(r.deviation_from_extrapolated))])});
       });
@@ -372,7 +376,7 @@
     sun.position.set(-1, 2, 1.5);
     scene.add(sun);
     const camera = new THREE.PerspectiveCamera(35, 1, 0.1, 40 * big);
-    camera.position.set(-1.25 * big, 1.1 * big, 2.1 * big);
+    camera.position.set(-1.35 * big, 1.05 * big, 2.3 * big);
     const controls = new THREE.OrbitControls(camera, renderer.domElement);
     const paint = () => {
       scene.background = new THREE.Color(css('--card'));

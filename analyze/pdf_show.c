@@ -39,7 +39,7 @@ static enum status measure(const struct run *run, struct velocity_statistics *ou
   TRY(memory_allocate(&along, n, sizeof *along, "velocities"));
   double mean[3] = {0}, speed = 0.0, sideways = 0.0, total = 0.0;
   for (size_t i = 0; i < n; i++) {
-    const double *v = &particles.velocity[3 * i];
+    const double *v = particles.velocity + 3 * i;
     double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     along[i] = v[0] * f[0] + v[1] * f[1] + v[2] * f[2];
     total += along[i];

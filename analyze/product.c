@@ -151,10 +151,15 @@ void write_value_with_error(FILE *stream, double value, double error, const char
     return;
   }
   double share = error / fabs(value);
+  int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   /* As many digits as bring two of the error. */
-  int digits = share > 0 ? (int)(floor(log10(fabs(value))) - floor(log10(error))) + 2 : 6;
+  int digits = error > 0 ? order - (int)floor(log10(error)) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
-  fprintf(stream, "%.*g %s %.2g%s (", digits, value, sign, error, unit);
+  int decimals = digits - 1 - order;
+  if (order >= -4 && order < 6)
+    fprintf(stream, "%.*f %s %.2g%s (", decimals > 0 ? decimals : 0, value, sign, error, unit);
+  else
+    fprintf(stream, "%.*e %s %.2g%s (", digits - 1, value, sign, error, unit);
   write_percent(stream, share);
   fputc(')', stream);
 }

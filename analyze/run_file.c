@@ -353,7 +353,8 @@ void particles_free(struct particles *particles) {
 static bool comparable(const struct run *a, const struct run *b) {
   double aligned = 0.0;
   for (int d = 0; d < 3; d++) aligned += a->direction[d] * b->direction[d];
-  return a->identity == b->identity && fabs(a->density - b->density) < 1e-9 * a->density &&
+  return a->identity == b->identity && fabs(a->spacing[0] / b->spacing[0] - 1.0) < 1e-6 &&
+         fabs(a->density - b->density) < 1e-9 * a->density &&
          fabs(a->viscosity - b->viscosity) < 1e-9 * a->viscosity &&
          strcmp(a->method, b->method) == 0 && strcmp(a->wall, b->wall) == 0 && aligned > 0.999;
 }

@@ -137,7 +137,7 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   double pixels = 720.0 / fmax(width, height);
   /* Room for axis labels (90, 75 pixels) and the colour bar (130). */
   double across = width * pixels, up = height * pixels;
-  product->width = (int)fmax(across, 160.0) + 220;
+  product->width = (int)fmax(across, 160.0) + 240;
   product->height = (int)fmax(up, 160.0) + 95;
   double x = 90.0 / product->width, y = 75.0 / product->height;
   double dx = across / product->width, dy = up / product->height;
