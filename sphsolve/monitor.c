@@ -5,6 +5,11 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
+/* A change that dies by less than a twentieth from window to window is taken to go on so. */
+#define SLOWEST 20.0
+/* A series that wanders about its mean is steady with an error of so many tolerances. */
+#define NOISY 50.0
+
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]) {
   enum status status = STATUS_OK;
   if (monitor->count == monitor->capacity) {
@@ -29,9 +34,10 @@ static double mean_of(const struct monitor *monitor, size_t begin, size_t end, i
   return sum / (double)(end - begin);
 }
 
-/* Standard error of the mean of rows [begin, end) about their own line, from 8 batches: the trend
- * is drift's part. */
-static double noise_of(const struct monitor *monitor, size_t begin, size_t end) {
+/* Standard deviation of 8 batch means of rows [begin, end) about their own line; the trend is
+ * drift's part. Not divided by the root of their number: slow wander that a longer run would still
+ * meet looks like this. */
+static double wander_of(const struct monitor *monitor, size_t begin, size_t end) {
   enum { BATCHES = 8 };
   double x[BATCHES], y[BATCHES];
   size_t n = end - begin;
@@ -46,7 +52,7 @@ static double noise_of(const struct monitor *monitor, size_t begin, size_t end) 
     double d = y[b] - fit.intercept - fit.slope * x[b];
     square += d * d;
   }
-  return sqrt(square / (BATCHES - 2) / BATCHES);
+  return sqrt(square / (BATCHES - 2));
 }
 
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance,
@@ -57,20 +63,21 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
     verdict.mean[a] = n > 0 ? monitor->rows[n - 1][a] : 0;
   if (n < 64 || n < least) return verdict;
 
-  /* Means of the last three quarters: their two changes tell how fast the change dies. */
-  size_t q = n / 4;
+  /* Means of the last three fifths: their two changes tell how fast the change dies. */
+  size_t window = n / 5;
   double m[3];
-  for (size_t i = 0; i < 3; i++) m[i] = mean_of(monitor, n - (3 - i) * q, n - (2 - i) * q, 0);
-  double before = m[1] - m[0], now = m[2] - m[1];
-  double noise = noise_of(monitor, n - q, n);
-  double ratio = fabs(now) / fmax(fabs(before), 1e-300);
-  /* What is still to come if it goes on dying so; the last quarter's mean lags by half a
-   * quarter, which `now` itself covers. A change that does not die is counted four times. */
-  double to_come = fabs(now) * (ratio < 0.75 ? 1 / (1 - ratio) : 4);
-  for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - q, n, a);
+  for (size_t i = 0; i < 3; i++)
+    m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
+  double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
+  double wander = 2 * wander_of(monitor, n - 2 * window, n);
+  /* What is still to come if the change goes on dying as it does; nothing dies that wanders. */
+  double to_come = now;
+  if (now > wander) to_come *= before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST;
+  for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - window, n, a);
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
   verdict.drift = to_come / scale;
-  verdict.error = sqrt(4 * noise * noise + to_come * to_come) / scale;
-  verdict.steady = verdict.error < tolerance;
+  verdict.error = sqrt(wander * wander + to_come * to_come) / scale;
+  verdict.steady =
+      verdict.error < tolerance || (now <= wander && verdict.error < NOISY * tolerance);
   return verdict;
 }

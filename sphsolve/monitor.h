@@ -18,13 +18,14 @@ struct monitor {
 struct monitor_verdict {
   bool steady;
   double mean[MONITOR_COMPONENTS];
-  double error; /* of mean[0], relative: two standard errors and the change still to come */
+  double error; /* of mean[0], relative: its wander and the change still to come */
   double drift; /* its part that is drift */
 };
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
 void monitor_free(struct monitor *monitor);
-/* `least`: samples before anything may be called steady. */
+/* Steady: the error is below the tolerance, or below 50 of them where what is left is noise about
+ * a mean that has stopped moving. `least`: samples before anything may be called steady. */
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
 
 #endif

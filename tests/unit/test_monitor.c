@@ -1,0 +1,80 @@
+/* Steady detection on series whose end is known: it never stops early. */
+#include "sphsolve/monitor.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <cmocka.h>
+
+static double noise(uint64_t *state) {
+  *state = *state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(*state >> 11) / 9007199254740992.0 - 0.5;
+}
+
+/* Feeds f(i) until steady; returns the samples taken (limit: never) and the verdict. */
+static size_t feed(double (*f)(size_t i, uint64_t *seed), uint64_t seed, double tolerance,
+                   size_t limit, struct monitor_verdict *verdict) {
+  struct monitor monitor = {0};
+  size_t n = 0;
+  for (; n < limit; n++) {
+    double value[MONITOR_COMPONENTS] = {f(n, &seed)};
+    assert_int_equal(monitor_add(&monitor, value), STATUS_OK);
+    *verdict = monitor_judge(&monitor, tolerance, 80);
+    if (verdict->steady) break;
+  }
+  monitor_free(&monitor);
+  return n;
+}
+
+static double fast(size_t i, uint64_t *seed) {
+  (void)seed;
+  return 3 * (1 - exp(-(double)i / 15));
+}
+static double slow(size_t i, uint64_t *seed) {
+  (void)seed;
+  return 1 - 0.3 * exp(-(double)i / 20) - 0.1 * exp(-(double)i / 600);
+}
+static double noisy(size_t i, uint64_t *seed) {
+  return (1 - exp(-(double)i / 30)) * (1 + 0.004 * noise(seed));
+}
+static double ramp(size_t i, uint64_t *seed) {
+  return 1 + 1e-3 * (double)i + 0.002 * noise(seed);
+}
+static double wave(size_t i, uint64_t *seed) {
+  (void)seed;
+  return 1 + 0.2 * sin((double)i / 40);
+}
+
+static void test_truth_within_error(void **state) {
+  (void)state;
+  const struct {
+    double (*f)(size_t, uint64_t *);
+    double truth;
+  } cases[] = {{fast, 3}, {slow, 1}, {noisy, 1}};
+  for (size_t c = 0; c < 3; c++)
+    for (uint64_t seed = 1; seed < 20; seed++) {
+      struct monitor_verdict verdict;
+      size_t n = feed(cases[c].f, seed, 1e-4, 20000, &verdict);
+      assert_true(n < 20000);
+      assert_true(fabs(verdict.mean[0] / cases[c].truth - 1) <= verdict.error);
+    }
+}
+
+static void test_never_steady(void **state) {
+  (void)state;
+  struct monitor_verdict verdict;
+  assert_int_equal(feed(ramp, 3, 1e-4, 3000, &verdict), 3000);
+  assert_int_equal(feed(wave, 3, 1e-4, 3000, &verdict), 3000);
+  assert_int_equal(feed(fast, 3, 1e-4, 79, &verdict), 79);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_truth_within_error),
+      cmocka_unit_test(test_never_steady),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
