@@ -30,15 +30,15 @@ static inline bool wcsph_body_force_wanted(const struct effect_context *context,
 }
 
 static inline bool wcsph_frozen_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  WHY_WCSPH("wall = \"%s\"", wcsph_frozen(context) ? "wcsph_frozen" : "adami or subvoxel");
+  WHY_WCSPH("wall = \"%s\"", wcsph_frozen(context) ? "frozen" : "adami or subvoxel");
   return wcsph_frozen(context);
 }
 
 static inline bool wcsph_continuity_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
   WHY_WCSPH(wcsph_frozen(context)
-                ? "wall = \"wcsph_frozen\": densities are summed"
-                : "walls are not wcsph_frozen: nothing may pin particles to them");
+                ? "wall = \"frozen\": densities are summed"
+                : "walls are not frozen: nothing may pin particles to them");
   return !wcsph_frozen(context);
 }
 
@@ -157,7 +157,7 @@ static const struct effect effect_viscosity_morris = {.name = "viscosity_morris"
                                                       .dt_max = wcsph_viscosity_dt};
 static const struct effect effect_wall_frozen = {
     .name = "wall_frozen",
-    .model = "grains are wcsph_frozen fluid particles; every gap is one spacing too wide",
+    .model = "grains are frozen fluid particles; every gap is one spacing too wide",
     .citation = "Saomoto et al. 2006",
     .methods = METHOD_BIT_WCSPH,
     .reads = FIELD_BIT(POSITION) | FIELD_BIT(DENSITY),
