@@ -8,7 +8,7 @@
 /* A change that dies by less than a twentieth from window to window is taken to go on so. */
 #define SLOWEST 20.0
 /* A series that wanders about its mean is steady with an error of so many tolerances. */
-#define NOISY 50.0
+#define NOISY 100.0
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]) {
   enum status status = STATUS_OK;
@@ -77,7 +77,10 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
   verdict.drift = to_come / scale;
   verdict.error = sqrt(wander * wander + to_come * to_come) / scale;
-  verdict.steady =
-      verdict.error < tolerance || (now <= wander && verdict.error < NOISY * tolerance);
+  /* Noise is believed only if none of the last three fifths stands apart: a slow wave has a flat
+   * end at its crest, too. */
+  double flat = wander + before + now;
+  verdict.steady = verdict.error < tolerance ||
+                   (now <= wander && fmax(flat / scale, verdict.error) < NOISY * tolerance);
   return verdict;
 }

@@ -24,7 +24,7 @@ struct monitor_verdict {
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
 void monitor_free(struct monitor *monitor);
-/* Steady: the error is below the tolerance, or below 50 of them where what is left is noise about
+/* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about
  * a mean that has stopped moving. `least`: samples before anything may be called steady. */
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
 

@@ -6,7 +6,7 @@
  * is what the momentum equation dictates: nu times twice kappa balances the viscous acceleration of
  * a itself, so with beta = sum_b V (-(1/r) dW/dr) d_b (d_a + d_b)
  *   A_viscous = A_linear / (1 - beta).
- * Where the distance field is not smooth (edges, throats) beta is left out: linear. */
+ * Where the distances are not those of a smooth surface (edges, noise) beta is left out: linear. */
 #ifndef TOSUI_EFFECT_WALL_SUBVOXEL_H
 #define TOSUI_EFFECT_WALL_SUBVOXEL_H
 
@@ -15,12 +15,16 @@
 #define WALL_SUBVOXEL_FLOOR 0.02 /* spacings */
 #define WALL_SUBVOXEL_BETA_MAX 0.7
 
-/* Weights of -(v_a - v_w) and of the curvature. Lengths in h. */
+/* Weights of -(v_a - v_w) and of the curvature. Lengths in h. Distances of two points differ by no
+ * more than they are apart, so d_b is cut there; `rough` grows where they differ by more than a
+ * tenth beyond it. */
 SIMD_INLINE void wall_subvoxel_pair(vec slope, vec s, vec d_a, vec inverse_d_a, vec d_b,
-                                    vec *weight, vec *beta) {
+                                    vec *weight, vec *beta, vec *rough) {
+  vec zero = vec_set(0.0f);
+  *rough += vec_max(d_a + d_b - 1.1f * s, zero);
+  d_b = vec_max(-vec_max(-d_b, d_a - s), zero);
   *weight = slope * (1.0f + d_b * inverse_d_a);
-  vec across = -vec_max(-(d_a + d_b), -s); /* along the normal it cannot exceed the offset */
-  *beta += slope * d_b * across;
+  *beta += slope * d_b * (d_a + d_b);
 }
 
 #endif

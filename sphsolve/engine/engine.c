@@ -13,6 +13,9 @@
  * spacings. Measured on sand models, see docs/performance.md. */
 #define REACH 3.2
 #define SKIN 0.8
+/* Steps between removals of the mean pressure, and particles in a block of its sum. */
+#define MEAN_STEPS 16
+#define MEAN_BLOCK 2048
 /* Row clusters a thread takes at a time. */
 #define BLOCK 32
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */
@@ -317,6 +320,27 @@ static void drift(struct engine *engine) {
   engine->seconds[PHASE_DRIFT] += clock_seconds() - start;
 }
 
+/* Differences leave the mean pressure free, and rounding and disorder let it walk: it is taken out
+ * now and then. Sums over fixed blocks, so that threads change no bit. */
+static enum status remove_mean_pressure(struct engine *engine) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  size_t slots = particles_slots(p), blocks = (slots + MEAN_BLOCK - 1) / MEAN_BLOCK;
+  double *sums = NULL, sum = 0;
+  TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t b = 0; b < blocks; b++)
+    for (size_t i = b * MEAN_BLOCK; i < (b + 1) * MEAN_BLOCK && i < slots; i++)
+      if (p->id[i] != NO_PARTICLE) sums[b] += (double)p->state[i];
+  for (size_t b = 0; b < blocks; b++) sum += sums[b];
+  float mean = (float)(sum / (double)p->count);
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t i = 0; i < slots; i++) p->state[i] -= mean;
+cleanup:
+  memory_free(&sums);
+  return status;
+}
+
 static void swap(float **a, float **b) {
   float *t = *a;
   *a = *b;
@@ -351,9 +375,11 @@ enum status engine_step(struct engine *engine) {
              PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
     swap(&p->state, &p->state_next);
+    if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
   }
   for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
   drift(engine);
+  engine->steps++;
   for (int t = 0; t < engine->threads; t++)
     if (engine->locals[t].overflow)
       TRY_FAIL(STATUS_NUMERIC,

@@ -51,7 +51,7 @@ struct engine {
   uint64_t pairs_fluid, pairs_wall; /* directed, when last counted */
   double pair_interactions;         /* evaluated so far */
   double seconds[PHASE_COUNT];
-  uint64_t rebuilds;
+  uint64_t rebuilds, steps;
 };
 
 struct particle_fields engine_fields(const struct engine_settings *settings);

@@ -279,12 +279,12 @@ SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local 
   vec d_a = vec_set(d_row), inverse_d_a = vec_set(1.0f / d_row);
   float tile[MAX_SUMS][SIMD_LANES];
   for (int group = 0; group < SIMD_GROUPS; group++) {
-    vec sum = {0}, beta = {0}, drag[3] = {{0}}, crowd[3] = {{0}};
+    vec sum = {0}, beta = {0}, rough = {0}, drag[3] = {{0}}, crowd[3] = {{0}};
     for (size_t k = begin + (size_t)group * SIMD_WIDTH; k < end; k += SIMD_LANES) {
       struct geometry g = pair_geometry(local, k, at);
       vec slope = kernel_vector_slope(g.s) * g.inverse, weight;
       wall_subvoxel_pair(slope, g.s, d_a, inverse_d_a, vec_load(local->field[LSTATE] + k), &weight,
-                         &beta);
+                         &beta, &rough);
       sum += weight;
       if (moving)
         viscosity_morris_pair(weight, vec_load(local->field[LVX] + k),
@@ -294,6 +294,7 @@ SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local 
     }
     vec_store(tile[0] + group * SIMD_WIDTH, sum);
     vec_store(tile[1] + group * SIMD_WIDTH, beta);
+    vec_store(tile[8] + group * SIMD_WIDTH, rough);
     for (int a = 0; a < 3; a++) {
       vec_store(tile[2 + a] + group * SIMD_WIDTH, drag[a]);
       vec_store(tile[5 + a] + group * SIMD_WIDTH, crowd[a]);
@@ -303,8 +304,10 @@ SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local 
   tile_sums(tile + 1, 1, &row->beta);
   tile_sums(tile + 2, 3, row->drag);
   tile_sums(tile + 5, 3, row->crowd);
+  double rough;
+  tile_sums(tile + 8, 1, &rough);
   row->beta *= pass->g_scale * pass->smoothing_length;
-  if (distance < 0 || row->beta < 0) row->beta = 0;
+  if (distance < 0 || rough > 0 || row->beta < 0) row->beta = 0;
   if (row->beta > WALL_SUBVOXEL_BETA_MAX) row->beta = WALL_SUBVOXEL_BETA_MAX;
 }
 
@@ -385,6 +388,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
   for (int a = 0; a < 3; a++)
     wall[a] = given ? p->wall_given[a] : p->wall_state == NULL ? p->wall_v[a] : NULL;
   double diffuse = 2 * pass->diffusion * pass->g_scale / pass->smoothing_length;
+  const vec mirror = vec_set(p->wall_state == NULL ? 2.0f : 1.0f);
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
@@ -426,7 +430,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
                                     vec_load(local->field[LVY] + k) - vi[1],
                                     vec_load(local->field[LVZ] + k) - vi[2], &mirrored);
           }
-        vec_store(tile[0] + group * SIMD_WIDTH, divergence + 2.0f * mirrored);
+        vec_store(tile[0] + group * SIMD_WIDTH, divergence + mirror * mirrored);
         vec_store(tile[1] + group * SIMD_WIDTH, laplacian);
         vec_store(tile[2] + group * SIMD_WIDTH, carried);
       }

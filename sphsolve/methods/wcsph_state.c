@@ -84,7 +84,8 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       (double)engine->pairs_fluid,
                       (double)engine->pairs_wall,
                       state->next_row,
-                      engine->settings.dt};
+                      engine->settings.dt,
+                      (double)engine->steps};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   count = 1;
@@ -122,7 +123,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   }
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
-  if (count != 7 || dims[0] != 1)
+  if (count != 8 || dims[0] != 1)
     TRY_FAIL(STATUS_INPUT, "%s: /state/numbers is not of this version", h5_path(file));
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
@@ -133,6 +134,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   engine->pairs_fluid = (uint64_t)numbers[3];
   engine->pairs_wall = (uint64_t)numbers[4];
   engine->resumed = true;
+  engine->steps = (uint64_t)numbers[7];
   state->next_row = numbers[5];
   state->step = *step;
   if (h5_exists(file, "/state/monitor")) {

@@ -54,14 +54,14 @@ static inline struct lattice test_slit(size_t width, double phase, double dx) {
   return lattice;
 }
 
-/* Grains at random; distances to their voxel faces only roughly. */
-static inline struct lattice test_grains(size_t n, double dx, uint64_t seed) {
+/* Grains at random, a fraction `solid` of the box; distances to their voxel faces only roughly. */
+static inline struct lattice test_grains(size_t n, double dx, double solid, uint64_t seed) {
   struct lattice lattice = test_lattice(3, n, n, n + 1, dx, dx, dx);
   for (size_t i = 0; i < lattice.count; i++) {
     size_t block = i % n / 3 + 31 * (i / n % n / 3) + 997 * (i / (n * n) / 3);
     uint64_t state = seed + block;
     test_random(&state);
-    bool grain = test_random(&state) < 0.45;
+    bool grain = test_random(&state) < solid;
     lattice.kind[i] = grain ? SITE_WALL : SITE_FLUID;
     lattice.wall_distance[i] = (float)((grain ? -0.5 : 0.5) * dx);
   }

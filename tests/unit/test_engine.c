@@ -99,7 +99,7 @@ static void compare_densities(struct lattice *lattice, double support, double ji
 
 static void test_neighbours_wide(void **state) {
   (void)state;
-  struct lattice lattice = test_grains(15, 1e-3, 5);
+  struct lattice lattice = test_grains(15, 1e-3, 0.45, 5);
   compare_densities(&lattice, 2.9e-3, 0.9);
   test_lattice_free(&lattice);
 }
@@ -130,7 +130,7 @@ static void test_neighbours_flat(void **state) {
 /* Marches a sand model and leaves velocities and positions by id. */
 static void march(enum pass_wall wall, int threads, const char *isa, int steps, size_t n,
                   float (*v)[3], uint32_t (*x)[3]) {
-  struct lattice lattice = test_grains(n, 46e-6, 11);
+  struct lattice lattice = test_grains(n, 46e-6, 0.45, 11);
   struct engine_settings settings = test_settings(&lattice, wall, 2.9 * 46e-6);
   struct engine engine;
   settings.sound_speed = 1.5;
