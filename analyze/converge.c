@@ -79,9 +79,10 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   if (!(fabs(result->value - f[0]) <= 0.5 * fabs(f[0]))) {
     result->far = true;
     result->credible = false;
+    result->safety = 3.0;
     result->value = f[0];
     result->slope = 0.0;
-    result->index = 3.0 * (high - low) / fabs(f[0]);
+    result->index = 3.0 * fabs((f[1] - f[0]) / f[0]);
     return;
   }
   double p =

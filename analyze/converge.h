@@ -24,8 +24,9 @@ struct convergence {
  * the formal order. Index after Roache (1994) in the form of ASME V&V 20 (Celik et al. 2008, JFE
  * 130, 078001), with the safety factor and the order's limits of Oberkampf, Roy (2010, sec. 8.6):
  * 1.25 where the observed order is within 10 % of the formal one, else 3 and the order held between
- * 0.5 and the formal one. Without monotone convergence, or where the extrapolation would move the
- * value by more than half, the value is the finest one and the index three times the range. */
+ * 0.5 and the formal one. Without monotone convergence the value is the finest one and the index
+ * three times the range; where the extrapolation would move the value by more than half, three
+ * times the difference of the two finest. */
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result);
 

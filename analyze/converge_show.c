@@ -137,7 +137,7 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   else if (s->result.far)
     log_warning(
         "%s, %s walls: the spacings are too coarse to extrapolate from (k would move by more "
-        "than half); the finest value stands, with three times the range as its error: add "
+        "than half); the finest value stands, with three times the last change as its error: add "
         "finer runs",
         run->method, run->wall[0] ? run->wall : "no");
   else if (s->count > 2 && !s->result.credible)

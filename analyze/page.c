@@ -213,12 +213,11 @@ static void write_headlines(struct page *page) {
                                                                     : "At the finest spacing",
                json_string_value(json_object_get(group, "method")),
                json_string_value(json_object_get(group, "wall")));
-      write_headline(
-          out, group, name,
-          json_is_true(json_object_get(group, "extrapolated"))
-              ? "Richardson extrapolation; the error holds the grid convergence index."
-              : "The spacings do not converge well enough to extrapolate; the error is three "
-                "times their range.");
+      write_headline(out, group, name,
+                     json_is_true(json_object_get(group, "extrapolated"))
+                         ? "Richardson extrapolation; the error holds the grid convergence index."
+                         : "The spacings do not converge well enough to extrapolate; the error is "
+                           "three times what they differ by.");
     }
   }
   if (page->has[PART_DARCY]) {

@@ -89,7 +89,7 @@ enum status steady_darcy(const struct run *run, struct steady *steady) {
     for (int d = 0; d < 3; d++) steady->mean += run->darcy_velocity[d] * run->direction[d];
     steady->standard_error = NAN;
     steady->error95 = run->k_error * fabs(steady->mean);
-    steady->is_steady = true;
+    steady->is_steady = !(run->k_error > steady_drift);
     return STATUS_OK;
   }
   TRY(run_darcy_series(run, &rows, &times, &values));

@@ -14,7 +14,7 @@ struct steady {
   double standard_error; /* by batch means; NAN for fewer than 4 rows */
   double drift;          /* mean of the window's second half minus that of its first */
   double error95;        /* 95 %: the larger of t * standard error and |drift| */
-  bool is_steady;        /* |drift| <= 5 % of the mean, or a converged stationary solution */
+  bool is_steady;        /* |drift| <= 5 % of the mean, or for method stokes k_error <= 5 % */
 };
 
 /* The steady point by the marginal standard error rule (White 1997, Simulation 69, 323): the
