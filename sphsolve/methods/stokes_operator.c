@@ -48,31 +48,28 @@ static void viscous_row(const struct stokes_operator *op, int component, size_t 
     y[i] = (add ? y[i] : 0.0f) + op->diagonal[i] * x[i] - sum[i - start];
 }
 
-/* y = B G p on one row. */
+/* y = g p on one row, before correction. */
 static void gradient_row(const struct stokes_operator *op, size_t row, const float *p, float *y) {
-  const int axes = op->stencil->axis_count;
   const size_t n = op->n, start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  float *raw = op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size -
-               (size_t)axes * op->grid->stride;
-  for (int a = 0; a < axes; a++) {
+  for (int a = 0; a < op->stencil->axis_count; a++) {
     const float *own = op->pore_gradient + (size_t)a * n;
     const float *sum =
         convolve(op, &op->stencil->gradient[op->stencil->axes[a]], op->components - 1, row);
-    float *out = raw + (size_t)a * op->grid->stride;
-    for (size_t i = start; i < end; i++) out[i - start] = sum[i - start] - own[i] * p[i];
-  }
-  for (int a = 0; a < axes; a++) {
     float *out = y + (size_t)a * n;
-    memset(out + start, 0, (end - start) * sizeof *out);
-    for (int b = 0; b < axes; b++) {
-      const float *c = op->correction + stokes_symmetric(axes, a, b) * n;
-      const float *in = raw + (size_t)b * op->grid->stride;
-      for (size_t i = start; i < end; i++) out[i] += c[i] * in[i - start];
-    }
+    for (size_t i = start; i < end; i++) out[i] = sum[i - start] - own[i] * p[i];
   }
 }
 
-/* Unpacks the velocity B (v + tau G p) whose flux the continuity equation balances. */
+/* y = B y for the packed values from start to end. */
+static void correct(const struct stokes_operator *op, size_t start, size_t end, float *y) {
+  for (size_t i = start; i < end; i++) {
+    float corrected[3];
+    stokes_correct(op, i, y, op->n, corrected);
+    for (int a = 0; a < op->stencil->axis_count; a++) y[(size_t)a * op->n + i] = corrected[a];
+  }
+}
+
+/* Unpacks the velocity B (v + tau g p) whose flux the continuity equation balances. */
 static void unpack_corrected(struct stokes_operator *op, const float *x, const float *gradient) {
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
@@ -139,11 +136,14 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
     for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a);
 #pragma omp for schedule(static)
     for (size_t row = 0; row < grid->rows; row++)
-      for (int a = 0; a < axes && grid->row_start[row] < grid->row_start[row + 1]; a++) {
-        const size_t shift = (size_t)a * op->n;
-        for (size_t i = grid->row_start[row]; i < grid->row_start[row + 1]; i++)
-          y[shift + i] *= op->parabola[i];
-        viscous_row(op, a, row, x + shift, true, y + shift);
+      if (grid->row_start[row] < grid->row_start[row + 1]) {
+        const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
+        correct(op, start, end, y);
+        for (int a = 0; a < axes; a++) {
+          float *ya = y + (size_t)a * op->n;
+          for (size_t i = start; i < end; i++) ya[i] *= op->parabola[i];
+          viscous_row(op, a, row, x + (size_t)a * op->n, true, ya);
+        }
       }
   }
 }

@@ -56,21 +56,16 @@ static const double *convolve_double(const struct stokes_operator *op,
   return packed;
 }
 
-/* What the pressure does on one row: its gradient, and the stabilisation. */
+/* What the pressure does on one row: its gradient, before correction, and the stabilisation. */
 static void pressure_terms(const struct stokes_operator *op, size_t row, const double *p,
                            float *residual) {
   const int axes = op->stencil->axis_count;
   const size_t n = op->n, start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  for (int a = 0; a < axes; a++) { /* the raw gradient first, corrected in place */
+  for (int a = 0; a < axes; a++) {
     const double *sum = convolve_double(op, &op->stencil->gradient[op->stencil->axes[a]], row);
     const float *own = op->pore_gradient + (size_t)a * n;
     float *raw = residual + (size_t)a * n;
     for (size_t i = start; i < end; i++) raw[i] = (float)(sum[i - start] - (double)own[i] * p[i]);
-  }
-  for (size_t i = start; i < end; i++) {
-    float gradient[3];
-    stokes_correct(op, i, residual, n, gradient);
-    for (int a = 0; a < axes; a++) residual[(size_t)a * n + i] = gradient[a];
   }
   const double *sum = convolve_double(op, &op->stencil->laplace, row);
   for (size_t i = start; i < end; i++)
@@ -99,7 +94,7 @@ static void viscous_terms(const struct stokes_operator *op, int axis, size_t row
                 (drag ? (double)drag[i] : 0.0) - ((double)op->diagonal[i] * v[i] - sum[i - start]));
 }
 
-/* packed = component of B (v + tau G p). */
+/* packed = component of B (v + tau g p). */
 static void correct(const struct stokes_operator *op, int axis, const double *x,
                     const float *gradient, double *packed) {
   const int axes = op->stencil->axis_count;
@@ -133,6 +128,12 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
       for (size_t row = 0; row < grid->rows; row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           divergence_terms(op, a, row, work, continuity);
+    }
+#pragma omp for schedule(static)
+    for (size_t i = 0; i < op->n; i++) {
+      float gradient[3];
+      stokes_correct(op, i, residual, op->n, gradient);
+      for (int a = 0; a < axes; a++) residual[(size_t)a * op->n + i] = gradient[a];
     }
     for (int a = 0; a < axes; a++) {
       const double *v = x + (size_t)a * op->n;

@@ -7,17 +7,23 @@
 #include "sphsolve/effects/stokes_stabilisation.h"
 
 #define ROUND_REDUCTION 1e-2
-/* The basis takes what MEMORY_GOAL leaves. Bytes per site: 5 the lattice, 16 the unpacked fields,
- * 10 the coarse levels; per active site 52 the operator, 4 kappa, 32 + 16 x and residual, 16 the
- * Krylov work vector. A short basis costs few iterations more. */
+/* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
+ * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
+ * solution 32, residual 16, Krylov work vector 16; and 16 for every vector of the basis. */
 #define MEMORY_GOAL 112.0
+#define SITE_BYTES 31.0
+#define ACTIVE_BYTES 120.0
 #define BASIS_MIN 5
 #define BASIS_MAX 24
 
-static int basis_size(const struct lattice *lattice, size_t active) {
-  const double porosity = (double)active / (double)lattice->count;
-  const double left = (MEMORY_GOAL - 31.0 - 120.0 * porosity) / (16.0 * porosity) - 1.0;
-  return (int)fmax(BASIS_MIN, fmin(left, BASIS_MAX));
+int stokes_solver_basis(double sites, double active) {
+  const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
+  return (int)fmax(BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
+}
+
+double stokes_solver_bytes(double sites, double active) {
+  return SITE_BYTES * sites +
+         (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active))) * active;
 }
 
 static void apply(void *system, const float *x, float *y) {
@@ -102,7 +108,8 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
   TRY(stokes_preconditioner_build(&s->operator, s->residual, &s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  TRY(stokes_krylov_build(length, basis_size(lattice, s->grid.active), &s->krylov));
+  TRY(stokes_krylov_build(
+      length, stokes_solver_basis((double)lattice->count, (double)s->grid.active), &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;

@@ -44,6 +44,11 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
                                 const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
 
+/* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
+ * solved, takes. */
+int stokes_solver_basis(double sites, double active);
+double stokes_solver_bytes(double sites, double active);
+
 /* One round; residual, divergence, mean and change are those after it. */
 void stokes_solver_round(struct stokes_solver *solver);
 /* Relative residual under `tolerance`, divergence under 1e-4, mean settled to 1e-4. */
