@@ -96,6 +96,29 @@ static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz
   }
 }
 
+/* Chessboard distance to the nearest block with items, by two passes over 13 neighbours each. */
+static void measure_away(struct surfels *surfels) {
+  const long nx = (long)surfels->blocks[0], ny = (long)surfels->blocks[1],
+             nz = (long)surfels->blocks[2];
+  const long count = nx * ny * nz;
+  for (long b = 0; b < count; b++)
+    surfels->away[b] = surfels->first[b + 1] > surfels->first[b] ? 0 : 255;
+  for (int pass = 0; pass < 2; pass++) {
+    for (long i = 0; i < count; i++) {
+      long b = pass == 0 ? i : count - 1 - i, sign = pass == 0 ? -1 : 1;
+      long x = b % nx, y = b / nx % ny, z = b / nx / ny;
+      for (int n = 0; n < 13 && surfels->away[b] > 0; n++) { /* the 13 neighbours met before */
+        long dx = sign * (n < 9 ? n % 3 - 1 : n < 12 ? n - 10 : 1);
+        long dy = sign * (n < 9 ? n / 3 - 1 : n < 12 ? 1 : 0), dz = n < 9 ? sign : 0;
+        if (x + dx < 0 || x + dx >= nx || y + dy < 0 || y + dy >= ny || z + dz < 0 || z + dz >= nz)
+          continue;
+        uint8_t there = surfels->away[b + dx + nx * (dy + ny * dz)];
+        if (there < 254 && there + 1 < surfels->away[b]) surfels->away[b] = (uint8_t)(there + 1);
+      }
+    }
+  }
+}
+
 enum status surfels_build(const int16_t *field, const size_t size[3], const double stretch[3],
                           struct surfels *surfels) {
   enum status status = STATUS_OK;
@@ -125,6 +148,8 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
   for (size_t bz = 0; bz < layers; bz++) block_layer(field, surfels, bz, rows + bz * row, cursor);
+  TRY(memory_allocate(&surfels->away, blocks, 1, "surface blocks"));
+  measure_away(surfels);
 cleanup:
   memory_free(&cursor);
   memory_free(&rows);
@@ -135,6 +160,7 @@ cleanup:
 void surfels_end(struct surfels *surfels) {
   memory_free(&surfels->first);
   memory_free(&surfels->items);
+  memory_free(&surfels->away);
   surfels->count = 0;
 }
 
@@ -168,6 +194,14 @@ static double axis_gap(double at, long b, double stretch) {
   return at < low ? low - at : at > high ? at - high : 0.0;
 }
 
+/* Shells about `home` that hold nothing for certain; 255: all of them. */
+static long empty_shells(const struct surfels *surfels, const long home[3]) {
+  for (int d = 0; d < 3; d++)
+    if (home[d] < 0 || home[d] >= (long)surfels->blocks[d]) return 0;
+  return surfels
+      ->away[(home[2] * (long)surfels->blocks[1] + home[1]) * (long)surfels->blocks[0] + home[0]];
+}
+
 /* Shells of blocks around the point, until the next shell must be farther than the best. */
 static double search(const struct surfels *surfels, const double point[3], double best) {
   long home[3], reach = 0;
@@ -181,7 +215,7 @@ static double search(const struct surfels *surfels, const double point[3], doubl
                        fmax((double)home[d], (double)surfels->blocks[d] - 1.0 - (double)home[d]));
   }
   double step = BLOCK * fmin(surfels->stretch[0], fmin(surfels->stretch[1], surfels->stretch[2]));
-  for (long r = 0; r <= reach; r++) {
+  for (long r = empty_shells(surfels, home); r <= reach; r++) {
     if (r > 0 && edge + (double)(r - 1) * step > best + DISC_RADIUS) break;
     for (long z = home[2] - r; z <= home[2] + r; z++) {
       if (z < 0 || z >= (long)surfels->blocks[2]) continue;

@@ -18,6 +18,8 @@ struct surfels {
   size_t size[3], blocks[3];
   double stretch[3];
   uint32_t *first; /* of each block of 4x4x4 cells, in items; blocks + 1 values */
+  uint8_t *
+      away; /* from each block to the nearest with items, in blocks (largest of x, y, z); 255 far */
   struct surfel *items;
   size_t count;
 };
