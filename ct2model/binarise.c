@@ -47,9 +47,11 @@ static void warn_if_fragile(const struct pipeline *pipeline) {
   if (phases->valley_depth > 0.9)
     log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
                 "much is grain, but not where; compare the model with the slices");
-  else if (phases->contrast_to_noise < 3.0)
-    log_warning("contrast is only %.1f times the noise: many voxels are on the wrong side",
-                phases->contrast_to_noise);
+  else if (phases->contrast_to_noise < 5.0)
+    log_warning("contrast is only %.1f times the noise: at full resolution the grain surface is "
+                "rough, so specific surface and wall distances are unsure%s",
+                phases->contrast_to_noise,
+                phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "");
   double position = (threshold - phases->pore_peak) / (phases->grain_peak - phases->pore_peak);
   if (position < 0.15 || position > 0.85)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "

@@ -221,8 +221,9 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   if (step < 1) step = 1;
   progress_start(&progress, "surface", "slices", (double)(walk.window.high - walk.window.low));
   for (long done = walk.window.low; done < last; done += step) {
-    TRY(advance(&walk, done, done + step < last ? done + step : last, result));
-    progress_update(&progress, (double)(done + step - walk.window.low), NULL);
+    long end = done + step < last ? done + step : last;
+    TRY(advance(&walk, done, end, result));
+    progress_update(&progress, (double)(end + 1 - walk.window.low), NULL);
   }
   progress_end(&progress);
   result->specks = walk.window.specks;
