@@ -8,12 +8,6 @@
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
 
-struct builder {
-  struct stokes_operator *op;
-  const struct scene *scene;
-  double velocity_unit;
-};
-
 /* What the walls around one site do to its momentum equation, and its sums over pore sites. */
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
@@ -26,27 +20,27 @@ static double distance(const struct stokes_operator *op, size_t site) {
   return op->lattice->wall_distance[site] / op->stencil->unit;
 }
 
-static const struct region *wall_region(const struct builder *b, size_t site) {
-  if (!b->scene || !b->op->lattice->region || b->op->lattice->region[site] == 0) return NULL;
-  return &b->scene->regions[b->op->lattice->region[site] - 1];
+static const struct region *wall_region(const struct stokes_operator *op, size_t site) {
+  if (!op->scene || !op->lattice->region || op->lattice->region[site] == 0) return NULL;
+  return &op->scene->regions[op->lattice->region[site] - 1];
 }
 
-static void add_wall(const struct builder *b, const struct stokes_offset *offset, size_t site,
-                     size_t other, struct site_sums *sums) {
-  const struct region *region = wall_region(b, other);
+static void add_wall(const struct stokes_operator *op, const struct stokes_offset *offset,
+                     size_t site, size_t other, struct site_sums *sums) {
+  const struct region *region = wall_region(op, other);
   if (region && region->slip) return; /* moves along: no shear */
   double factor = 1.0;                /* frozen: at rest where it is */
-  if (b->op->wall == WALL_ADAMI) factor = 2.0;
-  if (b->op->wall == WALL_SUBVOXEL) {
+  if (op->wall == WALL_ADAMI) factor = 2.0;
+  if (op->wall == WALL_SUBVOXEL) {
     const struct stokes_wall_image image =
-        stokes_wall_image(distance(b->op, site), -distance(b->op, other), offset->r);
+        stokes_wall_image(distance(op, site), -distance(op, other), offset->r);
     factor = 1.0 + image.linear;
     sums->parabola += offset->viscous * image.parabola;
     sums->smooth = sums->smooth && image.smooth;
   }
   sums->diagonal += offset->viscous * factor;
   for (int a = 0; region && a < 3; a++)
-    sums->drag[a] += offset->viscous * factor * region->velocity[a] / b->velocity_unit;
+    sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
 }
 
 /* Normal and curvature of the wall seen from a site: gradient and Laplacian of the wall distance.
@@ -74,9 +68,9 @@ static void wall_shape(const struct stokes_operator *op, const size_t at[3], siz
   for (int c = 0; c < 3; c++) normal[c] = length < 0.5 ? 0.0 : normal[c] / length;
 }
 
-static void sum_site(const struct builder *b, const size_t at[3], struct site_sums *sums) {
-  const struct stokes_stencil *stencil = b->op->stencil;
-  const struct stokes_grid *grid = b->op->grid;
+static void sum_site(const struct stokes_operator *op, const size_t at[3], struct site_sums *sums) {
+  const struct stokes_stencil *stencil = op->stencil;
+  const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
   *sums = (struct site_sums){.smooth = true};
   double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
@@ -96,18 +90,18 @@ static void sum_site(const struct builder *b, const size_t at[3], struct site_su
           sums->moment[a][c] += g * offset->step[axis] * stencil->spacing[axis];
         }
       }
-    } else if (b->op->lattice->kind[other] == SITE_WALL) {
+    } else if (op->lattice->kind[other] == SITE_WALL) {
       const double before = sums->diagonal;
-      add_wall(b, offset, site, other, sums);
+      add_wall(op, offset, site, other, sums);
       linear += sums->diagonal - before;
     } else {
       sums->diagonal += offset->viscous; /* a pore that cannot flow: at rest */
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
-  if (linear > 0.0) wall_shape(b->op, at, site, sums->normal, &sums->curvature);
+  if (linear > 0.0) wall_shape(op, at, site, sums->normal, &sums->curvature);
   if (sums->parabola > 0.0) {
-    const double d_a = fmax(distance(b->op, site), WALL_DISTANCE_FLOOR);
+    const double d_a = fmax(distance(op, site), WALL_DISTANCE_FLOOR);
     const double bend = 1.0 / (1.0 - 0.5 * d_a * sums->curvature);
     sums->parabola *= bend;
     sums->diagonal += fmax(sums->parabola * sums->curvature / d_a, -0.5 * linear);
@@ -158,8 +152,7 @@ static void invert_moment(int n, double m[3][3], double inverse[3][3]) {
     }
 }
 
-static void build_sites(const struct builder *b) {
-  struct stokes_operator *op = b->op;
+static void build_sites(struct stokes_operator *op) {
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
 #pragma omp parallel for schedule(dynamic, 16)
@@ -168,7 +161,7 @@ static void build_sites(const struct builder *b) {
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       struct site_sums sums;
-      sum_site(b, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
+      sum_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
       op->diagonal[n] = (float)sums.diagonal;
       op->pore_sum[n] = (float)sums.pore_sum;
       op->parabola[n] = (float)(1.0 - sums.parabola);
@@ -205,6 +198,8 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   op->stencil = stencil;
   op->grid = grid;
   op->lattice = lattice;
+  op->scene = scene;
+  op->velocity_unit = velocity_unit;
   op->wall = wall;
   op->rows = stokes_rows_best();
   op->tau = tau;
@@ -228,7 +223,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                       "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
-  build_sites(&(struct builder){op, scene, velocity_unit});
+  build_sites(op);
   return STATUS_OK;
 cleanup:
   stokes_operator_free(op);
@@ -247,13 +242,17 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->scratch);
 }
 
-/* Factors of v and (f - G p) of one site in the volume integral. */
-static void flux_weights(const struct stokes_operator *op, const size_t at[3], size_t site,
-                         double *velocity, double *net_force) {
+/* Factors of v and (f - G p) of one site in the volume integral, and what moving walls add. */
+struct flux_weights {
+  double velocity, force, moving[3];
+};
+
+static struct flux_weights flux_of_site(const struct stokes_operator *op, const size_t at[3],
+                                        size_t site) {
   const struct lattice *l = op->lattice;
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
   const double d_a = distance(op, site);
-  double v = 0.0, f = 0.0;
+  struct flux_weights w = {0.0, 0.0, {0.0}};
   for (int c = 0; c < op->stencil->axis_count; c++)
     for (int up = 0; up < 2; up++) {
       const int a = op->stencil->axes[c];
@@ -263,18 +262,21 @@ static void flux_weights(const struct stokes_operator *op, const size_t at[3], s
       if (l->kind[other] != SITE_WALL) continue;
       const struct stokes_wall_quadrature end =
           stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
-      v += end.velocity;
-      f += end.force;
+      const struct region *region = wall_region(op, other);
+      w.velocity += end.velocity;
+      w.force += end.force;
+      for (int b = 0; region && b < 3; b++)
+        w.moving[b] += (end.wall - end.velocity) * region->velocity[b] / op->velocity_unit;
     }
-  if (v != 0.0) {
+  if (w.velocity != 0.0) {
     double normal[3], curvature = 0.0;
     wall_shape(op, at, site, normal, &curvature);
     const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
-    v *= bend;
-    f *= bend;
+    w.velocity *= bend;
+    w.force *= bend;
   }
-  *velocity = 1.0 + v;
-  *net_force = f;
+  w.velocity += 1.0;
+  return w;
 }
 
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
@@ -288,14 +290,15 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
     memset(sum, 0, 3 * sizeof *sum);
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
-      double velocity = 1.0, net_force = 0.0;
+      struct flux_weights w = {1.0, 0.0, {0.0}};
       if (op->wall == WALL_SUBVOXEL)
-        flux_weights(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]},
-                     row * grid->size[0] + i, &velocity, &net_force);
+        w = flux_of_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]},
+                         row * grid->size[0] + i);
       for (int a = 0; a < axes; a++) {
         const size_t at = (size_t)a * op->n + n;
+        const int axis = op->stencil->axes[a];
         sum[a] +=
-            velocity * x[at] + net_force * (force[op->stencil->axes[a]] - (double)p_gradient[at]);
+            w.velocity * x[at] + w.force * (force[axis] - (double)p_gradient[at]) + w.moving[axis];
       }
       n++;
     }

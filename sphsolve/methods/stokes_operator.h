@@ -33,6 +33,8 @@ struct stokes_operator {
   const struct stokes_stencil *stencil;
   const struct stokes_grid *grid;
   const struct lattice *lattice;
+  const struct scene *scene; /* may be NULL */
+  double velocity_unit;      /* m/s */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
   double tau;

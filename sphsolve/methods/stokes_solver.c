@@ -1,6 +1,7 @@
 #include "sphsolve/methods/stokes_solver.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 #include "common/memory.h"
@@ -24,6 +25,14 @@ int stokes_solver_basis(double sites, double active) {
 double stokes_solver_bytes(double sites, double active) {
   return SITE_BYTES * sites +
          (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active))) * active;
+}
+
+/* Threads that so many sites keep busy; waiting for more costs longer than they help. */
+#define SITES_A_THREAD 4000
+
+static int threads_for(size_t active) {
+  const size_t most = (size_t)omp_get_max_threads(), wanted = 1 + active / SITES_A_THREAD;
+  return (int)(wanted < most ? wanted : most);
 }
 
 static void apply(void *system, const float *x, float *y) {
@@ -93,6 +102,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
                                 double support, enum wall_scheme wall, double nu,
                                 const double driving[3], struct stokes_solver *s) {
   enum status status = STATUS_OK;
+  const int threads = omp_get_max_threads();
   memset(s, 0, sizeof *s);
   s->bulk_count = lattice->bulk_count;
   if (lattice->fluid_count == lattice->count)
@@ -103,6 +113,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
   if (s->grid.active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
+  omp_set_num_threads(threads_for(s->grid.active));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
                             s->velocity_unit, &s->operator));
   TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
@@ -114,9 +125,9 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
   measure(s);
-  return STATUS_OK;
 cleanup:
-  stokes_solver_free(s);
+  omp_set_num_threads(threads);
+  if (status != STATUS_OK) stokes_solver_free(s);
   return status;
 }
 
@@ -131,12 +142,15 @@ void stokes_solver_free(struct stokes_solver *s) {
 
 void stokes_solver_round(struct stokes_solver *s) {
   double shrunk = 1.0, reached;
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(s->operator.threads);
   for (int cycle = 0; cycle < 20 && shrunk > ROUND_REDUCTION; cycle++) {
     s->iterations +=
         stokes_krylov_correct(&s->krylov, s->residual, ROUND_REDUCTION / shrunk, s->x, &reached);
     shrunk *= reached;
   }
   measure(s);
+  omp_set_num_threads(threads);
 }
 
 bool stokes_solver_converged(const struct stokes_solver *s, double tolerance) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <omp.h>
 
 #include "common/memory.h"
 #include "sphsolve/methods/stokes_solver.h"
@@ -155,11 +156,116 @@ static void test_no_wall_is_an_input_error(void **state) {
   lattice_empty(&lattice);
 }
 
+/* Eleven layers of water between walls, the upper one moving: v = U z / 11, also off the lattice.
+ */
+static double couette_distance(const double at[3], double shift) {
+  return at[2] < 8.0 ? at[2] - 3.0 - shift : 14.0 - shift - at[2];
+}
+
+static void test_couette(void **state) {
+  (void)state;
+  struct region regions[2] = {{.type = REGION_WALL},
+                              {.type = REGION_WALL, .velocity = {2.0, 0, 0}}};
+  const struct scene scene = {.regions = regions, .region_count = 2};
+  const size_t size[3] = {3, 2, 17};
+  const double none[3] = {0.0};
+  for (double shift = 0.0; shift < 1.0; shift += 0.3) {
+    struct lattice lattice;
+    struct stokes_solver solver;
+    lattice_fill(&lattice, size, 1.0, couette_distance, shift);
+    assert_int_equal(memory_allocate(&lattice.region, lattice.count, sizeof(uint16_t), "regions"),
+                     STATUS_OK);
+    for (size_t s = 0; s < lattice.count; s++)
+      lattice.region[s] = lattice.kind[s] == SITE_WALL ? (s < lattice.count / 2 ? 1 : 2) : 0;
+    assert_int_equal(stokes_solver_build(&lattice, &scene, 2.9, WALL_SUBVOXEL, 0.5, none, &solver),
+                     STATUS_OK);
+    assert_int_equal(stokes_solver_run(&solver, 1e-6), STATUS_OK);
+    const double gap = 11.0 - 2.0 * shift;
+    assert_true(fabs(solver.mean[0] * solver.velocity_unit / (gap / 17.0) - 1.0) < 1e-4);
+    assert_true(fabs(solver.mean[2] * solver.velocity_unit) < 1e-6);
+    stokes_solver_free(&solver);
+    memory_free(&lattice.region);
+    lattice_empty(&lattice);
+  }
+}
+
+static void test_bits_do_not_depend_on_threads(void **state) {
+  (void)state;
+  const size_t size[3] = {20, 20, 20};
+  const int threads = omp_get_max_threads();
+  double *first = NULL;
+  size_t length = 0;
+  for (int n = 1; n <= 2; n++) {
+    struct lattice lattice;
+    struct stokes_solver solver;
+    const double driving[3] = {0.0, 1.0, 0.3};
+    omp_set_num_threads(n);
+    lattice_fill(&lattice, size, 0.05, sphere_distance, 0.3);
+    assert_int_equal(
+        stokes_solver_build(&lattice, NULL, 2.9 * 0.05, WALL_SUBVOXEL, 1.0, driving, &solver),
+        STATUS_OK);
+    assert_int_equal(solver.operator.threads, n); /* or the test would compare one with one */
+    stokes_solver_round(&solver);
+    if (first == NULL) {
+      first = solver.x;
+      solver.x = NULL;
+      length = 4 * solver.grid.active;
+    } else {
+      assert_memory_equal(first, solver.x, length * sizeof *first);
+    }
+    stokes_solver_free(&solver);
+    lattice_empty(&lattice);
+  }
+  memory_free(&first);
+  omp_set_num_threads(threads);
+}
+
+/* Every instruction set against the sum written out, rows shorter than the support included. */
+static void test_row_loops(void **state) {
+  (void)state;
+  const struct stokes_rows *sets[] = {&stokes_rows_base, &stokes_rows_avx2, stokes_rows_best()};
+  const double spacing[3] = {1.0, 1.1, 0.9};
+  static struct stokes_stencil stencil;
+  static float field[25][64] __attribute__((aligned(64)));
+  static float scratch[2048] __attribute__((aligned(64))), out[64] __attribute__((aligned(64)));
+  assert_int_equal(stokes_stencil_build(3, spacing, 2.7, &stencil), STATUS_OK);
+  const struct stokes_convolution *all[] = {&stencil.laplace, &stencil.gradient[0],
+                                            &stencil.gradient[1], &stencil.gradient[2]};
+  assert_true(stokes_rows_scratch(64) <= sizeof scratch / sizeof *scratch);
+  for (size_t nx = 1; nx <= 64; nx += 7)
+    for (size_t set = __builtin_cpu_supports("avx2") ? 0 : 2; set < 3; set++)
+      for (int which = 0; which < 4; which++) {
+        const float *rows[STOKES_CLASS_MAX][4];
+        const size_t stride = (nx + STOKES_LANES - 1) / STOKES_LANES * STOKES_LANES;
+        for (size_t r = 0; r < 25; r++)
+          for (size_t i = 0; i < 64; i++)
+            field[r][i] = i < nx ? sinf((float)(r * 64 + i * i)) : 0.0f;
+        for (int c = 0; c < all[which]->class_count; c++)
+          for (int r = 0; r < all[which]->classes[c].row_count; r++)
+            rows[c][r] =
+                field[(all[which]->classes[c].dk[r] + 2) * 5 + all[which]->classes[c].dj[r] + 2];
+        sets[set]->convolve(all[which], (const float *const(*)[4])rows, nx, stride, scratch, out);
+        for (size_t i = 0; i < nx; i++) {
+          double sum = 0.0;
+          for (int o = 0; o < stencil.offset_count; o++) {
+            const struct stokes_offset *offset = &stencil.offsets[o];
+            const double value = which == 0 ? offset->viscous : offset->gradient[which - 1];
+            const size_t x = (i + 4 * nx + (size_t)(offset->step[0] + 4) - 4) % nx;
+            sum += value * (double)field[(offset->step[2] + 2) * 5 + offset->step[1] + 2][x];
+          }
+          assert_true(fabs(sum - (double)out[i]) < 1e-5);
+        }
+      }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_spheres_within_one_per_cent),
       cmocka_unit_test(test_slit_at_any_shift),
       cmocka_unit_test(test_walls_are_ordered_by_accuracy),
+      cmocka_unit_test(test_couette),
+      cmocka_unit_test(test_bits_do_not_depend_on_threads),
+      cmocka_unit_test(test_row_loops),
       cmocka_unit_test(test_blocked_pores_are_left_out),
       cmocka_unit_test(test_no_wall_is_an_input_error),
   };
