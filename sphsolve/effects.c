@@ -5,6 +5,7 @@
 #include "sphsolve/effects/stokes_pressure.h"
 #include "sphsolve/effects/stokes_stabilisation.h"
 #include "sphsolve/effects/stokes_viscosity.h"
+#include "sphsolve/effects/stokes_wall_adami.h"
 #include "sphsolve/effects/stokes_wall_frozen.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
 #include "sphsolve/effects/wcsph_effects.h"

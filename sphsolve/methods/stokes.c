@@ -115,11 +115,6 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   struct stokes_solver s = {0};
   double darcy[3] = {0.0}, reynolds = 0.0, best = INFINITY;
   const double tolerance = scene->stokes.tolerance;
-  if (scene->stokes.wall == WALL_ADAMI)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: stokes.wall: \"adami\" is known to method wcsph only; choose "
-             "\"subvoxel\" or \"frozen\"",
-             scene->path);
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
   TRY(stokes_solver_build(lattice, scene, plan->context.support, scene->stokes.wall,

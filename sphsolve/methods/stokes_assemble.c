@@ -20,14 +20,9 @@ static double distance(const struct stokes_operator *op, size_t site) {
   return op->lattice->wall_distance[site] / op->stencil->unit;
 }
 
-static const struct region *wall_region(const struct stokes_operator *op, size_t site) {
-  if (!op->scene || !op->lattice->region || op->lattice->region[site] == 0) return NULL;
-  return &op->scene->regions[op->lattice->region[site] - 1];
-}
-
 static void add_wall(const struct stokes_operator *op, const struct stokes_offset *offset,
                      size_t site, size_t other, struct site_sums *sums) {
-  const struct region *region = wall_region(op, other);
+  const struct region *region = stokes_wall_region(op, other);
   if (region && region->slip) return; /* moves along: no shear */
   double factor = 1.0;                /* frozen: at rest where it is */
   if (op->wall == WALL_ADAMI) factor = 2.0;
@@ -95,7 +90,8 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
       add_wall(op, offset, site, other, sums);
       linear += sums->diagonal - before;
     } else {
-      sums->diagonal += offset->viscous; /* a pore that cannot flow: at rest */
+      /* a pore that cannot flow: at rest */
+      sums->diagonal += offset->viscous * (op->wall == WALL_ADAMI ? 2.0 : 1.0);
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
@@ -262,7 +258,7 @@ static struct flux_weights flux_of_site(const struct stokes_operator *op, const 
       if (l->kind[other] != SITE_WALL) continue;
       const struct stokes_wall_quadrature end =
           stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
-      const struct region *region = wall_region(op, other);
+      const struct region *region = stokes_wall_region(op, other);
       w.velocity += end.velocity;
       w.force += end.force;
       for (int b = 0; region && b < 3; b++)

@@ -14,6 +14,7 @@
 #ifndef TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
 #define TOSUI_SPHSOLVE_METHODS_STOKES_OPERATOR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
@@ -87,6 +88,18 @@ static inline void stokes_correct(const struct stokes_operator *op, size_t i, co
       out[a] +=
           op->correction[stokes_symmetric(axes, a, b) * op->n + i] * in[(size_t)b * pitch + i];
   }
+}
+
+/* The region whose wall a site is part of, NULL for none. */
+static inline const struct region *stokes_wall_region(const struct stokes_operator *op,
+                                                      size_t site) {
+  if (!op->scene || !op->lattice->region || op->lattice->region[site] == 0) return NULL;
+  return &op->scene->regions[op->lattice->region[site] - 1];
+}
+
+static inline bool stokes_wall_slips(const struct stokes_operator *op, size_t site) {
+  const struct region *region = stokes_wall_region(op, site);
+  return region && region->slip;
 }
 
 #endif

@@ -18,10 +18,10 @@ static void unpack_double(struct stokes_operator *op, const double *packed) {
   }
 }
 
-static const double *convolve_double(const struct stokes_operator *op,
-                                     const struct stokes_convolution *convolution, size_t row) {
+static const double *convolve_field(const struct stokes_operator *op,
+                                    const struct stokes_convolution *convolution,
+                                    const double *field, size_t row) {
   const struct stokes_grid *grid = op->grid;
-  const double *field = (const double *)(const void *)op->field;
   const size_t nx = grid->size[0], pitch = grid->stride + 2 * STOKES_LANES;
   double *out = (double *)(void *)(op->scratch + (size_t)omp_get_thread_num() * op->scratch_size);
   double *packed = out + grid->stride, *partial = packed + grid->stride + STOKES_LANES;
@@ -54,6 +54,11 @@ static const double *convolve_double(const struct stokes_operator *op,
     for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1)
       *p++ = out[c * STOKES_LANES + (size_t)__builtin_ctz(bits)];
   return packed;
+}
+
+static const double *convolve_double(const struct stokes_operator *op,
+                                     const struct stokes_convolution *convolution, size_t row) {
+  return convolve_field(op, convolution, (const double *)(const void *)op->field, row);
 }
 
 /* What the pressure does on one row: its gradient, before correction, and the stabilisation. */
@@ -92,6 +97,45 @@ static void viscous_terms(const struct stokes_operator *op, int axis, size_t row
     momentum[i] =
         (float)((double)op->parabola[i] * (force - (double)momentum[i]) +
                 (drag ? (double)drag[i] : 0.0) - ((double)op->diagonal[i] * v[i] - sum[i - start]));
+}
+
+/* Kernel average of the unpacked velocity at every wall site, into the second field. */
+static void average_at_walls(const struct stokes_operator *op) {
+  const struct stokes_grid *grid = op->grid;
+  const double *field = (const double *)(const void *)op->field;
+  double *average = (double *)(void *)op->field + grid->rows * grid->stride;
+#pragma omp for schedule(static)
+  for (size_t row = 0; row < grid->rows; row++)
+    for (size_t i = 0; i < grid->stride; i++) {
+      double sum = 0.0, weight = 0.0;
+      const bool wall = i < grid->size[0] && !stokes_grid_is_active(grid, row, i) &&
+                        !stokes_wall_slips(op, row * grid->size[0] + i);
+      for (int o = 0; wall && o < op->stencil->offset_count; o++) {
+        const struct stokes_offset *offset = &op->stencil->offsets[o];
+        const size_t other = stokes_grid_row(grid, row % grid->size[1], row / grid->size[1],
+                                             offset->step[1], offset->step[2]);
+        long x = (long)i + offset->step[0];
+        while (x < 0) x += (long)grid->size[0];
+        while (x >= (long)grid->size[0]) x -= (long)grid->size[0];
+        if (!stokes_grid_is_active(grid, other, (size_t)x)) continue;
+        sum += offset->weight * field[other * grid->stride + (size_t)x];
+        weight += offset->weight;
+      }
+      average[row * grid->stride + i] = weight > 0.0 ? sum / weight : 0.0;
+    }
+}
+
+/* What the average differs from the site's own velocity, which the operator takes. */
+static void adami_terms(const struct stokes_operator *op, size_t row, const double *v,
+                        float *momentum) {
+  const struct stokes_grid *grid = op->grid;
+  const double *average = (const double *)(const void *)op->field + grid->rows * grid->stride;
+  const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
+  const double *sum = convolve_field(op, &op->stencil->laplace, average, row);
+  for (size_t i = start; i < end; i++) {
+    const double walls = 0.5 * ((double)op->diagonal[i] - (double)op->pore_sum[i]);
+    momentum[i] += (float)(walls * v[i] - sum[i - start]);
+  }
 }
 
 /* packed = component of B (v + tau g p). */
@@ -142,6 +186,12 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
       for (size_t row = 0; row < grid->rows; row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           viscous_terms(op, a, row, force[op->stencil->axes[a]], v, residual + (size_t)a * op->n);
+      if (op->wall != WALL_ADAMI) continue;
+      average_at_walls(op);
+#pragma omp for schedule(static)
+      for (size_t row = 0; row < grid->rows; row++)
+        if (grid->row_start[row] < grid->row_start[row + 1])
+          adami_terms(op, row, v, residual + (size_t)a * op->n);
     }
   }
 }

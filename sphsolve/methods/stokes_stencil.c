@@ -112,6 +112,7 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], double
         const double dw = kernel_dw(KERNEL_QUINTIC, dimensions, r, h);
         offset->step[0] = i, offset->step[1] = j, offset->step[2] = k;
         offset->r = r;
+        offset->weight = kernel_w(KERNEL_QUINTIC, dimensions, r, h);
         offset->viscous = stokes_viscosity_pair(r, dw);
         for (int a = 0; a < 3; a++) offset->gradient[a] = stokes_pressure_pair(r, dw) * x[a];
       }

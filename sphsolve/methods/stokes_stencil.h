@@ -13,6 +13,7 @@ struct stokes_offset {
   int step[3];
   double r;           /* distance */
   double viscous;     /* c_ab: (A v)_a = sum_b c_ab (v_a - v_b) */
+  double weight;      /* W */
   double gradient[3]; /* g_ab: (G p)_a = sum_b g_ab (p_b - p_a) */
 };
 

@@ -102,12 +102,16 @@ static void test_slit_at_any_shift(void **state) {
   }
 }
 
-static void test_walls_are_ordered_by_accuracy(void **state) {
+static void test_walls_of_a_slit(void **state) {
   (void)state;
   const size_t size[3] = {7, 1, 1};
   const double exact = pow(SLIT_WIDTH, 3) / 12.0 / 7.0;
   const double frozen = permeability(size, 1.0, slit_shifted, 0.0, WALL_FROZEN) / exact;
+  const double adami = permeability(size, 1.0, slit_shifted, 0.0, WALL_ADAMI) / exact;
+  const double subvoxel = permeability(size, 1.0, slit_shifted, 0.0, WALL_SUBVOXEL) / exact;
   assert_true(fabs(frozen - 1.934) < 0.01); /* exact lattice theory of the slit: +93.4 % */
+  assert_true(fabs(adami - 1.147) < 0.005); /* +14.7 % */
+  assert_true(fabs(subvoxel - 1.0) < 1e-5);
 }
 
 /* A pore closed along z carries nothing, whatever leads around in x. */
@@ -262,7 +266,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_spheres_within_one_per_cent),
       cmocka_unit_test(test_slit_at_any_shift),
-      cmocka_unit_test(test_walls_are_ordered_by_accuracy),
+      cmocka_unit_test(test_walls_of_a_slit),
       cmocka_unit_test(test_couette),
       cmocka_unit_test(test_bits_do_not_depend_on_threads),
       cmocka_unit_test(test_row_loops),
