@@ -125,6 +125,9 @@ demo: all
 s06: all
 	$(Q)BUILD=$(BUILD) scripts/s06
 
+bench: all $(BUILD)/tests/bench_engine
+	$(Q)BUILD=$(BUILD) scripts/bench
+
 clean:
 	rm -rf $(BUILD)
 format:

@@ -366,7 +366,8 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
         double v = ((double)p->v[a][i] + pass->dt * change) / (1 + stiff);
         p->v_next[a][i] = (float)v;
         if (!shift) continue;
-        u[a] = -pass->shift_speed * pass->smoothing_length * gradient * row.crowd[a];
+        u[a] = -SHIFTING_STRENGTH * pass->shift_speed * pass->smoothing_length * gradient *
+               row.crowd[a];
         speed += u[a] * u[a];
       }
       if (!shift) continue;
