@@ -11,6 +11,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
+#include "common/threads.h"
 #include "sphsolve/explain.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/method.h"
@@ -161,6 +162,7 @@ static enum status explain(const struct options *options, struct job *job) {
 }
 
 int main(int argc, char **argv) {
+  threads_wait_asleep(argv);
   struct options *options = NULL;
   static struct job job;
   bool done;
