@@ -54,6 +54,19 @@ double isph_open_pressure(const struct isph *s, const struct isph_open_side *sid
   return fmax(0, s->density * strength * (side->head - z));
 }
 
+/* The head stands on the side itself, half a spacing and more before the boundary particles: their
+ * pressure continues the line from particle to side, so that a pair counts 1 + d_j/d_i times with
+ * its difference to the side. `r`: to the boundary particle; `to_side`: to its foot on the side. */
+double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
+                         double to_side[3]) {
+  const struct isph_open_side *side = &s->sides[s->boundary_box[j]];
+  int n = side->axis;
+  double depth = side->inward > 0 ? xi[n] - s->low[n] : s->high[n] - xi[n];
+  memcpy(to_side, r, 3 * sizeof *r);
+  to_side[n] = depth * side->inward;
+  return 1 + fmax(0, fabs(r[n]) - depth) / fmax(depth, 0.25 * s->spacing);
+}
+
 /* The open side through which x has left the domain, -1 for none. */
 int isph_open_side_behind(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < s->side_count; k++) {

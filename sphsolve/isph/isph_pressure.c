@@ -64,9 +64,11 @@ void isph_assemble(struct isph *s, double tau) {
         double r[3], slope = chunk->wall_slope[p];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
-          double a = 2 * vol * s->wall_volume * ki * slope;
+          double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+          double a = 2 * vol * s->wall_volume * ki * slope * stretch;
           diagonal += a, tied += a;
-          source += a * (s->boundary_pressure[j] + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]));
+          source += a * (s->boundary_pressure[j] +
+                         rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
           continue;
         }
         const double *vw = s->boundary_velocity[j];

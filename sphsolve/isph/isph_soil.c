@@ -21,7 +21,7 @@ static double kernel_integral(double t) {
 
 static double share_of_box(const struct isph *s, const struct region *region,
                            const double offset[3], const double x[3]) {
-  double h = 0.5 * s->scene->isph.support_ratio * s->spacing, share = 1;
+  double h = 0.25 * s->scene->isph.support_ratio * s->spacing, share = 1;
   double near = 1e-6 * s->spacing;
   for (int a = 0; a < 3; a++) {
     if (s->dimensions == 2 && a == 1) continue;

@@ -196,6 +196,8 @@ double isph_dot(size_t n, const double *a, const double *b);
 /* isph_open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
+double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
+                         double to_side[3]);
 int isph_open_side_behind(const struct isph *s, const double x[3]);
 /* Between predictor and pressure. */
 void isph_open_straighten(struct isph *s);

@@ -162,8 +162,12 @@ static void correct(struct isph *s) {
         if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) continue;
         double r[3];
         isph_separation(s, xi, s->boundary_position, entry, r);
-        add_drop(f, rho, s->wall_volume * (double)chunk->wall_slope[p],
-                 pressure - s->boundary_pressure[j], r, reduced, own);
+        double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+        double weight = s->wall_volume * (double)chunk->wall_slope[p] * stretch;
+        double drop = pressure - s->boundary_pressure[j];
+        double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
+        for (int a = 0; a < 3; a++)
+          reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       for (int a = 0; a < 3; a++)

@@ -1,6 +1,6 @@
 /* Method isph: stabilised incompressible SPH for the unified Navier-Stokes / extended Darcy
  * equation (Morimoto et al. 2015, corrected; docs/physics.md). */
-#include "sphsolve/method.h"
+#include "sphsolve/methods/isph.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/isph/isph_output.h"
-#include "sphsolve/isph/isph_state.h"
+#include "sphsolve/method.h"
 
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
@@ -54,7 +54,7 @@ enum status isph_plan(struct plan *plan, int threads) {
   return STATUS_OK;
 }
 
-static void switch_effects(const struct plan *plan, struct isph_switches *on) {
+void isph_switches_of(const struct plan *plan, struct isph_switches *on) {
   *on = (struct isph_switches){
       .soil = plan_has(plan, "isph_porosity"),
       .moving_soil = plan_has(plan, "isph_soil_moving"),
@@ -158,7 +158,7 @@ enum status isph_run(const struct scene *scene, const struct plan *plan,
   struct isph state = {0}, *s = &state;
   struct isph_switches on;
   struct h5_file *file = NULL;
-  switch_effects(plan, &on);
+  isph_switches_of(plan, &on);
   TRY(isph_create(scene, lattice, &on, s));
   TRY(isph_add_columns(s, recorder));
   TRY(recorder_resume(recorder, &file));
