@@ -124,6 +124,8 @@ demo: all
 # ---- studies ----
 s06: all
 	$(Q)BUILD=$(BUILD) scripts/s06
+m15: all $(BUILD)/tests/verify_m15
+	$(Q)BUILD=$(BUILD) scripts/m15
 
 bench: all $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/bench

@@ -161,12 +161,15 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->soil_porosity_least = isph_soil_minimum(scene);
   s->support_max =
       scene->isph.support_ratio * s->spacing * pow(s->soil_porosity_least, -1.0 / s->dimensions);
-  for (int a = 0; a < 3; a++)
-    if (s->periodic[a] && s->high[a] - s->low[a] < s->support_max)
+  for (int a = 0; a < 3; a++) {
+    double length = s->high[a] - s->low[a], support = scene->isph.support_ratio * s->spacing;
+    if (s->periodic[a] && length < support)
       TRY_FAIL(STATUS_INPUT,
                "%s: domain.size: %.4g m along the periodic axis %c is less than the "
                "kernel's support of %.4g m; make the domain wider or the spacing smaller",
-               scene->path, s->high[a] - s->low[a], "xyz"[a], s -> support_max);
+               scene->path, length, "xyz"[a], support);
+    if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
+  }
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   TRY(isph_open_create(s));
   TRY(isph_wall_create(s));
