@@ -16,6 +16,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
+#include "common/threads.h"
 #include "common/units.h"
 
 enum command { COMMAND_DARCY, COMMAND_PDF, COMMAND_HISTORY, COMMAND_SLICE, COMMAND_CONVERGE };
@@ -185,6 +186,7 @@ cleanup:
 }
 
 int main(int argc, char **argv) {
+  threads_wait_asleep(argv);
   struct options *options = NULL;
   bool done = false;
   log_start("analyze", LOG_NORMAL);

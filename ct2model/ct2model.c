@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "common/threads.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/describe.h"
@@ -50,6 +51,7 @@ cleanup:
 }
 
 int main(int argc, char **argv) {
+  threads_wait_asleep(argv);
   enum status status = STATUS_OK;
   struct options *options = NULL;
   struct request request;
