@@ -48,6 +48,7 @@ static inline struct stokes_wall_image stokes_wall_image(double d_a, double d_b,
 struct stokes_wall_quadrature {
   double velocity, force; /* factors of v_a and (F - G p)_a */
   double wall;            /* and of a wall's velocity, for the part of the last cell behind it */
+  double share;           /* of the axis in the surface */
 };
 
 static inline struct stokes_wall_quadrature stokes_wall_quadrature(double d_a, double d_b,
@@ -57,7 +58,7 @@ static inline struct stokes_wall_quadrature stokes_wall_quadrature(double d_a, d
   const double n = fmin((d_a + d_b) / step, 1.0), s = fmin(d_a / (d_a + d_b), 1.0);
   const double bernoulli = s * s - s + 1.0 / 6.0;
   const double slope = 0.5 * bernoulli * n * n * n * step;
-  return (struct stokes_wall_quadrature){slope / d_a, 0.5 * slope * d_a, (s - 0.5) * n * n};
+  return (struct stokes_wall_quadrature){slope / d_a, 0.5 * slope * d_a, (s - 0.5) * n * n, n * n};
 }
 
 static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *context,

@@ -238,7 +238,8 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->scratch);
 }
 
-/* Factors of v and (f - G p) of one site in the volume integral, and what moving walls add. */
+/* What the ends of lines at walls add to the value of one site in the volume integral: factors of v
+ * and (f - G p), and the part of moving walls. */
 struct flux_weights {
   double velocity, force, moving[3];
 };
@@ -249,7 +250,9 @@ static struct flux_weights flux_of_site(const struct stokes_operator *op, const 
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
   const double d_a = distance(op, site);
   struct flux_weights w = {0.0, 0.0, {0.0}};
-  for (int c = 0; c < op->stencil->axis_count; c++)
+  double shares = 0.0; /* of the axes; more than 1 in a corner */
+  for (int c = 0; c < op->stencil->axis_count; c++) {
+    double share = 0.0;
     for (int up = 0; up < 2; up++) {
       const int a = op->stencil->axes[c];
       const size_t last = (l->size[a] - 1) * step[a];
@@ -263,15 +266,18 @@ static struct flux_weights flux_of_site(const struct stokes_operator *op, const 
       w.force += end.force;
       for (int b = 0; region && b < 3; b++)
         w.moving[b] += (end.wall - end.velocity) * region->velocity[b] / op->velocity_unit;
+      share = fmax(share, end.share);
     }
-  if (w.velocity != 0.0) {
+    shares += share;
+  }
+  if (shares > 0.0) {
     double normal[3], curvature = 0.0;
     wall_shape(op, at, site, normal, &curvature);
     const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
-    w.velocity *= bend;
-    w.force *= bend;
+    w.velocity *= bend / fmax(shares, 1.0);
+    w.force *= bend / fmax(shares, 1.0);
+    for (int a = 0; a < 3; a++) w.moving[a] /= fmax(shares, 1.0);
   }
-  w.velocity += 1.0;
   return w;
 }
 
@@ -286,15 +292,18 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
     memset(sum, 0, 3 * sizeof *sum);
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
-      struct flux_weights w = {1.0, 0.0, {0.0}};
+      struct flux_weights w = {0.0, 0.0, {0.0}};
       if (op->wall == WALL_SUBVOXEL)
         w = flux_of_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]},
                          row * grid->size[0] + i);
       for (int a = 0; a < axes; a++) {
         const size_t at = (size_t)a * op->n + n;
         const int axis = op->stencil->axes[a];
-        sum[a] +=
-            w.velocity * x[at] + w.force * (force[axis] - (double)p_gradient[at]) + w.moving[axis];
+        /* Between two walls the force bends the profile by no more than its slope is; in a corner
+         * it would, as it is shared among the walls. */
+        const double slope = w.velocity * x[at] + w.moving[axis], most = fabs(slope);
+        const double bend = w.force * (force[axis] - (double)p_gradient[at]);
+        sum[a] += x[at] + slope + fmax(-most, fmin(bend, most));
       }
       n++;
     }

@@ -159,6 +159,7 @@ bool stokes_solver_converged(const struct stokes_solver *s, double tolerance) {
 
 enum status stokes_solver_run(struct stokes_solver *s, double tolerance) {
   double best = INFINITY;
+  if (s->grid.active == 0) return STATUS_OK;
   for (int stalled = 0; stalled < 10;) {
     stokes_solver_round(s);
     if (stokes_solver_converged(s, tolerance)) return STATUS_OK;

@@ -138,6 +138,21 @@ static void test_blocked_pores_are_left_out(void **state) {
   lattice_empty(&lattice);
 }
 
+/* A throat one site wide: coarse, but k is positive and of the right size (0.4217 w^4 / 12). */
+static double throat(const double at[3], double unused) {
+  (void)unused;
+  double d[2];
+  for (int a = 0; a < 2; a++) d[a] = 0.5 - fabs(at[a] - 3.5);
+  return d[0] < 0.0 && d[1] < 0.0 ? -hypot(d[0], d[1]) : fmin(d[0], d[1]);
+}
+
+static void test_throat_one_site_wide(void **state) {
+  (void)state;
+  const size_t size[3] = {7, 7, 4};
+  const double k = permeability(size, 1.0, throat, 0.0, WALL_SUBVOXEL) * 49.0 / (0.421731 / 12.0);
+  assert_true(k > 0.5 && k < 2.0);
+}
+
 static double no_wall(const double at[3], double unused) {
   (void)at, (void)unused;
   return 1.0;
@@ -270,6 +285,7 @@ int main(void) {
       cmocka_unit_test(test_couette),
       cmocka_unit_test(test_bits_do_not_depend_on_threads),
       cmocka_unit_test(test_row_loops),
+      cmocka_unit_test(test_throat_one_site_wide),
       cmocka_unit_test(test_blocked_pores_are_left_out),
       cmocka_unit_test(test_no_wall_is_an_input_error),
   };
