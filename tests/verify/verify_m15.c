@@ -42,10 +42,11 @@ static double balance(double eps, bool paper) {
   double d = 0.01, nu = 1e-6, cr = 1 + 0.34 * (1 - eps) / eps;
   double a = 1000 * nu * pow(1 - eps, 2) / (pow(eps, 3) * d * d);
   double b = 1.1 * (1 - eps) / (pow(eps, 3) * d), q = 0, s = 1e-9, t = 0, dt = 1e-5;
+  double scale = paper ? 1 : 1 / eps;
   for (; s < SIDE && t < 5; t += dt) {
-    double head = HEAD - eps * s, drag = paper ? eps : 1;
-    double rate = GRAVITY * (head + s) - (paper ? drag * s : eps * s / eps) * (a * q + b * q * q);
-    q += dt * rate / (head + (paper ? cr * s : cr * s / eps));
+    double head = HEAD - eps * s;
+    double rate = GRAVITY * (head + s) - scale * eps * s * (a * q + b * q * q);
+    q += dt * rate / (head + scale * cr * s);
     s += dt * q / eps;
   }
   return t;
@@ -66,12 +67,12 @@ static void judge(const char *folder, const char *name, double eps, bool paper, 
   double *potential = column(file, "potential_energy", 1, &m);
   double *kinetic = column(file, "kinetic_energy", 1, &m), *mass = column(file, "mass", 1, &m);
   if (time && low && soil && potential && kinetic && mass && n > 1) {
-    double arrival = NAN, rise = 0, size = 0.01 * pow(eps, -1.0 / 3);
+    double arrival = NAN, rise = 0;
     for (size_t i = 1; i < n; i++) {
-      /* The lowest particle's centre half a particle above the floor. */
-      if (isnan(arrival) && low[3 * i + 2] <= 0.25 * size) {
+      /* The lowest particle touches the floor: its centre half a particle above. */
+      if (isnan(arrival) && low[3 * i + 2] <= 0) {
         double before = low[3 * i - 1], after = low[3 * i + 2];
-        arrival = time[i - 1] + (time[i] - time[i - 1]) * (before - 0.25 * size) / (before - after);
+        arrival = time[i - 1] + (time[i] - time[i - 1]) * before / (before - after);
       }
       rise = fmax(rise, potential[i] + kinetic[i] - potential[i - 1] - kinetic[i - 1]);
     }
