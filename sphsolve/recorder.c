@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #ifdef _OPENMP
@@ -87,6 +88,23 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
   return add_column(recorder, name, unit, components);
 }
 
+/* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
+static enum status refuse_overwriting(const struct recorder *recorder) {
+  char path[4096];
+  struct stat output, input;
+  const char *inputs[2] = {recorder->scene->model_path, recorder->scene->path};
+  snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
+  if (stat(path, &output) != 0) return STATUS_OK;
+  for (int i = 0; i < 2; i++)
+    if (*inputs[i] && stat(inputs[i], &input) == 0 && input.st_dev == output.st_dev &&
+        input.st_ino == output.st_ino)
+      return FAIL(STATUS_USAGE,
+                  "-o %s: %s would be overwritten, and it is an input of this run; "
+                  "choose another name",
+                  recorder->prefix, path);
+  return STATUS_OK;
+}
+
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
                           const struct lattice *lattice, const char *command_line, bool resume,
                           struct recorder **result) {
@@ -133,6 +151,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
     slash[slash == folder] = '\0';
   if (access(folder, W_OK) != 0)
     TRY_FAIL(STATUS_RUN, "%s: output cannot be written there: %s", folder, strerror(errno));
+  TRY(refuse_overwriting(recorder));
   interrupted = 0;
   struct sigaction action = {.sa_handler = on_signal};
   sigaction(SIGINT, &action, NULL);

@@ -101,3 +101,27 @@ assert abs(d["intrinsic_permeability"] / (0.8e-3 ** 2 / 12) - 1) < 0.01'
   run /usr/bin/python3 "$BATS_TEST_DIRNAME/independent_reader.py" snapshot out-0000.hdf
   [ "$status" -eq 0 ] || { echo "$output"; false; }
 }
+
+@test "a run never overwrites its own model" {
+  /usr/bin/python3 -c 'import h5py' 2>/dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 -c '
+import h5py, numpy as np
+f = h5py.File("dense.hdf", "w")
+g = f.create_group("model")
+solid = np.zeros((4, 4, 12), np.uint8)
+solid[:, :, :4] = 1
+g.create_dataset("solid", data=solid)
+g.attrs["spacing"] = [1e-5] * 3'
+  echo 'scene = { name = "m"; method = "stokes"; }; model = { file = "dense.hdf"; };
+    fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } ); force = { gravity = ["0", "0", "-9.8 m/s^2"]; };' > m.cfg
+  before=$(cksum dense.hdf)
+  run --separate-stderr "$SPH" run m.cfg -o dense
+  [ "$status" -eq 2 ] && [[ "$stderr" == *"would be overwritten"* ]]
+  [ "$(cksum dense.hdf)" = "$before" ]
+  # A voxel model needs no more than solid and spacing: plane Poiseuille between voxel faces, w = 8 voxels.
+  "$SPH" run m.cfg -o run --json > run.json
+  python3 -c '
+import json
+k = json.load(open("run.json"))["intrinsic_permeability"]
+assert abs(k / (8e-5 ** 3 / 12 / 12e-5) - 1) < 0.01, k'
+}
