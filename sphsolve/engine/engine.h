@@ -64,7 +64,7 @@ enum status engine_step(struct engine *engine);
 double engine_density(const struct engine *engine, size_t slot);
 double engine_pressure(const struct engine *engine, size_t slot);
 /* Bytes of the lists per fluid and per wall particle, for a plan: from what sand models take. */
-#define ENGINE_LIST_BYTES_FLUID 26.0
-#define ENGINE_LIST_BYTES_WALL 4.0
+#define ENGINE_LIST_BYTES_FLUID 32.0
+#define ENGINE_LIST_BYTES_WALL 9.6
 
 #endif

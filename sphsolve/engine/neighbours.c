@@ -423,6 +423,10 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
       to->capacity = to->used;
     }
     found_free(&found);
+    if (failed == STATUS_OK && to->capacity > to->used + to->used / 16 + 64) {
+      failed = memory_resize(&to->entries, to->used, sizeof *to->entries, "neighbour lists");
+      to->capacity = to->used;
+    }
     if (failed != STATUS_OK) {
 #pragma omp atomic write
       status = failed;

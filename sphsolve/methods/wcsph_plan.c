@@ -137,7 +137,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
 static void predict_error(struct plan *plan, double gap) {
   enum wall_scheme wall = plan->context.scene->wcsph.wall;
   if (!isfinite(gap)) return;
-  /* Flow-rate error of a slit `gap` particles wide: lattice theory, see docs/physics.md. */
+  /* Flow-rate error of a slit `gap` particles wide: lattice theory, see docs/physics_wcsph.md. */
   plan->error = wall == WALL_FROZEN  ? 3.4 / gap + 1.8 / (gap * gap)
                 : wall == WALL_ADAMI ? 2.36 / (gap * gap)
                                      : 0.5 / (gap * gap);
@@ -179,7 +179,8 @@ enum status wcsph_plan(struct plan *plan, int threads) {
                                      .wall_moves = plan_has(plan, "wall_moving")};
   struct particle_fields fields = engine_fields(&settings);
   double site = 1 + (lattice->wall_distance ? 4 : 0) + (lattice->region ? 2 : 0);
-  plan->bytes_fluid = 1.1 * (double)particles_bytes_fluid(&fields) + ENGINE_LIST_BYTES_FLUID + site;
+  plan->bytes_fluid =
+      1.05 * (double)particles_bytes_fluid(&fields) + ENGINE_LIST_BYTES_FLUID + site;
   plan->bytes_wall = 1.05 * (double)particles_bytes_wall(&fields) + site +
                      (fields.wall_state ? ENGINE_LIST_BYTES_WALL : 0);
   plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
