@@ -127,6 +127,8 @@ s06: all
 m15: all $(BUILD)/tests/verify_m15
 	$(Q)BUILD=$(BUILD) scripts/m15
 
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
+	$(Q)BUILD=$(BUILD) scripts/verify
 bench: all $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/bench
 

@@ -1,0 +1,14 @@
+#!/usr/bin/env bats
+# The house: arrows point one way, and every effect is registered, on file and told of.
+
+setup() { cd "$BATS_TEST_DIRNAME/../.."; }
+
+@test "includes point from programs to their modules to common" {
+  run scripts/check-includes
+  [ "$status" -eq 0 ] || { echo "$output"; false; }
+}
+
+@test "no file of ours is over 600 lines" {
+  run awk 'FNR == 601 { print FILENAME }' $(git ls-files '*.c' '*.h' '*.cc' 2>/dev/null || find common ct2model sphsolve analyze -name '*.[ch]')
+  [ -z "$output" ] || { echo "$output"; false; }
+}
