@@ -165,6 +165,9 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->dt_limit = sound * (sqrt(q * q / 4 + 1) - q / 2);
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
   plan->dt = isnan(scene->wcsph.dt) ? SAFETY * plan->dt_limit : scene->wcsph.dt;
+  /* Whole steps to the rows of the history that the scene asks for. */
+  if (isnan(scene->wcsph.dt) && scene->history_interval > plan->dt)
+    plan->dt = scene->history_interval / ceil(scene->history_interval / plan->dt - 1e-9);
   if (plan->dt > plan->dt_limit && !scene->wcsph.force_dt)
     return FAIL(STATUS_INPUT,
                 "%s: wcsph.dt = %g s is beyond the stable %g s (%s, sound speed %g "
