@@ -10,8 +10,6 @@
 #include "common/memory.h"
 #include "common/options.h"
 
-#define KNOWN_MAX 2048
-
 /* A key some read asked for in the group at `parent`. */
 struct known_key {
   const config_setting_t *parent;
@@ -21,8 +19,9 @@ struct known_key {
 struct config {
   config_t tree;
   char *path, *folder, *text;
-  struct known_key known[KNOWN_MAX];
-  size_t known_count;
+  struct known_key *known;
+  size_t known_count, known_capacity;
+  bool known_incomplete; /* memory ran out: no key can be called unknown */
 };
 
 static enum status read_text(const char *path, char **text) {
@@ -193,6 +192,7 @@ void config_close(struct config *config) {
   memory_free(&config->path);
   memory_free(&config->folder);
   memory_free(&config->text);
+  memory_free(&config->known);
   memory_free(&config);
 }
 
@@ -208,7 +208,14 @@ const char *config_folder(const struct config *config) {
 
 config_node *config_child(struct config *config, config_node *parent, const char *name) {
   if (parent == NULL) return NULL;
-  if (config->known_count < KNOWN_MAX)
+  if (config->known_count == config->known_capacity) {
+    size_t capacity = config->known_capacity > 0 ? 2 * config->known_capacity : 256;
+    if (memory_resize(&config->known, capacity, sizeof *config->known, "known keys") == STATUS_OK)
+      config->known_capacity = capacity;
+    else
+      config->known_incomplete = true;
+  }
+  if (config->known_count < config->known_capacity)
     config->known[config->known_count++] = (struct known_key){parent, name};
   if (config_setting_is_group(parent) != CONFIG_TRUE) return NULL;
   return config_setting_get_member(parent, name);
@@ -439,6 +446,7 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
 }
 
 enum status config_refuse_unknown(struct config *config) {
+  if (config->known_incomplete) return STATUS_RUN; /* its message is pending */
   return refuse_unknown_in(config, config_root(config), false);
 }
 

@@ -254,6 +254,9 @@ cleanup:
   return status;
 }
 
+/* The lattice keeps a site's region in 16 bits. */
+enum { MOST_REGIONS = 65000 };
+
 static enum status read_regions(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *list = config_child(config, config_root(config), "regions");
@@ -261,6 +264,9 @@ static enum status read_regions(struct config *config, struct scene *scene) {
   if (!config_is_list(list))
     TRY(config_error(config, list, "a list ( { ... }, { ... } ) is wanted"));
   scene->region_count = config_count(list);
+  if (scene->region_count > MOST_REGIONS)
+    TRY(config_error(config, list, "%zu regions; at most %d are possible", scene->region_count,
+                     MOST_REGIONS));
   TRY(memory_allocate(&scene->regions, scene->region_count, sizeof *scene->regions, "regions"));
   for (size_t i = 0; i < scene->region_count; i++) {
     struct region *region = &scene->regions[i];

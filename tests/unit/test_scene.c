@@ -102,6 +102,24 @@ static void test_two_dimensions(void **state) {
   scene_free(&scene);
 }
 
+static void test_many_regions(void **state) {
+  (void)state;
+  struct scene scene;
+  FILE *file = fopen(path, "w");
+  for (int i = 0; i < 3; i++) fprintf(file, "%s\n", tank[i]);
+  fputs("regions = (\n", file);
+  for (int i = 0; i < 3000; i++)
+    fprintf(
+        file,
+        "  %s{ type = \"water\"; box = [\"0\", \"0\", \"0\", \"1 cm\", \"1 cm\", \"1 cm\"]; }\n",
+        i > 0 ? ", " : "");
+  fputs(");\nforce = { gravity = [\"0\", \"0\", \"-9.8 m/s^2\"]; };\n", file);
+  fclose(file);
+  assert_int_equal(scene_read(path, NULL, 0, &scene), STATUS_OK);
+  assert_int_equal(scene.region_count, 3000);
+  scene_free(&scene);
+}
+
 static void test_overrides(void **state) {
   (void)state;
   struct scene scene;
@@ -234,8 +252,8 @@ static void test_mistakes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tank), cmocka_unit_test(test_saturated_soil),
+      cmocka_unit_test(test_tank),           cmocka_unit_test(test_saturated_soil),
       cmocka_unit_test(test_two_dimensions), cmocka_unit_test(test_overrides),
-      cmocka_unit_test(test_mistakes)};
+      cmocka_unit_test(test_many_regions),   cmocka_unit_test(test_mistakes)};
   return cmocka_run_group_tests(tests, make_file, remove_file);
 }
