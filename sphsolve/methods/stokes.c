@@ -113,7 +113,7 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
                        struct run_result *result) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
-  double darcy[3] = {0.0}, reynolds = 0.0, best = INFINITY;
+  double darcy[3] = {0.0}, reynolds = 0.0, best = INFINITY, solving = 0.0;
   const double tolerance = scene->stokes.tolerance;
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
@@ -132,6 +132,7 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
     char note[80];
     const double started = clock_seconds();
     stokes_solver_round(&s);
+    solving += clock_seconds() - started;
     recorder_add_time(recorder, "stokes_solve", clock_seconds() - started);
     TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
     snprintf(note, sizeof note, "residual %.1e, Darcy velocity %.4g m/s", s.residual_now,
@@ -156,6 +157,7 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   result->steps = s.iterations;
   result->pair_interactions =
       (double)s.iterations * (double)s.grid.active * (double)s.stencil.offset_count;
+  if (solving > 0.0) result->pair_interactions_per_second = result->pair_interactions / solving;
   if (reynolds > 1.0)
     log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
                 scene->path, reynolds);
