@@ -158,7 +158,10 @@ enum status isph_admit(struct isph *s, size_t *admitted) {
   size_t before = s->count;
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];
-    if (side->kind == BOUNDARY_OPEN_FLUX && !(side->flux > 0)) continue;
+    /* A given flux is metered: one layer of particles each time it has filled a spacing. */
+    if (side->kind == BOUNDARY_OPEN_FLUX && !(floor(side->flux * s->time / s->spacing) >
+                                              floor(side->flux * s->time_admitted / s->spacing)))
+      continue;
     int cells[3];
     double pitch[3];
     for (int a = 0; a < 3; a++) {
@@ -178,7 +181,7 @@ enum status isph_admit(struct isph *s, size_t *admitted) {
         if (!(pressure > 0)) continue;
       }
       TRY(isph_probe(s, x, &filling, velocity));
-      if (filling > 1.06 - s->filling_alone) continue;
+      if (side->kind == BOUNDARY_OPEN_HEAD && filling > 1.06 - s->filling_alone) continue;
       for (int a = 0; a < 3; a++)
         if (a != side->axis) velocity[a] = 0;
       if (side->kind == BOUNDARY_OPEN_FLUX) velocity[side->axis] = side->inward * side->flux;
@@ -195,6 +198,7 @@ enum status isph_admit(struct isph *s, size_t *admitted) {
     }
   }
 cleanup:
+  s->time_admitted = s->time;
   *admitted = s->count - before;
   return status;
 }

@@ -326,7 +326,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   }
   TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
-  s->time = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
+  s->time = s->time_admitted = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
   s->entered_mass = numbers[3];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];

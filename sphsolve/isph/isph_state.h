@@ -85,7 +85,7 @@ struct isph {
   double filling_alone;          /* V W(0): the filling of a particle without neighbours */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double time;
+  double time, time_admitted;    /* now; when windows last let water in */
   int64_t step;
 
   size_t count, capacity;
