@@ -67,6 +67,9 @@ static enum status new_file(const char *path, bool writing, struct h5_file **res
   enum status status = STATUS_OK;
   struct h5_file *file;
   size_t length = strlen(path);
+  /* HDF5 1.10 crashes in its exit handler when a file could not be flushed (full disk). All files
+   * are closed by us, so it is not needed. Only the first call counts. */
+  H5dont_atexit();
   /* The library's own error stack is for programmers; our message names file and object. */
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   TRY(memory_allocate(&file, 1, sizeof *file, "a file handle"));
