@@ -159,10 +159,31 @@ cleanup:
   return status;
 }
 
-static hid_t making_groups(void) {
-  hid_t list = H5Pcreate(H5P_LINK_CREATE);
-  H5Pset_create_intermediate_group(list, 1);
-  return list;
+/* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
+ * without times of their own, so that two equal runs give equal bytes. */
+static enum status make_groups(struct h5_file *file, const char *name, bool last) {
+  enum status status = STATUS_OK;
+  char path[512];
+  size_t length = strlen(name);
+  hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
+  H5Pset_obj_track_times(creation, 0);
+  if (length >= sizeof path) TRY_FAIL(STATUS_RUN, "%s: the name %s is too long", file->path, name);
+  memcpy(path, name, length + 1);
+  for (size_t i = 1; i <= length; i++) {
+    if (path[i] != '/' && !(path[i] == '\0' && last)) continue;
+    char kept = path[i];
+    path[i] = '\0';
+    if (H5Lexists(file->id, path, H5P_DEFAULT) <= 0) {
+      hid_t group = H5Gcreate2(file->id, path, H5P_DEFAULT, creation, H5P_DEFAULT);
+      if (group < 0)
+        TRY_FAIL(STATUS_RUN, "%s: group %s cannot be made; is the disk full?", file->path, path);
+      H5Gclose(group);
+    }
+    path[i] = kept;
+  }
+cleanup:
+  H5Pclose(creation);
+  return status;
 }
 
 /* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
@@ -194,10 +215,11 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
     extent[i] = dims[i];
     empty = empty || dims[i] == 0;
   }
-  hid_t links = making_groups();
+  status = make_groups(file, name, false);
+  if (status != STATUS_OK) return status;
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
   hid_t layout = empty ? H5Pcreate(H5P_DATASET_CREATE) : dataset_layout(type, rank, dims, compress);
-  hid_t set = H5Dcreate2(file->id, name, disk_type(type), space, links, layout, H5P_DEFAULT);
+  hid_t set = H5Dcreate2(file->id, name, disk_type(type), space, H5P_DEFAULT, layout, H5P_DEFAULT);
   if (set < 0 ||
       (!empty && H5Dwrite(set, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
@@ -205,7 +227,6 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
   H5Pclose(layout);
   H5Sclose(space);
-  H5Pclose(links);
   return status;
 }
 
@@ -218,18 +239,17 @@ static hid_t text_type(void) {
 
 static enum status write_strings(struct h5_file *file, const char *name, hid_t space,
                                  const char *const *texts) {
-  enum status status = STATUS_OK;
-  hid_t links = making_groups(), type = text_type();
+  enum status status = make_groups(file, name, false);
+  hid_t type = text_type();
   hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_obj_track_times(layout, 0);
-  hid_t set = H5Dcreate2(file->id, name, type, space, links, layout, H5P_DEFAULT);
+  hid_t set = H5Dcreate2(file->id, name, type, space, H5P_DEFAULT, layout, H5P_DEFAULT);
   if (set < 0 || (H5Sget_simple_extent_npoints(space) > 0 &&
                   H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) < 0))
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
   if (set >= 0) H5Dclose(set);
   H5Pclose(layout);
   H5Tclose(type);
-  H5Pclose(links);
   H5Sclose(space);
   return status;
 }
@@ -245,18 +265,13 @@ enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
 }
 
 enum status h5_make_group(struct h5_file *file, const char *name) {
-  hid_t links = making_groups();
-  hid_t group = H5Gcreate2(file->id, name, links, H5P_DEFAULT, H5P_DEFAULT);
-  H5Pclose(links);
-  if (group < 0) return FAIL(STATUS_RUN, "%s: group %s cannot be made", file->path, name);
-  H5Gclose(group);
-  return STATUS_OK;
+  return make_groups(file, name, true);
 }
 
 enum status h5_soft_link(struct h5_file *file, const char *target, const char *name) {
-  hid_t links = making_groups();
-  herr_t failed = H5Lcreate_soft(target, file->id, name, links, H5P_DEFAULT);
-  H5Pclose(links);
+  enum status status = make_groups(file, name, false);
+  if (status != STATUS_OK) return status;
+  herr_t failed = H5Lcreate_soft(target, file->id, name, H5P_DEFAULT, H5P_DEFAULT);
   return failed < 0 ? FAIL(STATUS_RUN, "%s: link %s cannot be made", file->path, name) : STATUS_OK;
 }
 
@@ -476,8 +491,8 @@ enum status h5_list(struct h5_file *file, const char *group, size_t *count, char
   n = (size_t)info.nlinks;
   TRY(memory_allocate(names, n, sizeof **names, group));
   for (size_t i = 0; i < n; i++) {
-    ssize_t length = H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0,
-                                        H5P_DEFAULT);
+    ssize_t length =
+        H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0, H5P_DEFAULT);
     if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, group);
     TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, group));
     H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i], (size_t)length + 1,
@@ -503,8 +518,8 @@ enum status h5_list_attributes(struct h5_file *file, const char *object, size_t 
   n = (size_t)info.num_attrs;
   TRY(memory_allocate(names, n, sizeof **names, object));
   for (size_t i = 0; i < n; i++) {
-    ssize_t length = H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0,
-                                        H5P_DEFAULT);
+    ssize_t length =
+        H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0, H5P_DEFAULT);
     if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, object);
     TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, object));
     H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i],

@@ -82,6 +82,11 @@ equal_to_whole() {
   done
 }
 
+@test "two equal runs give equal bytes" {
+  (run_it again > /dev/null)
+  for s in whole-0*.hdf; do cmp "$s" "again${s#whole}"; done
+}
+
 @test "a full disk leaves no half file and ends with exit code 1" {
   (
     ulimit -f 64 # blocks of 1 KB: no snapshot fits
