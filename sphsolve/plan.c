@@ -95,7 +95,8 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
     snprintf(why, EFFECT_WHY, "a wall moves");
   } else if (reynolds < 0.1) {
     *method = METHOD_STOKES;
-    snprintf(why, EFFECT_WHY, "the flow creeps: Re = v / (nu S) about %.2g is below 0.1, and nothing moves",
+    snprintf(why, EFFECT_WHY,
+             "the flow creeps: Re = v / (nu S) about %.2g is below 0.1, and nothing moves",
              reynolds);
   } else {
     *method = METHOD_WCSPH;
@@ -156,7 +157,9 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
   for (int a = 0; a < 3 && method == METHOD_ISPH; a++)
     context->has_wall = context->has_wall || !scene->periodic[a];
   context->has_moving_wall = has_moving_wall(scene);
-  estimate_seepage(scene, lattice, &context->velocity_scale, &context->reynolds);
+  /* Pores are resolved by wcsph and stokes only. */
+  if (method != METHOD_ISPH)
+    estimate_seepage(scene, lattice, &context->velocity_scale, &context->reynolds);
   TRY(scales[method](plan));
   for (size_t i = 0; i < effects_count; i++) {
     const struct effect *effect = effects_all[i];

@@ -97,10 +97,13 @@ static enum status print_json(const struct run_result *result) {
   return STATUS_OK;
 }
 
-static void print_result(const struct run_result *result, const char *prefix) {
-  char error[48] = "";
+static void print_result(const struct run_result *result, bool stationary, const char *prefix) {
+  char error[160] = "";
   if (isfinite(result->k) && result->k_error > 0)
-    snprintf(error, sizeof error, " +- %.2g %% (averaging and steadiness)", 100 * result->k_error);
+    snprintf(
+        error, sizeof error,
+        " +- %.2g %% (%s alone; the resolution counts for more: see explain, analyze converge)",
+        100 * result->k_error, stationary ? "the solver" : "averaging and steadiness");
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {
@@ -147,7 +150,7 @@ static enum status run(const struct options *options, struct job *job) {
   if (options_json(options))
     TRY(print_json(&result));
   else
-    print_result(&result, shown);
+    print_result(&result, job->plan.context.method == METHOD_STOKES, shown);
 cleanup:
   recorder_close(recorder);
   return status;

@@ -50,7 +50,7 @@ enum status isph_plan(struct plan *plan, int threads) {
   plan->seconds = plan->steps * n * SECONDS_PER_STEP / fmin(threads, 8);
   plan->error = NAN;
   snprintf(plan->error_why, sizeof plan->error_why,
-           "first order in time; see docs/verification.md for scenes with known answers");
+           "first order in time; make verify shows it for scenes with known answers");
   return STATUS_OK;
 }
 
