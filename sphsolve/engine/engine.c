@@ -352,8 +352,10 @@ enum status engine_step(struct engine *engine) {
   struct particles *p = &engine->particles;
   const struct engine_settings *s = &engine->settings;
   const struct pair_table *table = engine->table;
-  if (!engine->listed || 2 * engine->moved > engine->skin)
-    TRY(make_lists(engine, engine->listed || !engine->resumed));
+  /* After a restart the order of the particles stands, unless the run that was interrupted would
+   * have ordered them anew at this very step. */
+  bool due = 2 * engine->moved > engine->skin;
+  if (!engine->listed || due) TRY(make_lists(engine, due || !engine->resumed));
   engine->pass.shift_speed = engine->speed_max;
   bool has_walls = p->wall_clusters > 0;
   if (s->wall == PASS_FROZEN) {
