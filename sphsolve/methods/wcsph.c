@@ -126,10 +126,11 @@ cleanup:
   return status;
 }
 
-static enum status read_checkpoint(struct run *run) {
+static enum status read_checkpoint(struct run *run, bool *resumed) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   TRY(recorder_resume(run->recorder, &file));
+  *resumed = file != NULL;
   if (file != NULL) TRY(wcsph_read_state(file, &run->state));
 cleanup:
   h5_close(file);
@@ -260,7 +261,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   double(*region_velocity)[3] = NULL;
   struct engine_settings settings;
   struct wcsph_totals totals;
-  bool flows = true;
+  bool flows = true, resumed;
   run.started = clock_seconds();
   result->k = result->k_error = NAN;
   TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
@@ -277,8 +278,8 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   run.state.next_row = isnan(run.row_interval) ? INFINITY : run.row_interval;
   double last = ceil(scene->end_time / plan->dt - 1e-6);
   run.last_step = last < 9e15 ? (int64_t)last : (int64_t)9e15;
-  TRY(read_checkpoint(&run));
-  if (run.state.step == 0) {
+  TRY(read_checkpoint(&run, &resumed));
+  if (!resumed) {
     TRY(wcsph_sum(&run.state.engine, &totals));
     TRY(write_row(&run, &totals));
   }

@@ -133,7 +133,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   engine->pair_interactions = numbers[2];
   engine->pairs_fluid = (uint64_t)numbers[3];
   engine->pairs_wall = (uint64_t)numbers[4];
-  engine->resumed = true;
+  engine->resumed = *step > 0; /* before the first step no order was made yet */
   engine->steps = (uint64_t)numbers[7];
   state->next_row = numbers[5];
   state->step = *step;
