@@ -41,12 +41,12 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/g
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: fuzz all check demo deps s06 m15 verify hard tradeoff bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: fuzz all check demo deps s06 m15 verify bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
 NEEDS_NOTHING = clean format deps dist uninstall
-INSTALLS = $(filter demo check s06 m15 verify hard tradeoff bench,$(MAKECMDGOALS))
+INSTALLS = $(filter demo check s06 m15 verify bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk

@@ -8,6 +8,13 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
   [ "$status" -eq 0 ] || { echo "$output"; false; }
 }
 
+@test "every effect of the registry stands in docs/physics.md" {
+  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\)).*/\1/p' sphsolve/effects.def); do
+    grep -q "$effect" docs/physics.md || { echo "$effect is not in docs/physics.md"; failed=1; }
+  done
+  [ -z "$failed" ]
+}
+
 @test "no file of ours is over 600 lines" {
   run awk 'FNR == 601 { print FILENAME }' $(git ls-files '*.c' '*.h' '*.cc' 2>/dev/null || find common ct2model sphsolve analyze -name '*.[ch]')
   [ -z "$output" ] || { echo "$output"; false; }

@@ -1,0 +1,17 @@
+/* What the writing and the reading half of the HDF5 layer share; for common/hdf5_*.c alone. */
+#ifndef TOSUI_COMMON_HDF5_INTERNAL_H
+#define TOSUI_COMMON_HDF5_INTERNAL_H
+
+#include <hdf5.h>
+
+#include "common/hdf5_file.h"
+
+struct h5_file {
+  hid_t id;
+  bool writing;
+  char *path, *part; /* final name, and the name while being written */
+};
+
+hid_t h5_memory_type(enum h5_type type);
+
+#endif

@@ -1,0 +1,306 @@
+/* The reading half of the HDF5 layer: everything is checked before it is believed. */
+#include "common/hdf5_file.h"
+
+#include <string.h>
+
+#include "common/hdf5_internal.h"
+#include "common/memory.h"
+
+/* True when every link on the way to `name` is there and none leaves the file. */
+static bool path_inside(struct h5_file *file, const char *name) {
+  char path[512];
+  size_t length = strlen(name);
+  if (length == 0 || length >= sizeof path) return false;
+  if (!strcmp(name, "/")) return true;
+  memcpy(path, name, length + 1);
+  for (size_t i = 1; i <= length; i++) {
+    if (path[i] != '/' && path[i] != '\0') continue;
+    char kept = path[i];
+    path[i] = '\0';
+    H5L_info_t info;
+    if (H5Lexists(file->id, path, H5P_DEFAULT) <= 0 ||
+        H5Lget_info(file->id, path, &info, H5P_DEFAULT) < 0 || info.type == H5L_TYPE_EXTERNAL ||
+        H5Oexists_by_name(file->id, path, H5P_DEFAULT) <= 0)
+      return false;
+    path[i] = kept;
+  }
+  return true;
+}
+
+bool h5_exists(struct h5_file *file, const char *name) {
+  return path_inside(file, name);
+}
+
+bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute) {
+  return path_inside(file, name) && H5Aexists_by_name(file->id, name, attribute, H5P_DEFAULT) > 0;
+}
+
+static enum status open_dataset(struct h5_file *file, const char *name, hid_t *set) {
+  *set = path_inside(file, name) ? H5Dopen2(file->id, name, H5P_DEFAULT) : -1;
+  if (*set < 0) return FAIL(STATUS_INPUT, "%s: has no dataset %s", file->path, name);
+  return STATUS_OK;
+}
+
+/* Only filters of HDF5 itself: a file must not make us load a plug-in. */
+static bool filters_known(hid_t set) {
+  hid_t layout = H5Dget_create_plist(set);
+  bool known = true;
+  int n = H5Pget_nfilters(layout);
+  for (int i = 0; i < n; i++) {
+    unsigned flags;
+    size_t values = 0;
+    H5Z_filter_t filter = H5Pget_filter2(layout, (unsigned)i, &flags, &values, NULL, 0, NULL, NULL);
+    known = known && (filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
+                      filter == H5Z_FILTER_FLETCHER32);
+  }
+  known = known && H5Pget_external_count(layout) == 0 && H5Pget_layout(layout) != H5D_VIRTUAL;
+  H5Pclose(layout);
+  return known;
+}
+
+enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank,
+                     size_t *dims) {
+  enum status status = STATUS_OK;
+  hid_t set = -1, space = -1;
+  hsize_t extent[H5S_MAX_RANK];
+  TRY(open_dataset(file, name, &set));
+  space = H5Dget_space(set);
+  *rank = H5Sget_simple_extent_ndims(space);
+  if (*rank < 0 || *rank > max_rank)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, at most %d are wanted", file->path, name,
+             *rank, max_rank);
+  H5Sget_simple_extent_dims(space, extent, NULL);
+  for (int i = 0; i < *rank; i++) dims[i] = extent[i];
+cleanup:
+  if (space >= 0) H5Sclose(space);
+  if (set >= 0) H5Dclose(set);
+  return status;
+}
+
+enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                    size_t *dims, void *data) {
+  enum status status = STATUS_OK;
+  void *values = NULL;
+  hid_t set = -1, stored = -1;
+  int found;
+  size_t count = 1, shape[H5S_MAX_RANK];
+  TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
+  if (found != rank)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, %d are wanted", file->path, name, found,
+             rank);
+  TRY(open_dataset(file, name, &set));
+  stored = H5Dget_type(set);
+  H5T_class_t class = H5Tget_class(stored);
+  if (class != H5T_INTEGER && class != H5T_FLOAT)
+    TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
+  if (class == H5T_FLOAT && type != H5_F32 && type != H5_F64)
+    TRY_FAIL(STATUS_INPUT, "%s: %s holds floats, integers are wanted", file->path, name);
+  if (!filters_known(set))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: %s uses a filter or storage outside this file; store it plain or "
+             "with deflate",
+             file->path, name);
+  for (int i = 0; i < rank; i++) {
+    dims[i] = shape[i];
+    if (!size_multiply(count, shape[i], &count))
+      TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
+  }
+  TRY(memory_allocate(&values, count, h5_type_size(type), name));
+  if (count > 0 && H5Dread(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
+  memcpy(data, &values, sizeof values);
+  values = NULL;
+cleanup:
+  memory_free(&values);
+  if (stored >= 0) H5Tclose(stored);
+  if (set >= 0) H5Dclose(set);
+  return status;
+}
+
+void h5_free_texts(size_t count, char ***texts) {
+  if (*texts == NULL) return;
+  for (size_t i = 0; i < count; i++) memory_free(&(*texts)[i]);
+  memory_free(texts);
+}
+
+static enum status copy_text(const char *from, size_t limit, char **to) {
+  size_t length = from != NULL ? strnlen(from, limit) : 0;
+  enum status status = memory_allocate(to, length + 1, 1, "a text");
+  if (status == STATUS_OK && length > 0) memcpy(*to, from, length);
+  return status;
+}
+
+enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count, char ***texts) {
+  enum status status = STATUS_OK;
+  hid_t set = -1, stored = -1, space = -1, type = -1;
+  char *fixed = NULL;
+  char **variable = NULL, **copies = NULL;
+  size_t n = 0;
+  *texts = NULL;
+  TRY(open_dataset(file, name, &set));
+  stored = H5Dget_type(set);
+  space = H5Dget_space(set);
+  hssize_t points = H5Sget_simple_extent_npoints(space);
+  if (H5Tget_class(stored) != H5T_STRING || points < 0 || !filters_known(set))
+    TRY_FAIL(STATUS_INPUT, "%s: %s holds no text", file->path, name);
+  n = (size_t)points;
+  TRY(memory_allocate(&copies, n, sizeof *copies, name));
+  if (H5Tis_variable_str(stored) > 0) {
+    TRY(memory_allocate(&variable, n, sizeof *variable, name));
+    type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_cset(type, H5Tget_cset(stored));
+    if (n > 0 && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, variable) < 0)
+      TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
+    for (size_t i = 0; i < n; i++) TRY(copy_text(variable[i], (size_t)1 << 40, &copies[i]));
+  } else {
+    size_t width = H5Tget_size(stored);
+    TRY(memory_allocate(&fixed, n, width, name));
+    if (n > 0 && H5Dread(set, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, fixed) < 0)
+      TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
+    for (size_t i = 0; i < n; i++) TRY(copy_text(fixed + i * width, width, &copies[i]));
+  }
+  *count = n;
+  *texts = copies;
+  copies = NULL;
+cleanup:
+  if (variable != NULL && type >= 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, variable);
+  memory_free(&variable);
+  memory_free(&fixed);
+  h5_free_texts(n, &copies);
+  if (type >= 0) H5Tclose(type);
+  if (space >= 0) H5Sclose(space);
+  if (stored >= 0) H5Tclose(stored);
+  if (set >= 0) H5Dclose(set);
+  return status;
+}
+
+enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names) {
+  enum status status = STATUS_OK;
+  H5G_info_t info;
+  size_t n = 0;
+  *count = 0;
+  *names = NULL;
+  hid_t id = path_inside(file, group) ? H5Gopen2(file->id, group, H5P_DEFAULT) : -1;
+  if (id < 0 || H5Gget_info(id, &info) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: has no group %s", file->path, group);
+  n = (size_t)info.nlinks;
+  TRY(memory_allocate(names, n, sizeof **names, group));
+  for (size_t i = 0; i < n; i++) {
+    ssize_t length =
+        H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0, H5P_DEFAULT);
+    if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, group);
+    TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, group));
+    H5Lget_name_by_idx(id, ".", H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i], (size_t)length + 1,
+                       H5P_DEFAULT);
+  }
+  *count = n;
+cleanup:
+  if (status != STATUS_OK) h5_free_texts(n, names);
+  if (id >= 0) H5Gclose(id);
+  return status;
+}
+
+enum status h5_list_attributes(struct h5_file *file, const char *object, size_t *count,
+                               char ***names) {
+  enum status status = STATUS_OK;
+  H5O_info_t info;
+  size_t n = 0;
+  *count = 0;
+  *names = NULL;
+  if (!path_inside(file, object) ||
+      H5Oget_info_by_name2(file->id, object, &info, H5O_INFO_NUM_ATTRS, H5P_DEFAULT) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: has no object %s", file->path, object);
+  n = (size_t)info.num_attrs;
+  TRY(memory_allocate(names, n, sizeof **names, object));
+  for (size_t i = 0; i < n; i++) {
+    ssize_t length =
+        H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, NULL, 0, H5P_DEFAULT);
+    if (length < 0) TRY_FAIL(STATUS_INPUT, "%s: %s cannot be listed", file->path, object);
+    TRY(memory_allocate(&(*names)[i], (size_t)length + 1, 1, object));
+    H5Aget_name_by_idx(file->id, object, H5_INDEX_NAME, H5_ITER_INC, i, (*names)[i],
+                       (size_t)length + 1, H5P_DEFAULT);
+  }
+  *count = n;
+cleanup:
+  if (status != STATUS_OK) h5_free_texts(n, names);
+  return status;
+}
+
+enum status h5_read_text(struct h5_file *file, const char *name, char **text) {
+  char **texts;
+  size_t count;
+  enum status status = h5_read_texts(file, name, &count, &texts);
+  if (status != STATUS_OK) return status;
+  if (count != 1) {
+    h5_free_texts(count, &texts);
+    return FAIL(STATUS_INPUT, "%s: %s holds %zu texts, one is wanted", file->path, name, count);
+  }
+  *text = texts[0];
+  memory_free(&texts);
+  return STATUS_OK;
+}
+
+static enum status open_attribute(struct h5_file *file, const char *name, const char *attribute,
+                                  hid_t *id) {
+  *id = -1;
+  if (h5_attribute_exists(file, name, attribute))
+    *id = H5Aopen_by_name(file->id, name, attribute, H5P_DEFAULT, H5P_DEFAULT);
+  if (*id < 0) return FAIL(STATUS_INPUT, "%s: %s has no attribute %s", file->path, name, attribute);
+  return STATUS_OK;
+}
+
+enum status h5_read_attribute(struct h5_file *file, const char *name, const char *attribute,
+                              enum h5_type type, size_t count, void *data) {
+  enum status status = STATUS_OK;
+  hid_t id, stored = -1, space = -1;
+  TRY(open_attribute(file, name, attribute, &id));
+  stored = H5Aget_type(id);
+  space = H5Aget_space(id);
+  H5T_class_t class = H5Tget_class(stored);
+  hssize_t points = H5Sget_simple_extent_npoints(space);
+  if ((class != H5T_INTEGER && class != H5T_FLOAT) ||
+      (class == H5T_FLOAT && type != H5_F32 && type != H5_F64))
+    TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s has the wrong type", file->path, attribute,
+             name);
+  if (points != (hssize_t)count)
+    TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s holds %lld values, %zu are wanted", file->path,
+             attribute, name, (long long)points, count);
+  if (H5Aread(id, h5_memory_type(type), data) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
+cleanup:
+  if (space >= 0) H5Sclose(space);
+  if (stored >= 0) H5Tclose(stored);
+  if (id >= 0) H5Aclose(id);
+  return status;
+}
+
+enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
+                                   char **text) {
+  enum status status = STATUS_OK;
+  hid_t id, stored = -1, space = -1;
+  char *fixed = NULL, *variable = NULL;
+  TRY(open_attribute(file, name, attribute, &id));
+  stored = H5Aget_type(id);
+  space = H5Aget_space(id);
+  if (H5Tget_class(stored) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+    TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s is no text", file->path, attribute, name);
+  if (H5Tis_variable_str(stored) > 0) {
+    if (H5Aread(id, stored, &variable) < 0)
+      TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
+    TRY(copy_text(variable, (size_t)1 << 40, text));
+  } else {
+    size_t width = H5Tget_size(stored);
+    TRY(memory_allocate(&fixed, width, 1, attribute));
+    if (H5Aread(id, stored, fixed) < 0)
+      TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
+    TRY(copy_text(fixed, width, text));
+  }
+cleanup:
+  if (variable != NULL) H5free_memory(variable);
+  memory_free(&fixed);
+  if (space >= 0) H5Sclose(space);
+  if (stored >= 0) H5Tclose(stored);
+  if (id >= 0) H5Aclose(id);
+  return status;
+}
