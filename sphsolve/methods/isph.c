@@ -151,6 +151,15 @@ cleanup:
   return status;
 }
 
+/* A k only where the force drives water round a periodic box full of it; in a tank or between given
+ * heads v / i along gravity means nothing. */
+static bool through_flow(const struct plan *plan) {
+  const struct scene *scene = plan->context.scene;
+  bool through = !plan->context.has_surface && !plan->context.has_inflow;
+  for (int a = 0; a < 3; a++) through = through && (scene->driving[a] == 0 || scene->periodic[a]);
+  return through;
+}
+
 enum status isph_run(const struct scene *scene, const struct plan *plan,
                      const struct lattice *lattice, struct recorder *recorder,
                      struct run_result *result) {
@@ -169,6 +178,7 @@ cleanup:
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     result_from_darcy(scene, velocity, result);
+    if (!through_flow(plan)) result->k = result->intrinsic_permeability = NAN;
     result->steps = s->step;
     result->pair_interactions = s->pair_interactions;
     result->pair_interactions_per_second = s->pair_interactions / fmax(s->seconds_lists, 1e-9);
