@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/units.h"
 
 static const char *program = "tosui";
 static enum log_level level = LOG_NORMAL;
@@ -70,17 +71,6 @@ void progress_start(struct progress *progress, const char *what, const char *uni
   progress->shown = false;
 }
 
-static void format_seconds(double seconds, char *text, size_t size) {
-  if (!(seconds < 360000))
-    snprintf(text, size, "?");
-  else if (seconds < 100)
-    snprintf(text, size, "%.0f s", seconds);
-  else if (seconds < 6000)
-    snprintf(text, size, "%.0f min", seconds / 60);
-  else
-    snprintf(text, size, "%.1f h", seconds / 3600);
-}
-
 void progress_update(struct progress *progress, double done, const char *note) {
   if (level < LOG_NORMAL) return;
   double now = clock_seconds();
@@ -90,7 +80,7 @@ void progress_update(struct progress *progress, double done, const char *note) {
   double fraction = progress->total > 0 ? done / progress->total : 0;
   double rate = elapsed > 0 ? done / elapsed : 0;
   char eta[32];
-  format_seconds(fraction > 0 ? elapsed * (1 - fraction) / fraction : INFINITY, eta, sizeof eta);
+  duration_format(fraction > 0 ? elapsed * (1 - fraction) / fraction : INFINITY, eta, sizeof eta);
   fprintf(stderr, "%s%s %3.0f %%  %.3g %s/s  ETA %s%s%s%s", progress->terminal ? "\r\033[K" : "",
           progress->what, 100 * fraction, rate, progress->unit, eta, note ? "  " : "",
           note ? note : "", progress->terminal ? "" : "\n");

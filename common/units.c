@@ -203,3 +203,16 @@ void quantity_format(double value, const char *base_unit, char *text, size_t siz
   if (p > 3 && !strcmp(base_unit, "s")) shown = value, p = 3;
   snprintf(text, size, "%.4g %s%s", shown, prefixes[p], base_unit);
 }
+
+void duration_format(double seconds, char *text, size_t size) {
+  if (!isfinite(seconds))
+    snprintf(text, size, "unknown");
+  else if (seconds < 1)
+    snprintf(text, size, "under 1 s");
+  else if (seconds < 120)
+    snprintf(text, size, "%.0f s", seconds);
+  else if (seconds < 7200)
+    snprintf(text, size, "%.0f min", seconds / 60);
+  else
+    snprintf(text, size, "%.1f h", seconds / 3600);
+}

@@ -38,4 +38,7 @@ const char *dimension_example(struct dimension dimension);
 /* A length or time with a readable prefix ("46.6 um", "2.5e-05 s" as "25 us"). */
 void quantity_format(double value, const char *base_unit, char *text, size_t size);
 
+/* "under 1 s", "5 s", "12 min", "3.4 h", "unknown" for what is not finite. */
+void duration_format(double seconds, char *text, size_t size);
+
 #endif

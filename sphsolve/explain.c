@@ -23,19 +23,6 @@ static void format_fields(unsigned long long fields, char *text, size_t size) {
       used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
 }
 
-void explain_format_time(double seconds, char *text, size_t size) {
-  if (!isfinite(seconds))
-    snprintf(text, size, "unknown");
-  else if (seconds < 1)
-    snprintf(text, size, "under 1 s");
-  else if (seconds < 120)
-    snprintf(text, size, "%.0f s", seconds);
-  else if (seconds < 7200)
-    snprintf(text, size, "%.0f min", seconds / 60);
-  else
-    snprintf(text, size, "%.1f h", seconds / 3600);
-}
-
 void explain_print(const struct plan *plan) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
@@ -74,7 +61,7 @@ void explain_print(const struct plan *plan) {
   } else if (isnan(plan->dt)) {
     printf("time step  chosen each step from the effects' limits\n");
   }
-  explain_format_time(plan->seconds, text, sizeof text);
+  duration_format(plan->seconds, text, sizeof text);
   printf("steps      about %.3g\ntime       about %s\n", plan->steps, text);
   if (isfinite(plan->error))
     printf("error      about %.2g %%: %s\n", 100 * plan->error, plan->error_why);

@@ -7,7 +7,4 @@
 void explain_print(const struct plan *plan);
 enum status explain_print_json(const struct plan *plan);
 
-/* "5 s", "12 min", "3.4 h" for a predicted time. */
-void explain_format_time(double seconds, char *text, size_t size);
-
 #endif

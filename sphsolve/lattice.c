@@ -241,3 +241,17 @@ void lattice_free(struct lattice *lattice) {
   memory_free(&lattice->wall_distance);
   memory_free(&lattice->region);
 }
+
+void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
+  const size_t *n = lattice->size;
+  faces[0] = faces[1] = faces[2] = 0;
+  for (size_t k = 0; k < n[2]; k++)
+    for (size_t j = 0; j < n[1]; j++)
+      for (size_t i = 0; i < n[0]; i++) {
+        size_t at = (k * n[1] + j) * n[0] + i;
+        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
+                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
+                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
+        for (int a = 0; a < 3; a++) faces[a] += lattice->kind[at] != lattice->kind[next[a]];
+      }
+}

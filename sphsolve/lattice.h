@@ -38,4 +38,7 @@ struct lattice {
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
 void lattice_free(struct lattice *lattice);
 
+/* Faces between sites of different kind, by the axis they are normal to; periodic. */
+void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);
+
 #endif

@@ -46,19 +46,11 @@ static double mean_spacing(const struct lattice *lattice) {
  * of the mean pore. The faces of voxels overstate S by about 3/2. */
 static void estimate_seepage(const struct scene *scene, const struct lattice *lattice,
                              double *velocity, double *reynolds) {
-  const size_t *n = lattice->size;
+  size_t faces[3];
   double surface = 0;
   *velocity = *reynolds = 0;
-  for (size_t k = 0; k < n[2]; k++)
-    for (size_t j = 0; j < n[1]; j++)
-      for (size_t i = 0; i < n[0]; i++) {
-        size_t at = (k * n[1] + j) * n[0] + i;
-        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
-                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
-                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
-        for (int a = 0; a < 3; a++)
-          if (lattice->kind[at] != lattice->kind[next[a]]) surface += 1 / lattice->spacing[a];
-      }
+  lattice_count_faces(lattice, faces);
+  for (int a = 0; a < 3; a++) surface += (double)faces[a] / lattice->spacing[a];
   double s = surface / (double)lattice->bulk_count * 2 / 3;
   double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
   double nu = scene->fluid.viscosity / scene->fluid.density;

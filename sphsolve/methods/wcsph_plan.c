@@ -16,18 +16,9 @@
 #define TAU 0.005              /* dx^2/mu: the most that pressure diffusion may do to div v */
 
 double wcsph_gap(const struct lattice *lattice) {
-  const size_t *n = lattice->size;
-  double faces = 0;
-  for (size_t k = 0; k < n[2]; k++)
-    for (size_t j = 0; j < n[1]; j++)
-      for (size_t i = 0; i < n[0]; i++) {
-        size_t at = (k * n[1] + j) * n[0] + i;
-        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
-                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
-                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
-        for (int a = 0; a < 3; a++) faces += lattice->kind[at] != lattice->kind[next[a]];
-      }
-  return 2 * (double)lattice->fluid_count / faces;
+  size_t faces[3];
+  lattice_count_faces(lattice, faces);
+  return 2 * (double)lattice->fluid_count / (double)(faces[0] + faces[1] + faces[2]);
 }
 
 static double region_speed(const struct scene *scene) {
