@@ -90,6 +90,7 @@ static enum status describe_stack(const char *const *paths, size_t count,
   enum status status = stack_open(paths, count, &request->raw, &stack);
   if (status != STATUS_OK) return status;
   double voxel[3];
+  stack_compare_voxel(&stack, request->voxel);
   for (int d = 0; d < 3; d++) voxel[d] = isnan(request->voxel) ? stack.voxel[d] : request->voxel;
   const char *source = isnan(request->voxel) ? stack.voxel_source : "--voxel-size";
   if (out != NULL) {

@@ -174,6 +174,11 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
   if (status != STATUS_OK) return status;
   double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
                   (double)pixel_size(image->type);
+  if (image->data_offset == PIXELS_AT_END) {
+    if (compressed)
+      return FAIL(STATUS_INPUT, "%s: compressed pixels need a header of known size", image->path);
+    image->data_offset = (double)bytes > wanted ? bytes - (uint64_t)wanted : 0;
+  }
   if (compressed && wanted < 1e15) {
     status = inflate_start(path, image->data_offset, (uint64_t)wanted, &image->inflated);
     image->data_offset = 0;

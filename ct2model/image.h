@@ -63,6 +63,8 @@ bool image_name_known(const char *name);
 
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, float *out);
+/* For readers: data_offset of pixels that end the file, wherever they start. */
+#define PIXELS_AT_END UINT64_MAX
 /* For readers: checks that the pixels promised by the header are there; with `compressed` they are
  * gzip or zlib data from data_offset on. */
 enum status image_claim_pixels(struct image *image, bool compressed);

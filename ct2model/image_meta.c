@@ -77,9 +77,9 @@ static enum status meta_open(const char *path, struct image *image) {
       image->swap = strcasecmp(value, "True") == 0;
     } else if (strcmp(key, "HeaderSize") == 0) {
       long long header = atoll(value);
-      if (header < 0)
+      if (header < -1)
         TRY_FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read", path, number, value);
-      image->data_offset = (uint64_t)header;
+      image->data_offset = header < 0 ? PIXELS_AT_END : (uint64_t)header;
     } else if (strcmp(key, "ElementDataFile") == 0) {
       placed = true;
       if (strcasecmp(value, "LOCAL") == 0)

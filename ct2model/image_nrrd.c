@@ -115,8 +115,8 @@ static enum status nrrd_open(const char *path, struct image *image) {
       snprintf(units, sizeof units, "%s", value);
     } else if (strcmp(line, "byte skip") == 0) {
       long long skip = atoll(value);
-      if (skip < 0) TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read", path, number, value);
-      image->data_offset = (uint64_t)skip;
+      if (skip < -1) TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read", path, number, value);
+      image->data_offset = skip < 0 ? PIXELS_AT_END : (uint64_t)skip;
     } else if (strcmp(line, "data file") == 0 || strcmp(line, "datafile") == 0) {
       size_t size = strlen(value) + strlen(path) + 1;
       if (strncmp(value, "LIST", 4) == 0 || strchr(value, '%') != NULL)
@@ -129,7 +129,8 @@ static enum status nrrd_open(const char *path, struct image *image) {
   }
   if (!typed || !sized)
     TRY_FAIL(STATUS_INPUT, "%s: %s is missing", path, !typed ? "type" : "sizes");
-  if (image->data_path == NULL) image->data_offset += (uint64_t)ftell(file);
+  if (image->data_path == NULL && image->data_offset != PIXELS_AT_END)
+    image->data_offset += (uint64_t)ftell(file);
   read_spacing(image, spacing, units);
   TRY(image_claim_pixels(image, compressed));
 cleanup:

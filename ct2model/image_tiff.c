@@ -70,9 +70,10 @@ static double unit_in_metres(const char *unit) {
     const char *name;
     double metres;
   } UNITS[] = {
-      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},    {"\\u00B5m", 1e-6},
-      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6}, {"nm", 1e-9},
-      {"mm", 1e-3},        {"cm", 1e-2},        {"m", 1.0},      {"inch", 0.0254},
+      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},     {"\\u00B5m", 1e-6},
+      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},  {"&#181;m", 1e-6},
+      {"&#xB5;m", 1e-6},   {"&#xb5;m", 1e-6},   {"nm", 1e-9},     {"mm", 1e-3},
+      {"cm", 1e-2},        {"m", 1.0},          {"inch", 0.0254},
   };
   for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
     if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
@@ -144,13 +145,18 @@ static void read_voxel_size(TIFF *tiff, const char *description, struct image *i
 
 /* Channels and time steps are no slices. */
 static enum status refuse_hyperstack(const char *path, const char *description) {
-  static const char *const KEYS[] = {"channels", "frames"};
+  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=", "SizeT="};
   char text[40];
-  if (description == NULL || strncmp(description, "ImageJ=", 7) != 0) return STATUS_OK;
+  if (description == NULL) return STATUS_OK;
+  bool imagej = strncmp(description, "ImageJ=", 7) == 0;
+  bool ome = strstr(description, "<OME") != NULL;
   for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
-    if (description_value(description, KEYS[i], text, sizeof text) && atoi(text) > 1)
-      return FAIL(STATUS_INPUT, "%s: a hyperstack of %s %s; save one of them as a stack", path,
-                  text, KEYS[i]);
+    const char *at = ome ? strstr(description, OME[i]) : NULL;
+    int count = at != NULL ? atoi(at + strlen(OME[i]) + 1) : 1;
+    if (imagej && description_value(description, KEYS[i], text, sizeof text)) count = atoi(text);
+    if (count > 1)
+      return FAIL(STATUS_INPUT, "%s: a hyperstack of %d %s; save one of them as a stack", path,
+                  count, KEYS[i]);
   }
   return STATUS_OK;
 }
@@ -163,7 +169,8 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
       !description_value(description, "images", text, sizeof text) ||
       layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
-      TIFFIsTiled(tiff) || !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
+      !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
+      !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
   unsigned long long images = strtoull(text, NULL, 10);
   uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);

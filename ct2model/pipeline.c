@@ -36,16 +36,12 @@ static enum status choose_voxel(struct pipeline *pipeline) {
       log_warning("%s give no slice distance; that of the pixels is taken", stack->voxel_source);
     voxel[2] = voxel[0];
   }
-  char text[2][40];
   if (isnan(given)) {
-    quantity_format(voxel[0], "m", text[0], sizeof text[0]);
-    log_info("voxel size %s from the %s", text[0], stack->voxel_source);
-  } else if (stack->voxel[0] > 0.0 && fabs(stack->voxel[0] / given - 1.0) > 0.01) {
-    quantity_format(stack->voxel[0], "m", text[0], sizeof text[0]);
-    quantity_format(given, "m", text[1], sizeof text[1]);
-    log_warning("the %s say a voxel is %s; --voxel-size %s is used", stack->voxel_source, text[0],
-                text[1]);
+    char text[40];
+    quantity_format(voxel[0], "m", text, sizeof text);
+    log_info("voxel size %s from the %s", text, stack->voxel_source);
   }
+  stack_compare_voxel(stack, given);
   return STATUS_OK;
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/units.h"
 
 struct name_list {
   char **names;
@@ -126,6 +127,19 @@ static long long slice_number(const char *path) {
   return start == end || end - start > 17 ? -1 : strtoll(start, NULL, 10);
 }
 
+/* The first slice speaks for all; one that says otherwise is named. */
+static void warn_of_other_voxels(const struct stack *stack) {
+  const struct image *first = &stack->files[0];
+  for (size_t i = 1; i < stack->file_count; i++) {
+    const struct image *image = &stack->files[i];
+    if (!(fabs(image->voxel[0] / first->voxel[0] - 1.0) > 0.01)) continue;
+    log_warning("%s: its %s say %.4g um a pixel, those of %s %.4g um; the first slice's is taken",
+                image->path, image->voxel_source, image->voxel[0] * 1e6, base_name(first->path),
+                first->voxel[0] * 1e6);
+    return;
+  }
+}
+
 /* Gaps are a warning: some scanners number every second slice. A uniform stride is no gap. */
 static void warn_of_gaps(const struct name_list *list) {
   if (list->count < 3) return;
@@ -202,10 +216,24 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
   warn_of_gaps(&list);
+  warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);
   if (status != STATUS_OK) stack_close(stack);
   return status;
+}
+
+void stack_compare_voxel(const struct stack *stack, double given) {
+  char text[2][40];
+  static const char *const NAMES[] = {"pixel", "pixel", "slice"};
+  for (int d = 0; d < 3; d += 2) {
+    if (!(fabs(stack->voxel[d] / given - 1.0) > 0.01)) continue;
+    quantity_format(stack->voxel[d], "m", text[0], sizeof text[0]);
+    quantity_format(given, "m", text[1], sizeof text[1]);
+    log_warning("the %s say %s from %s to %s; --voxel-size %s is used", stack->voxel_source,
+                text[0], NAMES[d], NAMES[d], text[1]);
+    return;
+  }
 }
 
 void stack_close(struct stack *stack) {

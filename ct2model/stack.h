@@ -25,6 +25,8 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
 void stack_close(struct stack *stack);
 /* Slice z into out[size[1]][size[0]]; may be called from several threads. */
 enum status stack_read(const struct stack *stack, size_t z, float *out);
+/* Warns if the files say that a voxel is not as large as `given` (m; NAN: nothing is given). */
+void stack_compare_voxel(const struct stack *stack, double given);
 /* Files that say "white is zero" are inverted, unless slice `z` holds the two labels of a segmented
  * image: labels are no brightness and count as stored. */
 enum status stack_keep_labels(struct stack *stack, size_t z);

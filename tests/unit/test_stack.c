@@ -188,80 +188,6 @@ static void test_tiff_layouts(void **state) {
   }
 }
 
-/* ImageJ's large stacks: one directory, the other slices behind the first. */
-static void test_imagej_single_directory(void **state) {
-  (void)state;
-  const char *path = in_folder("imagej.tif");
-  uint16_t pixels[NX * NY];
-  TIFF *tiff = TIFFOpen(path, "wb");
-  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, NX);
-  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, NY);
-  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
-  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, NY);
-  TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 0.2);
-  TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 0.2);
-  TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
-  TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION,
-               "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=7.5\n");
-  for (size_t i = 0; i < NX * NY; i++) pixels[i] = (uint16_t)(pattern(i % NX, i / NX, 0) * 256);
-  /* The directory first, so that pixels end the file. */
-  TIFFWriteEncodedStrip(tiff, 0, pixels, sizeof pixels);
-  TIFFClose(tiff);
-  tiff = TIFFOpen(path, "r");
-  uint64_t *offsets;
-  TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets);
-  uint64_t first = offsets[0];
-  TIFFClose(tiff);
-  /* libtiff puts the directory behind the pixels: move it by writing the slices over a copy. */
-  FILE *file = fopen(path, "r+b");
-  fseek(file, 0, SEEK_END);
-  long old = ftell(file);
-  unsigned char *bytes = malloc((size_t)old);
-  rewind(file);
-  assert_int_equal(fread(bytes, 1, (size_t)old, file), (size_t)old);
-  /* header, directory area shifted behind the two further slices: patch the offset in the header */
-  uint64_t end = first + sizeof pixels;
-  rewind(file);
-  size_t extra = 2 * sizeof pixels;
-  unsigned char *tail = bytes + end;
-  size_t tail_size = (size_t)old - (size_t)end;
-  uint32_t ifd = __builtin_bswap32(*(uint32_t *)(void *)(bytes + 4));
-  assert_true(ifd >= end);
-  /* Offsets inside the tail move too. */
-  uint16_t entries = __builtin_bswap16(*(uint16_t *)(void *)(bytes + ifd));
-  for (uint16_t e = 0; e < entries; e++) {
-    unsigned char *entry = bytes + ifd + 2 + 12u * e;
-    uint32_t value = __builtin_bswap32(*(uint32_t *)(void *)(entry + 8));
-    if (value >= end && value < (uint32_t)old) {
-      value = __builtin_bswap32(value + (uint32_t)extra);
-      memcpy(entry + 8, &value, 4);
-    }
-  }
-  ifd = __builtin_bswap32(ifd + (uint32_t)extra);
-  memcpy(bytes + 4, &ifd, 4);
-  fwrite(bytes, 1, (size_t)end, file);
-  for (size_t z = 1; z < NZ; z++)
-    for (size_t i = 0; i < NX * NY; i++) {
-      uint16_t value = __builtin_bswap16((uint16_t)(pattern(i % NX, i / NX, z) * 256));
-      fwrite(&value, 2, 1, file);
-    }
-  fwrite(tail, 1, tail_size, file);
-  fclose(file);
-  free(bytes);
-  struct stack stack;
-  float slice[NX * NY];
-  open_one(path, NULL, &stack);
-  assert_int_equal(stack.size[2], 3);
-  assert_true(fabs(stack.voxel[0] - 5e-6) < 1e-12 && fabs(stack.voxel[2] - 7.5e-6) < 1e-12);
-  for (size_t z = 0; z < NZ; z++) {
-    assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
-    for (size_t i = 0; i < NX * NY; i++)
-      assert_true(slice[i] == (float)(pattern(i % NX, i / NX, z) * 256));
-  }
-  stack_close(&stack);
-}
-
 static void write_png(const char *path, int bits, int colour, size_t z) {
   FILE *file = fopen(path, "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -498,7 +424,6 @@ static void test_natural_order(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_tiff_layouts),
-      cmocka_unit_test(test_imagej_single_directory),
       cmocka_unit_test(test_png),
       cmocka_unit_test(test_raw_meta_nrrd),
       cmocka_unit_test(test_compressed_meta_and_nrrd),

@@ -1,0 +1,83 @@
+# Folders of slices with something wrong: gaps, duplicates, mixed kinds, contradicting voxel sizes.
+setup_file() {
+  export CT="$BUILD/bin/ct2model"
+  export WORK="$BATS_FILE_TMPDIR"
+}
+setup() {
+  mkdir -p "$BATS_TEST_TMPDIR/s"
+  cd "$BATS_TEST_TMPDIR"
+}
+bats_require_minimum_version 1.5.0
+run_ct() { run --separate-stderr "$CT" "$@"; }
+
+# slices NUMBER...: s/slice_NUMBER.tif of 8x6 pixels; WIDTH, BITS and DPCM change them
+slices() {
+  python3 - "${WIDTH:-8}" "${BITS:-8}" "${DPCM:-1715}" "$@" <<'P'
+import struct, sys
+width, bits, dpcm = (int(v) for v in sys.argv[1:4])
+for n in sys.argv[4:]:
+    pixels = bytes((i * 7 + int(n)) % 251 for i in range(width * 6 * bits // 8))
+    tags = [(256, 3, width), (257, 3, 6), (258, 3, bits), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 3, 6),
+            (279, 4, len(pixels)), (282, 5, 0), (283, 5, 0), (296, 3, 3)]
+    at = 8 + len(pixels)
+    behind = at + 2 + 12 * len(tags) + 4
+    ifd = struct.pack("<H", len(tags))
+    for tag, kind, value in tags:
+        ifd += struct.pack("<HHII", tag, kind, 1, behind if kind == 5 else value)
+    with open("s/slice_%s.tif" % n, "wb") as f:
+        f.write(b"II" + struct.pack("<HI", 42, at) + pixels + ifd + bytes(4) + struct.pack("<II", dpcm, 1))
+P
+}
+
+@test "a gap in the numbering is named, a stride is none" {
+  slices 8 9 10 12 13
+  run_ct info s
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"slice_10.tif to slice_12.tif"* ]]
+  [[ "$output" == *"8x6x5 voxels in 5 files"*"slice_8.tif ... s/slice_13.tif"* ]]
+  rm s/*
+  slices 2 4 6 8 10 12
+  run_ct info s
+  [ -z "$stderr" ]
+}
+
+@test "two slices of one number are named" {
+  slices 8 9 10 010 11
+  run_ct info s
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"slice_010.tif and slice_10.tif carry the same number"* ]]
+}
+
+@test "one slice given twice is refused" {
+  slices 1 2
+  run_ct info s/slice_1.tif s
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"slice_1.tif: given twice"* ]]
+}
+
+@test "a slice of another size or type is named" {
+  slices 1 2 3
+  WIDTH=9 slices 4
+  run_ct info s
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"slice_4.tif: 9x6, but the first slice is 8x6"* ]]
+  BITS=16 slices 4
+  run_ct info s
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"slice_4.tif: 16-bit unsigned, but the first slice is 8-bit unsigned"* ]]
+}
+
+@test "voxel sizes that contradict each other or the option are named" {
+  slices 1 2 3
+  run_ct build s --threshold 100 --mirror none -o m.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"5.83"*"TIFF resolution tags"* ]]
+  for command in "build s --threshold 100 --mirror none -o m.hdf" "info s"; do
+    run_ct $command --voxel-size 6um
+    [ "$status" -eq 0 ]
+    [[ "$stderr" == *"TIFF resolution tags"*"5.83"*"--voxel-size 6"* ]]
+  done
+  DPCM=1000 slices 3
+  run_ct info s
+  [[ "$stderr" == *"slice_3.tif"*"10 um"*"5.83"* ]]
+}
