@@ -53,6 +53,8 @@ void explain_print(const struct plan *plan) {
   printf("\nfields     %s\n", text);
   printf("memory     %.1f MB: %.0f bytes per fluid site, %.0f per wall site\n",
          plan->bytes_total / 1e6, plan->bytes_fluid, plan->bytes_wall);
+  if (plan->bytes_copy > 0)
+    printf("           %.1f MB more while a state to go back to is kept\n", plan->bytes_copy / 1e6);
   if (plan->dt > 0) {
     quantity_format(plan->dt, "s", text, sizeof text);
     quantity_format(plan->dt_limit, "s", more, sizeof more);

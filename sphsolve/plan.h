@@ -45,8 +45,10 @@ struct plan {
   double dt;                                 /* s; NAN: chosen each step; 0: steady method */
   double dt_limit;                           /* s */
   const char *dt_limited_by;
+  const char *dt_by; /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
   double bytes_total;
+  double bytes_copy; /* more, while a run keeps a state to go back to */
   double steps, seconds; /* predicted */
   double error;          /* predicted relative error of the headline number; NAN: unknown */
   char error_why[EFFECT_WHY];

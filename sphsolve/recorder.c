@@ -53,6 +53,8 @@ struct recorder {
 
   size_t timing_count, fact_count;
   struct named_value timings[NAMED_MAX], facts[NAMED_MAX];
+  struct step_log step_log;
+  char checkpoint_name[4096];
 
   struct progress progress;
   double last_checkpoint; /* on the monotonic clock */
@@ -170,6 +172,7 @@ void recorder_close(struct recorder *recorder) {
   memory_free(&recorder->snapshot_times);
   memory_free(&recorder->rows);
   memory_free(&recorder->command_line);
+  step_log_free(&recorder->step_log);
   memory_free(&recorder);
 }
 
@@ -266,6 +269,28 @@ cleanup:
   return status;
 }
 
+void recorder_go_back(struct recorder *recorder, double time) {
+  double after = time * (1 + 1e-12), interval = recorder->scene->output_interval;
+  while (recorder->row_count > 0 &&
+         recorder->rows[(recorder->row_count - 1) * (size_t)recorder->width] > after)
+    recorder->row_count--;
+  while (recorder->snapshot_count > 0 &&
+         recorder->snapshot_times[recorder->snapshot_count - 1] > after)
+    memory_free(&recorder->snapshot_names[--recorder->snapshot_count]);
+  while (!isnan(interval) && recorder->next_snapshot - interval > after)
+    recorder->next_snapshot -= interval;
+}
+
+struct step_log *recorder_step_log(struct recorder *recorder) {
+  return &recorder->step_log;
+}
+
+const char *recorder_checkpoint_name(struct recorder *recorder) {
+  snprintf(recorder->checkpoint_name, sizeof recorder->checkpoint_name, "%s.ckpt.hdf",
+           recorder->prefix);
+  return recorder->checkpoint_name;
+}
+
 void recorder_progress(struct recorder *recorder, double done, const char *note) {
   progress_update(&recorder->progress, 100 * fmin(fmax(done, 0), 1), note);
 }
@@ -298,6 +323,7 @@ enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file
   TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &scene_hash));
   TRY(h5_write_attribute(file, "/recorder", "model_hash", H5_U64, 1,
                          &recorder->lattice->model_hash));
+  TRY(step_log_write(&recorder->step_log, file, "/recorder"));
   status = checkpoint_commit(recorder->prefix, file);
   file = NULL;
   recorder->last_checkpoint = clock_seconds();
@@ -338,6 +364,7 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   if (times != count) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(*file));
   for (size_t i = 0; i < count; i++) TRY(note_snapshot(recorder, names[i], snapshot_times[i]));
   TRY(h5_read_attribute(*file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
+  TRY(step_log_read(&recorder->step_log, *file, "/recorder"));
 cleanup:
   h5_free_texts(count, &names);
   memory_free(&snapshot_times);
@@ -497,6 +524,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   for (size_t i = 0; i < recorder->fact_count; i++)
     TRY(write_number(file, recorder->facts[i].name, recorder->facts[i].value));
   TRY(write_effects(recorder, file));
+  TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));

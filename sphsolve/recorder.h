@@ -14,6 +14,7 @@
 #include "sphsolve/lattice.h"
 #include "sphsolve/plan.h"
 #include "sphsolve/scene.h"
+#include "sphsolve/step_log.h"
 
 struct recorder;
 
@@ -64,6 +65,12 @@ double recorder_next_snapshot(const struct recorder *recorder);
 enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
                               const double *points, size_t field_count,
                               const struct snapshot_field *fields);
+
+/* Forgets rows and snapshots after `time`: the march goes back to it. */
+void recorder_go_back(struct recorder *recorder, double time);
+struct step_log *recorder_step_log(struct recorder *recorder);
+/* PREFIX.ckpt.hdf, for messages. */
+const char *recorder_checkpoint_name(struct recorder *recorder);
 
 /* The live line: done in 0..1. */
 void recorder_progress(struct recorder *recorder, double done, const char *note);

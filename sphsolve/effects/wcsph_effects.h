@@ -29,6 +29,11 @@ static inline bool wcsph_body_force_wanted(const struct effect_context *context,
   return context->driving > 0;
 }
 
+/* Monaghan (1992): a force moves a particle from rest by at most h/32 a step. */
+static inline double wcsph_body_force_dt(const struct effect_context *context) {
+  return 0.25 * sqrt(context->smoothing_length / context->driving);
+}
+
 static inline bool wcsph_frozen_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
   WHY_WCSPH("wall = \"%s\"", wcsph_frozen(context) ? "frozen" : "adami or subvoxel");
   return wcsph_frozen(context);
@@ -103,7 +108,8 @@ static const struct effect effect_body_force = {
     .citation = "Saomoto et al. 2006, eq. 7",
     .methods = METHOD_BIT_WCSPH,
     .writes = FIELD_BIT(VELOCITY),
-    .wanted = wcsph_body_force_wanted};
+    .wanted = wcsph_body_force_wanted,
+    .dt_max = wcsph_body_force_dt};
 static const struct effect effect_density_summation = {
     .name = "density_summation",
     .model = "density summed over fluid and grains, pressure c^2 (rho - rho_lattice) or c^2 rho",

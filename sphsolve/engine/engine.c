@@ -347,6 +347,10 @@ static void swap(float **a, float **b) {
   *b = t;
 }
 
+void engine_set_dt(struct engine *engine, double dt) {
+  engine->settings.dt = engine->pass.dt = dt;
+}
+
 enum status engine_step(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;

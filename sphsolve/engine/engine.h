@@ -60,6 +60,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
                         struct engine *engine);
 void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
+void engine_set_dt(struct engine *engine, double dt);
 /* rho/rho_0 and the gauge pressure over rho_0 c^2 of a slot. */
 double engine_density(const struct engine *engine, size_t slot);
 double engine_pressure(const struct engine *engine, size_t slot);

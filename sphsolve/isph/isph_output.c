@@ -274,6 +274,8 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
                       (int64_t)s->entered_count};
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  double dog[] = {s->dog.halvings, s->dog.trip_time};
+  TRY(h5_write_attribute(file, "/state", "watchdog", H5_F64, 2, dog));
   TRY(recorder_checkpoint_commit(recorder, file));
   return STATUS_OK;
 cleanup:
@@ -301,7 +303,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t dims[2];
   int rank;
-  double numbers[4];
+  double numbers[4], dog[2];
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -326,6 +328,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   }
   TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 2, dog));
+  s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1];
   s->time = s->time_admitted = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
   s->entered_mass = numbers[3];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];

@@ -17,6 +17,7 @@
 #include "common/error.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/scene.h"
+#include "sphsolve/watchdog.h"
 
 #define CHUNK 512    /* particles per chunk of the neighbour lists */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
@@ -145,6 +146,7 @@ struct isph {
   size_t lost_count, left_count, entered_count;
   double lost_mass, left_mass, entered_mass;
   double pair_interactions, pair_seconds;
+  struct watchdog dog;
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
 };
 
@@ -159,6 +161,19 @@ enum status isph_refresh(struct isph *s);
 enum status isph_advance(struct isph *s, double dt);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
+
+/* isph_copy.c: a state to go back to. Going back leaves a fresh state; the watchdog stays. */
+struct isph_copy {
+  char *block;
+  size_t count, counts[3];
+  double time, time_admitted, numbers[3];
+  int64_t step;
+  uint64_t next_id;
+};
+enum status isph_keep(const struct isph *s, struct isph_copy *copy);
+enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
+void isph_copy_free(struct isph_copy *copy);
+#define ISPH_COPY_BYTES 72.0 /* per particle */
 
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],

@@ -211,6 +211,16 @@ static void move(struct isph *s, double dt) {
   }
 }
 
+static enum status check_finite(const struct isph *s) {
+  for (size_t i = 0; i < s->count; i++)
+    for (int a = 0; a < 3; a++)
+      if (!isfinite(s->velocity[i][a]))
+        return FAIL(
+            STATUS_NUMERIC, "velocity of particle %llu at (%.4g, %.4g, %.4g) m is no number",
+            (unsigned long long)s->id[i], s->position[i][0], s->position[i][1], s->position[i][2]);
+  return STATUS_OK;
+}
+
 enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
@@ -250,6 +260,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
   correct(s);
+  TRY(check_finite(s));
   isph_wall_guard(s, dt);
   move(s, dt);
   if (s->on.moving_walls) {
@@ -268,22 +279,26 @@ cleanup:
 }
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = 0, thickest = s->viscosity, least = 1;
+  double fastest = 0, thickest = s->viscosity;
   for (size_t i = 0; i < s->count; i++) {
     const double *v = s->velocity[i];
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps);
     if (s->on.turbulence && s->step > 0) thickest = fmax(thickest, s->eddy[i] * eps);
-    least = fmin(least, eps);
   }
   double force =
       sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]);
-  double dt = (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30);
-  *limited_by = "isph_projection";
-  if (force > 0 && 0.25 * sqrt(s->spacing / force) < dt) dt = 0.25 * sqrt(s->spacing / force);
-  if (s->on.viscosity && 0.1 * s->spacing * s->spacing / thickest < dt) {
-    dt = 0.1 * s->spacing * s->spacing / thickest;
-    *limited_by = "isph_viscosity";
-  }
-  return dt;
+  const struct {
+    const char *name;
+    double dt;
+  } limits[] = {
+      {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
+      {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
+      {"isph_viscosity", s->on.viscosity ? 0.1 * s->spacing * s->spacing / thickest : INFINITY},
+  };
+  size_t least = 0;
+  for (size_t k = 1; k < sizeof limits / sizeof *limits; k++)
+    if (limits[k].dt < limits[least].dt) least = k;
+  *limited_by = limits[least].name;
+  return limits[least].dt;
 }

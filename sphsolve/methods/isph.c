@@ -46,6 +46,7 @@ enum status isph_plan(struct plan *plan, int threads) {
   plan->bytes_fluid = 420 + 1.3 * neighbours * 12;
   plan->bytes_wall = 0;
   plan->bytes_total = n * plan->bytes_fluid;
+  plan->bytes_copy = n * ISPH_COPY_BYTES;
   plan->steps = isfinite(scene->end_time) ? ceil(scene->end_time / guess) : NAN;
   plan->seconds = plan->steps * n * SECONDS_PER_STEP / fmin(threads, 8);
   plan->error = NAN;
@@ -90,25 +91,109 @@ static bool settled(struct settling *settling, double tolerance, double time,
   return false;
 }
 
-static enum status check_finite(const struct isph *s) {
-  for (size_t i = 0; i < s->count; i++)
-    for (int a = 0; a < 3; a++)
-      if (!isfinite(s->velocity[i][a]) || !isfinite(s->position[i][a]))
-        return FAIL(STATUS_NUMERIC,
-                    "t = %.4g s: particle %llu at (%.4g, %.4g, %.4g) m is no "
-                    "longer finite; use a smaller isph.dt",
-                    s->time, (unsigned long long)s->id[i], s->position[i][0], s->position[i][1],
-                    s->position[i][2]);
-  return STATUS_OK;
+/* Filling (sum of V W, 1 in the bulk) up to twice, a spacing a step, and the pressure solve's own
+ * bound on its residual, beyond which it fails. */
+#define FILLING_MOST 2.0
+/* Energy beyond this speed in spacings a step: see watchdog.h. */
+#define ENERGY_FLOOR 0.02
+/* Good steps after which a step that the effects choose may double again. */
+#define RECOVERY 200
+
+/* What drives water beside the force: walls, soil, heads and fluxes, as a speed, m/s. */
+static double given_speed(const struct isph *s) {
+  double speed = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    const double *v = region->velocity, *u = region->soil_velocity;
+    double own = fmax(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
+                      sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+    if (region->boundary == BOUNDARY_FLUX) own = fmax(own, fabs(region->flux));
+    if (region->boundary == BOUNDARY_HEAD)
+      own = fmax(own, sqrt(2 * s->scene->driving[2] * -region->head));
+    if (own > speed) speed = own;
+  }
+  return speed;
 }
 
-static enum status march(struct isph *s, const struct plan *plan, struct recorder *recorder,
-                         struct run_result *result) {
+/* The state after a step of length dt: the share it uses of the bounds, and what in words. */
+static double judge(struct isph *s, double dt, char what[160]) {
+  struct watch_reading reading = {{0}};
+  const double *f = s->force;
+  double most = 0, fastest = 0, squares = 0, share;
+  size_t densest = 0, first = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const double *v = s->velocity[i];
+    double eps = s->porosity != NULL ? s->porosity[i] : 1;
+    double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
+    squares += square;
+    if (s->filling[i] > most) most = s->filling[i], densest = i;
+    if (square > fastest) fastest = square, first = i;
+  }
+  reading.share[WATCH_DENSITY] = (most - 1) / (FILLING_MOST - 1);
+  reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;
+  if (s->count > 0)
+    reading.share[WATCH_ENERGY] =
+        watchdog_energy(&s->dog, sqrt(squares / (double)s->count), s->time,
+                        sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), given_speed(s),
+                        ENERGY_FLOOR * s->spacing / dt);
+  reading.share[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
+  enum watch_bound worst = watchdog_worst(&reading, &share);
+  size_t i = worst == WATCH_DENSITY ? densest : first;
+  if (s->count > 0)
+    snprintf(what, 160, "%s: particle %llu at (%.4g, %.4g, %.4g) m, filling %.3g, speed %.3g m/s",
+             watchdog_name(worst), (unsigned long long)s->id[i], s->position[i][0],
+             s->position[i][1], s->position[i][2], s->filling[i], sqrt(fastest));
+  return share;
+}
+
+/* Back to the last good state with half the step, or the end with that state in the checkpoint. */
+static enum status step_back(struct isph *s, const struct isph_copy *copy, double dt,
+                             const char *what, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  double time = s->time;
+  bool go_on = watchdog_trip(&s->dog, time);
+  char saved[4200] = "";
+  if (s->dog.kept) {
+    TRY(isph_go_back(s, copy));
+    recorder_go_back(recorder, copy->time);
+  }
+  if (go_on) {
+    struct step_back back = {.time = time, .back_to = copy->time, .dt = dt / 2};
+    snprintf(back.cause, sizeof back.cause, "%s", what);
+    log_warning("t = %.4g s: %s; back to t = %.4g s, time steps halved to %.3g s", time, what,
+                copy->time, back.dt);
+    TRY(step_log_back(recorder_step_log(recorder), &back));
+    goto cleanup;
+  }
+  const char *cause = s->scene->shifting == SWITCH_OFF
+                          ? "without shifting particles clump; leave effects.shifting at \"auto\""
+                      : !isnan(s->scene->isph.dt)
+                          ? "the time step is too long for these speeds; use isph.dt = \"auto\""
+                          : "the spacing is too coarse for what drives the water here; use a "
+                            "smaller domain.spacing or a smaller isph.dt";
+  if (s->dog.kept) {
+    TRY(isph_write_checkpoint(s, recorder));
+    snprintf(saved, sizeof saved, "; %s holds the last good state, t = %.4g s",
+             recorder_checkpoint_name(recorder), copy->time);
+  }
+  status = FAIL(STATUS_NUMERIC,
+                "step %lld, t = %.4g s: %s, after %d halvings of the time step "
+                "(now %.3g s): %s%s",
+                (long long)s->step, time, what, s->dog.halvings, dt, cause, saved);
+cleanup:
+  return status;
+}
+
+static enum status march(struct isph *s, const struct plan *plan, struct isph_copy *copy,
+                         struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double row_interval = recorder_row_interval(recorder);
   double next_row = s->step == 0 ? 0 : INFINITY, fixed_dt = plan->dt, dt = fixed_dt;
   struct settling settling = {0};
+  double share = 0;
+  int64_t calm_from = s->step;
+  char what[160] = "";
   if (isnan(row_interval)) row_interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   if (s->step > 0 && row_interval > 0)
     next_row = (floor(s->time / row_interval) + 1) * row_interval;
@@ -125,7 +210,6 @@ static enum status march(struct isph *s, const struct plan *plan, struct recorde
     }
     if (recorder_interrupted(recorder)) result->status = "interrupted";
     if (s->time >= next_row * (1 - 1e-12) || last) {
-      TRY(check_finite(s));
       TRY(isph_write_row(s, recorder, isnan(dt) ? 0 : dt));
       while (next_row <= s->time * (1 + 1e-12) && row_interval > 0) next_row += row_interval;
     }
@@ -137,11 +221,39 @@ static enum status march(struct isph *s, const struct plan *plan, struct recorde
       goto cleanup;
     }
     if (last) break;
-    const char *limited_by;
+    if (s->step % WATCH_STEPS == 0 && watchdog_wants(&s->dog, s->step, share)) {
+      TRY(isph_keep(s, copy));
+      watchdog_keep(&s->dog, s->step, share);
+    }
+    if (s->dog.halvings > 0 && isnan(fixed_dt) && s->time > s->dog.trip_time &&
+        s->step >= calm_from + RECOVERY) {
+      s->dog.halvings--;
+      calm_from = s->step;
+    }
+    const char *limited_by = "scene";
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
+    if (s->dog.halvings > 0) dt = ldexp(dt, -s->dog.halvings), limited_by = "watchdog";
     double left = scene->end_time - s->time;
-    if (dt > left) dt = left;
-    TRY(isph_advance(s, dt));
+    if (dt > left) dt = left, limited_by = "end_time";
+    step_log_limit(recorder_step_log(recorder), limited_by);
+    status = isph_advance(s, dt);
+    if (status == STATUS_NUMERIC) {
+      snprintf(what, sizeof what, "%.*s", 159, error_message());
+      error_clear();
+      share = INFINITY;
+    } else {
+      if (status != STATUS_OK) goto cleanup;
+      share = judge(s, dt, what);
+    }
+    if (!(share < 1)) {
+      TRY(step_back(s, copy, dt, what, recorder));
+      share = s->dog.kept_share;
+      calm_from = s->step;
+      settling = (struct settling){.since = s->time};
+      if (row_interval > 0)
+        next_row = (floor(s->time / row_interval * (1 + 1e-12)) + 1) * row_interval;
+      continue;
+    }
     char note[96];
     snprintf(note, sizeof note, "t %.4g s, %d iterations", s->time, s->solve.iterations);
     recorder_progress(recorder, s->time / scene->end_time, note);
@@ -165,6 +277,7 @@ enum status isph_run(const struct scene *scene, const struct plan *plan,
                      struct run_result *result) {
   enum status status = STATUS_OK;
   struct isph state = {0}, *s = &state;
+  struct isph_copy copy = {0};
   struct isph_switches on;
   struct h5_file *file = NULL;
   isph_switches_of(plan, &on);
@@ -172,7 +285,7 @@ enum status isph_run(const struct scene *scene, const struct plan *plan,
   TRY(isph_add_columns(s, recorder));
   TRY(recorder_resume(recorder, &file));
   if (file != NULL) TRY(isph_read_checkpoint(s, file));
-  TRY(march(s, plan, recorder, result));
+  TRY(march(s, plan, &copy, recorder, result));
 cleanup:
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
     double velocity[3];
@@ -195,6 +308,7 @@ cleanup:
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
   }
   h5_close(file);
+  isph_copy_free(&copy);
   isph_free(s);
   return status;
 }

@@ -23,7 +23,9 @@ struct run {
   const struct lattice *lattice;
   struct recorder *recorder;
   struct wcsph_state state;
-  int64_t sample_steps, last_step;
+  struct wcsph_copy copy;
+  int64_t last_step;
+  double wall_speed;   /* m/s, the largest */
   double row_interval; /* s; NAN: each sample */
   double pore_width;   /* m */
   double direction[3]; /* of the force, or of the first moving wall */
@@ -31,32 +33,160 @@ struct run {
 };
 
 static double run_time(const struct run *run) {
-  return (double)run->state.step * run->plan->dt;
+  return wcsph_time(&run->state);
 }
 
 static double particle_volume(const struct lattice *lattice) {
   return lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2];
 }
 
-static enum status blown_up(const struct run *run, const struct wcsph_totals *totals) {
+/* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
+ * the change of density means nothing. */
+#define DENSITY_BAND 0.5
+/* Speeds up to that of sound, energy beyond an eighth of it (2 m/s at 16): see watchdog.h. */
+#define ENERGY_FLOOR 0.125
+/* A state to go back to is kept while so much of a bound is used, or the step is so near its limit,
+ * or the start is not rest. */
+#define KEEP_FROM 0.1
+#define KEEP_NEAR_LIMIT 0.85
+/* A particle may pass so much of h a step (automatic step only). */
+#define ADVECTION 0.25
+
+static enum watch_bound judge(struct run *run, const struct wcsph_totals *totals, double *share) {
+  struct watch_reading reading = {{0}};
+  double c = run->state.engine.settings.sound_speed;
+  double count = (double)run->lattice->fluid_count;
+  double energy = sqrt((totals->square + c * c * totals->compression) / count);
+  reading.share[WATCH_DENSITY] =
+      fmax(totals->density_max - 1, 1 - totals->density_min) / DENSITY_BAND;
+  reading.share[WATCH_VELOCITY] = totals->speed_max / c;
+  reading.share[WATCH_ENERGY] =
+      watchdog_energy(&run->state.dog, energy, run_time(run), run->plan->context.driving,
+                      run->wall_speed, ENERGY_FLOOR * c);
+  if (!totals->finite) reading.share[WATCH_DENSITY] = INFINITY;
+  return watchdog_worst(&reading, share);
+}
+
+/* What left its bounds, which particle, where; and why, most likely. */
+static void describe(const struct run *run, enum watch_bound bound,
+                     const struct wcsph_totals *totals, char what[160]) {
   const struct engine *engine = &run->state.engine;
-  double at[3];
-  particles_position(&engine->particles, run->lattice, totals->densest, at);
-  const char *cause = run->plan->dt > 0.9 * run->plan->dt_limit
+  double high = totals->density_max - 1, low = 1 - totals->density_min, at[3];
+  size_t slot = bound != WATCH_DENSITY ? totals->fastest
+                : low > high           ? totals->thinnest
+                                       : totals->densest;
+  particles_position(&engine->particles, run->lattice, slot, at);
+  if (bound == WATCH_DENSITY)
+    snprintf(what, 160, "density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times that at rest",
+             engine->particles.id[slot], at[0], at[1], at[2], low > high ? 1 - low : 1 + high);
+  else
+    snprintf(what, 160, "%s: particle %u at (%.4g, %.4g, %.4g) m moves at %.3g m/s",
+             watchdog_name(bound), engine->particles.id[slot], at[0], at[1], at[2],
+             totals->speed_max);
+}
+
+static enum status write_checkpoint(struct run *run);
+
+/* Back to the last good state with half the step; after three times the run ends with that state in
+ * its checkpoint. */
+static enum status step_back(struct run *run, double time, const char *what) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct step_back back = {.time = time};
+  const struct plan *plan = run->plan;
+  bool go_on = watchdog_trip(&state->dog, time), kept = state->dog.kept;
+  if (kept) {
+    TRY(wcsph_go_back(&run->copy, state));
+    recorder_go_back(run->recorder, run->copy.time);
+  }
+  if (go_on) {
+    wcsph_halve(state);
+    back.back_to = run->copy.time;
+    back.dt = state->engine.settings.dt;
+    snprintf(back.cause, sizeof back.cause, "%s", what);
+    TRY(step_log_back(recorder_step_log(run->recorder), &back));
+    log_warning("t = %g s: %s; back to t = %g s, time step now %g s", time, what, run->copy.time,
+                back.dt);
+    goto cleanup;
+  }
+  const char *cause = plan->dt > 0.9 * plan->dt_limit
                           ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
+                      : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
+                          ? "the force is too strong for this sound speed; raise wcsph.sound_speed"
                           : "the sound speed is too low for this force; raise wcsph.sound_speed";
-  return FAIL(STATUS_NUMERIC,
-              "step %lld, t = %g s: density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times "
-              "that at rest: %s (dt %g s, limit %g s, largest speed %.3g m/s, sound speed %g m/s)",
-              (long long)run->state.step, run_time(run), engine->particles.id[totals->densest],
-              at[0], at[1], at[2], totals->density_max, cause, run->plan->dt, run->plan->dt_limit,
-              engine->speed_max, engine->settings.sound_speed);
+  char saved[4200] = "";
+  if (kept) {
+    TRY(write_checkpoint(run));
+    snprintf(saved, sizeof saved, "; %s holds the last good state, t = %g s",
+             recorder_checkpoint_name(run->recorder), run->copy.time);
+  }
+  status =
+      FAIL(STATUS_NUMERIC,
+           "step %lld, t = %g s: %s, after %d halvings of the time step: %s (dt %g s, limit %g "
+           "s, sound speed %g m/s)%s",
+           (long long)state->step, time, what, state->dog.halvings, cause,
+           state->engine.settings.dt, plan->dt_limit, state->engine.settings.sound_speed, saved);
+cleanup:
+  return status;
+}
+
+/* The step that velocities allow: particles do not pass each other in one. */
+static void adapt(struct run *run) {
+  struct wcsph_state *state = &run->state;
+  double h = state->engine.settings.smoothing_length, speed = state->engine.speed_max;
+  if (!isnan(run->scene->wcsph.dt)) return;
+  if (speed * state->engine.settings.dt > ADVECTION * h)
+    wcsph_halve(state);
+  else if (state->halvings > state->dog.halvings &&
+           3 * speed * state->engine.settings.dt < ADVECTION * h)
+    wcsph_double(state);
+}
+
+static const char *limiting_effect(const struct run *run) {
+  const struct wcsph_state *state = &run->state;
+  return state->halvings == 0                    ? run->plan->dt_by
+         : state->halvings > state->dog.halvings ? "advection"
+                                                 : "watchdog";
+}
+
+static void set_last_step(struct run *run) {
+  double last =
+      ceil((run->scene->end_time - run->state.time_from) / run->state.engine.settings.dt - 1e-6);
+  run->last_step = run->state.step_from + (last < 9e15 ? (int64_t)last : (int64_t)9e15);
+}
+
+/* Looks at the state, keeps it if it is good, goes back if it is not (*again). */
+static enum status watch(struct run *run, bool *again) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct wcsph_totals totals;
+  double share;
+  char what[160];
+  *again = false;
+  TRY(wcsph_sum(&state->engine, &totals));
+  enum watch_bound worst = judge(run, &totals, &share);
+  if (share >= 1) {
+    describe(run, worst, &totals, what);
+    *again = true;
+    TRY(step_back(run, run_time(run), what));
+  } else {
+    bool keep = share > KEEP_FROM || run->plan->dt > KEEP_NEAR_LIMIT * run->plan->dt_limit;
+    if (keep && watchdog_wants(&state->dog, state->step, share)) {
+      TRY(wcsph_keep(state, &run->copy));
+      watchdog_keep(&state->dog, state->step, share);
+    }
+    adapt(run);
+  }
+  set_last_step(run);
+cleanup:
+  return status;
 }
 
 static enum status write_row(struct run *run, const struct wcsph_totals *totals) {
   const struct lattice *lattice = run->lattice;
   double density = run->scene->fluid.density, mass = density * particle_volume(lattice);
-  struct history_row row = {.time = run_time(run), .step = run->state.step, .dt = run->plan->dt};
+  struct history_row row = {
+      .time = run_time(run), .step = run->state.step, .dt = run->state.engine.settings.dt};
   double square = 0;
   for (int a = 0; a < 3; a++) {
     row.darcy_velocity[a] = totals->velocity[a] / (double)lattice->bulk_count;
@@ -165,10 +295,6 @@ static enum status sample(struct run *run, struct monitor_verdict *verdict) {
   struct wcsph_totals totals;
   double value[MONITOR_COMPONENTS];
   TRY(wcsph_sum(&run->state.engine, &totals));
-  if (!totals.finite || totals.density_max > 2) {
-    status = blown_up(run, &totals);
-    goto cleanup;
-  }
   sample_of(run, &totals, value);
   TRY(monitor_add(&run->state.monitor, value));
   if (isnan(run->row_interval)) TRY(write_row(run, &totals));
@@ -201,9 +327,24 @@ static enum status march(struct run *run, struct run_result *result) {
         break;
       }
     }
-    TRY(engine_step(&state->engine));
+    bool again = false;
+    step_log_limit(recorder_step_log(run->recorder), limiting_effect(run));
+    status = engine_step(&state->engine);
     state->step++;
-    double time = run_time(run), half = 0.5 * run->plan->dt;
+    if (status == STATUS_NUMERIC) {
+      char what[160];
+      snprintf(what, sizeof what, "%.*s", 159, error_message());
+      error_clear();
+      TRY(step_back(run, run_time(run), what));
+      set_last_step(run);
+      continue;
+    }
+    if (status != STATUS_OK) goto cleanup;
+    bool due = wcsph_sample_due(state);
+    if (state->step % WATCH_STEPS == 0 || due || state->step == run->last_step)
+      TRY(watch(run, &again));
+    if (again) continue;
+    double time = run_time(run), half = 0.5 * state->engine.settings.dt;
     if (!isnan(run->row_interval) && time >= state->next_row - half) {
       struct wcsph_totals totals;
       TRY(wcsph_sum(&state->engine, &totals));
@@ -212,7 +353,7 @@ static enum status march(struct run *run, struct run_result *result) {
     }
     if (time >= recorder_next_snapshot(run->recorder) - half && state->step < run->last_step)
       TRY(write_snapshot(run));
-    if (state->step % run->sample_steps == 0 || state->step == run->last_step) {
+    if (due || state->step == run->last_step) {
       TRY(sample(run, &verdict));
       if (run->scene->steady_tolerance > 0 && verdict.steady) {
         result->status = "steady";
@@ -261,7 +402,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   double(*region_velocity)[3] = NULL;
   struct engine_settings settings;
   struct wcsph_totals totals;
-  bool flows = true, resumed;
+  bool flows = true, resumed, again;
   run.started = clock_seconds();
   result->k = result->k_error = NAN;
   TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
@@ -273,12 +414,16 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   run.pore_width = gap * plan->context.spacing;
   double pore_time = run.pore_width * run.pore_width / plan->context.kinematic_viscosity;
   if (!isfinite(pore_time)) pore_time = scene->end_time;
-  run.sample_steps = (int64_t)fmax(1, pore_time / SAMPLES_PER_PORE_TIME / plan->dt);
+  run.state.sample_steps = (int64_t)fmax(1, pore_time / SAMPLES_PER_PORE_TIME / plan->dt);
   run.row_interval = recorder_row_interval(recorder);
   run.state.next_row = isnan(run.row_interval) ? INFINITY : run.row_interval;
-  double last = ceil(scene->end_time / plan->dt - 1e-6);
-  run.last_step = last < 9e15 ? (int64_t)last : (int64_t)9e15;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const double *v = scene->regions[r].velocity;
+    if (scene->regions[r].type == REGION_WALL)
+      run.wall_speed = fmax(run.wall_speed, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
   TRY(read_checkpoint(&run, &resumed));
+  TRY(watch(&run, &again));
   if (!resumed) {
     TRY(wcsph_sum(&run.state.engine, &totals));
     TRY(write_row(&run, &totals));
@@ -300,6 +445,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
 cleanup:
   monitor_free(&run.state.monitor);
   engine_free(&run.state.engine);
+  memory_free(&run.copy.arrays);
   memory_free(&region_velocity);
   return status;
 }

@@ -7,6 +7,7 @@
 #include "common/kernel.h"
 #include "sphsolve/method.h"
 #include "sphsolve/methods/wcsph_modes.h"
+#include "sphsolve/methods/wcsph_state.h"
 
 #define SUPPORT_DEFAULT 2.9    /* spacings */
 #define COMPRESSION 0.01       /* density error that the sound speed must allow */
@@ -145,17 +146,22 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   const struct lattice *lattice = context->lattice;
   /* Sound and viscosity together: (dt/dt_sound)^2 + dt/dt_viscous < 1, the exact condition of
    * the leapfrog with lagged viscosity for one mode. */
-  double sound = INFINITY, viscous = INFINITY;
+  double sound = INFINITY, viscous = INFINITY, force = INFINITY;
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
     if (!planned->on) continue;
     if (!strcmp(planned->effect->name, "viscosity_morris")) viscous = planned->dt_max;
+    if (!strcmp(planned->effect->name, "body_force")) force = planned->dt_max;
     if (!strncmp(planned->effect->name, "pressure_", 9)) sound = fmin(sound, planned->dt_max);
   }
   double q = sound / viscous;
   plan->dt_limit = sound * (sqrt(q * q / 4 + 1) - q / 2);
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
-  plan->dt = isnan(scene->wcsph.dt) ? SAFETY * plan->dt_limit : scene->wcsph.dt;
+  plan->dt = SAFETY * plan->dt_limit;
+  plan->dt_by = plan->dt_limited_by;
+  /* The force's limit is one of accuracy: a dt that the scene gives may pass it. */
+  if (force < plan->dt) plan->dt = force, plan->dt_by = "body_force";
+  if (!isnan(scene->wcsph.dt)) plan->dt = scene->wcsph.dt, plan->dt_by = "scene";
   /* Whole steps to the rows of the history that the scene asks for. */
   if (isnan(scene->wcsph.dt) && scene->history_interval > plan->dt)
     plan->dt = scene->history_interval / ceil(scene->history_interval / plan->dt - 1e-9);
@@ -177,6 +183,7 @@ enum status wcsph_plan(struct plan *plan, int threads) {
       1.05 * (double)particles_bytes_fluid(&fields) + ENGINE_LIST_BYTES_FLUID + site;
   plan->bytes_wall = 1.05 * (double)particles_bytes_wall(&fields) + site +
                      (fields.wall_state ? ENGINE_LIST_BYTES_WALL : 0);
+  plan->bytes_copy = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
   plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
                       plan->bytes_wall * (double)lattice->wall_count;
 

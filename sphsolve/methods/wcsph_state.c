@@ -17,23 +17,35 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < blocks; b++) {
     struct wcsph_totals *t = &part[b];
+    t->density_min = INFINITY;
     size_t end = (b + 1) * SUM_BLOCK < slots ? (b + 1) * SUM_BLOCK : slots;
     for (size_t i = b * SUM_BLOCK; i < end; i++) {
       if (p->id[i] == NO_PARTICLE) continue;
-      double density = engine_density(engine, i);
+      double density = engine_density(engine, i), square = 0;
       for (int a = 0; a < 3; a++) {
         double v = (double)p->v[a][i];
         t->velocity[a] += v;
         t->square += v * v;
+        square += v * v;
       }
       t->density += density;
+      t->compression += (density - 1) * (density - 1);
       if (!(density <= t->density_max)) {
         t->density_max = density;
         t->densest = i;
       }
+      if (!(density >= t->density_min)) {
+        t->density_min = density;
+        t->thinnest = i;
+      }
+      if (!(square <= t->speed_max)) {
+        t->speed_max = square;
+        t->fastest = i;
+      }
     }
   }
   memset(totals, 0, sizeof *totals);
+  totals->density_min = INFINITY;
   for (size_t b = 0; b < blocks; b++) {
     for (int a = 0; a < 3; a++) totals->velocity[a] += part[b].velocity[a];
     totals->square += part[b].square;
@@ -42,7 +54,17 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
       totals->density_max = part[b].density_max;
       totals->densest = part[b].densest;
     }
+    totals->compression += part[b].compression;
+    if (!(part[b].density_min >= totals->density_min)) {
+      totals->density_min = part[b].density_min;
+      totals->thinnest = part[b].thinnest;
+    }
+    if (!(part[b].speed_max <= totals->speed_max)) {
+      totals->speed_max = part[b].speed_max;
+      totals->fastest = part[b].fastest;
+    }
   }
+  totals->speed_max = sqrt(totals->speed_max);
   totals->finite = isfinite(totals->square) && isfinite(totals->density);
 cleanup:
   memory_free(&part);
@@ -70,6 +92,91 @@ static size_t stored_arrays(struct particles *p, struct stored list[16]) {
   return n;
 }
 
+double wcsph_time(const struct wcsph_state *state) {
+  return state->time_from + (double)(state->step - state->step_from) * state->engine.settings.dt;
+}
+
+bool wcsph_sample_due(const struct wcsph_state *state) {
+  return (state->step - state->sample_from) % (state->sample_steps << state->halvings) == 0;
+}
+
+/* From now on the step is the present one over 2^more. */
+static void rescale(struct wcsph_state *state, int64_t since_sample, int more) {
+  state->time_from = wcsph_time(state);
+  state->step_from = state->step;
+  state->sample_from = state->step - since_sample;
+  state->halvings += more;
+  engine_set_dt(&state->engine, ldexp(state->engine.settings.dt, -more));
+}
+
+void wcsph_halve(struct wcsph_state *state) {
+  int64_t since = (state->step - state->sample_from) % (state->sample_steps << state->halvings);
+  rescale(state, 2 * since, 1);
+}
+
+bool wcsph_double(struct wcsph_state *state) {
+  int64_t since = (state->step - state->sample_from) % (state->sample_steps << state->halvings);
+  if (state->halvings == 0 || since % 2 != 0) return false;
+  rescale(state, since / 2, -1);
+  return true;
+}
+
+size_t wcsph_copy_bytes(const struct particle_fields *fields) {
+  return (size_t)(fields->shift ? 11 : 8) * sizeof(float);
+}
+
+enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy) {
+  enum status status = STATUS_OK;
+  struct particles p = state->engine.particles; /* pointers only */
+  struct stored list[16];
+  size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
+  TRY(memory_resize(&copy->arrays, n * slots, sizeof *copy->arrays, "a state to go back to"));
+  for (size_t i = 0; i < n; i++)
+    memcpy(copy->arrays + i * slots, *list[i].array, slots * sizeof *copy->arrays);
+  copy->clusters = p.clusters;
+  copy->samples = state->monitor.count;
+  copy->step = state->step;
+  copy->sample_from = state->sample_from;
+  copy->halvings = state->halvings;
+  copy->ordered = state->engine.listed || state->engine.resumed;
+  copy->time = wcsph_time(state);
+  copy->moved = state->engine.moved;
+  copy->speed_max = state->engine.speed_max;
+  copy->next_row = state->next_row;
+cleanup:
+  return status;
+}
+
+enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state) {
+  enum status status = STATUS_OK;
+  struct engine *engine = &state->engine;
+  struct particles *p = &engine->particles;
+  TRY(particles_resize(p, copy->clusters));
+  struct stored list[16];
+  size_t n = stored_arrays(p, list), slots = particles_slots(p);
+  for (size_t i = 0; i < n; i++)
+    memcpy(*list[i].array, copy->arrays + i * slots, slots * sizeof *copy->arrays);
+  engine->moved = copy->moved;
+  engine->speed_max = copy->speed_max;
+  engine->listed = false;
+  engine->resumed = copy->ordered;
+  for (int t = 0; t < engine->threads; t++) engine->locals[t].overflow = false;
+  state->monitor.count = copy->samples;
+  state->next_row = copy->next_row;
+  int64_t since = (copy->step - copy->sample_from) % (state->sample_steps << copy->halvings);
+  if (state->halvings < copy->halvings) {
+    engine_set_dt(engine, ldexp(engine->settings.dt, state->halvings - copy->halvings));
+    state->halvings = copy->halvings;
+  }
+  since <<= state->halvings - copy->halvings;
+  /* Steps go on counting: their number is of those paid for. */
+  state->time_from = copy->time;
+  state->step_from = state->step;
+  state->sample_from = state->step - since;
+cleanup:
+  return status;
+}
+
 enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file) {
   enum status status = STATUS_OK;
   struct particles p = state->engine.particles; /* pointers only */
@@ -84,8 +191,14 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       (double)engine->pairs_fluid,
                       (double)engine->pairs_wall,
                       state->next_row,
-                      engine->settings.dt,
-                      (double)engine->steps};
+                      ldexp(engine->settings.dt, state->halvings),
+                      (double)engine->steps,
+                      state->halvings,
+                      state->time_from,
+                      (double)state->step_from,
+                      (double)state->sample_from,
+                      state->dog.halvings,
+                      state->dog.trip_time};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   count = 1;
@@ -123,7 +236,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   }
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
-  if (count != 8 || dims[0] != 1)
+  if (count != 14 || dims[0] != 1)
     TRY_FAIL(STATUS_INPUT, "%s: /state/numbers is not of this version", h5_path(file));
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
@@ -137,6 +250,13 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   engine->steps = (uint64_t)numbers[7];
   state->next_row = numbers[5];
   state->step = *step;
+  state->halvings = (int)numbers[8];
+  state->time_from = numbers[9];
+  state->step_from = (int64_t)numbers[10];
+  state->sample_from = (int64_t)numbers[11];
+  state->dog.halvings = (int)numbers[12];
+  state->dog.trip_time = numbers[13];
+  engine_set_dt(engine, ldexp(engine->settings.dt, -state->halvings));
   if (h5_exists(file, "/state/monitor")) {
     TRY(h5_read(file, "/state/monitor", H5_F64, 2, dims, &rows));
     if (dims[1] != MONITOR_COMPONENTS)

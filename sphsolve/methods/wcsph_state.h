@@ -5,21 +5,49 @@
 #include "common/hdf5_file.h"
 #include "sphsolve/engine/engine.h"
 #include "sphsolve/monitor.h"
+#include "sphsolve/watchdog.h"
 
 struct wcsph_state {
   struct engine engine;
   struct monitor monitor;
   int64_t step;
   double next_row; /* s: time of the next history row */
+  /* The step is the plan's over 2^halvings: time = time_from + (step - step_from) dt, and a sample
+   * is due sample_steps 2^halvings steps after the last, counted from sample_from. */
+  int halvings;
+  double time_from;
+  int64_t step_from, sample_from, sample_steps;
+  struct watchdog dog;
 };
+double wcsph_time(const struct wcsph_state *state);
+bool wcsph_sample_due(const struct wcsph_state *state);
+/* Halves or doubles the step from now on; doubling waits for a step on which a sample can fall. */
+void wcsph_halve(struct wcsph_state *state);
+bool wcsph_double(struct wcsph_state *state);
+
+/* A copy of the state to go back to. */
+struct wcsph_copy {
+  float *arrays;
+  size_t clusters, samples;
+  int64_t step, sample_from;
+  double time, moved, speed_max, next_row;
+  int halvings;
+  bool ordered;
+};
+enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy);
+/* The step stays as it is now, unless it was shorter then. */
+enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
+size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */
 
 /* Sums over the fluid, in an order that no thread count changes. */
 struct wcsph_totals {
   double velocity[3]; /* sum, m/s */
   double square;      /* sum of v^2 */
   double density;     /* sum of rho/rho_0 */
+  double compression; /* sum of (rho/rho_0 - 1)^2 */
   double density_max; /* rho/rho_0 */
-  size_t densest;     /* its slot */
+  double density_min, speed_max;
+  size_t densest, thinnest, fastest; /* slots */
   bool finite;
 };
 enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals);

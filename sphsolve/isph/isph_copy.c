@@ -1,0 +1,79 @@
+/* A copy of the state to go back to: what a checkpoint holds, in memory. */
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/isph_state.h"
+
+/* The arrays of a state: per particle, per boundary particle, per region. */
+static size_t copied_arrays(struct isph *s, void **array[8], size_t bytes[8]) {
+  size_t n = 0;
+#define ADD(member, count)                                                                         \
+  do {                                                                                             \
+    array[n] = (void **)&s->member;                                                                \
+    bytes[n++] = (count) * sizeof *s->member;                                                      \
+  } while (0)
+  ADD(position, s->count);
+  ADD(velocity, s->count);
+  ADD(pressure, s->count);
+  ADD(mass, s->count);
+  ADD(id, s->count);
+  ADD(boundary_position, s->boundary_count);
+  ADD(wall_boxes, s->wall_box_count);
+  ADD(soil_offset, s->scene->region_count);
+#undef ADD
+  return n;
+}
+
+enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
+  enum status status = STATUS_OK;
+  struct isph at = *s; /* pointers only */
+  void **array[8];
+  size_t bytes[8], total = 0, used = 0, n = copied_arrays(&at, array, bytes);
+  for (size_t i = 0; i < n; i++) total += bytes[i];
+  TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
+  for (size_t i = 0; i < n; i++) {
+    if (bytes[i] > 0) memcpy(copy->block + used, *array[i], bytes[i]);
+    used += bytes[i];
+  }
+  copy->count = s->count;
+  copy->time = s->time;
+  copy->time_admitted = s->time_admitted;
+  copy->step = s->step;
+  copy->next_id = s->next_id;
+  copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
+  copy->numbers[2] = s->entered_mass;
+  copy->counts[0] = s->lost_count, copy->counts[1] = s->left_count;
+  copy->counts[2] = s->entered_count;
+cleanup:
+  return status;
+}
+
+enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
+  enum status status = STATUS_OK;
+  void **array[8];
+  size_t bytes[8], used = 0;
+  TRY(isph_reserve(s, copy->count));
+  s->count = copy->count;
+  size_t n = copied_arrays(s, array, bytes);
+  for (size_t i = 0; i < n; i++) {
+    if (bytes[i] > 0) memcpy(*array[i], copy->block + used, bytes[i]);
+    used += bytes[i];
+  }
+  s->time = copy->time;
+  s->time_admitted = copy->time_admitted;
+  s->step = copy->step;
+  s->next_id = copy->next_id;
+  s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];
+  s->entered_mass = copy->numbers[2];
+  s->lost_count = copy->counts[0], s->left_count = copy->counts[1];
+  s->entered_count = copy->counts[2];
+  isph_wall_move(s, 0);
+  TRY(isph_sort_walls(s));
+  TRY(isph_refresh(s));
+cleanup:
+  return status;
+}
+
+void isph_copy_free(struct isph_copy *copy) {
+  memory_free(&copy->block);
+}
