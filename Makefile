@@ -114,8 +114,18 @@ endef
 $(foreach s,$(SOURCES_unit) $(SOURCES_long),$(eval $(call test_rule,$(s))))
 tests: $(UNIT_TESTS) $(LONG_TESTS)
 
-check: all $(UNIT_TESTS)
-	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(sort $(wildcard tests/cli/*.bats))
+# Each fuzz target over its corpus, as a test.
+REPLAYS = $(patsubst tests/fuzz/fuzz_%.c,$(BUILD)/tests/replay_%,$(wildcard tests/fuzz/fuzz_*.c))
+replay_libraries = $(call library,$(if $(filter run,$(1)),analyze,ct2model)) $(if $(filter run,$(1)),,$(call library,sphsolve)) $(call library,common)
+define replay_rule
+$(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/replay.c) $(call replay_libraries,$(1))
+	$$(call say,LINK,$$@)
+	$$(Q)mkdir -p $$(@D) && $$(CC) $$(LDFLAGS_ALL) -o $$@ $$^ $(LIBS_OPENCV) $$(DEP_LIBS)
+endef
+$(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
+
+check: all $(UNIT_TESTS) $(REPLAYS)
+	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(REPLAYS) $(sort $(wildcard tests/cli/*.bats))
 
 # ---- the main job ----
 demo: all
@@ -147,16 +157,24 @@ tsan:
 	$(MAKE) check BUILD=$(BUILD)-tsan OPT="-O1 -g" SANITIZE="-fsanitize=thread"
 
 # ---- fuzzing: FUZZ_SECONDS each, with address and undefined behaviour sanitizers (needs clang) ----
+# `make fuzz FUZZ=png` runs one target. The corpora under tests/fuzz/corpus are replayed by `make check`.
 FUZZ_SECONDS ?= 1200
-FUZZERS = $(patsubst tests/fuzz/%.c,$(BUILD)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
-$(BUILD)/fuzz/%: tests/fuzz/%.c $(SOURCES_common) sphsolve/scene.c
-	$(call say,FUZZER,$@)
-	$(Q)mkdir -p $(@D) && clang -std=gnu11 -g -O1 -fsanitize=fuzzer,address,undefined -I. $(DEP_CFLAGS) $^ -o $@ $(DEP_LIBS)
-fuzz: $(FUZZERS)
-	$(Q)for f in $^; do n=$${f##*/fuzz_}; mkdir -p $(BUILD)/fuzz/corpus-$$n; echo "== $$n"; \
-	  $$f -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus-$$n \
-	    $$(test -d tests/fuzz/corpus/$$n && echo tests/fuzz/corpus/$$n) > $(BUILD)/fuzz/$$n.log 2>&1 || { tail -30 $(BUILD)/fuzz/$$n.log; exit 1; }; \
-	  tail -1 $(BUILD)/fuzz/$$n.log; done
+FUZZ ?= $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZ_SOURCES = $(filter %.c,$(SOURCES_common) $(foreach p,ct2model sphsolve,$(filter-out $(p)/$(p).c,$(SOURCES_$(p)))))
+FUZZ_FLAGS = -std=gnu11 -g -O1 $(MATH) -fopenmp -fsanitize=address,undefined -fno-sanitize-recover=undefined
+$(BUILD)/fuzz/obj/%.o: %.c $(BUILD)/flags
+	$(call say,FUZZ,$<)
+	$(Q)mkdir -p $(@D) && clang $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link $(ISA_FLAGS) -I. -I$(BUILD) -Itests/fuzz $(DEP_CFLAGS) -MMD -MP -c $< -o $@
+-include $(shell test -d $(BUILD)/fuzz/obj && find $(BUILD)/fuzz/obj -name '*.d')
+$(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o)
+	$(Q)rm -f $@ && ar rcs $@ $^
+$(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
+	$(call say,LINK,$@)
+	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(DEP_LIBS)
+$(BUILD)/fuzz/run: $(BUILD)/fuzz/obj/analyze/run_file.o
+fuzz: $(FUZZ:%=$(BUILD)/fuzz/%)
+	$(Q)for n in $(FUZZ); do scripts/fuzz $(BUILD)/fuzz $$n $(FUZZ_SECONDS) || exit 1; done
+.SECONDARY: $(FUZZ:%=$(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o)
 
 # Man pages come from the option tables of the programs themselves.
 MAN = $(PROGRAMS:%=$(BUILD)/man/%.1)

@@ -19,6 +19,7 @@
 #include "analyze/steady.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_file.h"
 #include "common/provenance.h"
 
 /* The analyses, each present or not as the runs support it. */
@@ -453,7 +454,7 @@ enum status page_write(const struct run *runs, size_t n, const char *path, const
     page.lean = true;
     TRY(compose(&page, &text, &size));
   }
-  TRY(file_write(path, text, size));
+  TRY(output_write(path, text, size));
   *json = json_incref(page.data);
 cleanup:
   free(text);

@@ -14,6 +14,7 @@
 #include "analyze/product.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_file.h"
 
 extern char **environ;
 
@@ -132,7 +133,7 @@ static enum status write_script(const char *folder, const char *name, const char
   fputs(body, stream);
   bool bad = fclose(stream) != 0;
   enum status status =
-      bad ? FAIL(STATUS_RUN, "out of memory for a plot") : file_write(path, script, size);
+      bad ? FAIL(STATUS_RUN, "out of memory for a plot") : output_write(path, script, size);
   free(script);
   return status;
 }

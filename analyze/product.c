@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "analyze/plot.h"
-#include "common/memory.h"
+#include "common/output_file.h"
 
 static enum status text_start(struct text *text) {
   text->stream = open_memstream(&text->data, &text->size);
@@ -60,26 +60,6 @@ void product_free(struct product *product) {
   text_free(&product->summary);
 }
 
-enum status file_write(const char *path, const char *data, size_t size) {
-  enum status status = STATUS_OK;
-  FILE *stream = NULL;
-  char part[4200];
-  if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
-    return FAIL(STATUS_USAGE, "%.80s...: the path is too long", path);
-  stream = fopen(part, "wb");
-  if (stream == NULL)
-    TRY_FAIL(STATUS_RUN, "%s: cannot be written (%s); choose another place with -o", path,
-             strerror(errno));
-  bool bad = fwrite(data, 1, size, stream) != size;
-  bad |= fclose(stream) != 0;
-  if (bad || rename(part, path) != 0) {
-    status = FAIL(STATUS_RUN, "%s: cannot be written (%s)", path, strerror(errno));
-    unlink(part);
-  }
-cleanup:
-  return status;
-}
-
 /* mkdir -p */
 static enum status folder_make(const char *folder) {
   char path[4096];
@@ -103,7 +83,7 @@ static enum status save_as(const struct product *product, const char *folder, co
   char path[4200];
   if (snprintf(path, sizeof path, "%s/%s%s", folder, product->name, ending) >= (int)sizeof path)
     return FAIL(STATUS_USAGE, "-o: the folder's name is too long");
-  return file_write(path, data, size);
+  return output_write(path, data, size);
 }
 
 enum status product_save(const struct product *product, const char *folder) {

@@ -32,9 +32,6 @@ void product_free(struct product *product);
  * Without gnuplot one warning says so and the rest is there. */
 enum status product_save(const struct product *product, const char *folder);
 
-/* Writes a file beside and renames it. */
-enum status file_write(const char *path, const char *data, size_t size);
-
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
 /* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-",

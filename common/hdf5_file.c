@@ -9,6 +9,7 @@
 
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
+#include "common/output_file.h"
 
 hid_t h5_memory_type(enum h5_type type) {
   switch (type) {
@@ -88,7 +89,7 @@ enum status h5_create(const char *path, struct h5_file **result) {
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
   /* Object times would make two equal runs differ. */
   H5Pset_obj_track_times(creation, 0);
-  file->id = H5Fcreate(file->part, H5F_ACC_TRUNC, creation, access);
+  file->id = output_fails() ? -1 : H5Fcreate(file->part, H5F_ACC_TRUNC, creation, access);
   if (file->id < 0)
     TRY_FAIL(STATUS_RUN, "%s: cannot be written (%s)", path,
              access < 0 ? "HDF5" : strerror(errno ? errno : EACCES));
@@ -142,11 +143,10 @@ enum status h5_commit(struct h5_file *file) {
   enum status status = STATUS_OK;
   hid_t id = file->id;
   file->id = -1;
-  if (H5Fclose(id) < 0)
+  if (H5Fclose(id) < 0 || output_fails())
     TRY_FAIL(STATUS_RUN, "%s: cannot be written to the end; is the disk full?", file->path);
   TRY(sync_path(file->part, O_RDONLY));
-  if (rename(file->part, file->path) != 0)
-    TRY_FAIL(STATUS_RUN, "%s: %s", file->path, strerror(errno));
+  TRY(output_rename(file->part, file->path));
 cleanup:
   if (status != STATUS_OK) unlink(file->part);
   h5_close(file);
@@ -168,7 +168,8 @@ static enum status make_groups(struct h5_file *file, const char *name, bool last
     char kept = path[i];
     path[i] = '\0';
     if (H5Lexists(file->id, path, H5P_DEFAULT) <= 0) {
-      hid_t group = H5Gcreate2(file->id, path, H5P_DEFAULT, creation, H5P_DEFAULT);
+      hid_t group =
+          output_fails() ? -1 : H5Gcreate2(file->id, path, H5P_DEFAULT, creation, H5P_DEFAULT);
       if (group < 0)
         TRY_FAIL(STATUS_RUN, "%s: group %s cannot be made; is the disk full?", file->path, path);
       H5Gclose(group);
@@ -214,7 +215,7 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
   hid_t layout = empty ? H5Pcreate(H5P_DATASET_CREATE) : dataset_layout(type, rank, dims, compress);
   hid_t set = H5Dcreate2(file->id, name, disk_type(type), space, H5P_DEFAULT, layout, H5P_DEFAULT);
-  if (set < 0 ||
+  if (set < 0 || output_fails() ||
       (!empty && H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
   if (set >= 0 && H5Dclose(set) < 0 && status == STATUS_OK)
@@ -224,38 +225,44 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
   return status;
 }
 
-static hid_t text_type(void) {
-  hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return type;
-}
-
-static enum status write_strings(struct h5_file *file, const char *name, hid_t space,
+/* Strings of one length, padded with zeros. Those of variable length lie in a heap whose reader in
+ * HDF5 1.10 never returns from some damaged files. `space` is closed. */
+static enum status write_strings(struct h5_file *file, const char *name, hid_t space, size_t count,
                                  const char *const *texts) {
-  enum status status = make_groups(file, name, false);
-  hid_t type = text_type();
-  hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  enum status status = STATUS_OK;
+  size_t width = 1;
+  char *padded = NULL;
+  hid_t set = -1, type = H5Tcopy(H5T_C_S1), layout = H5Pcreate(H5P_DATASET_CREATE);
+  for (size_t i = 0; i < count; i++)
+    if (strlen(texts[i]) > width) width = strlen(texts[i]);
+  TRY(make_groups(file, name, false));
+  TRY(memory_allocate(&padded, count, width, name));
+  for (size_t i = 0; i < count; i++) memcpy(padded + i * width, texts[i], strlen(texts[i]));
+  H5Tset_size(type, width);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
   H5Pset_obj_track_times(layout, 0);
-  hid_t set = H5Dcreate2(file->id, name, type, space, H5P_DEFAULT, layout, H5P_DEFAULT);
-  if (set < 0 || (H5Sget_simple_extent_npoints(space) > 0 &&
-                  H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) < 0))
+  set = H5Dcreate2(file->id, name, type, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  if (set < 0 || output_fails() ||
+      (count > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded) < 0))
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
+cleanup:
   if (set >= 0) H5Dclose(set);
   H5Pclose(layout);
   H5Tclose(type);
   H5Sclose(space);
+  memory_free(&padded);
   return status;
 }
 
 enum status h5_write_text(struct h5_file *file, const char *name, const char *text) {
-  return write_strings(file, name, H5Screate(H5S_SCALAR), &text);
+  return write_strings(file, name, H5Screate(H5S_SCALAR), 1, &text);
 }
 
 enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
                            const char *const *texts) {
   hsize_t extent = count;
-  return write_strings(file, name, H5Screate_simple(1, &extent, NULL), texts);
+  return write_strings(file, name, H5Screate_simple(1, &extent, NULL), count, texts);
 }
 
 enum status h5_make_group(struct h5_file *file, const char *name) {
@@ -265,7 +272,8 @@ enum status h5_make_group(struct h5_file *file, const char *name) {
 enum status h5_soft_link(struct h5_file *file, const char *target, const char *name) {
   enum status status = make_groups(file, name, false);
   if (status != STATUS_OK) return status;
-  herr_t failed = H5Lcreate_soft(target, file->id, name, H5P_DEFAULT, H5P_DEFAULT);
+  herr_t failed =
+      output_fails() ? -1 : H5Lcreate_soft(target, file->id, name, H5P_DEFAULT, H5P_DEFAULT);
   return failed < 0 ? FAIL(STATUS_RUN, "%s: link %s cannot be made", file->path, name) : STATUS_OK;
 }
 
@@ -276,7 +284,7 @@ static enum status write_attribute(struct h5_file *file, const char *name, const
   if (object >= 0 && H5Aexists(object, attribute) > 0) H5Adelete(object, attribute);
   hid_t id =
       object < 0 ? -1 : H5Acreate2(object, attribute, on_disk, space, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0 || H5Awrite(id, in_memory, data) < 0)
+  if (id < 0 || output_fails() || H5Awrite(id, in_memory, data) < 0)
     status =
         FAIL(STATUS_RUN, "%s: attribute %s of %s cannot be written", file->path, attribute, name);
   if (id >= 0) H5Aclose(id);

@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A header in front of each block holds its size, so that the bytes in use can be counted. */
 #define HEADER 64
@@ -18,8 +19,9 @@ bool size_multiply(size_t a, size_t b, size_t *product) {
 /* Books `bytes` more; false when that is over the limit or a test wants this allocation to fail. */
 static bool reserve(size_t bytes, bool *over_limit) {
   pthread_mutex_lock(&lock);
+  if (limit == 0) limit = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGE_SIZE);
   bool injected = fail_after > 0 && --fail_after == 0;
-  *over_limit = limit > 0 && (bytes > limit || in_use > limit - bytes);
+  *over_limit = bytes > limit || in_use > limit - bytes;
   bool ok = !injected && !*over_limit;
   if (ok) {
     in_use += bytes;
@@ -50,9 +52,14 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
                 count, size);
   with_header = with_header / HEADER * HEADER;
   bool over_limit;
-  if (!reserve(bytes, &over_limit))
-    return FAIL(STATUS_RUN, "memory for %s: %.1f MB more%s", what, (double)bytes / 1e6,
-                over_limit ? " would exceed the limit (--max-memory)" : " could not be had");
+  if (!reserve(bytes, &over_limit)) {
+    if (over_limit)
+      return FAIL(STATUS_RUN,
+                  "memory for %s: %.1f MB beside the %.1f MB in use would exceed the limit of %.1f "
+                  "MB; --max-memory sets it",
+                  what, (double)bytes / 1e6, (double)in_use / 1e6, (double)limit / 1e6);
+    return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
+  }
   char *block = aligned_alloc(HEADER, with_header);
   if (block == NULL) {
     release(bytes);
@@ -77,6 +84,12 @@ enum status memory_resize(void *pointer, size_t count, size_t size, const char *
   memory_free(&old);
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
+}
+
+enum status memory_copy_text(const char *text, size_t length, char **copy) {
+  enum status status = memory_allocate(copy, length + 1, 1, "a text");
+  if (status == STATUS_OK) memcpy(*copy, text, length);
+  return status;
 }
 
 void memory_free(void *pointer) {

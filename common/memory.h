@@ -18,6 +18,9 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
 /* Like realloc for a block of memory_allocate; new bytes are zero. On failure the block stays. */
 enum status memory_resize(void *pointer, size_t count, size_t size, const char *what);
 
+/* The first `length` bytes of `text` as a string in new memory. */
+enum status memory_copy_text(const char *text, size_t length, char **copy);
+
 /* Frees what `pointer` (a T **) points to and sets it to NULL. */
 void memory_free(void *pointer);
 
@@ -25,7 +28,8 @@ void memory_free(void *pointer);
 size_t memory_in_use(void);
 size_t memory_peak(void);
 
-/* Refuses allocations that would bring the bytes in use above `bytes` (--max-memory); 0: none. */
+/* Refuses allocations that would bring the bytes in use above `bytes` (--max-memory); 0: above the
+ * machine's memory, which is where every program starts. */
 void memory_set_limit(size_t bytes);
 
 /* Tests only: the n-th allocation from now fails (0: never). */

@@ -1,10 +1,10 @@
 #include "common/snapshot_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/output_file.h"
 
 /* An UnstructuredGrid of one vertex cell (VTK type 1) per particle. */
 static enum status write_cells(struct h5_file *file, size_t count) {
@@ -60,21 +60,20 @@ cleanup:
 }
 
 enum status series_write(const char *path, size_t count, char *const *names, const double *times) {
-  char part[4200];
-  snprintf(part, sizeof part, "%s.part", path);
-  FILE *file = fopen(part, "w");
-  if (file == NULL) return FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
-  fputs("{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n", file);
+  enum status status = STATUS_OK;
+  char *text = NULL;
+  size_t size = 160, used;
+  for (size_t i = 0; i < count; i++) size += strlen(names[i]) + 80;
+  TRY(memory_allocate(&text, size, 1, "the list of snapshots"));
+  used = (size_t)sprintf(text, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");
   for (size_t i = 0; i < count; i++)
-    fprintf(file, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n", names[i], times[i],
-            i + 1 < count ? "," : "");
-  fputs("  ]\n}\n", file);
-  int failed = ferror(file);
-  if (fclose(file) != 0 || failed || rename(part, path) != 0) {
-    remove(part);
-    return FAIL(STATUS_RUN, "%s: cannot be written; is the disk full?", path);
-  }
-  return STATUS_OK;
+    used += (size_t)sprintf(text + used, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n",
+                            names[i], times[i], i + 1 < count ? "," : "");
+  used += (size_t)sprintf(text + used, "  ]\n}\n");
+  TRY(output_write(path, text, used));
+cleanup:
+  memory_free(&text);
+  return status;
 }
 
 enum status snapshot_open(const char *path, struct snapshot *snapshot) {

@@ -119,8 +119,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
   for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
-  image->path = strdup(path);
-  if (image->path == NULL) TRY_FAIL(STATUS_RUN, "out of memory");
+  TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));
     goto cleanup;
@@ -148,13 +147,11 @@ cleanup:
 }
 
 void image_close(struct image *image) {
-  free(image->path);
-  free(image->data_path);
+  memory_free(&image->path);
+  memory_free(&image->data_path);
   memory_free(&image->page_offsets);
   inflate_end(image->inflated);
   image->inflated = NULL;
-  image->path = NULL;
-  image->data_path = NULL;
 }
 
 enum status image_read(const struct image *image, size_t page, float *out) {
@@ -164,6 +161,24 @@ enum status image_read(const struct image *image, size_t page, float *out) {
   if (!pixel_levels(image->type, &low, &high)) low = high = 0.0;
   for (size_t i = 0; i < image->size[0] * image->size[1]; i++)
     out[i] = (float)(low + high - (double)out[i]);
+  return STATUS_OK;
+}
+
+enum status image_data_beside(struct image *image, const char *name, int line) {
+  const char *slash = strrchr(image->path, '/');
+  size_t folder = slash == NULL ? 0 : (size_t)(slash - image->path) + 1;
+  char *joined;
+  if (name[0] == '/' || strncmp(name, "../", 3) == 0 || strstr(name, "/../") != NULL)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: the pixels in %s lie outside the header's folder; a header may name only "
+                "files beside it: move them together, or give the pixels themselves with --raw",
+                image->path, line, name);
+  enum status status = memory_allocate(&joined, folder + strlen(name) + 1, 1, "a path");
+  if (status != STATUS_OK) return status;
+  memcpy(joined, image->path, folder);
+  strcpy(joined + folder, name);
+  memory_free(&image->data_path);
+  image->data_path = joined;
   return STATUS_OK;
 }
 
@@ -179,7 +194,14 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
       return FAIL(STATUS_INPUT, "%s: compressed pixels need a header of known size", image->path);
     image->data_offset = (double)bytes > wanted ? bytes - (uint64_t)wanted : 0;
   }
-  if (compressed && wanted < 1e15) {
+  if (compressed) {
+    /* No stream of deflate unpacks to more than 1032 times its length. */
+    double most = 1032.0 * ((double)bytes - (double)image->data_offset);
+    if (!(wanted <= most))
+      return FAIL(STATUS_INPUT,
+                  "%s: the header promises %.0f bytes of pixels, but the compressed data can hold "
+                  "at most %.0f; the file is cut short or damaged",
+                  image->path, wanted, fmax(most, 0));
     status = inflate_start(path, image->data_offset, (uint64_t)wanted, &image->inflated);
     image->data_offset = 0;
     return status;

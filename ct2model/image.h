@@ -65,6 +65,9 @@ bool image_name_known(const char *name);
 enum status image_read_contiguous(const struct image *image, size_t page, float *out);
 /* For readers: data_offset of pixels that end the file, wherever they start. */
 #define PIXELS_AT_END UINT64_MAX
+/* For readers: the header's line `line` says that the pixels are in the file `name` beside it;
+ * names that lead out of the header's folder are refused. */
+enum status image_data_beside(struct image *image, const char *name, int line);
 /* For readers: checks that the pixels promised by the header are there; with `compressed` they are
  * gzip or zlib data from data_offset on. */
 enum status image_claim_pixels(struct image *image, bool compressed);

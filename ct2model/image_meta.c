@@ -30,16 +30,6 @@ static bool element_type(const char *name, enum pixel_type *type) {
   return false;
 }
 
-static enum status beside(const char *path, const char *name, char **joined) {
-  const char *slash = strrchr(path, '/');
-  int folder = name[0] == '/' || slash == NULL ? 0 : (int)(slash - path) + 1;
-  size_t size = strlen(name) + (size_t)folder + 1;
-  *joined = malloc(size);
-  if (*joined == NULL) return FAIL(STATUS_RUN, "out of memory");
-  snprintf(*joined, size, "%.*s%s", folder, path, name);
-  return STATUS_OK;
-}
-
 static enum status meta_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char line[512], key[64], value[400];
@@ -87,7 +77,7 @@ static enum status meta_open(const char *path, struct image *image) {
       else if (strcasecmp(value, "LIST") == 0 || strchr(value, '%') != NULL)
         TRY_FAIL(STATUS_INPUT, "%s:%d: give the listed slices themselves instead", path, number);
       else
-        TRY(beside(path, value, &image->data_path));
+        TRY(image_data_beside(image, value, number));
     }
   }
   if (!sized || !typed || !placed)

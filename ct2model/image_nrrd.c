@@ -79,7 +79,6 @@ static enum status nrrd_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char line[1024], spacing[256] = "", units[128] = "";
   bool typed = false, sized = false, ended = false, compressed = false;
-  const char *slash = strrchr(path, '/');
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   for (int number = 1; !ended && fgets(line, sizeof line, file) != NULL; number++) {
@@ -118,13 +117,9 @@ static enum status nrrd_open(const char *path, struct image *image) {
       if (skip < -1) TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read", path, number, value);
       image->data_offset = skip < 0 ? PIXELS_AT_END : (uint64_t)skip;
     } else if (strcmp(line, "data file") == 0 || strcmp(line, "datafile") == 0) {
-      size_t size = strlen(value) + strlen(path) + 1;
       if (strncmp(value, "LIST", 4) == 0 || strchr(value, '%') != NULL)
         TRY_FAIL(STATUS_INPUT, "%s:%d: give the listed slices themselves instead", path, number);
-      image->data_path = malloc(size);
-      if (image->data_path == NULL) TRY_FAIL(STATUS_RUN, "out of memory");
-      snprintf(image->data_path, size, "%.*s%s",
-               value[0] == '/' || slash == NULL ? 0 : (int)(slash - path) + 1, path, value);
+      TRY(image_data_beside(image, value, number));
     }
   }
   if (!typed || !sized)

@@ -175,6 +175,7 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   unsigned long long images = strtoull(text, NULL, 10);
   uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);
   if (images < 2 || image_file_size(image->path, &bytes) != STATUS_OK) return false;
+  if (offsets[0] == 0 || offsets[0] > bytes) return false;
   image->pages = (size_t)images;
   image->data_offset = offsets[0];
   image->swap = TIFFIsByteSwapped(tiff) != 0;

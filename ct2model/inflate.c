@@ -9,6 +9,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "common/memory.h"
+
 struct inflated {
   char *path;
   uint64_t offset, size;
@@ -18,11 +20,13 @@ struct inflated {
 
 enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
                           struct inflated **inflated) {
-  struct inflated *new = calloc(1, sizeof *new);
-  if (new != NULL) new->path = strdup(path);
-  if (new == NULL || new->path == NULL) {
-    free(new);
-    return FAIL(STATUS_RUN, "out of memory");
+  struct inflated *new = NULL;
+  enum status status = memory_allocate(&new, 1, sizeof *new, "compressed pixels");
+  if (status != STATUS_OK) return status;
+  status = memory_copy_text(path, strlen(path), &new->path);
+  if (status != STATUS_OK) {
+    memory_free(&new);
+    return status;
   }
   new->offset = offset;
   new->size = size;
@@ -35,17 +39,18 @@ void inflate_end(struct inflated *inflated) {
   if (inflated == NULL) return;
   if (inflated->unpacked != NULL) fclose(inflated->unpacked);
   pthread_mutex_destroy(&inflated->lock);
-  free(inflated->path);
-  free(inflated);
+  memory_free(&inflated->path);
+  memory_free(&inflated);
 }
 
 static enum status unpack_stream(struct inflated *inflated, FILE *packed, z_stream *stream) {
   static const size_t CHUNK = 1u << 18;
-  unsigned char *in = malloc(CHUNK), *out = malloc(CHUNK);
+  unsigned char *in = NULL, *out = NULL;
   enum status status = STATUS_OK;
   uint64_t done = 0;
   int code = Z_OK;
-  if (in == NULL || out == NULL) TRY_FAIL(STATUS_RUN, "out of memory");
+  TRY(memory_allocate(&in, CHUNK, 1, "compressed pixels"));
+  TRY(memory_allocate(&out, CHUNK, 1, "unpacked pixels"));
   while (done < inflated->size && code != Z_STREAM_END) {
     if (stream->avail_in == 0) {
       stream->next_in = in;
@@ -71,8 +76,8 @@ static enum status unpack_stream(struct inflated *inflated, FILE *packed, z_stre
     TRY_FAIL(STATUS_RUN, "%s: no room to unpack it in the temporary folder: %s", inflated->path,
              strerror(errno));
 cleanup:
-  free(in);
-  free(out);
+  memory_free(&in);
+  memory_free(&out);
   return status;
 }
 

@@ -19,7 +19,7 @@ struct name_list {
 };
 
 static void names_free(struct name_list *list) {
-  for (size_t i = 0; i < list->count; i++) free(list->names[i]);
+  for (size_t i = 0; i < list->count; i++) memory_free(&list->names[i]);
   memory_free(&list->names);
 }
 
@@ -31,8 +31,9 @@ static enum status names_add(struct name_list *list, const char *folder, const c
     list->room = room;
   }
   size_t size = strlen(folder) + strlen(name) + 2;
-  char *path = malloc(size);
-  if (path == NULL) return FAIL(STATUS_RUN, "out of memory");
+  char *path;
+  enum status status = memory_allocate(&path, size, 1, "a file name");
+  if (status != STATUS_OK) return status;
   bool plain = folder[0] == '\0' || folder[strlen(folder) - 1] == '/';
   snprintf(path, size, "%s%s%s", folder, plain ? "" : "/", name);
   list->names[list->count++] = path;

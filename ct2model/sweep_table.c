@@ -1,12 +1,12 @@
 #include "ct2model/sweep_table.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/output_file.h"
 
 enum { ROWS = 256 };
 
@@ -104,31 +104,23 @@ void sweep_table_end(struct sweep_table *table) {
 
 enum status sweep_table_write(const struct sweep_table *table, const char *path) {
   enum status status = STATUS_OK;
-  size_t size = strlen(path) + 6;
-  char *part = malloc(size);
-  FILE *file = NULL;
-  if (part == NULL) return FAIL(STATUS_RUN, "out of memory");
-  snprintf(part, size, "%s.part", path);
-  file = fopen(part, "w");
-  if (file == NULL) TRY_FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
   bool both = table->void_ratio_resampled != NULL;
-  fprintf(file, "threshold,void_ratio,histogram%s\n",
+  char *text = NULL;
+  size_t size = 0;
+  FILE *stream = open_memstream(&text, &size);
+  if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for the table");
+  fprintf(stream, "threshold,void_ratio,histogram%s\n",
           both ? ",void_ratio_resampled,histogram_resampled" : "");
   for (size_t i = 0; i < table->count; i++) {
-    fprintf(file, "%.8g,%.8g,%.10g", table->threshold[i], table->void_ratio[i],
+    fprintf(stream, "%.8g,%.8g,%.10g", table->threshold[i], table->void_ratio[i],
             table->histogram[i]);
     if (both)
-      fprintf(file, ",%.8g,%.10g", table->void_ratio_resampled[i], table->histogram_resampled[i]);
-    fputc('\n', file);
+      fprintf(stream, ",%.8g,%.10g", table->void_ratio_resampled[i], table->histogram_resampled[i]);
+    fputc('\n', stream);
   }
-  int failed = ferror(file);
-  failed |= fclose(file);
-  file = NULL;
-  if (failed || rename(part, path) != 0)
-    TRY_FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
+  if (fclose(stream) != 0) TRY_FAIL(STATUS_RUN, "out of memory for the table");
+  TRY(output_write(path, text, size));
 cleanup:
-  if (file != NULL) fclose(file);
-  if (status != STATUS_OK) remove(part);
-  free(part);
+  free(text);
   return status;
 }

@@ -8,6 +8,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_file.h"
 #include "common/provenance.h"
 
 static const char seal_mark[8] = "TOSUICK1";
@@ -31,7 +32,7 @@ static enum status append_seal(const char *path) {
   TRY(hash_file(path, &hash));
   file = fopen(path, "ab");
   if (file == NULL) TRY_FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
-  if (fwrite(seal_mark, sizeof seal_mark, 1, file) != 1 ||
+  if (output_fails() || fwrite(seal_mark, sizeof seal_mark, 1, file) != 1 ||
       fwrite(&hash, sizeof hash, 1, file) != 1 || fflush(file) != 0 || fsync(fileno(file)) != 0)
     TRY_FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
 cleanup:
@@ -46,9 +47,8 @@ enum status checkpoint_commit(const char *prefix, struct h5_file *file) {
   paths(prefix, newest, older, fresh);
   TRY(h5_commit(file));
   TRY(append_seal(fresh));
-  if (access(newest, F_OK) == 0 && rename(newest, older) != 0)
-    TRY_FAIL(STATUS_RUN, "%s: %s", older, strerror(errno));
-  if (rename(fresh, newest) != 0) TRY_FAIL(STATUS_RUN, "%s: %s", newest, strerror(errno));
+  if (access(newest, F_OK) == 0) TRY(output_rename(newest, older));
+  TRY(output_rename(fresh, newest));
 cleanup:
   if (status != STATUS_OK) unlink(fresh);
   return status;

@@ -1,11 +1,8 @@
 /* libFuzzer: any text as a quantity. */
-#include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "common/units.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "fuzz_input.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   char *text = malloc(size + 1);
@@ -15,7 +12,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   text[size] = '\0';
   struct dimension dimensions[] = {DIM_LENGTH, DIM_NONE, DIM_VISCOSITY};
   for (int i = 0; i < 3; i++) (void)quantity_parse(text, dimensions[i], &value);
-  error_clear();
   free(text);
-  return 0;
+  return fuzz_end(NULL, 0);
 }

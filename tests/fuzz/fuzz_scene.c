@@ -1,28 +1,25 @@
-/* libFuzzer: any text as a scene file. */
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
+/* libFuzzer: any text as a scene file; what follows a zero byte as --set. */
+#include <string.h>
 
-#include "common/error.h"
-#include "sphsolve/lattice.h"
+#include "fuzz_input.h"
 #include "sphsolve/scene.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-const char *__lsan_default_suppressions(void);
-
-/* libconfig 1.5 loses the buffer of a string that a syntax error cuts off; not ours to free. */
-const char *__lsan_default_suppressions(void) { return "leak:strbuf_append\n"; }
+/* libconfig 1.5 loses the strings of a text that a syntax error cuts off; not ours to free. */
+const char *__lsan_default_suppressions(void) {
+  return "leak:libconfig\n";
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  static char path[64];
-  if (!*path) snprintf(path, sizeof path, "/dev/shm/tosui-fuzz-scene-%d", (int)getpid());
-  FILE *file = fopen(path, "wb");
-  if (file == NULL) abort();
-  fwrite(data, 1, size, file);
-  fclose(file);
+  const uint8_t *end = size > 0 ? memchr(data, '\0', size) : NULL;
+  size_t length = end != NULL ? (size_t)(end - data) : size, n = 0;
+  char override[256] = "";
+  const char *overrides[] = {override};
+  if (end != NULL) {
+    n = size - length - 1 < sizeof override ? size - length - 1 : sizeof override - 1;
+    memcpy(override, end + 1, n);
+  }
+  const char *path = fuzz_file(".cfg", data, length);
   struct scene scene;
-  if (scene_read(path, NULL, 0, &scene) == STATUS_OK) scene_free(&scene);
-  error_clear();
-  return 0;
+  if (scene_read(path, overrides, n > 0, &scene) == STATUS_OK) scene_free(&scene);
+  return fuzz_end(path, 0);
 }

@@ -1,0 +1,22 @@
+/* Files written beside and renamed, so that none is ever half there; and the one point where tests
+ * make any write fail. */
+#ifndef TOSUI_COMMON_OUTPUT_FILE_H
+#define TOSUI_COMMON_OUTPUT_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+
+/* Writes `size` bytes to PATH.part and renames it to PATH; an error names the cause, and no part is
+ * left. */
+enum status output_write(const char *path, const char *data, size_t size);
+/* rename(2) as a status. */
+enum status output_rename(const char *from, const char *to);
+
+/* Called before every write, HDF5 write and rename of ours; true where a test wants it to fail. */
+bool output_fails(void);
+/* Tests only: the n-th of them from now fails (0: never). Returns how many were left to go. */
+long output_fail_after(long n);
+
+#endif
