@@ -53,7 +53,8 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   char format = layout->format == SAMPLEFORMAT_IEEEFP ? 'f'
                 : layout->format == SAMPLEFORMAT_INT  ? 'i'
                                                       : 'u';
-  if (layout->bits < 8 && layout->samples == 1 && format == 'u') {
+  bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* parts of a byte */
+  if (whole && layout->samples == 1 && format == 'u') {
     *type = PIXEL_U8;
     return STATUS_OK;
   }

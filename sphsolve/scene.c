@@ -6,28 +6,44 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/config.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/scene_internal.h"
 
 static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph", NULL};
-static const char *const wall_names[] = {"frozen", "adami", "subvoxel", NULL};
-static const char *const eos_names[] = {"gauge", "absolute", NULL};
-static const char *const kernel_names[] = {"quintic", "cubic", NULL};
-static const char *const form_names[] = {"akbari", "m15", NULL};
-static const char *const switch_names[] = {"auto", "on", "off", NULL};
-static const char *const region_names[] = {"water", "porous", "wall", "inflow", "empty", NULL};
-static const char *const porosity_names[] = {"clamp", "m15", NULL};
 
-/* A positive quantity, or NAN when missing or "auto". */
-static enum status read_positive(struct config *config, config_node *group, const char *name,
-                                 struct dimension dimension, double *value) {
+enum status scene_positive(struct config *config, config_node *group, const char *name,
+                           struct dimension dimension, double *value) {
   bool automatic;
   *value = NAN;
   enum status status =
       config_auto_quantity(config, group, name, dimension, value, &automatic, NULL);
   if (status == STATUS_OK && !automatic && !(*value > 0))
-    return config_error(config, config_child(config, group, name), "must be greater than 0");
+    return config_error(config, config_child(config, group, name),
+                        "must be greater than 0, like \"%s\"", dimension_example(dimension));
+  return status;
+}
+
+void scene_spread(const struct scene *scene, int count, double vector[3]) {
+  if (scene->dimensions == 2 && count == 2) {
+    vector[2] = vector[1];
+    vector[1] = 0;
+  }
+}
+
+enum status scene_vector(struct config *config, config_node *group, const char *name,
+                         const struct scene *scene, struct dimension dimension, double vector[3]) {
+  int count = 3;
+  bool given;
+  int least = scene->dimensions == 2 ? 2 : 3;
+  enum status status =
+      config_quantities(config, group, name, dimension, least, 3, vector, &count, &given);
+  if (status == STATUS_OK && given) {
+    scene_spread(scene, count, vector);
+    if (scene->dimensions == 2 && vector[1] != 0)
+      return config_error(config, config_child(config, group, name),
+                          "a 2-D scene lives in x and z: the y component must be 0");
+  }
   return status;
 }
 
@@ -83,31 +99,6 @@ cleanup:
   return status;
 }
 
-/* Spreads the two values of a 2-D vector to x and z. */
-static void spread_vector(const struct scene *scene, int count, double vector[3]) {
-  if (scene->dimensions == 2 && count == 2) {
-    vector[2] = vector[1];
-    vector[1] = 0;
-  }
-}
-
-static enum status read_vector(struct config *config, config_node *group, const char *name,
-                               const struct scene *scene, struct dimension dimension,
-                               double vector[3]) {
-  int count = 3;
-  bool given;
-  int least = scene->dimensions == 2 ? 2 : 3;
-  enum status status =
-      config_quantities(config, group, name, dimension, least, 3, vector, &count, &given);
-  if (status == STATUS_OK && given) {
-    spread_vector(scene, count, vector);
-    if (scene->dimensions == 2 && vector[1] != 0)
-      return config_error(config, config_child(config, group, name),
-                          "a 2-D scene lives in x and z: the y component must be 0");
-  }
-  return status;
-}
-
 static enum status read_domain(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "domain");
@@ -120,7 +111,7 @@ static enum status read_domain(struct config *config, struct scene *scene) {
   if (!given)
     TRY(config_error(config, group,
                      "size is missing, like size = [\"0.2 m\", \"0.2 m\", \"0.6 m\"]"));
-  TRY(read_positive(config, group, "spacing", DIM_LENGTH, &scene->spacing));
+  TRY(scene_positive(config, group, "spacing", DIM_LENGTH, &scene->spacing));
   if (!(scene->spacing > 0))
     TRY(config_error(config, group, "spacing is missing, like spacing = \"1 cm\""));
   scene->dimensions = count;
@@ -128,7 +119,7 @@ static enum status read_domain(struct config *config, struct scene *scene) {
     if (!(scene->domain_size[a] >= 0.999 * scene->spacing))
       TRY(config_error(config, config_child(config, group, "size"),
                        "each length must be at least one spacing (%g m)", scene->spacing));
-  spread_vector(scene, count, scene->domain_size);
+  scene_spread(scene, count, scene->domain_size);
   if (count == 2) {
     scene->domain_size[1] = scene->spacing;
     scene->periodic[1] = true;
@@ -190,130 +181,16 @@ cleanup:
   return status;
 }
 
-static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
-                            double box[6]) {
-  int count = 6, least = scene->dimensions == 2 ? 4 : 6;
-  bool given;
-  enum status status =
-      config_quantities(config, group, "box", DIM_LENGTH, least, 6, box, &count, &given);
-  if (status != STATUS_OK) return status;
-  if (!given) return config_error(config, group, "box is missing: [x0, y0, z0, x1, y1, z1]");
-  config_node *node = config_child(config, group, "box");
-  if (count == 5) return config_error(config, node, "4 or 6 lengths are wanted");
-  if (count == 4) {
-    double x0 = box[0], z0 = box[1], x1 = box[2], z1 = box[3];
-    box[0] = x0, box[2] = z0, box[3] = x1, box[5] = z1;
-  }
-  if (scene->dimensions == 2) box[1] = 0, box[4] = scene->spacing;
-  for (int a = 0; a < 3; a++) {
-    if (!(box[a + 3] > box[a]))
-      return config_error(config, node, "%c1 = %g m must be greater than %c0 = %g m", 'x' + a,
-                          box[a + 3], 'x' + a, box[a]);
-    double slack = 1e-6 * scene->spacing;
-    if (box[a] < -slack || box[a + 3] > scene->domain_size[a] + slack)
-      return config_error(config, node, "%g to %g m in %c lies outside the domain (0 to %g m)",
-                          box[a], box[a + 3], 'x' + a, scene->domain_size[a]);
-  }
-  return STATUS_OK;
-}
-
-static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
-                               struct region *region) {
-  enum status status = STATUS_OK;
-  bool porosity_given;
-  region->alpha = 1000;
-  region->beta = 1.1;
-  TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
-  TRY(read_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
-  TRY(config_number(config, group, "alpha", &region->alpha, NULL));
-  TRY(config_number(config, group, "beta", &region->beta, NULL));
-  TRY(config_bool(config, group, "saturated", &region->saturated, NULL));
-  TRY(read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
-  if (!porosity_given) TRY(config_error(config, group, "porosity is missing, like porosity = 0.4"));
-  if (!(region->porosity > 0 && region->porosity <= 1))
-    TRY(config_error(config, config_child(config, group, "porosity"),
-                     "must be above 0 and at most 1"));
-  if (!(region->grain_size > 0))
-    TRY(config_error(config, group,
-                     "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\""));
-  if (!(region->alpha >= 0 && region->beta >= 0))
-    TRY(config_error(config, group, "alpha and beta must not be negative"));
-cleanup:
-  return status;
-}
-
-static enum status read_inflow(struct config *config, config_node *group, struct region *region) {
-  enum status status = STATUS_OK;
-  bool head_given, flux_given;
-  TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, &head_given));
-  TRY(config_quantity(config, group, "flux", DIM_VELOCITY, &region->flux, &flux_given));
-  if (head_given == flux_given)
-    TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
-  region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
-cleanup:
-  return status;
-}
-
-/* The lattice keeps a site's region in 16 bits. */
-enum { MOST_REGIONS = 65000 };
-
-static enum status read_regions(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  config_node *list = config_child(config, config_root(config), "regions");
-  if (list == NULL) return STATUS_OK;
-  if (!config_is_list(list))
-    TRY(config_error(config, list, "a list ( { ... }, { ... } ) is wanted"));
-  scene->region_count = config_count(list);
-  if (scene->region_count > MOST_REGIONS)
-    TRY(config_error(config, list, "%zu regions; at most %d are possible", scene->region_count,
-                     MOST_REGIONS));
-  TRY(memory_allocate(&scene->regions, scene->region_count, sizeof *scene->regions, "regions"));
-  for (size_t i = 0; i < scene->region_count; i++) {
-    struct region *region = &scene->regions[i];
-    config_node *group = config_item(list, i);
-    int type = -1;
-    if (!config_is_group(group))
-      TRY(config_error(config, group, "a group { type = ...; } is wanted"));
-    region->line = config_line(group);
-    TRY(config_choice(config, group, "type", region_names, &type, NULL));
-    if (type < 0)
-      TRY(config_error(
-          config, group,
-          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\" or \"empty\""));
-    region->type = (enum region_type)type;
-    TRY(read_box(config, group, scene, region->box));
-    switch (region->type) {
-    case REGION_POROUS:
-      TRY(read_porous(config, group, scene, region));
-      break;
-    case REGION_INFLOW:
-      TRY(read_inflow(config, group, region));
-      break;
-    case REGION_WALL:
-      TRY(config_bool(config, group, "slip", &region->slip, NULL));
-      TRY(read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
-      break;
-    case REGION_WATER:
-      TRY(read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
-      break;
-    case REGION_EMPTY:
-      break;
-    }
-  }
-cleanup:
-  return status;
-}
-
 static enum status read_force(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "force");
   bool given;
   scene->hydraulic_gradient = NAN;
-  TRY(read_vector(config, group, "gravity", scene, DIM_ACCELERATION, scene->gravity));
-  TRY(read_vector(config, group, "body_acceleration", scene, DIM_ACCELERATION,
-                  scene->body_acceleration));
-  TRY(read_vector(config, group, "pressure_gradient", scene, DIM_PRESSURE_GRADIENT,
-                  scene->pressure_gradient));
+  TRY(scene_vector(config, group, "gravity", scene, DIM_ACCELERATION, scene->gravity));
+  TRY(scene_vector(config, group, "body_acceleration", scene, DIM_ACCELERATION,
+                   scene->body_acceleration));
+  TRY(scene_vector(config, group, "pressure_gradient", scene, DIM_PRESSURE_GRADIENT,
+                   scene->pressure_gradient));
   TRY(config_number(config, group, "hydraulic_gradient", &scene->hydraulic_gradient, &given));
   if (given && !(scene->hydraulic_gradient > 0))
     TRY(config_error(config, config_child(config, group, "hydraulic_gradient"),
@@ -321,162 +198,6 @@ static enum status read_force(struct config *config, struct scene *scene) {
   for (int a = 0; a < 3; a++)
     scene->driving[a] = scene->gravity[a] + scene->body_acceleration[a] -
                         scene->pressure_gradient[a] / scene->fluid.density;
-cleanup:
-  return status;
-}
-
-static enum status read_methods(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  config_node *root = config_root(config), *group = config_child(config, root, "wcsph");
-  int eos = EOS_GAUGE, kernel = KERNEL_QUINTIC, wall = WALL_SUBVOXEL;
-  TRY(read_positive(config, group, "sound_speed", DIM_VELOCITY, &scene->wcsph.sound_speed));
-  TRY(config_choice(config, group, "equation_of_state", eos_names, &eos, NULL));
-  TRY(config_choice(config, group, "kernel", kernel_names, &kernel, NULL));
-  TRY(read_positive(config, group, "support", DIM_LENGTH, &scene->wcsph.support));
-  TRY(read_positive(config, group, "dt", DIM_TIME, &scene->wcsph.dt));
-  TRY(config_bool(config, group, "force_dt", &scene->wcsph.force_dt, NULL));
-  TRY(config_choice(config, group, "wall", wall_names, &wall, NULL));
-  scene->wcsph.equation_of_state = (enum equation_of_state)eos;
-  scene->wcsph.kernel = (enum kernel)kernel;
-  scene->wcsph.wall = (enum wall_scheme)wall;
-
-  group = config_child(config, root, "stokes");
-  wall = WALL_SUBVOXEL;
-  scene->stokes.tolerance = 1e-6;
-  TRY(read_positive(config, group, "support", DIM_LENGTH, &scene->stokes.support));
-  TRY(config_choice(config, group, "wall", wall_names, &wall, NULL));
-  TRY(config_number(config, group, "tolerance", &scene->stokes.tolerance, NULL));
-  scene->stokes.wall = (enum wall_scheme)wall;
-
-  group = config_child(config, root, "isph");
-  int form = FORM_AKBARI, porosity = 0;
-  bool alpha_given, tau_given;
-  kernel = KERNEL_CUBIC;
-  scene->isph.support_ratio = 2.4;
-  scene->isph.tau = 0.1;
-  scene->isph.alpha = NAN;
-  scene->isph.tolerance = 1e-6;
-  scene->isph.smagorinsky = 0.2;
-  TRY(config_choice(config, group, "form", form_names, &form, NULL));
-  TRY(config_choice(config, group, "kernel", kernel_names, &kernel, NULL));
-  TRY(config_number(config, group, "support_ratio", &scene->isph.support_ratio, NULL));
-  TRY(config_quantity(config, group, "tau", DIM_TIME, &scene->isph.tau, &tau_given));
-  TRY(config_number(config, group, "alpha", &scene->isph.alpha, &alpha_given));
-  TRY(read_positive(config, group, "dt", DIM_TIME, &scene->isph.dt));
-  TRY(config_number(config, group, "tolerance", &scene->isph.tolerance, NULL));
-  TRY(config_number(config, group, "smagorinsky", &scene->isph.smagorinsky, NULL));
-  TRY(config_choice(config, group, "porosity", porosity_names, &porosity, NULL));
-  config_node *isph_wall = config_child(config, group, "wall");
-  TRY(config_bool(config, isph_wall, "slip", &scene->isph.slip, NULL));
-  scene->isph.form = (enum unified_form)form;
-  scene->isph.kernel = (enum kernel)kernel;
-  scene->isph.porosity_paper = porosity == 1;
-  if (alpha_given && tau_given)
-    TRY(config_error(config, group, "alpha and tau say the same (alpha = dt / tau); give one"));
-  if (alpha_given && !(scene->isph.alpha >= 0 && scene->isph.alpha <= 1))
-    TRY(config_error(config, config_child(config, group, "alpha"),
-                     "a number from 0 to 1 is wanted"));
-  if (!(scene->isph.tau > 0))
-    TRY(config_error(config, config_child(config, group, "tau"),
-                     "must be greater than 0; alpha = 0 switches the relaxation off"));
-  if (!(scene->isph.support_ratio >= 1.5 && scene->isph.support_ratio <= 6))
-    TRY(config_error(config, config_child(config, group, "support_ratio"),
-                     "1.5 to 6 spacings are possible"));
-  if (!(scene->isph.smagorinsky >= 0 && scene->isph.smagorinsky < 1))
-    TRY(config_error(config, config_child(config, group, "smagorinsky"), "0 to 1 is possible"));
-  double *tolerances[2] = {&scene->stokes.tolerance, &scene->isph.tolerance};
-  for (int i = 0; i < 2; i++)
-    if (!(*tolerances[i] > 0 && *tolerances[i] < 0.1))
-      TRY(config_error(
-          config,
-          config_child(config, i ? group : config_child(config, root, "stokes"), "tolerance"),
-          "above 0 and below 0.1 is wanted, like 1e-6"));
-cleanup:
-  return status;
-}
-
-static enum status read_switches(struct config *config, struct scene *scene) {
-  config_node *group = config_child(config, config_root(config), "effects");
-  int turbulence = SWITCH_AUTO, shifting = SWITCH_AUTO;
-  enum status status = config_choice(config, group, "turbulence", switch_names, &turbulence, NULL);
-  if (status == STATUS_OK)
-    status = config_choice(config, group, "shifting", switch_names, &shifting, NULL);
-  scene->turbulence = (enum switch_state)turbulence;
-  scene->shifting = (enum switch_state)shifting;
-  return status;
-}
-
-static enum status read_gauges(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  config_node *list = config_child(config, config_root(config), "gauges");
-  scene->gauge_count = config_count(list);
-  TRY(memory_allocate(&scene->gauges, scene->gauge_count, sizeof *scene->gauges, "gauges"));
-  for (size_t i = 0; i < scene->gauge_count; i++) {
-    struct gauge *gauge = &scene->gauges[i];
-    config_node *group = config_item(list, i);
-    const char *name = NULL;
-    if (!config_is_group(group))
-      TRY(config_error(config, group, "a group { at = [x, y, z]; } is wanted"));
-    TRY(config_string(config, group, "name", &name, NULL));
-    if (name != NULL)
-      snprintf(gauge->name, sizeof gauge->name, "%s", name);
-    else
-      snprintf(gauge->name, sizeof gauge->name, "gauge_%zu", i + 1);
-    if (config_child(config, group, "at") == NULL)
-      TRY(config_error(config, group, "at is missing: where the pressure is gauged"));
-    TRY(read_vector(config, group, "at", scene, DIM_LENGTH, gauge->at));
-  }
-cleanup:
-  return status;
-}
-
-static enum status read_planes(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  static const char *const axes[] = {"x", "y", "z"};
-  config_node *list = config_child(config, config_root(config), "planes");
-  scene->plane_count = config_count(list);
-  TRY(memory_allocate(&scene->planes, scene->plane_count, sizeof *scene->planes, "planes"));
-  for (size_t i = 0; i < scene->plane_count; i++) {
-    struct flux_plane *plane = &scene->planes[i];
-    config_node *group = config_item(list, i);
-    const char *name = NULL;
-    int axes_given = 0;
-    if (!config_is_group(group))
-      TRY(config_error(config, group, "a group { z = \"0.2 m\"; } is wanted"));
-    TRY(config_string(config, group, "name", &name, NULL));
-    if (name != NULL)
-      snprintf(plane->name, sizeof plane->name, "%s", name);
-    else
-      snprintf(plane->name, sizeof plane->name, "plane_%zu", i + 1);
-    for (int a = 0; a < 3; a++) {
-      bool given;
-      TRY(config_quantity(config, group, axes[a], DIM_LENGTH, &plane->position, &given));
-      if (given) plane->axis = a, axes_given++;
-    }
-    if (axes_given != 1)
-      TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
-  }
-cleanup:
-  return status;
-}
-
-static enum status read_output(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  config_node *root = config_root(config), *group = config_child(config, root, "output");
-  TRY(read_positive(config, group, "interval", DIM_TIME, &scene->output_interval));
-  TRY(read_positive(config, group, "history_interval", DIM_TIME, &scene->history_interval));
-  config_node *fields = config_child(config, group, "fields");
-  scene->output_field_count = config_count(fields);
-  TRY(memory_allocate(&scene->output_fields, scene->output_field_count,
-                      sizeof *scene->output_fields, "output fields"));
-  for (size_t i = 0; i < scene->output_field_count; i++) {
-    config_node *item = config_item(fields, i);
-    if (!config_is_text(item))
-      TRY(config_error(config, item, "the name of a field in quotes is wanted"));
-    snprintf(scene->output_fields[i], sizeof *scene->output_fields, "%s", config_text_value(item));
-  }
-  TRY(read_positive(config, config_child(config, root, "checkpoint"), "interval", DIM_TIME,
-                    &scene->checkpoint_interval));
 cleanup:
   return status;
 }
@@ -514,13 +235,10 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(read_model(config, scene));
   TRY(read_domain(config, scene));
   TRY(read_fluid(config, scene));
-  TRY(read_regions(config, scene));
+  TRY(scene_read_regions(config, scene));
   TRY(read_force(config, scene));
-  TRY(read_methods(config, scene));
-  TRY(read_switches(config, scene));
-  TRY(read_gauges(config, scene));
-  TRY(read_planes(config, scene));
-  TRY(read_output(config, scene));
+  TRY(scene_read_settings(config, scene));
+  TRY(scene_read_probes(config, scene));
   TRY(config_refuse_unknown(config));
   TRY(check_whole(config, scene));
   TRY(memory_allocate(&scene->text, strlen(config_text(config)) + 1, 1, "the scene's text"));
