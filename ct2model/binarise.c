@@ -166,8 +166,7 @@ cleanup:
 /* ---- connection ---- */
 
 static bool is_off_the_flow(const struct part *part, const void *context) {
-  (void)context;
-  return !part->percolates[2];
+  return !part->percolates[*(const int *)context];
 }
 
 /* Grain surface per bulk volume of the periodic model; faces show 3/2 of it. */
@@ -214,13 +213,14 @@ enum status binarise_connect(struct pipeline *pipeline) {
   struct voxel_model *model = &pipeline->model;
   struct quality *quality = &pipeline->quality;
   struct parts pores = {0};
+  const int flow = pipeline->place[2];
   size_t sites = model_site_count(model), pore_voxels = 0, connected = 0;
   TRY(parts_find(model->solid, model->size, model->periodic, 0, &pores));
   for (size_t p = 0; p < pores.count; p++) {
     const struct part *part = &pores.parts[p];
     pore_voxels += part->voxels;
-    for (int d = 0; d < 3; d++) quality->percolates[d] |= part->percolates[d];
-    if (part->percolates[2]) {
+    for (int a = 0; a < 3; a++) quality->percolates[a] |= part->percolates[pipeline->place[a]];
+    if (part->percolates[flow]) {
       connected += part->voxels;
     } else {
       quality->isolated_pores++;
@@ -229,12 +229,12 @@ enum status binarise_connect(struct pipeline *pipeline) {
   }
   if (!quality->percolates[2])
     log_warning("no pore path leads through the model along z: nothing can flow; %s",
-                model->size[2] > 1 ? "a finer --size may open the throats" : "it has one layer");
+                model->size[flow] > 1 ? "a finer --size may open the throats" : "it has one layer");
   if (pipeline->request->fill_islands && quality->isolated_pores > 0) {
     if (connected == 0)
       TRY_FAIL(STATUS_INPUT,
                "--islands fill would fill every pore: none leads through the model along z");
-    pore_voxels -= parts_paint(&pores, is_off_the_flow, NULL, 1, model->solid);
+    pore_voxels -= parts_paint(&pores, is_off_the_flow, &flow, 1, model->solid);
     log_info("filled %zu isolated pores (%zu voxels)", quality->isolated_pores,
              quality->isolated_voxels);
   }

@@ -65,6 +65,10 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   static const char *const SCAN_AXES[] = {"yzx", "zxy", "xyz"};
   TRY(h5_write_attribute_text(file, "/model", "scan_axes",
                               SCAN_AXES[pipeline->request->flow_axis]));
+  static const char *const AXES[] = {"x", "y", "z"};
+  TRY(h5_write_attribute_text(file, "/model", "mirror_axis",
+                              pipeline->request->mirror ? AXES[pipeline->request->mirror_axis]
+                                                        : "none"));
   TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
 cleanup:
   return status;
@@ -101,8 +105,10 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
                                const struct sweep_table *table) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
+  struct voxel_model model = pipeline->model;
+  if (pipeline->request->mirror_axis != 2) model.mirror_plane = -1; /* it is a layer of z */
   TRY(h5_create(pipeline->request->output, &file));
-  TRY(model_write(file, &pipeline->model));
+  TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline, table));
   TRY(write_quality(file, pipeline));
   TRY(write_provenance(file, pipeline, options));

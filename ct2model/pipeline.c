@@ -47,24 +47,26 @@ static enum status choose_voxel(struct pipeline *pipeline) {
 
 static enum status choose_size(struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
-  const size_t *in = pipeline->region.size;
-  memcpy(pipeline->size, request->size_given ? request->size : in, sizeof pipeline->size);
-  const size_t *out = pipeline->size;
-  if (request->filter == FILTER_NONE && memcmp(in, out, sizeof pipeline->size) != 0)
+  size_t in[3], out[3]; /* in the model's axes, as --size */
+  double voxel[3], spacing[3];
+  for (int a = 0; a < 3; a++) {
+    in[a] = pipeline->region.size[pipeline->place[a]];
+    voxel[a] = pipeline->region.voxel[pipeline->place[a]];
+    out[a] = request->size_given ? request->size[a] : in[a];
+    pipeline->size[pipeline->place[a]] = out[a];
+    spacing[a] = voxel[a] * (double)in[a] / (double)out[a];
+  }
+  if (request->filter == FILTER_NONE && memcmp(in, out, sizeof in) != 0)
     return FAIL(STATUS_USAGE,
                 "--filter none keeps all %zux%zux%zu voxels, but --size is %zux%zux%zu; leave "
                 "--size out or use --filter area",
                 in[0], in[1], in[2], out[0], out[1], out[2]);
-  double spacing[3];
-  for (int d = 0; d < 3; d++)
-    spacing[d] = pipeline->region.voxel[d] * (double)in[d] / (double)out[d];
-  if (request->filter == FILTER_BICUBIC_POINT && spacing[0] > 2.0 * pipeline->region.voxel[0])
+  if (request->filter == FILTER_BICUBIC_POINT && spacing[0] > 2.0 * voxel[0])
     log_warning("bicubic-point does not antialias: at a reduction of %.3g the void ratio still "
                 "matches, but many voxels are wrong and the surface is far too large; use bicubic",
-                spacing[0] / pipeline->region.voxel[0]);
+                spacing[0] / voxel[0]);
   if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 || fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
-    double ny = (double)in[1] * pipeline->region.voxel[1] / spacing[0];
-    double nz = (double)in[2] * pipeline->region.voxel[2] / spacing[0];
+    double ny = (double)in[1] * voxel[1] / spacing[0], nz = (double)in[2] * voxel[2] / spacing[0];
     log_warning("model voxels of %.4g x %.4g x %.4g um are not cubic; --size %zux%.0fx%.0f%s "
                 "would keep them so",
                 spacing[0] * 1e6, spacing[1] * 1e6, spacing[2] * 1e6, out[0], fmax(1.0, round(ny)),
@@ -93,7 +95,9 @@ static enum status choose_region(struct pipeline *pipeline) {
   TRY(stack_keep_labels(stack, region->origin[2]));
   if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
-  if (request->flow_axis != 2) TRY(region_turn(region, request->flow_axis, &pipeline->turned));
+  int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
+  for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
+  if (axis != 2) TRY(region_turn(region, axis, &pipeline->turned));
   TRY(choose_size(pipeline));
   TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));
   for (size_t z = 0; z < pipeline->size[2]; z++)
@@ -235,6 +239,44 @@ static enum status extend(const struct pipeline *pipeline, float **data, const c
   return status;
 }
 
+/* One field of the model from the axes inside to its own. */
+static enum status turn_field(const struct pipeline *pipeline, void *field, size_t bytes) {
+  enum status status = STATUS_OK;
+  const size_t *from = pipeline->model.size;
+  const int *place = pipeline->place;
+  const size_t step[3] = {1, from[0], from[0] * from[1]};
+  const size_t nx = from[place[0]], ny = from[place[1]], nz = from[place[2]];
+  char *copy = NULL, *out = field;
+  if (field == NULL) return STATUS_OK;
+  TRY(memory_allocate(&copy, nx * ny * nz, bytes, "the turned model"));
+  memcpy(copy, field, nx * ny * nz * bytes);
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < ny * nz; row++) {
+    size_t start = row % ny * step[place[1]] + row / ny * step[place[2]];
+    for (size_t x = 0; x < nx; x++)
+      memcpy(out + (row * nx + x) * bytes, copy + (start + x * step[place[0]]) * bytes, bytes);
+  }
+cleanup:
+  memory_free(&copy);
+  return status;
+}
+
+static enum status turn_model(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct voxel_model *model = &pipeline->model;
+  const struct voxel_model inside = *model;
+  if (pipeline->place[0] == 0) return STATUS_OK;
+  TRY(turn_field(pipeline, model->solid, sizeof *model->solid));
+  TRY(turn_field(pipeline, model->wall_distance, sizeof *model->wall_distance));
+  TRY(turn_field(pipeline, model->grain_fraction, sizeof *model->grain_fraction));
+  for (int a = 0; a < 3; a++) {
+    model->size[a] = inside.size[pipeline->place[a]];
+    model->spacing[a] = inside.spacing[pipeline->place[a]];
+  }
+cleanup:
+  return status;
+}
+
 static enum status make_solid(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -300,6 +342,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(find_walls(pipeline, distances));
   if (distances)
     TRY(morphology_measure(&pipeline->model, pipeline->size[2], &pipeline->morphology));
+  TRY(turn_model(pipeline));
 cleanup:
   return status;
 }

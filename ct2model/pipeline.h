@@ -29,7 +29,10 @@ struct pipeline {
   float *turned;                     /* the scan with other axes (--flow); NULL if z stays z */
   struct grey_histogram histogram;   /* of the region */
   struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */
-  size_t size[3];                    /* after resampling, before mirroring */
+  /* Inside, z is the axis that is mirrored; axis a of the model is `place[a]` here. The model
+   * itself is turned last. */
+  int place[3];
+  size_t size[3];    /* after resampling, before mirroring */
   float *volume;     /* greys after resampling; NULL where a sweep leaves a huge scan alone */
   float *middle;     /* the middle slice of the region, full resolution */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */

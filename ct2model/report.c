@@ -38,6 +38,11 @@ static double threshold_slope(const struct pipeline *pipeline) {
   return pipeline_grey(pipeline, pipeline->threshold_slope);
 }
 
+static const char *mirror_axis(const struct pipeline *pipeline) {
+  static const char *const NAMES[] = {"x", "y", "z"};
+  return NAMES[pipeline->request->mirror_axis];
+}
+
 static json_t *json_of_table(const struct sweep_table *table) {
   json_t *object = json_object();
   json_object_set_new(object, "threshold", numbers(table->threshold, table->count));
@@ -58,6 +63,8 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "size", sizes(model->size));
   json_object_set_new(root, "spacing_m", numbers(model->spacing, 3));
   json_object_set_new(root, "mirror_plane", json_integer(model->mirror_plane));
+  json_object_set_new(root, "mirror_axis",
+                      pipeline->request->mirror ? json_string(mirror_axis(pipeline)) : json_null());
   put(root, "void_ratio", model->void_ratio);
   put(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
   put(root, "porosity", quality->porosity);
@@ -108,8 +115,14 @@ static enum status print_json(const struct pipeline *pipeline, const struct opti
   put(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
   put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
   put(root, "specific_surface_per_m", pipeline->quality.surface_original);
-  json_object_set_new(root, "size_original", sizes(pipeline->region.size));
-  json_object_set_new(root, "voxel_size_m", numbers(pipeline->region.voxel, 3));
+  size_t original[3];
+  double voxel[3];
+  for (int a = 0; a < 3; a++) {
+    original[a] = pipeline->region.size[pipeline->place[a]];
+    voxel[a] = pipeline->region.voxel[pipeline->place[a]];
+  }
+  json_object_set_new(root, "size_original", sizes(original));
+  json_object_set_new(root, "voxel_size_m", numbers(voxel, 3));
   if (pipeline->volume != NULL) json_of_model(pipeline, root);
   if (build) {
     put_count(root, "sign_adjusted", pipeline->disagreeing);
@@ -133,7 +146,8 @@ static void print_model(const struct pipeline *pipeline) {
   quantity_format(model->spacing[0], "m", spacing, sizeof spacing);
   printf("model             %zux%zux%zu voxels of %s", model->size[0], model->size[1],
          model->size[2], spacing);
-  if (model->mirror_plane >= 0) printf(", mirrored about layer %d", model->mirror_plane + 1);
+  if (model->mirror_plane >= 0)
+    printf(", mirrored about layer %d of %s", model->mirror_plane + 1, mirror_axis(pipeline));
   printf("\nvoid ratio        %.4f", model->void_ratio);
   if (!isnan(pipeline->request->void_ratio))
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
@@ -157,9 +171,10 @@ static void print_advice(const struct pipeline *pipeline) {
   size_t size[3];
   bool beyond = false;
   for (int d = 0; d < 3; d++) {
-    size[d] = (size_t)ceil(finer * (double)pipeline->size[d]);
-    if (size[d] > pipeline->region.size[d]) {
-      size[d] = pipeline->region.size[d];
+    size_t most = pipeline->region.size[pipeline->place[d]];
+    size[d] = (size_t)ceil(finer * (double)pipeline->size[pipeline->place[d]]);
+    if (size[d] > most) {
+      size[d] = most;
       beyond = true;
     }
   }

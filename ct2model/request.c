@@ -37,8 +37,8 @@ static const struct option_entry ENTRIES[] = {
     {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
     {"filter", 0, "NAME", SWEEP | BUILD,
      "bicubic (antialiased, default), bicubic-point, area or none"},
-    {"mirror", 0, "z|none", SWEEP | BUILD,
-     "z: n layers become 2n-1, so that the model is periodic (default)"},
+    {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
+     "axis of the model along which n layers become 2n-1, so that it is periodic (default z)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "RULE", SWEEP | BUILD,
@@ -110,12 +110,12 @@ static enum status parse_threshold(const struct options *options, struct request
 
 static enum status parse_choices(const struct options *options, struct request *request) {
   static const char *const FILTERS[] = {"bicubic", "bicubic-point", "area", "none", NULL};
-  static const char *const MIRRORS[] = {"z", "none", NULL};
+  static const char *const MIRRORS[] = {"x", "y", "z", "none", NULL};
   static const char *const AXES[] = {"x", "y", "z", NULL};
   static const char *const GRAINS[] = {"bright", "dark", NULL};
   static const char *const ISLANDS[] = {"keep", "fill", NULL};
   enum status status = STATUS_OK;
-  int filter = FILTER_BICUBIC, mirror = 0, grain = 0, islands = 0;
+  int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0;
   TRY(options_choice(options, "filter", FILTERS, &filter));
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
   request->flow_axis = 2;
@@ -123,7 +123,8 @@ static enum status parse_choices(const struct options *options, struct request *
   TRY(options_choice(options, "grain", GRAINS, &grain));
   TRY(options_choice(options, "islands", ISLANDS, &islands));
   request->filter = (enum filter)filter;
-  request->mirror = mirror == 0;
+  request->mirror = mirror < 3;
+  request->mirror_axis = mirror < 3 ? mirror : 2;
   request->dark_grains = grain == 1;
   request->fill_islands = islands == 1;
 cleanup:

@@ -17,7 +17,8 @@ struct request {
   struct raw_layout raw;
   double voxel; /* m; NAN: the file's own */
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
-  size_t crop[6]; /* x0, y0, z0, nx, ny, nz */
+  int mirror_axis; /* of the model; 2 where nothing is mirrored */
+  size_t crop[6];  /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
   struct roi roi;
   int flow_axis; /* of the scan, 0 x .. 2 z: the model's z */

@@ -188,6 +188,43 @@ for axis, order in (("x", (2, 0, 1)), ("y", (1, 2, 0)), ("z", (0, 1, 2))):
 P
 }
 
+@test "any axis of the model can be mirrored, whatever the flow axis" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  cd "$WORK"
+  awk 'BEGIN { for (i = 0; i < 120; i++) printf "%c", (i * 37) % 120 + 1 }' > mixed.raw
+  for flow in x z; do
+    for axis in x y z; do
+      run_ct build mixed.raw --raw 6x5x4:u8 --voxel-size 1um --threshold 60.5 --filter none --flow $flow --mirror $axis \
+        --json -o mirror_$flow$axis.hdf --quiet
+      [ "$status" -eq 0 ]
+      [ "$(echo "$output" | value mirror_axis)" = $axis ]
+    done
+  done
+  # Sizes count in the model's axes, walls follow.
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror y --json -o y.hdf
+  [ "$status" -eq 0 ]
+  [ "$(echo "$output" | value size)" = "[24, 35, 12]" ]
+  [ "$(echo "$output" | value size_original)" = "[48, 36, 24]" ]
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror z -o z.hdf
+  /usr/bin/python3 - <<'P'
+import h5py, numpy as np
+a = ((np.arange(120) * 37 % 120 + 1).reshape(4, 5, 6) > 60.5).astype(np.uint8)  # [z][y][x]
+for flow, order in (("x", (2, 0, 1)), ("z", (0, 1, 2))):
+    for axis, name in ((2, "x"), (1, "y"), (0, "z")):
+        b = a.transpose(order)
+        b = np.concatenate([b, np.flip(b, axis).take(range(1, b.shape[axis]), axis)], axis)
+        m = h5py.File("mirror_%s%s.hdf" % (flow, name))["model"]
+        assert m["solid"].shape == b.shape and (m["solid"][()] == b).all(), (flow, name)
+        assert (m["wall_distance"][()] == np.flip(m["wall_distance"][()], axis)).all()
+        assert m.attrs["mirror_plane"] == (b.shape[0] // 2 if name == "z" else -1)
+y, z = h5py.File("y.hdf")["model"], h5py.File("z.hdf")["model"]
+assert np.allclose(y.attrs["spacing"], 20e-6) and np.allclose(z.attrs["spacing"], 20e-6)
+# Away from the planes of either the same distances.
+d = np.abs(y["wall_distance"][()][4:9, 4:14, 4:20] - z["wall_distance"][()][4:9, 4:14, 4:20])
+assert np.median(d) < 1e-7, np.median(d)
+P
+}
+
 @test "dark grains are bright grains negated" {
   cd "$WORK"
   LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
