@@ -41,11 +41,11 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/g
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: fuzz all check demo deps s06 m15 verify bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: package fuzz all check demo deps s06 m15 verify bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
-NEEDS_NOTHING = clean format deps dist uninstall
+NEEDS_NOTHING = clean format deps dist uninstall package
 INSTALLS = $(filter demo check s06 m15 verify bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
@@ -139,6 +139,8 @@ m15: all $(BUILD)/tests/verify_m15
 
 verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
 	$(Q)BUILD=$(BUILD) scripts/verify
+package:
+	$(Q)BUILD=$(BUILD) scripts/package
 bench: all $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/bench
 
