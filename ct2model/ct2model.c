@@ -1,5 +1,6 @@
 /* ct2model: CT slices to a calibrated voxel model. */
 #include <errno.h>
+#include <jansson.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/describe.h"
+#include "ct2model/export_tiff.h"
 #include "ct2model/model_output.h"
 #include "ct2model/pipeline.h"
 #include "ct2model/report.h"
@@ -50,6 +52,29 @@ cleanup:
   return status;
 }
 
+static enum status run_export(const struct options *options) {
+  enum status status = STATUS_OK;
+  struct voxel_model model = {0};
+  const char *output = options_text(options, "output");
+  if (output == NULL) return FAIL(STATUS_USAGE, "export: -o STACK.tif is wanted");
+  TRY(check_output(output));
+  TRY(model_read(options_operand(options, 0), &model));
+  TRY(export_tiff(output, &model));
+  const size_t *n = model.size;
+  if (options_json(options)) {
+    json_t *said = json_pack("{s:s, s:[I,I,I]}", "output", output, "size", (json_int_t)n[0],
+                             (json_int_t)n[1], (json_int_t)n[2]);
+    json_dumpf(said, stdout, JSON_INDENT(1));
+    json_decref(said);
+    putchar('\n');
+  } else {
+    printf("%s: %zux%zux%zu, 8 bits, 255 grain, 0 pore\n", output, n[0], n[1], n[2]);
+  }
+cleanup:
+  model_free(&model);
+  return status;
+}
+
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
   enum status status = STATUS_OK;
@@ -58,6 +83,10 @@ int main(int argc, char **argv) {
   bool done = false;
   TRY(options_parse(&ct2model_options, argc, argv, &options, &done));
   if (done) goto cleanup;
+  if (strcmp(options_command(options), "export") == 0) {
+    TRY(run_export(options));
+    goto cleanup;
+  }
   TRY(request_parse(options, &request));
   if (strcmp(options_command(options), "info") == 0)
     TRY(describe_files(options, &request));

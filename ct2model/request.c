@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SWEEP = 1u << 0, BUILD = 1u << 1, INFO = 1u << 2 };
+enum { SWEEP = 1u << 0, BUILD = 1u << 1, INFO = 1u << 2, EXPORT = 1u << 3 };
 
 static const struct option_command COMMANDS[] = {
     {"sweep", "SLICES... --void-ratio E [options] [-o sweep.csv]",
@@ -18,13 +18,16 @@ static const struct option_command COMMANDS[] = {
      1, -1},
     {"info", "FILE...", "what a stack or a model holds, fast", "ct2model info slices/ model.hdf", 1,
      -1},
+    {"export", "MODEL.hdf -o STACK.tif", "a model as a TIFF stack, for Fiji (255 grain, 0 pore)",
+     "ct2model export model.hdf -o model.tif", 1, 1},
     {0},
 };
 
 static const struct option_entry ENTRIES[] = {
     {"void-ratio", 'e', "E", SWEEP | BUILD,
      "measured void ratio, pore volume / grain volume; 0.725 or 0.725+-0.005"},
-    {"output", 'o', "FILE", SWEEP | BUILD, "where the model (build) or the table (sweep) goes"},
+    {"output", 'o', "FILE", SWEEP | BUILD | EXPORT,
+     "where the model (build), the table (sweep) or the stack (export) goes"},
     {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
      "edge of a voxel, e.g. 5.83um (needed unless the file says it)"},
     {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,

@@ -40,7 +40,7 @@ bats_require_minimum_version 1.5.0
 @test "help of the program and of each command shows a working example" {
   run_ct --help
   [ "$status" -eq 0 ]
-  for command in sweep build info; do
+  for command in sweep build info export; do
     run_ct $command --help
     [ "$status" -eq 0 ]
     [[ "$output" == *"Example:"*"ct2model $command"* ]]
@@ -223,6 +223,28 @@ assert np.allclose(y.attrs["spacing"], 20e-6) and np.allclose(z.attrs["spacing"]
 d = np.abs(y["wall_distance"][()][4:9, 4:14, 4:20] - z["wall_distance"][()][4:9, 4:14, 4:20])
 assert np.median(d) < 1e-7, np.median(d)
 P
+}
+
+@test "export makes a stack that reads back as the model it was" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x12 -o exported.hdf
+  [ "$status" -eq 0 ]
+  run_ct export exported.hdf -o exported.tif
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"24x24x23"* ]]
+  [ ! -e exported.tif.part ]
+  run_ct build exported.tif --threshold 128 --filter none --mirror none -o again.hdf
+  [ "$status" -eq 0 ]
+  /usr/bin/python3 - << 'END'
+import h5py, numpy
+a, b = (h5py.File(n)["model"] for n in ("exported.hdf", "again.hdf"))
+assert numpy.array_equal(a["solid"][:], b["solid"][:])
+assert numpy.allclose(a.attrs["spacing"], b.attrs["spacing"], rtol=1e-6), b.attrs["spacing"]
+END
+  run_ct export exported.hdf
+  [ "$status" -eq 2 ]
+  run_ct export spheres.raw -o no.tif
+  [ "$status" -eq 3 ] && [ ! -e no.tif ]
 }
 
 @test "dark grains are bright grains negated" {
