@@ -104,11 +104,12 @@ cleanup:
   return status;
 }
 
-enum status h5_open(const char *path, struct h5_file **result) {
+static enum status open_file(const char *path, bool try_first, struct h5_file **result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   TRY(new_file(path, false, &file));
   if (access(path, R_OK) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  if (try_first) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->id < 0) TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged", path);
 cleanup:
@@ -118,6 +119,13 @@ cleanup:
   }
   *result = file;
   return status;
+}
+
+enum status h5_open(const char *path, struct h5_file **file) {
+  return open_file(path, true, file);
+}
+enum status h5_open_sealed(const char *path, struct h5_file **file) {
+  return open_file(path, false, file);
 }
 
 void h5_close(struct h5_file *file) {

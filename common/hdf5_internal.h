@@ -13,5 +13,9 @@ struct h5_file {
 };
 
 hid_t h5_memory_type(enum h5_type type);
+/* Whether a dataset lies in its file, behind no filter but HDF5's own. */
+bool h5_filters_known(hid_t set);
+/* An input error where the library crashes or hangs on the file. */
+enum status h5_try(const char *path);
 
 #endif

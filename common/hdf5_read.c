@@ -42,7 +42,7 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
 }
 
 /* Only filters of HDF5 itself: a file must not make us load a plug-in. */
-static bool filters_known(hid_t set) {
+bool h5_filters_known(hid_t set) {
   hid_t layout = H5Dget_create_plist(set);
   bool known = true;
   int n = H5Pget_nfilters(layout);
@@ -95,7 +95,7 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
     TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
   if (class == H5T_FLOAT && type != H5_F32 && type != H5_F64)
     TRY_FAIL(STATUS_INPUT, "%s: %s holds floats, integers are wanted", file->path, name);
-  if (!filters_known(set))
+  if (!h5_filters_known(set))
     TRY_FAIL(STATUS_INPUT,
              "%s: %s uses a filter or storage outside this file; store it plain or "
              "with deflate",
@@ -141,7 +141,7 @@ enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count,
   stored = H5Dget_type(set);
   space = H5Dget_space(set);
   hssize_t points = H5Sget_simple_extent_npoints(space);
-  if (H5Tget_class(stored) != H5T_STRING || points < 0 || !filters_known(set))
+  if (H5Tget_class(stored) != H5T_STRING || points < 0 || !h5_filters_known(set))
     TRY_FAIL(STATUS_INPUT, "%s: %s holds no text", file->path, name);
   n = (size_t)points;
   TRY(memory_allocate(&copies, n, sizeof *copies, name));

@@ -81,10 +81,10 @@ enum status checkpoint_open(const char *prefix, struct h5_file **file) {
   *file = NULL;
   bool any = access(newest, F_OK) == 0 || access(older, F_OK) == 0;
   if (!any) return STATUS_OK;
-  if (seal_holds(newest)) return h5_open(newest, file);
+  if (seal_holds(newest)) return h5_open_sealed(newest, file);
   if (seal_holds(older)) {
     log_warning("%s is missing or damaged; resuming from %s", newest, older);
-    return h5_open(older, file);
+    return h5_open_sealed(older, file);
   }
   return FAIL(STATUS_INPUT, "%s: is damaged, and so is the one before; remove both to start anew",
               newest);
