@@ -409,8 +409,7 @@ enum status config_auto_quantity(struct config *config, config_node *group, cons
   return *automatic ? STATUS_OK : parse_quantity(config, node, dimension, value);
 }
 
-/* With `misspelt_only` just keys that resemble a known one, and not those of the root: the reads
- * may not have come there yet. */
+/* With `misspelt_only` just keys that resemble a known one. */
 static enum status refuse_unknown_in(struct config *config, config_node *node, bool misspelt_only) {
   bool group = config_is_group(node);
   for (int i = 0; i < config_setting_length(node) && (group || config_is_list(node)); i++) {
@@ -426,8 +425,7 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
         }
       names[n] = NULL;
       const char *near = known ? NULL : nearest_name(name, names);
-      bool root = config_setting_is_root(node) == CONFIG_TRUE;
-      if (!known && !(misspelt_only && (near == NULL || root))) {
+      if (!known && !(misspelt_only && near == NULL)) {
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
           size_t used = strlen(list);

@@ -1,6 +1,6 @@
-/* A trial of a file in a process of its own. HDF5 1.10 can crash or hang on damaged metadata (fuzzing
- * met both within seconds); a child looks at all that a reader may look at, and if it dies the file
- * is refused instead of the program ending. */
+/* A trial of a file in a process of its own. HDF5 1.10 can crash or hang on damaged metadata
+ * (fuzzing met both within seconds); a child looks at all that a reader may look at, and if it dies
+ * the file is refused instead of the program ending. */
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>

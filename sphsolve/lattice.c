@@ -14,7 +14,10 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   enum status status = STATUS_OK;
   struct voxel_model model;
   float *inner = NULL;
-  TRY(model_read(scene->model_path, &model));
+  status = model_read(scene->model_path, &model);
+  if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
+    error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
+  TRY(status);
   TRY(hash_file(scene->model_path, &lattice->model_hash));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
@@ -175,17 +178,17 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
     inner[a] = sites_in(scene->domain_size[a], scene->spacing);
     double length = (double)inner[a] * scene->spacing;
     if (scene->periodic[a] && fabs(length - scene->domain_size[a]) > 1e-3 * scene->spacing)
-      TRY_FAIL(STATUS_INPUT,
-               "%s: domain.size: the periodic length %g m in %c is no whole number of "
-               "spacings (%g m); %g m would be",
-               scene->path, scene->domain_size[a], 'x' + a, scene->spacing, length);
+      TRY(scene_error(scene, AT_SIZE,
+                      "the periodic length %g m in %c is no whole number of spacings (%g m); %g m "
+                      "would be",
+                      scene->domain_size[a], 'x' + a, scene->spacing, length));
     pad[a] = scene->periodic[a] ? 0 : (size_t)layers;
     lattice->size[a] = inner[a] + 2 * pad[a];
     lattice->origin[a] = (0.5 - (double)pad[a]) * scene->spacing;
     lattice->bulk_count *= inner[a];
     if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40)
-      TRY_FAIL(STATUS_INPUT, "%s: domain.spacing: %g m makes too many sites", scene->path,
-               scene->spacing);
+      TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; choose a wider one",
+                      scene->spacing));
   }
   lattice->count = count;
   TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));

@@ -62,6 +62,44 @@ static void estimate_seepage(const struct scene *scene, const struct lattice *la
   *reynolds = *velocity / (nu * s);
 }
 
+/* What each setting allows alone, but not together. */
+static enum status refuse_contradictions(const struct scene *scene, const struct lattice *lattice,
+                                         enum method method) {
+  bool driven = false, held = false, moves = has_moving_wall(scene);
+  if (lattice->fluid_count == 0 && !has_region(scene, REGION_INFLOW))
+    return scene_error(scene, *scene->model_path ? AT_MODEL : AT_REGIONS, "no site holds water; %s",
+                       *scene->model_path ? "the model is all grain: look at its threshold"
+                                          : "add a water region, or make it larger");
+  for (int a = 0; a < 3; a++) {
+    driven = driven || scene->driving[a] != 0;
+    held = held || (scene->driving[a] != 0 && !scene->periodic[a]);
+  }
+  if (driven && !held && method == METHOD_ISPH && has_surface(lattice))
+    return scene_error(scene, AT_PERIODIC,
+                       "the domain repeats along the force, so water with a free surface would "
+                       "fall for ever; write false for that direction, or fill the domain");
+  for (size_t r = 0; r < scene->region_count; r++)
+    for (int a = 0; a < 3; a++) moves = moves || scene->regions[r].velocity[a] != 0;
+  if (!driven && !moves && !has_region(scene, REGION_INFLOW))
+    return scene_error(scene, AT_FORCE,
+                       "nothing drives a flow; give a gravity, body_acceleration or "
+                       "pressure_gradient, or a region that moves");
+  if (method == METHOD_STOKES && lattice->wall_count == 0)
+    return scene_error(scene, AT_METHOD,
+                       "no wall holds the fluid back, so a steady flow does not exist; add a wall, "
+                       "or write method = \"wcsph\" and an end_time");
+  if (scene->turbulence == SWITCH_ON && method != METHOD_ISPH)
+    return scene_error(scene, AT_TURBULENCE,
+                       "\"on\", but only method isph has a model of turbulence; leave it out");
+  if (scene->turbulence == SWITCH_ON && !(scene->isph.smagorinsky > 0))
+    return scene_error(scene, AT_TURBULENCE,
+                       "\"on\", but isph.smagorinsky = 0 takes all of it away; give one of them");
+  if (scene->shifting == SWITCH_ON && method == METHOD_STOKES)
+    return scene_error(scene, AT_SHIFTING,
+                       "\"on\", but nothing moves in method stokes; leave it out");
+  return STATUS_OK;
+}
+
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
                         enum method *method, char why[EFFECT_WHY]) {
   double velocity, reynolds;
@@ -97,25 +135,23 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
   if (*method != METHOD_ISPH) {
     const char *name = *method == METHOD_WCSPH ? "wcsph" : "stokes";
     if (calls_for_isph(scene))
-      return FAIL(STATUS_INPUT,
-                  "%s: method %s knows no soil and no inflow; write method = \"isph\"", scene->path,
-                  name);
+      return scene_error(scene, AT_METHOD,
+                         "method %s knows no soil and no inflow; write method = \"isph\"", name);
     if (has_surface(lattice))
-      return FAIL(STATUS_INPUT,
-                  "%s: method %s needs a filled domain, but %zu of %zu sites are empty; "
-                  "fill them with a water region, or write method = \"isph\"",
-                  scene->path, name, lattice->count - lattice->fluid_count - lattice->wall_count,
-                  lattice->count);
+      return scene_error(scene, AT_METHOD,
+                         "method %s needs a filled domain, but %zu of %zu sites are empty; fill "
+                         "them with a water region, or write method = \"isph\"",
+                         name, lattice->count - lattice->fluid_count - lattice->wall_count,
+                         lattice->count);
     if (!(scene->fluid.viscosity > 0))
-      return FAIL(STATUS_INPUT, "%s: method %s needs a viscosity greater than 0", scene->path,
-                  name);
+      return scene_error(scene, AT_VISCOSITY,
+                         "method %s needs a viscosity greater than 0, like \"1e-3 Pa s\"", name);
   } else if (*scene->model_path) {
-    return FAIL(STATUS_INPUT,
-                "%s: method isph takes a domain with regions, not a voxel model; use "
-                "method = \"wcsph\" or \"stokes\"",
-                scene->path);
+    return scene_error(scene, AT_METHOD,
+                       "method isph takes a domain with regions, not a voxel model; use "
+                       "method = \"wcsph\" or \"stokes\"");
   }
-  return STATUS_OK;
+  return refuse_contradictions(scene, lattice, *method);
 }
 
 bool plan_has(const struct plan *plan, const char *effect_name) {

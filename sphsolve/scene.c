@@ -1,6 +1,7 @@
 #include "sphsolve/scene.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,6 +77,26 @@ cleanup:
   return status;
 }
 
+/* The groups and lists of a scene. Asked for first, so that a misspelt one is known as such. */
+static enum status check_roots(struct config *config) {
+  static const char *const groups[] = {"scene",  "model", "domain",  "force",  "wcsph",
+                                       "stokes", "isph",  "effects", "output", "checkpoint"};
+  static const char *const lists[] = {"fluids", "regions", "gauges", "planes"};
+  config_node *root = config_root(config);
+  for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
+    config_node *node = config_child(config, root, groups[i]);
+    if (node != NULL && !config_is_group(node))
+      return config_error(config, node, "a group is wanted, like %s = { ... };", groups[i]);
+  }
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+    config_node *node = config_child(config, root, lists[i]);
+    if (node != NULL && !config_is_list(node))
+      return config_error(config, node, "a list is wanted, like %s = ( { ... }, { ... } );",
+                          lists[i]);
+  }
+  return STATUS_OK;
+}
+
 static enum status read_model(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "model");
@@ -103,7 +124,13 @@ static enum status read_domain(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "domain");
   scene->dimensions = 3;
+  if (group == NULL && !*scene->model_path)
+    return config_error(config, NULL,
+                        "model or domain is missing: model = { file = \"dense.hdf\"; }; or domain "
+                        "= { size = ...; spacing = ...; };");
   if (group == NULL) return STATUS_OK;
+  if (*scene->model_path)
+    return config_error(config, group, "a scene has either a model or a domain, not both");
   int count = 0;
   bool given;
   TRY(config_quantities(config, group, "size", DIM_LENGTH, 2, 3, scene->domain_size, &count,
@@ -156,7 +183,6 @@ static enum status read_fluid(struct config *config, struct scene *scene) {
     return config_error(config, list,
                         "fluids is missing; write fluids = ( { name = \"water\"; density = "
                         "\"1000 kg/m^3\"; viscosity = \"1e-3 Pa s\"; } );");
-  if (!config_is_list(list)) TRY(config_error(config, list, "a list ( { ... } ) is wanted"));
   if (config_count(list) > 1)
     TRY(config_error(config, config_item(list, 1), "one fluid is supported, %zu are given",
                      config_count(list)));
@@ -203,25 +229,51 @@ cleanup:
 }
 
 static enum status check_whole(struct config *config, const struct scene *scene) {
-  config_node *root = config_root(config), *domain = config_child(config, root, "domain");
-  bool has_model = *scene->model_path != '\0', has_domain = domain != NULL;
-  if (has_model && has_domain)
-    return config_error(config, domain, "a scene has either a model or a domain, not both");
-  if (!has_model && !has_domain)
-    return config_error(config, NULL,
-                        "model or domain is missing: model = { file = \"dense.hdf\"; }; or domain "
-                        "= { size = ...; spacing = ...; };");
-  if (has_model && scene->region_count > 0)
-    return config_error(config, config_child(config, root, "regions"),
-                        "regions need a domain; a voxel model brings its own grains");
-  if (has_domain && scene->region_count == 0)
-    return config_error(config, domain, "regions are missing: nothing fills the domain");
+  config_node *root = config_root(config);
   bool driven = scene->driving[0] != 0 || scene->driving[1] != 0 || scene->driving[2] != 0;
-  if (has_model && !driven)
+  if (!*scene->model_path && scene->region_count == 0)
+    return config_error(config, config_child(config, root, "domain"),
+                        "regions are missing: nothing fills the domain");
+  if (*scene->model_path && !driven)
     return config_error(config, config_child(config, root, "force"),
                         "nothing drives the flow: give force.body_acceleration, like [\"0\", "
                         "\"0\", \"-9.8 m/s^2\"]");
   return STATUS_OK;
+}
+
+static const struct {
+  const char *group, *key;
+} places[SCENE_PLACE_COUNT] = {
+#define X(symbol, group, key) {group, key},
+    SCENE_PLACES(X)
+#undef X
+};
+
+/* The lines of the settings that later errors may name. */
+static void note_places(struct config *config, struct scene *scene) {
+  config_node *root = config_root(config);
+  for (int i = 0; i < SCENE_PLACE_COUNT; i++) {
+    config_node *node = config_child(config, root, places[i].group);
+    config_node *key = *places[i].key ? config_child(config, node, places[i].key) : NULL;
+    if (key != NULL) node = key;
+    if (node == NULL) node = config_child(config, root, "scene");
+    scene->line_of[i] = config_line(node);
+  }
+}
+
+enum status scene_error(const struct scene *scene, enum scene_place place, const char *format,
+                        ...) {
+  char message[900];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(message, sizeof message, format, arguments);
+  va_end(arguments);
+  int line = scene->line_of[place];
+  if (line == 0) /* of a --set */
+    return FAIL(STATUS_INPUT, "%s: %s%s%s: %s", scene->path, places[place].group,
+                *places[place].key ? "." : "", places[place].key, message);
+  return FAIL(STATUS_INPUT, "%s:%d: %s%s%s: %s", scene->path, line, places[place].group,
+              *places[place].key ? "." : "", places[place].key, message);
 }
 
 enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
@@ -231,6 +283,7 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   *scene = (struct scene){0};
   snprintf(scene->path, sizeof scene->path, "%s", path);
   TRY(config_open(path, overrides, override_count, &config));
+  TRY(check_roots(config));
   TRY(read_scene_group(config, scene));
   TRY(read_model(config, scene));
   TRY(read_domain(config, scene));
@@ -241,6 +294,7 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(scene_read_probes(config, scene));
   TRY(config_refuse_unknown(config));
   TRY(check_whole(config, scene));
+  note_places(config, scene);
   TRY(memory_allocate(&scene->text, strlen(config_text(config)) + 1, 1, "the scene's text"));
   strcpy(scene->text, config_text(config));
 cleanup:

@@ -17,6 +17,30 @@ enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
 
+/* Settings that errors found after reading name with their line. */
+#define SCENE_PLACES(X)                                                                            \
+  X(METHOD, "scene", "method")                                                                     \
+  X(MODEL, "model", "file")                                                                        \
+  X(SIZE, "domain", "size")                                                                        \
+  X(SPACING, "domain", "spacing")                                                                  \
+  X(PERIODIC, "domain", "periodic")                                                                \
+  X(VISCOSITY, "fluids", "")                                                                       \
+  X(REGIONS, "regions", "")                                                                        \
+  X(FORCE, "force", "")                                                                            \
+  X(WCSPH_KERNEL, "wcsph", "kernel")                                                               \
+  X(WCSPH_SUPPORT, "wcsph", "support")                                                             \
+  X(WCSPH_DT, "wcsph", "dt")                                                                       \
+  X(STOKES_SUPPORT, "stokes", "support")                                                           \
+  X(ISPH_DT, "isph", "dt")                                                                         \
+  X(TURBULENCE, "effects", "turbulence")                                                           \
+  X(SHIFTING, "effects", "shifting")
+enum scene_place {
+#define X(symbol, group, key) AT_##symbol,
+  SCENE_PLACES(X)
+#undef X
+      SCENE_PLACE_COUNT
+};
+
 struct fluid {
   char name[64];
   double density;   /* kg/m^3 */
@@ -90,20 +114,20 @@ struct scene {
   struct {
     enum unified_form form;
     enum kernel kernel;
-    double support_ratio;  /* he / dx */
-    double tau;            /* s; density relaxation time */
-    double alpha;          /* NAN; else tau = dt / alpha, 0: no relaxation */
-    double dt;             /* s; NAN: auto */
-    double tolerance;      /* of the pressure solve */
-    bool slip;             /* outer and default walls */
-    double smagorinsky;    /* C_s */
-    bool porosity_paper;   /* porosity = "m15": equation (32) instead of the clamp */
+    double support_ratio; /* he / dx */
+    double tau;           /* s; density relaxation time */
+    double alpha;         /* NAN; else tau = dt / alpha, 0: no relaxation */
+    double dt;            /* s; NAN: auto */
+    double tolerance;     /* of the pressure solve */
+    bool slip;            /* outer and default walls */
+    double smagorinsky;   /* C_s */
+    bool porosity_paper;  /* porosity = "m15": equation (32) instead of the clamp */
   } isph;
 
   enum switch_state turbulence, shifting;
 
-  double output_interval;  /* s; NAN: only the last snapshot */
-  double history_interval; /* s; NAN: auto */
+  double output_interval;    /* s; NAN: only the last snapshot */
+  double history_interval;   /* s; NAN: auto */
   size_t output_field_count; /* output.fields; 0: all */
   char (*output_fields)[32];
   double checkpoint_interval; /* s of wall time; NAN: on a signal only */
@@ -112,12 +136,18 @@ struct scene {
   struct gauge *gauges;
   struct flux_plane *planes;
 
-  char *text; /* the file with overrides, for /run/scene */
+  char *text;                     /* the file with overrides, for /run/scene */
+  int line_of[SCENE_PLACE_COUNT]; /* 0: not in the file */
 };
 
 /* Reads and validates. Errors name file, line and the mend. Free with scene_free. */
 enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
                        struct scene *scene);
 void scene_free(struct scene *scene);
+
+/* An input error at a setting: "dense.cfg:7: wcsph.dt: MESSAGE". What the file leaves out is said
+ * to be wrong where its group stands, else where the scene's name does. */
+enum status scene_error(const struct scene *scene, enum scene_place place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 #endif

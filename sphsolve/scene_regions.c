@@ -61,7 +61,8 @@ cleanup:
   return status;
 }
 
-static enum status read_inflow(struct config *config, config_node *group, struct region *region) {
+static enum status read_inflow(struct config *config, config_node *group, const struct scene *scene,
+                               struct region *region) {
   enum status status = STATUS_OK;
   bool head_given, flux_given;
   TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, &head_given));
@@ -69,6 +70,16 @@ static enum status read_inflow(struct config *config, config_node *group, struct
   if (head_given == flux_given)
     TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
   region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
+  bool on_side = false;
+  for (int a = 0; a < 3; a++) {
+    double near = 1e-6 * scene->spacing;
+    bool low = region->box[a] <= near, high = region->box[a + 3] >= scene->domain_size[a] - near;
+    on_side = on_side || (!scene->periodic[a] && low != high);
+  }
+  if (!on_side)
+    TRY(config_error(config, config_child(config, group, "box"),
+                     "an inflow region is a thin box on one side of the domain that is not "
+                     "periodic; this box touches none, or two opposite ones"));
 cleanup:
   return status;
 }
@@ -76,12 +87,53 @@ cleanup:
 /* The lattice keeps a site's region in 16 bits. */
 enum { MOST_REGIONS = 65000 };
 
+/* Whether a site of the lattice lies between two positions along an axis. */
+static bool holds_site(double low, double high, double spacing) {
+  return floor(high / spacing - 0.5 - 1e-9) >= ceil(low / spacing - 0.5 + 1e-9);
+}
+
+static enum status check_thickness(struct config *config, config_node *group,
+                                   const struct scene *scene, const struct region *region) {
+  if (region->type != REGION_WATER && region->type != REGION_POROUS) return STATUS_OK;
+  for (int a = 0; a < 3; a++)
+    if (!(scene->dimensions == 2 && a == 1) && scene->spacing > 0 &&
+        !holds_site(region->box[a], region->box[a + 3], scene->spacing))
+      return config_error(config, config_child(config, group, "box"),
+                          "%g to %g m in %c is narrower than the spacing (%g m) and holds no "
+                          "particle; use a smaller domain.spacing or a wider box",
+                          region->box[a], region->box[a + 3], 'x' + a, scene->spacing);
+  return STATUS_OK;
+}
+
+/* A region of which later ones leave nothing was meant otherwise. Water and soil share their place.
+ */
+static enum status check_covered(struct config *config, config_node *list,
+                                 const struct scene *scene) {
+  for (size_t i = 0; i < scene->region_count; i++)
+    for (size_t j = i + 1; j < scene->region_count && j < i + 64; j++) {
+      const struct region *early = &scene->regions[i], *late = &scene->regions[j];
+      bool solid = late->type == REGION_WALL || late->type == REGION_EMPTY;
+      if (late->type == REGION_INFLOW || early->type == REGION_INFLOW || early->type == late->type)
+        continue;
+      if (!solid) continue;
+      bool inside = true;
+      for (int a = 0; a < 3; a++)
+        inside = inside && early->box[a] >= late->box[a] && early->box[a + 3] <= late->box[a + 3];
+      if (inside)
+        return config_error(config, config_item(list, i),
+                            "the later region on line %d covers all of it; put that one first, or "
+                            "leave one out",
+                            late->line);
+    }
+  return STATUS_OK;
+}
+
 enum status scene_read_regions(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *list = config_child(config, config_root(config), "regions");
   if (list == NULL) return STATUS_OK;
-  if (!config_is_list(list))
-    TRY(config_error(config, list, "a list ( { ... }, { ... } ) is wanted"));
+  if (*scene->model_path)
+    TRY(config_error(config, list, "regions need a domain; a voxel model brings its own grains"));
   scene->region_count = config_count(list);
   if (scene->region_count > MOST_REGIONS)
     TRY(config_error(config, list, "%zu regions; at most %d are possible", scene->region_count,
@@ -106,7 +158,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(read_porous(config, group, scene, region));
       break;
     case REGION_INFLOW:
-      TRY(read_inflow(config, group, region));
+      TRY(read_inflow(config, group, scene, region));
       break;
     case REGION_WALL:
       TRY(config_bool(config, group, "slip", &region->slip, NULL));
@@ -118,7 +170,9 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     case REGION_EMPTY:
       break;
     }
+    TRY(check_thickness(config, group, scene, region));
   }
+  TRY(check_covered(config, list, scene));
 cleanup:
   return status;
 }
@@ -142,6 +196,15 @@ static enum status read_gauges(struct config *config, struct scene *scene) {
     if (config_child(config, group, "at") == NULL)
       TRY(config_error(config, group, "at is missing: where the pressure is gauged"));
     TRY(scene_vector(config, group, "at", scene, DIM_LENGTH, gauge->at));
+    for (int a = 0; a < 3; a++)
+      if (gauge->at[a] < 0 || gauge->at[a] > scene->domain_size[a])
+        TRY(config_error(config, config_child(config, group, "at"),
+                         "%g m in %c lies outside the domain (0 to %g m)", gauge->at[a], 'x' + a,
+                         scene->domain_size[a]));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->gauges[k].name, gauge->name))
+        TRY(config_error(config, group, "a gauge before is called '%s' too; rename one",
+                         gauge->name));
   }
 cleanup:
   return status;
@@ -172,6 +235,14 @@ static enum status read_planes(struct config *config, struct scene *scene) {
     }
     if (axes_given != 1)
       TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
+    if (plane->position < 0 || plane->position > scene->domain_size[plane->axis])
+      TRY(config_error(config, config_child(config, group, axes[plane->axis]),
+                       "%g m lies outside the domain (0 to %g m)", plane->position,
+                       scene->domain_size[plane->axis]));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->planes[k].name, plane->name))
+        TRY(config_error(config, group, "a plane before is called '%s' too; rename one",
+                         plane->name));
   }
 cleanup:
   return status;

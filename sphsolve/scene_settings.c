@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/memory.h"
 #include "common/units.h"
@@ -12,6 +13,9 @@ static const char *const kernel_names[] = {"quintic", "cubic", NULL};
 static const char *const form_names[] = {"akbari", "m15", NULL};
 static const char *const switch_names[] = {"auto", "on", "off", NULL};
 static const char *const porosity_names[] = {"clamp", "m15", NULL};
+
+static const char *const field_names[] = {"velocity", "pressure", "density", "id",
+                                          "porosity", "volume",   "surface", NULL};
 
 static enum status read_methods(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -55,6 +59,8 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   TRY(config_number(config, group, "smagorinsky", &scene->isph.smagorinsky, NULL));
   TRY(config_choice(config, group, "porosity", porosity_names, &porosity, NULL));
   config_node *isph_wall = config_child(config, group, "wall");
+  if (isph_wall != NULL && !config_is_group(isph_wall))
+    TRY(config_error(config, isph_wall, "a group is wanted, like wall = { slip = true; };"));
   TRY(config_bool(config, isph_wall, "slip", &scene->isph.slip, NULL));
   scene->isph.form = (enum unified_form)form;
   scene->isph.kernel = (enum kernel)kernel;
@@ -107,6 +113,14 @@ static enum status read_output(struct config *config, struct scene *scene) {
     config_node *item = config_item(fields, i);
     if (!config_is_text(item))
       TRY(config_error(config, item, "the name of a field in quotes is wanted"));
+    bool known = false;
+    for (size_t k = 0; field_names[k] != NULL; k++)
+      known = known || !strcmp(field_names[k], config_text_value(item));
+    if (!known)
+      TRY(config_error(config, item,
+                       "there is no field \"%s\"; there are velocity, pressure, "
+                       "density, id, and with isph porosity, volume and surface",
+                       config_text_value(item)));
     snprintf(scene->output_fields[i], sizeof *scene->output_fields, "%s", config_text_value(item));
   }
   TRY(scene_positive(config, config_child(config, root, "checkpoint"), "interval", DIM_TIME,

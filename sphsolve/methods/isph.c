@@ -36,11 +36,17 @@ enum status isph_plan(struct plan *plan, int threads) {
   if (speed > 0) guess = 0.25 * context->spacing / speed;
   if (context->driving > 0) guess = fmin(guess, 0.25 * sqrt(context->spacing / context->driving));
   guess = fmin(guess, plan->dt_limit);
+  /* In that time what starts at rest falls half a spacing. */
+  double fall = sqrt(context->spacing / context->driving);
+  if (!isnan(scene->isph.dt) && scene->isph.dt > fall)
+    return scene_error(scene, AT_ISPH_DT,
+                       "%g s is beyond the limit of %g s, sqrt(spacing / acceleration); use dt = "
+                       "\"auto\"",
+                       scene->isph.dt, fall);
   if (!isnan(scene->isph.dt) && scene->isph.dt > plan->dt_limit)
-    return FAIL(STATUS_INPUT,
-                "%s: isph.dt: %g s is beyond the limit of %g s that %s sets; use "
-                "dt = \"auto\"",
-                scene->path, scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
+    return scene_error(scene, AT_ISPH_DT,
+                       "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
+                       scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
   if (!isnan(plan->dt)) guess = plan->dt;
   plan->bytes_fluid = 420 + 1.3 * neighbours * 12;

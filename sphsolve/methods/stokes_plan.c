@@ -37,6 +37,14 @@ enum status stokes_scales(struct plan *plan) {
   const double support = context->scene->stokes.support;
   context->support = isnan(support) ? 2.9 * context->spacing : support;
   context->smoothing_length = context->support / 3.0;
+  for (int a = 0; a < 3; a++) {
+    const double spacings = context->support / context->lattice->spacing[a];
+    if (context->lattice->dimensions == 2 && a == 1) continue;
+    if (!(spacings >= 1.5 && spacings < STOKES_REACH + 1))
+      return scene_error(context->scene, AT_STOKES_SUPPORT,
+                         "%g m is %.2f spacings along %c; choose one between 1.5 and %d",
+                         context->support, spacings, "xyz"[a], STOKES_REACH);
+  }
   return STATUS_OK;
 }
 

@@ -44,16 +44,8 @@ enum status wcsph_scales(struct plan *plan) {
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
   if (scene->wcsph.kernel != KERNEL_QUINTIC)
-    return FAIL(STATUS_INPUT,
-                "%s: wcsph.kernel: the engine has the quintic spline only; write "
-                "kernel = \"quintic\"",
-                scene->path);
-  if (lattice->fluid_count == 0) return FAIL(STATUS_INPUT, "%s: no site holds fluid", scene->path);
-  if (lattice->fluid_count + lattice->wall_count < lattice->count)
-    return FAIL(STATUS_INPUT,
-                "%s: %zu sites are empty, and wcsph knows no free surface; use "
-                "method = \"isph\"",
-                scene->path, lattice->count - lattice->fluid_count - lattice->wall_count);
+    return scene_error(scene, AT_WCSPH_KERNEL,
+                       "the engine has the quintic spline only; write kernel = \"quintic\"");
   for (size_t r = 0; r < scene->region_count; r++)
     if (scene->regions[r].type == REGION_WALL && scene->regions[r].slip)
       return FAIL(STATUS_INPUT,
@@ -69,10 +61,9 @@ enum status wcsph_scales(struct plan *plan) {
     least = fmin(least, lattice->spacing[a]);
   }
   if (context->support < 1.5 * widest || context->support > 6 * least)
-    return FAIL(STATUS_INPUT,
-                "%s: wcsph.support = %g m is %.2f spacings; 1.5 to 6 make sense, "
-                "2.9 is the default",
-                scene->path, context->support, context->support / widest);
+    return scene_error(scene, AT_WCSPH_SUPPORT,
+                       "%g m is %.2f spacings; 1.5 to 6 make sense, 2.9 is the default",
+                       context->support, context->support / widest);
   context->smoothing_length = context->support / kernel_support_ratio(KERNEL_QUINTIC);
 
   double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
@@ -87,10 +78,9 @@ enum status wcsph_scales(struct plan *plan) {
   context->sound_speed = isnan(scene->wcsph.sound_speed) ? fmax(10 * speed, fmax(head, creep))
                                                          : scene->wcsph.sound_speed;
   if (!(context->sound_speed > 0))
-    return FAIL(STATUS_INPUT,
-                "%s: nothing drives a flow: give a force, a moving wall or an initial "
-                "velocity, or wcsph.sound_speed",
-                scene->path);
+    return scene_error(scene, AT_FORCE,
+                       "nothing drives a flow: give a force, a moving wall or an initial velocity, "
+                       "or wcsph.sound_speed");
   return STATUS_OK;
 }
 
@@ -166,10 +156,10 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   if (isnan(scene->wcsph.dt) && scene->history_interval > plan->dt)
     plan->dt = scene->history_interval / ceil(scene->history_interval / plan->dt - 1e-9);
   if (plan->dt > plan->dt_limit && !scene->wcsph.force_dt)
-    return FAIL(STATUS_INPUT,
-                "%s: wcsph.dt = %g s is beyond the stable %g s (%s, sound speed %g "
-                "m/s); write dt = \"auto\" or a smaller one, or wcsph.force_dt = true",
-                scene->path, plan->dt, plan->dt_limit, plan->dt_limited_by, context->sound_speed);
+    return scene_error(scene, AT_WCSPH_DT,
+                       "%g s is beyond the stable %g s (%s, sound speed %g m/s); write dt = "
+                       "\"auto\" or a smaller one, or wcsph.force_dt = true",
+                       plan->dt, plan->dt_limit, plan->dt_limited_by, context->sound_speed);
 
   struct engine_settings settings = {.wall = scene->wcsph.wall == WALL_FROZEN  ? PASS_FROZEN
                                              : !context->has_wall              ? PASS_OPEN
