@@ -195,8 +195,10 @@ void isph_wall_move(struct isph *s, double dt);
  * each), and its distance from the wall over that of xi. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[3], double *ratio);
-/* Stops particles that would pass through a wall. */
-void isph_wall_guard(struct isph *s, double dt);
+/* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it
+ * through a wall within dt. */
+void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
+                     double v[3]);
 
 /* isph_cells.c: sorts the particles, then finds neighbours with filling, imbalance, correction. */
 enum status isph_sort(struct isph *s);

@@ -72,7 +72,7 @@ static void find_viscosity(struct isph *s) {
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
-    s->eddy[i] = (s->viscosity + fmax(eddies, calm * (1 - soil))) / eps;
+    s->eddy[i] = (s->viscosity + fmax(eddies, calm)) / eps;
   }
 }
 
@@ -135,7 +135,7 @@ static inline void add_drop(const double f[3], double rho, double weight, double
   for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
 }
 
-/* v^{n+1} = v* - k grad q, q = P - rho f.x the pressure without its hydrostatic part. The gradient
+/* v^{n+1} = v* - k grad q (and into v* the mean of v^n and v^{n+1}), q = P - rho f.x the pressure without its hydrostatic part. The gradient
  * is the adjoint of the divergence up to terms in the imbalance sum V grad W, so that the pressure
  * takes energy from the flow and never gives any:
  *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s.
@@ -170,9 +170,12 @@ static void correct(struct isph *s) {
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
-      for (int a = 0; a < 3; a++)
+      for (int a = 0; a < 3; a++) {
+        double old = s->velocity[i][a];
         s->velocity[i][a] =
             s->predicted[i][a] - k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+        s->predicted[i][a] = 0.5 * (old + s->velocity[i][a]);
+      }
     }
   }
 }
@@ -186,29 +189,57 @@ static void wrap(const struct isph *s, double x[3]) {
   }
 }
 
+/* How close particle i is to the surface, 1: on it or with a neighbour on it, and the normal of the
+ * surface there, outward. */
+static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                           double normal[3]) {
+  double near = s->surface[i], square = 0;
+  for (int a = 0; a < 3; a++) normal[a] = near * s->imbalance[i][a];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    near = fmax(near, s->surface[j]);
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * s->imbalance[j][a];
+  }
+  for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
+  for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
+  return near;
+}
+
+/* Where shifting takes particle i, and its velocity along with it. */
+static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
+                  double step[3]) {
+  double *v = s->velocity[i], h = 0.5 * s->support[i], eps = s->on.soil ? s->porosity[i] : 1;
+  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), weight = 1, near = 0;
+  double normal[3] = {0};
+  if (s->on.surface) weight = 1 - s->surface[i], near = surface_near(s, chunk, i, normal);
+  speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
+  shift_of(s->imbalance[i], h, speed, dt, size_of(s, s->volume[i]), weight, step);
+  if (near > 0) shift_along(normal, near, step);
+  const float *g = s->gradient[i];
+  for (int a = 0; a < 3; a++)
+    v[a] += (double)g[3 * a] * step[0] + (double)g[3 * a + 1] * step[1] +
+            (double)g[3 * a + 2] * step[2];
+}
+
+/* dx/dt = v/eps and the shift, guarded at walls. Without a surface v is the mean of the old and the
+ * new velocity (Cummins, Rudman 1999, eq. 24); with one, where that would be an explicit scheme for
+ * the surface's waves and make them grow, the new one. */
 static void move(struct isph *s, double dt) {
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
-    double *x = s->position[i], *v = s->velocity[i], shift[3] = {0};
-    double eps = s->on.soil ? s->porosity[i] : 1;
-    if (s->on.shifting) {
-      double h = 0.5 * s->support[i], weight = s->on.surface ? 1 - s->surface[i] : 1;
-      double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-      speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
-      shift_of(s->imbalance[i], h, speed, dt, size_of(s, s->volume[i]), weight, shift);
-    }
-    double step[3];
-    for (int a = 0; a < 3; a++) step[a] = v[a] / eps * dt + shift[a];
-    if (s->on.shifting) {
-      const float *g = s->gradient[i];
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+      const double *carried = s->on.surface ? v : s->predicted[i];
+      double step[3] = {0}, speed[3];
+      isph_wall_guard(s, x, 1 / eps, dt, v);
+      for (int a = 0; a < 3; a++) speed[a] = carried[a] / eps;
+      if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
+      for (int a = 0; a < 3; a++) speed[a] += step[a] / dt;
+      isph_wall_guard(s, x, 1, dt, speed);
       for (int a = 0; a < 3; a++)
-        v[a] += (double)g[3 * a] * shift[0] + (double)g[3 * a + 1] * shift[1] +
-                (double)g[3 * a + 2] * shift[2];
+        if (s->dimensions == 3 || a != 1) x[a] += speed[a] * dt;
+      wrap(s, x);
     }
-    for (int a = 0; a < 3; a++)
-      if (s->dimensions == 3 || a != 1) x[a] += step[a];
-    wrap(s, x);
-  }
 }
 
 static enum status check_finite(const struct isph *s) {
@@ -261,7 +292,6 @@ enum status isph_advance(struct isph *s, double dt) {
     for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
   correct(s);
   TRY(check_finite(s));
-  isph_wall_guard(s, dt);
   move(s, dt);
   if (s->on.moving_walls) {
     isph_wall_move(s, dt);

@@ -198,39 +198,35 @@ static void guard_plane(double distance, double dt, double gap, double sign, dou
   if (towards > allowed) *velocity = (wall_velocity - sign * allowed) / scale;
 }
 
-void isph_wall_guard(struct isph *s, double dt) {
+void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
+                     double v[3]) {
   double gap = GUARD * s->spacing, reach = s->spacing;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
-    double *x = s->position[i], *v = s->velocity[i];
-    double scale = s->porosity != NULL ? 1 / s->porosity[i] : 1;
+  for (int a = 0; a < 3; a++) {
+    if (s->periodic[a] || !used(s, a)) continue;
+    double below = x[a] - s->low[a], above = s->high[a] - x[a];
+    double outside[3] = {x[0], x[1], x[2]};
+    if (below < reach) {
+      outside[a] = s->low[a] - reach;
+      if (isph_open_side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
+    }
+    if (above < reach) {
+      outside[a] = s->high[a] + reach;
+      if (isph_open_side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
+    }
+  }
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *box = &s->wall_boxes[b];
+    int face = -1;
+    double most = -INFINITY, sign = 0;
+    bool near = true;
     for (int a = 0; a < 3; a++) {
-      if (s->periodic[a] || !used(s, a)) continue;
-      double below = x[a] - s->low[a], above = s->high[a] - x[a];
-      double outside[3] = {x[0], x[1], x[2]};
-      if (below < reach) {
-        outside[a] = s->low[a] - reach;
-        if (isph_open_side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
-      }
-      if (above < reach) {
-        outside[a] = s->high[a] + reach;
-        if (isph_open_side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
-      }
+      if (!used(s, a)) continue;
+      double low = box->low[a] - x[a], high = x[a] - box->high[a];
+      double out = fmax(low, high);
+      near = near && out < reach;
+      if (out > most) most = out, face = a, sign = low > high ? -1 : 1;
     }
-    for (size_t b = 1; b < s->wall_box_count; b++) {
-      const struct isph_wall_box *box = &s->wall_boxes[b];
-      int face = -1;
-      double most = -INFINITY, sign = 0;
-      bool near = true;
-      for (int a = 0; a < 3; a++) {
-        if (!used(s, a)) continue;
-        double low = box->low[a] - x[a], high = x[a] - box->high[a];
-        double out = fmax(low, high);
-        near = near && out < reach;
-        if (out > most) most = out, face = a, sign = low > high ? -1 : 1;
-      }
-      /* Only the face the particle is in front of: past an edge it is free to go. */
-      if (near && face >= 0) guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
-    }
+    /* Only the face the particle is in front of: past an edge it is free to go. */
+    if (near && face >= 0) guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
   }
 }
