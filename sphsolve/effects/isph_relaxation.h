@@ -3,8 +3,8 @@
  * fades with the time tau; M15's alpha is dt/tau.
  *   div v_D = - eps (1 - phi) B / tau
  * B, the share of a velocity that the drag of one step leaves, keeps the correction in stiff soil
- * from outrunning the water. |1 - phi| counts up to 0.05; at a surface, and in front
- * of a window through which water comes in, only crowding counts. */
+ * from outrunning the water. |1 - phi| counts up to 0.05; at a surface only
+ * crowding counts. */
 #ifndef TOSUI_SPHSOLVE_EFFECTS_ISPH_RELAXATION_H
 #define TOSUI_SPHSOLVE_EFFECTS_ISPH_RELAXATION_H
 
@@ -12,11 +12,10 @@
 
 #include "sphsolve/isph/isph_state.h"
 
-static inline double relaxation_source(const struct isph *s, size_t i, double tau, bool at_window) {
+static inline double relaxation_source(const struct isph *s, size_t i, double tau) {
   double lack = 1 - s->filling[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
   lack = lack < -0.05 ? -0.05 : lack > 0.05 ? 0.05 : lack;
   if (lack > 0 && s->surface != NULL) lack *= 1 - s->surface[i];
-  if (lack > 0 && at_window) lack = 0; /* room for the next particle to come in */
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
   return eps * lack * left / tau;
 }

@@ -265,30 +265,25 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
 enum status isph_probe(const struct isph *s, const double x[3], double *filling,
                        double velocity[3]) {
   uint32_t candidates[CANDIDATES];
-  double he = s->scene->isph.support_ratio * s->spacing, w, slope, weight = 0;
+  double he = s->scene->isph.support_ratio * s->spacing, w, slope;
   *filling = 0;
   velocity[0] = velocity[1] = velocity[2] = 0;
   size_t n = collect(s, &s->cells, NULL, s->position, x, he, candidates);
-  size_t n_wall = collect(s, &s->wall_cells, s->wall_order, s->boundary_position, x, he,
-                          candidates + (n <= CANDIDATES / 2 ? n : 0));
-  if (n + n_wall > CANDIDATES / 2)
+  if (n > CANDIDATES)
     return FAIL(STATUS_NUMERIC, "t = %.4g s: particles crowd at an inflow; use a smaller isph.dt",
                 s->time);
-  for (size_t k = 0; k < n + n_wall; k++) {
-    bool water = k < n;
+  for (size_t k = 0; k < n; k++) {
     double r[3];
     uint32_t j = candidates[k] & PAIR_MASK;
-    isph_separation(s, x, water ? s->position : s->boundary_position, candidates[k], r);
+    isph_separation(s, x, s->position, candidates[k], r);
     isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
                 he, &w, &slope);
-    w *= s->kernel_w * (water ? s->volume[j] : s->wall_volume);
+    w *= s->kernel_w * s->volume[j];
     *filling += w;
-    if (!water) continue;
-    weight += w;
     for (int a = 0; a < 3; a++) velocity[a] += w * s->velocity[j][a];
   }
-  if (weight > 0)
-    for (int a = 0; a < 3; a++) velocity[a] /= weight;
+  if (*filling > 0)
+    for (int a = 0; a < 3; a++) velocity[a] /= *filling;
   return STATUS_OK;
 }
 

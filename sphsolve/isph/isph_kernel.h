@@ -38,4 +38,16 @@ static inline void isph_kernel(enum kernel kernel, int dimensions, double r, dou
     isph_kernel_quintic(dimensions, r, he, w, slope);
 }
 
+/* Integral of the one-dimensional cubic kernel from -infinity to t = x/h. */
+static inline double kernel_integral(double t) {
+  double s = fabs(t), half;
+  if (s >= 2)
+    half = 0.5;
+  else if (s <= 1)
+    half = 2.0 / 3 * (s - s * s * s / 2 + 3 * s * s * s * s / 16);
+  else
+    half = 11.0 / 24 + (1 - pow(2 - s, 4)) / 24;
+  return t < 0 ? 0.5 - half : 0.5 + half;
+}
+
 #endif

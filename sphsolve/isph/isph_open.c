@@ -7,10 +7,12 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-/* Windows in the sides of the domain. Behind a window stand boundary particles: with a fixed head
- * they carry the hydrostatic pressure of that head, with a fixed flux they are a wall that moves
- * through the side without leaving its place. Water that crosses the window leaves the run; where
- * it draws away from the window a new particle comes in as soon as there is room for it. */
+/* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
+ * with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column for each cell of the
+ * window): with a fixed head they carry the hydrostatic pressure of that head and take their speed
+ * from the water before them, with a fixed flux they have its speed. The foremost becomes water as
+ * it crosses the side; a particle that leaves becomes the foremost. So the water sees the same
+ * spacing on both sides at any moment, and a given flux is exact in mass. */
 
 static bool used(const struct isph *s, int a) {
   return !(s->dimensions == 2 && a == 1);
@@ -41,10 +43,65 @@ enum status isph_open_create(struct isph *s) {
                scene->path, region->line);
     side.head = region->head, side.flux = region->flux;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
+    size_t columns = 1;
+    for (int a = 0; a < 3; a++) {
+      double width = side.high[a] - side.low[a];
+      side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / s->spacing));
+      side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
+      columns *= (size_t)side.cells[a];
+    }
+    side.first = s->column_count;
+    s->column_count += columns;
     s->sides[s->side_count++] = side;
   }
+  TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
+  TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front, "inflow regions"));
 cleanup:
   return status;
+}
+
+static double edge_of(const struct isph *s, const struct isph_open_side *side) {
+  return side->inward > 0 ? s->low[side->axis] : s->high[side->axis];
+}
+
+/* Layers of a column: one more than of a wall, for the foremost moves away from the side. */
+static int column_layers(const struct isph *s) {
+  return isph_wall_layers(s) + 1;
+}
+
+static void place_column(struct isph *s, size_t c) {
+  const struct isph_column *column = &s->columns[c];
+  const struct isph_open_side *side = &s->sides[column->side];
+  if (column->dry) return;
+  for (int l = 0; l < column_layers(s); l++)
+    s->boundary_position[column->first + (size_t)l][side->axis] =
+        edge_of(s, side) - side->inward * (s->column_front[c] + l * s->spacing);
+}
+
+enum status isph_open_fill(struct isph *s, size_t *capacity) {
+  for (size_t k = 0; k < s->side_count; k++) {
+    const struct isph_open_side *side = &s->sides[k];
+    for (int c = 0; c < side->cells[0] * side->cells[1] * side->cells[2]; c++) {
+      struct isph_column *column = &s->columns[side->first + (size_t)c];
+      int at[3] = {c % side->cells[0], c / side->cells[0] % side->cells[1],
+                   c / side->cells[0] / side->cells[1]};
+      double x[3];
+      for (int a = 0; a < 3; a++) x[a] = side->low[a] + (at[a] + 0.5) * side->pitch[a];
+      x[side->axis] = edge_of(s, side);
+      memcpy(column->at, x, sizeof x);
+      column->side = k;
+      column->first = s->boundary_count;
+      s->column_front[side->first + (size_t)c] = 0.5 * s->spacing;
+      column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
+      if (column->dry) continue;
+      for (int l = 0; l < column_layers(s); l++) {
+        x[side->axis] = edge_of(s, side) - side->inward * (l + 0.5) * s->spacing;
+        enum status status = isph_wall_add(s, capacity, x, side->kind, k);
+        if (status != STATUS_OK) return status;
+      }
+    }
+  }
+  return STATUS_OK;
 }
 
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z) {
@@ -81,6 +138,23 @@ int isph_open_side_behind(const struct isph *s, const double x[3]) {
   return -1;
 }
 
+/* Bulk volumes that differ by less than this stand in one lattice. */
+#define SAME_SPACING 0.2
+
+/* The column behind which x has left goes on from there, unless the water is of another spacing. */
+static void follow(struct isph *s, int k, const double x[3], double volume) {
+  const struct isph_open_side *side = &s->sides[k];
+  int at[3];
+  for (int a = 0; a < 3; a++) {
+    double cell = (x[a] - side->low[a]) / side->pitch[a];
+    at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
+  }
+  size_t c = (size_t)((at[2] * side->cells[1] + at[1]) * side->cells[0] + at[0]);
+  double *front = &s->column_front[side->first + c];
+  if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
+    *front = fmin(fabs(x[side->axis] - edge_of(s, side)), s->spacing);
+}
+
 void isph_remove_outside(struct isph *s) {
   size_t kept = 0;
   for (size_t i = 0; i < s->count; i++) {
@@ -91,8 +165,10 @@ void isph_remove_outside(struct isph *s) {
           outside || (used(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a]));
     if (outside) {
       double mass = s->mass[i] * s->thickness;
-      if (isph_open_side_behind(s, x) >= 0) {
+      int side = isph_open_side_behind(s, x);
+      if (side >= 0) {
         s->left_count++, s->left_mass += mass;
+        follow(s, side, x, s->volume[i]);
       } else {
         if (s->lost_count == 0)
           log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and "
@@ -151,54 +227,69 @@ void isph_open_straighten(struct isph *s) {
   }
 }
 
-/* One place half a spacing inside each cell of a window is looked at; a particle comes in where
- * the water and the boundary leave room for it, moving as the water around does. */
-enum status isph_admit(struct isph *s, size_t *admitted) {
-  enum status status = STATUS_OK;
-  size_t before = s->count;
-  for (size_t k = 0; k < s->side_count; k++) {
-    const struct isph_open_side *side = &s->sides[k];
-    /* A given flux is metered: one layer of particles each time it has filled a spacing. */
-    if (side->kind == BOUNDARY_OPEN_FLUX && !(floor(side->flux * s->time / s->spacing) >
-                                              floor(side->flux * s->time_admitted / s->spacing)))
+/* Less water than this around a place on the side, where half is usual: the next comes at once. */
+#define WATER_LEAST 0.15
+
+enum status isph_open_measure(struct isph *s) {
+  for (size_t c = 0; c < s->column_count; c++) {
+    struct isph_column *column = &s->columns[c];
+    const struct isph_open_side *side = &s->sides[column->side];
+    double porosity = 1, water, velocity[3];
+    struct soil_point soil;
+    if (column->dry) continue;
+    if (s->on.soil) {
+      isph_soil_at(s, column->at, &soil);
+      porosity = soil.porosity;
+    }
+    if (side->kind == BOUNDARY_OPEN_FLUX) {
+      column->speed = side->flux / porosity;
       continue;
-    int cells[3];
-    double pitch[3];
-    for (int a = 0; a < 3; a++) {
-      double width = side->high[a] - side->low[a];
-      cells[a] = a == side->axis || !used(s, a) ? 1 : (int)fmax(1, round(width / s->spacing));
-      pitch[a] = width / cells[a];
     }
-    for (int c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
-      int at[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
-      double x[3], velocity[3], filling;
-      for (int a = 0; a < 3; a++) x[a] = side->low[a] + (at[a] + 0.5) * pitch[a];
-      double edge = side->inward > 0 ? s->low[side->axis] : s->high[side->axis];
-      x[side->axis] = edge + 0.5 * side->inward * s->spacing;
-      double pressure = 0;
-      if (side->kind == BOUNDARY_OPEN_HEAD) {
-        pressure = isph_open_pressure(s, side, x[2]);
-        if (!(pressure > 0)) continue;
-      }
-      TRY(isph_probe(s, x, &filling, velocity));
-      if (side->kind == BOUNDARY_OPEN_HEAD && filling > 1.06 - s->filling_alone) continue;
-      for (int a = 0; a < 3; a++)
-        if (a != side->axis) velocity[a] = 0;
-      if (side->kind == BOUNDARY_OPEN_FLUX) velocity[side->axis] = side->inward * side->flux;
-      double porosity = 1;
-      if (s->on.soil) {
-        struct soil_point soil;
-        isph_soil_at(s, x, &soil);
-        porosity = soil.porosity;
-      }
-      double mass = porosity * s->density * s->wall_volume;
-      TRY(isph_add_particle(s, x, velocity, mass));
-      s->pressure[s->count - 1] = pressure;
-      s->entered_count++, s->entered_mass += mass * s->thickness;
-    }
+    enum status status = isph_probe(s, column->at, &water, velocity);
+    if (status != STATUS_OK) return status;
+    if (water < WATER_LEAST) s->column_front[c] = 0;
+    column->speed = side->inward * velocity[side->axis] / porosity;
   }
-cleanup:
-  s->time_admitted = s->time;
-  *admitted = s->count - before;
-  return status;
+  return STATUS_OK;
+}
+
+static enum status admit(struct isph *s, size_t c) {
+  const struct isph_column *column = &s->columns[c];
+  const struct isph_open_side *side = &s->sides[column->side];
+  double x[3], velocity[3] = {0}, porosity = 1, volume = 1;
+  memcpy(x, column->at, sizeof x);
+  x[side->axis] -= side->inward * s->column_front[c];
+  for (int a = 0; a < 3; a++)
+    if (used(s, a)) volume *= side->pitch[a];
+  if (s->on.soil) {
+    struct soil_point soil;
+    isph_soil_at(s, x, &soil);
+    porosity = soil.porosity;
+  }
+  velocity[side->axis] = side->inward * column->speed * porosity;
+  double mass = porosity * s->density * volume;
+  enum status status = isph_add_particle(s, x, velocity, mass);
+  if (status != STATUS_OK) return status;
+  if (side->kind == BOUNDARY_OPEN_HEAD)
+    s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
+  s->entered_count++, s->entered_mass += mass * s->thickness;
+  return STATUS_OK;
+}
+
+enum status isph_open_move(struct isph *s, double dt) {
+  for (size_t c = 0; c < s->column_count; c++) {
+    struct isph_column *column = &s->columns[c];
+    if (column->dry) continue;
+    double path = fmin(column->speed * dt, 0.9 * s->spacing); /* one particle a step */
+    double *front = &s->column_front[c];
+    *front -= path;
+    if (*front > 1.1 * s->spacing) *front -= s->spacing; /* nothing has left */
+    if (*front <= 0) {
+      enum status status = admit(s, c);
+      if (status != STATUS_OK) return status;
+      *front += s->spacing;
+    }
+    place_column(s, c);
+  }
+  return STATUS_OK;
 }

@@ -85,13 +85,19 @@ double isph_pressure_at(const struct isph *s, const double point[3]) {
   return solve_small(n, m, b) ? b[0] : sum_p / sum;
 }
 
+/* The part of the kernel that reaches beyond a side of the domain is made up for. */
 double isph_plane_flux(const struct isph *s, int axis, double position) {
   double flux = 0;
   for (size_t i = 0; i < s->count; i++) {
     double r = s->position[i][axis] - position, length = s->high[axis] - s->low[axis];
-    if (s->periodic[axis]) r -= length * round(r / length);
-    flux += s->volume[i] * s->velocity[i][axis] *
-            kernel_w(KERNEL_CUBIC, 1, fabs(r), 0.5 * s->support[i]);
+    double h = 0.5 * s->support[i], within = 1;
+    if (s->periodic[axis])
+      r -= length * round(r / length);
+    else
+      within = kernel_integral((s->high[axis] - position) / h) -
+               kernel_integral((s->low[axis] - position) / h);
+    flux += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
+            fmax(within, 0.5);
   }
   return flux * s->thickness;
 }
@@ -260,6 +266,8 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
+  if (s->column_count > 0)
+    TRY(h5_write(file, "/state/column_front", H5_F64, 1, &s->column_count, s->column_front, false));
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
@@ -318,6 +326,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   if (s->boundary_count > 0)
     TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,
                   s->boundary_position));
+  if (s->column_count > 0)
+    TRY(read_into(file, "/state/column_front", H5_F64, s->column_count, 1, s->column_front));
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
     double box[6];
@@ -330,7 +340,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
   TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 2, dog));
   s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1];
-  s->time = s->time_admitted = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
+  s->time = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
   s->entered_mass = numbers[3];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];

@@ -237,6 +237,8 @@ void isph_free(struct isph *s) {
                     &s->boundary_kind,
                     &s->boundary_box,
                     &s->sides,
+                    &s->columns,
+                    &s->column_front,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
   memset(s, 0, sizeof *s);

@@ -46,7 +46,6 @@ void isph_assemble(struct isph *s, double tau) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i], *vi = s->predicted[i];
       double ki = s->mobility[i], vol = s->volume[i];
-      bool at_window = false;
       double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
@@ -64,7 +63,6 @@ void isph_assemble(struct isph *s, double tau) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->wall_slope[p];
         isph_separation(s, xi, s->boundary_position, entry, r);
-        at_window = at_window || s->boundary_kind[j] != BOUNDARY_WALL;
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
           double a = 2 * vol * s->wall_volume * ki * slope * stretch;
@@ -87,7 +85,7 @@ void isph_assemble(struct isph *s, double tau) {
         diagonal += coefficient, tied += coefficient;
         source += load;
       }
-      if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau, at_window);
+      if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau);
       s->diagonal[i] = diagonal > 0 ? diagonal : 1;
       s->source[i] = source;
       s->tied[i] = tied;

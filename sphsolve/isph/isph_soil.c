@@ -2,44 +2,67 @@
 
 #include <math.h>
 
+#include "sphsolve/isph/isph_kernel.h"
+
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel of
  * the support of free water around a point (M15 section 4 with soil markers in the limit of many;
  * for a box the kernel sum is an integral that is known). Boxes that touch a closed side go on
  * beyond it, so that walls see no thinner soil. */
 
-/* Integral of the one-dimensional cubic kernel from -infinity to t = x/h. */
-static double kernel_integral(double t) {
-  double s = fabs(t), half;
-  if (s >= 2)
-    half = 0.5;
-  else if (s <= 1)
-    half = 2.0 / 3 * (s - s * s * s / 2 + 3 * s * s * s * s / 16);
-  else
-    half = 11.0 / 24 + (1 - pow(2 - s, 4)) / 24;
-  return t < 0 ? 0.5 - half : 0.5 + half;
-}
+struct box {
+  double low[3], high[3];
+};
 
-static double share_of_box(const struct isph *s, const struct region *region,
-                           const double offset[3], const double x[3]) {
-  double h = 0.25 * s->scene->isph.support_ratio * s->spacing, share = 1;
+/* Region k's box where it is now, the image nearest to x; without end where it touches a closed
+ * side or fills a periodic axis. */
+static struct box box_of(const struct isph *s, size_t k, const double x[3]) {
+  const struct region *region = &s->scene->regions[k];
   double near = 1e-6 * s->spacing;
+  struct box box;
   for (int a = 0; a < 3; a++) {
-    if (s->dimensions == 2 && a == 1) continue;
-    double low = region->box[a], high = region->box[a + 3];
+    double low = region->box[a], high = region->box[a + 3], offset = s->soil_offset[k][a];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
-    if (open_low && open_high) continue;
-    low += offset[a], high += offset[a];
-    double at = x[a];
-    if (s->periodic[a]) {
-      double length = s->high[a] - s->low[a], middle = 0.5 * (low + high);
-      at -= length * round((at - middle) / length);
+    if (s->dimensions == 2 && a == 1) open_low = open_high = true;
+    if (s->periodic[a] && !(open_low && open_high)) {
+      double length = s->high[a] - s->low[a];
+      offset += length * round((x[a] - 0.5 * (low + high) - offset) / length);
       open_low = open_high = false;
     }
-    double below = open_low ? 1 : kernel_integral((at - low) / h);
-    double above = open_high ? 0 : kernel_integral((at - high) / h);
-    share *= below - above;
+    box.low[a] = open_low ? -INFINITY : low + offset;
+    box.high[a] = open_high ? INFINITY : high + offset;
   }
+  return box;
+}
+
+static double share_of_box(const struct isph *s, const struct box *box, const double x[3]) {
+  double h = 0.25 * s->scene->isph.support_ratio * s->spacing, share = 1;
+  for (int a = 0; a < 3; a++)
+    share *= kernel_integral((x[a] - box->low[a]) / h) - kernel_integral((x[a] - box->high[a]) / h);
   return share;
+}
+
+/* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
+static double share_left(const struct isph *s, const struct box *box, size_t next,
+                         const double x[3]) {
+  for (; next < s->scene->region_count; next++) {
+    if (s->scene->regions[next].type != REGION_POROUS) continue;
+    struct box both = box_of(s, next, x);
+    bool overlap = true;
+    for (int a = 0; a < 3; a++) {
+      both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
+      overlap = overlap && both.low[a] < both.high[a];
+    }
+    if (overlap) return share_left(s, box, next + 1, x) - share_left(s, &both, next + 1, x);
+  }
+  return share_of_box(s, box, x);
+}
+
+/* M15 eqs. 9c and 9d without alpha nu / D50^2 and beta / D50. */
+static double linear_of(double eps) {
+  return (1 - eps) * (1 - eps) / (eps * eps * eps);
+}
+static double forchheimer_of(double eps) {
+  return (1 - eps) / (eps * eps * eps);
 }
 
 void isph_soil_at(const struct isph *s, const double position[3], struct soil_point *soil) {
@@ -48,23 +71,26 @@ void isph_soil_at(const struct isph *s, const double position[3], struct soil_po
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
-    double w = share_of_box(s, region, s->soil_offset[k], position);
-    if (w <= 0) continue;
+    struct box box = box_of(s, k, position);
+    if (share_of_box(s, &box, position) <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    double keep = 1 - w, d = region->grain_size;
-    solid = keep * solid + w * (1 - region->porosity);
-    share = keep * share + w;
-    a = keep * a + w * region->alpha * s->viscosity / (d * d);
-    b = keep * b + w * region->beta / d;
-    for (int c = 0; c < 3; c++) velocity[c] = keep * velocity[c] + w * region->soil_velocity[c];
+    double w = share_left(s, &box, k + 1, position), d = region->grain_size;
+    if (w <= 0) continue;
+    solid += w * (1 - region->porosity);
+    share += w;
+    a += w * region->alpha * s->viscosity / (d * d) * linear_of(region->porosity);
+    b += w * region->beta / d * forchheimer_of(region->porosity);
+    for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
     paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
   }
   double eps = scene->isph.porosity_paper ? paper : 1 - solid;
-  double cubed = eps * eps * eps, weight = share > 0 ? 1 / share : 0;
+  double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
   soil->solid = share;
-  soil->a = a * weight * (1 - eps) * (1 - eps) / cubed; /* M15 eq. 9c */
-  soil->b = b * weight * (1 - eps) / cubed;             /* M15 eq. 9d */
+  /* Two soils in series: the mean of their drags, not the drag of the mean porosity, loses the
+   * right head. The edge to free water thins both. */
+  soil->a = own < 1 ? a * weight * linear_of(eps) / linear_of(own) : 0;
+  soil->b = own < 1 ? b * weight * forchheimer_of(eps) / forchheimer_of(own) : 0;
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 

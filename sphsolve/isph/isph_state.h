@@ -47,6 +47,18 @@ struct isph_open_side {
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   double head, flux;
+  int cells[3];    /* columns across the rectangle */
+  double pitch[3]; /* their widths; along `axis` the spacing */
+  size_t first;    /* of its columns; those above the head are there, but dry */
+};
+
+/* A file of boundary particles behind one cell of a window, that moves with the water. */
+struct isph_column {
+  size_t side, first; /* first of its boundary particles */
+  bool dry;           /* above the head: air, and no particles */
+  double at[3];       /* its axis on the side */
+  double front;       /* distance of the foremost particle behind the side, 0 .. spacing */
+  double speed;       /* of the water there, inward: of the pores */
 };
 
 struct isph_chunk {
@@ -86,7 +98,7 @@ struct isph {
   double filling_alone;          /* V W(0): the filling of a particle without neighbours */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double time, time_admitted;    /* now; when windows last let water in */
+  double time;
   int64_t step;
 
   size_t count, capacity;
@@ -133,8 +145,10 @@ struct isph {
   double *boundary_pressure; /* open sides of given head */
   uint8_t *boundary_kind;
   uint16_t *boundary_box; /* wall box, or open side */
-  size_t side_count;
+  size_t side_count, column_count;
   struct isph_open_side *sides;
+  struct isph_column *columns;
+  double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
@@ -191,6 +205,9 @@ double isph_soil_minimum(const struct scene *scene);
 /* isph_wall.c */
 enum status isph_wall_create(struct isph *s);
 void isph_wall_move(struct isph *s, double dt);
+enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
+                          enum boundary_kind kind, size_t box);
+int isph_wall_layers(const struct isph *s);
 /* Along which axes boundary particle j at xj (its periodic image) mirrors a particle at xi (1 or 0
  * each), and its distance from the wall over that of xi. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
@@ -212,18 +229,21 @@ double isph_dot(size_t n, const double *a, const double *b);
 
 /* isph_open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
+enum status isph_open_fill(struct isph *s, size_t *capacity);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]);
 int isph_open_side_behind(const struct isph *s, const double x[3]);
 /* Between predictor and pressure. */
 void isph_open_straighten(struct isph *s);
+/* How fast the water goes at each column; from sorted particles. */
+enum status isph_open_measure(struct isph *s);
 /* Takes out particles outside the domain: those that left through a window, and with a warning
  * those that should not be there. */
 void isph_remove_outside(struct isph *s);
-/* Lets particles in, from sorted particles with fresh volumes; leaves the order unsorted. */
-enum status isph_admit(struct isph *s, size_t *admitted);
-/* isph_cells.c: filling of a point by water and boundary, and the mean velocity of water there. */
+/* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
+enum status isph_open_move(struct isph *s, double dt);
+/* isph_cells.c: filling of a point by water, and the mean velocity of water there. */
 enum status isph_probe(const struct isph *s, const double x[3], double *filling,
                        double velocity[3]);
 

@@ -150,6 +150,7 @@ static void correct(struct isph *s) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
+      double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         double r[3];
@@ -159,9 +160,15 @@ static void correct(struct isph *s) {
       }
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-        if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) continue;
         double r[3];
         isph_separation(s, xi, s->boundary_position, entry, r);
+        if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
+          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+          isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+          for (int a = 0; a < 3; a++)
+            present[a] -= (1 - mirror[a]) * s->wall_volume * (double)chunk->wall_slope[p] * r[a] * r[a];
+          continue;
+        }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
         double weight = s->wall_volume * (double)chunk->wall_slope[p] * stretch;
         double drop = pressure - s->boundary_pressure[j];
@@ -169,6 +176,7 @@ static void correct(struct isph *s) {
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
+      for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       for (int a = 0; a < 3; a++) {
         double old = s->velocity[i][a];
@@ -255,17 +263,8 @@ static enum status check_finite(const struct isph *s) {
 enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
-  isph_remove_outside(s);
   TRY(isph_sort(s));
   update_volumes(s);
-  if (s->on.open_sides && s->step > 0) {
-    size_t admitted;
-    TRY(isph_admit(s, &admitted));
-    if (admitted > 0) {
-      TRY(isph_sort(s));
-      update_volumes(s);
-    }
-  }
   TRY(isph_find_neighbours(s));
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->surface[i] = surface_weight(s->filling[i]);
@@ -292,11 +291,12 @@ enum status isph_advance(struct isph *s, double dt) {
     for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
   correct(s);
   TRY(check_finite(s));
+  TRY(isph_open_measure(s));
   move(s, dt);
-  if (s->on.moving_walls) {
-    isph_wall_move(s, dt);
-    TRY(isph_sort_walls(s));
-  }
+  isph_remove_outside(s);
+  TRY(isph_open_move(s, dt));
+  if (s->on.moving_walls) isph_wall_move(s, dt);
+  if (s->on.moving_walls || s->on.open_sides) TRY(isph_sort_walls(s));
   if (s->on.moving_soil)
     for (size_t k = 0; k < scene->region_count; k++)
       for (int a = 0; a < 3; a++) s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;

@@ -10,7 +10,7 @@
  * outside the domain. A wall particle holds no unknown: it is the mirror image of whichever water
  * particle looks at it, about the face between them. */
 
-static int layers(const struct isph *s) {
+int isph_wall_layers(const struct isph *s) {
   return (int)ceil(s->support_max / s->spacing - 1e-9);
 }
 
@@ -18,8 +18,8 @@ static bool used(const struct isph *s, int a) {
   return !(s->dimensions == 2 && a == 1);
 }
 
-static enum status add_boundary(struct isph *s, size_t *capacity, const double x[3],
-                                enum boundary_kind kind, size_t box) {
+enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
+                          enum boundary_kind kind, size_t box) {
   if (s->boundary_count == *capacity) {
     size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
     enum status status = memory_resize(&s->boundary_home, n, sizeof *s->boundary_home, "walls");
@@ -44,8 +44,8 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
     n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
     pitch[a] = (s->high[a] - s->low[a]) / n[a];
     bool closed = !s->periodic[a] && used(s, a);
-    from[a] = closed ? -layers(s) : 0;
-    to[a] = closed ? n[a] + layers(s) : n[a];
+    from[a] = closed ? -isph_wall_layers(s) : 0;
+    to[a] = closed ? n[a] + isph_wall_layers(s) : n[a];
   }
   for (int k = from[2]; k < to[2]; k++)
     for (int j = from[1]; j < to[1]; j++)
@@ -57,11 +57,8 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
           x[a] = s->low[a] + (at[a] + 0.5) * pitch[a];
           outside = outside || at[a] < 0 || at[a] >= n[a];
         }
-        if (!outside) continue;
-        int side = isph_open_side_behind(s, x);
-        enum status status = side < 0
-                                 ? add_boundary(s, capacity, x, BOUNDARY_WALL, 0)
-                                 : add_boundary(s, capacity, x, s->sides[side].kind, (size_t)side);
+        if (!outside || isph_open_side_behind(s, x) >= 0) continue;
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, 0);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -92,7 +89,7 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
         for (size_t later = index + 1; later < s->wall_box_count; later++)
           taken = taken || in_box(s, &s->wall_boxes[later], x);
         if (taken) continue;
-        enum status status = add_boundary(s, capacity, x, BOUNDARY_WALL, index);
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, index);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -120,6 +117,7 @@ enum status isph_wall_create(struct isph *s) {
     }
   }
   TRY(fill_tank(s, &capacity));
+  TRY(isph_open_fill(s, &capacity));
   for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
   size_t n = s->boundary_count;
   TRY(memory_allocate(&s->boundary_position, n, sizeof *s->boundary_position, "walls"));
