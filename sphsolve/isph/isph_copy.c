@@ -5,7 +5,7 @@
 #include "sphsolve/isph/isph_state.h"
 
 /* The arrays of a state: per particle, per boundary particle, per region. */
-static size_t copied_arrays(struct isph *s, void **array[8], size_t bytes[8]) {
+static size_t copied_arrays(struct isph *s, void **array[9], size_t bytes[9]) {
   size_t n = 0;
 #define ADD(member, count)                                                                         \
   do {                                                                                             \
@@ -20,6 +20,7 @@ static size_t copied_arrays(struct isph *s, void **array[8], size_t bytes[8]) {
   ADD(boundary_position, s->boundary_count);
   ADD(wall_boxes, s->wall_box_count);
   ADD(soil_offset, s->scene->region_count);
+  ADD(column_front, s->column_count);
 #undef ADD
   return n;
 }
@@ -27,8 +28,8 @@ static size_t copied_arrays(struct isph *s, void **array[8], size_t bytes[8]) {
 enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
   struct isph at = *s; /* pointers only */
-  void **array[8];
-  size_t bytes[8], total = 0, used = 0, n = copied_arrays(&at, array, bytes);
+  void **array[9];
+  size_t bytes[9], total = 0, used = 0, n = copied_arrays(&at, array, bytes);
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
@@ -37,7 +38,6 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   }
   copy->count = s->count;
   copy->time = s->time;
-  copy->time_admitted = s->time_admitted;
   copy->step = s->step;
   copy->next_id = s->next_id;
   copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
@@ -50,8 +50,8 @@ cleanup:
 
 enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void **array[8];
-  size_t bytes[8], used = 0;
+  void **array[9];
+  size_t bytes[9], used = 0;
   TRY(isph_reserve(s, copy->count));
   s->count = copy->count;
   size_t n = copied_arrays(s, array, bytes);
@@ -60,7 +60,6 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
     used += bytes[i];
   }
   s->time = copy->time;
-  s->time_admitted = copy->time_admitted;
   s->step = copy->step;
   s->next_id = copy->next_id;
   s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];

@@ -180,7 +180,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by);
 struct isph_copy {
   char *block;
   size_t count, counts[3];
-  double time, time_admitted, numbers[3];
+  double time, numbers[3];
   int64_t step;
   uint64_t next_id;
 };

@@ -139,7 +139,9 @@ static inline void add_drop(const double f[3], double rho, double weight, double
  * is the adjoint of the divergence up to terms in the imbalance sum V grad W, so that the pressure
  * takes energy from the flow and never gives any:
  *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s.
- * The second term is the surface's; walls have q_w = q_i. In water at rest q is the same everywhere
+ * The second term is the surface's; walls have q_w = q_i. In soil the share of the moment
+ * along a wall that is missing there is made up for: without it a column ten particles wide
+ * carries 2 % too little. (In free water the same feeds a slow stirring at rest.) In water at rest q is the same everywhere
  * and nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
  * gradient corrected to be exact for linear fields is unstable beside walls and surfaces.) */
 static void correct(struct isph *s) {
@@ -163,10 +165,12 @@ static void correct(struct isph *s) {
         double r[3];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
+          if (!s->on.soil) continue;
           double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+          double weight = s->wall_volume * (double)chunk->wall_slope[p];
           for (int a = 0; a < 3; a++)
-            present[a] -= (1 - mirror[a]) * s->wall_volume * (double)chunk->wall_slope[p] * r[a] * r[a];
+            present[a] -= s->soil_share[i] * (1 - mirror[a]) * weight * r[a] * r[a];
           continue;
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
