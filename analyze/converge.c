@@ -1,92 +1,343 @@
 #include "analyze/converge.h"
 
 #include <math.h>
+#include <string.h>
 
-/* Least squares of f = value + slope h^p at given p; returns the sum of squares left. */
-static double fit_power(const double *h, const double *f, size_t n, double p, double *value,
-                        double *slope) {
-  double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, left = 0.0;
-  for (size_t i = 0; i < n; i++) {
-    mx += pow(h[i] / h[0], p) / (double)n;
-    my += f[i] / (double)n;
-  }
-  for (size_t i = 0; i < n; i++) {
-    double x = pow(h[i] / h[0], p) - mx;
-    xx += x * x;
-    xy += x * (f[i] - my);
-  }
-  double b = xy / xx;
-  *value = my - b * mx;
-  *slope = b / pow(h[0], p);
-  for (size_t i = 0; i < n; i++) {
-    double d = f[i] - *value - b * pow(h[i] / h[0], p);
-    left += d * d;
-  }
-  return left;
+#include "analyze/plot.h"
+#include "analyze/steady.h"
+#include "common/convergence.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+
+struct level {
+  const struct run *run;
+  size_t group;
+  double spacing;      /* m */
+  double permeability; /* intrinsic, m^2 */
+  double error;        /* relative, of averaging or residual; NAN unknown */
+};
+
+/* Levels of one method, wall and direction, finest first, at [first, first + count). */
+struct series {
+  size_t first, count;
+  double formal_order;
+  struct convergence result;
+  double error; /* relative: index and the finest run's own error */
+};
+
+static enum status measure(const struct run *run, struct level *level) {
+  enum status status = STATUS_OK;
+  struct steady steady;
+  if (!(run->hydraulic_gradient > 0.0))
+    TRY_FAIL(STATUS_INPUT, "%s: the run has no driving force, so it has no permeability",
+             run->path);
+  TRY(steady_darcy(run, &steady));
+  double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
+                        run->driving[2] * run->driving[2]);
+  level->run = run;
+  level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
+  if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);
+  level->permeability = steady.mean * run->viscosity / (run->density * driving);
+  level->error = steady.error95 / fabs(steady.mean);
+  if (!steady.is_steady)
+    log_warning("%s: not steady (drifts by %.1f %%); its k is not final", run->path,
+                100.0 * fabs(steady.drift / steady.mean));
+cleanup:
+  return status;
 }
 
-/* The order in [0.05, 10] that leaves least: a coarse scan, then golden section. */
-static double best_order(const double *h, const double *f, size_t n) {
-  const double step = 0.05, golden = 0.6180339887498949;
-  double value, slope, best = step, least = INFINITY;
-  for (double p = step; p <= 10.0; p += step) {
-    double left = fit_power(h, f, n, p, &value, &slope);
-    if (left < least) {
-      least = left;
-      best = p;
+static bool same_series(const struct run *a, const struct run *b) {
+  double aligned = 0.0;
+  for (int d = 0; d < 3; d++) aligned += a->direction[d] * b->direction[d];
+  return strcmp(a->method, b->method) == 0 && strcmp(a->wall, b->wall) == 0 && aligned > 0.999;
+}
+
+/* The runs must show one body: its size may differ by rounding to sites, not more. */
+static enum status check_body(const struct run *a, const struct run *b) {
+  for (int d = 0; d < 3; d++) {
+    if (d == 1 && a->dimensions == 2) continue;
+    double la = (double)a->size[d] * a->spacing[d], lb = (double)b->size[d] * b->spacing[d];
+    double slack = 0.05 * la + 1.01 * (a->spacing[d] + b->spacing[d]);
+    if (fabs(la - lb) > slack)
+      return FAIL(STATUS_INPUT,
+                  "%s and %s do not show the same body (%g and %g m along %c): give runs of one "
+                  "scan or scene at different spacings",
+                  a->path, b->path, la, lb, "xyz"[d]);
+  }
+  return STATUS_OK;
+}
+
+/* Insertion sort by group, then spacing. */
+static void sort_levels(struct level *levels, size_t n) {
+  for (size_t i = 1; i < n; i++) {
+    struct level moved = levels[i];
+    size_t j = i;
+    for (; j > 0 && (levels[j - 1].group > moved.group ||
+                     (levels[j - 1].group == moved.group && levels[j - 1].spacing > moved.spacing));
+         j--)
+      levels[j] = levels[j - 1];
+    levels[j] = moved;
+  }
+}
+
+static enum status make_series(const struct run *runs, size_t n, struct level *levels,
+                               struct series *series, size_t *count) {
+  enum status status = STATUS_OK;
+  size_t longest = 0;
+  *count = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t first = 0;
+    TRY(measure(&runs[i], &levels[i]));
+    TRY(check_body(&runs[0], &runs[i]));
+    while (first < i && !same_series(&runs[first], &runs[i])) first++;
+    levels[i].group = first < i ? levels[first].group : (*count)++;
+  }
+  sort_levels(levels, n);
+  for (size_t i = 0; i < n; i++) {
+    struct series *s = &series[levels[i].group];
+    if (s->count++ == 0)
+      s->first = i;
+    else if (levels[i].spacing < 1.0001 * levels[i - 1].spacing)
+      TRY_FAIL(STATUS_INPUT,
+               "%s and %s have the same spacing, method and wall: give one run for "
+               "each spacing",
+               levels[i - 1].run->path, levels[i].run->path);
+    if (s->count > longest) longest = s->count;
+  }
+  if (longest < 2)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: converge needs two or more runs of the same method and wall at different "
+             "spacings; make coarser and finer models of the scan with ct2model build --size",
+             runs[0].path);
+cleanup:
+  return status;
+}
+
+static enum status extrapolate(const struct level *levels, struct series *s) {
+  enum status status = STATUS_OK;
+  double *h = NULL;
+  const struct run *run = levels[s->first].run;
+  s->error = NAN;
+  /* Frozen walls widen every gap by a constant number of spacings: first order. */
+  s->formal_order = strcmp(run->wall, "frozen") == 0 ? 1.0 : 2.0;
+  if (s->count < 2) return STATUS_OK;
+  TRY(memory_allocate(&h, 2 * s->count, sizeof *h, "runs"));
+  for (size_t i = 0; i < s->count; i++) {
+    h[i] = levels[s->first + i].spacing;
+    h[s->count + i] = levels[s->first + i].permeability;
+  }
+  converge_extrapolate(h, h + s->count, s->count, s->formal_order, &s->result);
+  double own = levels[s->first].error;
+  s->error = hypot(s->result.index, isfinite(own) ? own : 0.0);
+  if (s->count > 2 && !s->result.monotone)
+    log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
+                "three times the range as its error: add a finer run",
+                run->method, run->wall[0] ? run->wall : "no");
+  else if (s->result.far)
+    log_warning(
+        "%s, %s walls: the spacings are too coarse to extrapolate from (k would move by more "
+        "than half); the finest value stands, with three times the last change as its error: add "
+        "finer runs",
+        run->method, run->wall[0] ? run->wall : "no");
+  else if (s->count > 2 && !s->result.credible)
+    log_warning("%s, %s walls: the observed order %.2f is not credible (formal %g): the coarsest "
+                "run is too coarse, or something else differs; the error is widened",
+                run->method, run->wall[0] ? run->wall : "no", s->result.order, s->formal_order);
+cleanup:
+  memory_free(&h);
+  return status;
+}
+
+/* m/s for the fluid of the finest run. */
+static double conductivity(const struct level *level) {
+  return level->run->density * GRAVITY_STANDARD / level->run->viscosity;
+}
+
+static void series_json(const struct level *levels, const struct series *s, json_t *object) {
+  const struct level *fine = &levels[s->first];
+  bool ok = s->count > 1;
+  double value = ok ? s->result.value : NAN, k = value * conductivity(fine);
+  json_t *rows = json_array();
+  json_object_set_new(object, "method", json_text(fine->run->method));
+  json_object_set_new(object, "wall", json_text(fine->run->wall));
+  json_object_set_new(object, "k_m_per_s", json_number(k));
+  json_object_set_new(object, "k_cm_per_s", json_number(100.0 * k));
+  json_object_set_new(object, "k_relative_error", json_number(s->error));
+  json_object_set_new(object, "intrinsic_permeability_m2", json_number(value));
+  json_object_set_new(object, "observed_order", json_number(ok ? s->result.order : NAN));
+  json_object_set_new(object, "fit",
+                      json_pack("{s:o,s:o}", "order", json_number(ok ? s->result.order_used : NAN),
+                                "slope_m2_per_m_to_the_order",
+                                json_number(ok ? s->result.slope : NAN)));
+  json_object_set_new(object, "formal_order", json_number(s->formal_order));
+  json_object_set_new(object, "order_credible", json_boolean(s->result.credible));
+  json_object_set_new(object, "monotone", json_boolean(s->result.monotone));
+  json_object_set_new(object, "extrapolated",
+                      json_boolean(ok && s->result.monotone && !s->result.far));
+  json_object_set_new(object, "grid_convergence_index", json_number(ok ? s->result.index : NAN));
+  json_object_set_new(object, "safety_factor", json_number(ok ? s->result.safety : NAN));
+  for (size_t i = s->first; i < s->first + s->count; i++) {
+    const struct level *level = &levels[i];
+    json_array_append_new(
+        rows,
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "path", json_text(level->run->path), "name",
+                  json_text(level->run->name), "spacing_m", json_number(level->spacing),
+                  "intrinsic_permeability_m2", json_number(level->permeability), "k_m_per_s",
+                  json_number(level->permeability * conductivity(level)),
+                  "deviation_from_extrapolated", json_number(level->permeability / value - 1.0),
+                  "wall_time_s", json_number(level->run->wall_time)));
+  }
+  json_object_set_new(object, "runs", rows);
+}
+
+static void write_summary(const struct level *levels, const struct series *series, size_t count,
+                          FILE *stream) {
+  for (size_t g = 0; g < count; g++) {
+    const struct series *s = &series[g];
+    const struct level *fine = &levels[s->first];
+    fprintf(stream, "%s%s%s%s\n  %-26s %12s %12s %14s %11s %10s\n", fine->run->method,
+            fine->run->wall[0] ? ", " : "", fine->run->wall, fine->run->wall[0] ? " walls" : "",
+            "run", "spacing (m)", "k (cm/s)", "K (m^2)", "deviation", "time (s)");
+    for (size_t i = s->first; i < s->first + s->count; i++) {
+      const struct level *level = &levels[i];
+      fprintf(stream, "  %-26.60s %12.4g %12.5g %14.5g ", level->run->name, level->spacing,
+              100.0 * level->permeability * conductivity(level), level->permeability);
+      if (s->count > 1)
+        fprintf(stream, "%+9.2f %% ", 100.0 * (level->permeability / s->result.value - 1.0));
+      else
+        fprintf(stream, "%11s ", "-");
+      fprintf(stream, "%10.4g\n", level->run->wall_time);
+    }
+    if (s->count < 2) {
+      fputs("  one spacing: nothing to extrapolate from\n\n", stream);
+      continue;
+    }
+    double k = s->result.value * conductivity(fine);
+    fputs(s->result.far || !s->result.monotone ? "  not extrapolated, the finest: k = "
+                                               : "  extrapolated to spacing 0: k = ",
+          stream);
+    write_value_with_error(stream, 100.0 * k, 100.0 * k * s->error, "+-", " cm/s");
+    fprintf(stream, "\n    = %.5g m/s = %.5g m^2 = %.5g darcy\n", k, s->result.value,
+            s->result.value / DARCY);
+    if (s->result.far)
+      fputs("  TOO COARSE to extrapolate, ", stream);
+    else if (isfinite(s->result.order))
+      fprintf(stream, "  observed order %.2f (formal %g, %s), ", s->result.order, s->formal_order,
+              s->result.credible ? "credible" : "NOT CREDIBLE");
+    else if (s->count > 2)
+      fputs("  NOT MONOTONE, no order, ", stream);
+    else
+      fprintf(stream, "  order %g assumed (two spacings do not show one), ", s->formal_order);
+    fprintf(stream, "grid convergence index of the finest %.3g %% (safety factor %g)\n\n",
+            100.0 * s->result.index, s->result.safety);
+  }
+}
+
+/* Left: k against spacing with the fit; right: deviation against wall-clock time. */
+static void write_plot(const struct level *levels, const struct series *series, size_t count,
+                       FILE *stream) {
+  double widest = 0.0;
+  size_t extrapolated = 0;
+  for (size_t g = 0; g < count; g++) {
+    const struct series *s = &series[g];
+    widest = fmax(widest, levels[s->first + s->count - 1].spacing);
+    extrapolated += s->count > 1;
+    fprintf(stream, "$k%zu << EOD\n", g);
+    for (size_t i = s->first; i < s->first + s->count; i++)
+      fprintf(stream, "%.8g %.8g %.6g\n", 1e6 * levels[i].spacing,
+              100.0 * levels[i].permeability * conductivity(&levels[i]), levels[i].run->wall_time);
+    fputs("EOD\n", stream);
+    if (s->count < 2) continue;
+    double k = 100.0 * s->result.value * conductivity(&levels[s->first]);
+    fprintf(stream, "k0_%zu = %.8g; e_%zu = %.6g\n", g, k, g, k * s->error);
+    fprintf(stream, "fit%zu(h) = %.8g + %.8g*(h*1e-6)**%.6g\n", g, k,
+            100.0 * s->result.slope * conductivity(&levels[s->first]), s->result.order_used);
+  }
+  fprintf(stream,
+          "set multiplot layout 1,2 margins 0.085,0.985,%.3f,0.97 spacing 0.11,0\n"
+          "set samples 400\nset xlabel 'Spacing (µm)'\nset ylabel 'k (cm/s)'\n"
+          "set xrange [%.6g:%.6g]\nset key at screen 0.5,0.012 center bottom vertical maxcols 2 "
+          "samplen 2 reverse Left\nplot ",
+          (double)(75 + 26 * ((count + 1) / 2)) / (double)(460 + 26 * ((count + 1) / 2)),
+          -0.03e6 * widest, 1.06e6 * widest);
+  for (size_t g = 0; g < count; g++) {
+    const struct series *s = &series[g];
+    const struct run *run = levels[s->first].run;
+    char title[300];
+    if (g > 0) fputs(", ", stream);
+    if (s->count > 1) {
+      fprintf(stream, "(x < 0 ? NaN : fit%zu(x)) with lines linewidth 2 ", g);
+      plot_line_style(stream, g);
+      fprintf(stream,
+              " notitle, '+' using (0):(k0_%zu):(e_%zu) every ::::0 with yerrorbars "
+              "linewidth 1.5 linecolor rgb '%s' pointtype 4 notitle, ",
+              g, g, plot_colours[g % PLOT_COLOURS]);
+    }
+    fprintf(stream, "$k%zu using 1:2 with points pointsize 1.2 linewidth 1.5 linecolor rgb '%s'", g,
+            plot_colours[g % PLOT_COLOURS]);
+    plot_point_style(stream, g);
+    snprintf(title, sizeof title, "%.80s%s%.80s%s, order %.2f", run->method,
+             run->wall[0] ? ", " : "", run->wall, run->wall[0] ? " walls" : "", s->result.order);
+    fputs(" title ", stream);
+    plot_text(stream, title);
+  }
+  fputs("\nunset key\nset logscale xy\nset xrange [*:*]\nset yrange [*:*]\nset format '10^{%L}'\n"
+        "set xlabel 'Wall-clock time (s)'\n"
+        "set ylabel 'Deviation from the extrapolated k (%)'\nplot ",
+        stream);
+  for (size_t g = 0, drawn = 0; g < count; g++) {
+    if (series[g].count < 2) continue;
+    fprintf(stream, "%s$k%zu using 3:(100*abs($2/k0_%zu - 1)) with linespoints linewidth 1.8 ",
+            drawn++ > 0 ? ", " : "", g, g);
+    plot_line_style(stream, g);
+    plot_point_style(stream, g);
+  }
+  fputs("\nunset multiplot\n", stream);
+}
+
+enum status converge_analyze(const struct run *runs, size_t n, struct product *product) {
+  enum status status = STATUS_OK;
+  struct level *levels = NULL;
+  struct series *series = NULL;
+  size_t count = 0, good = 0, last = 0;
+  TRY(memory_allocate(&levels, n, sizeof *levels, "runs"));
+  TRY(memory_allocate(&series, n, sizeof *series, "runs"));
+  TRY(make_series(runs, n, levels, series, &count));
+  json_t *list = json_array();
+  json_object_set_new(product->json, "series", list);
+  fputs("method,wall,run,spacing_m,intrinsic_permeability_m2,k_m_per_s,extrapolated_m2,"
+        "wall_time_s\n",
+        product->csv.stream);
+  for (size_t g = 0; g < count; g++) {
+    struct series *s = &series[g];
+    TRY(extrapolate(levels, s));
+    json_t *object = json_object();
+    series_json(levels, s, object);
+    json_array_append_new(list, object);
+    if (s->count > 1) {
+      good++;
+      last = g;
+    }
+    for (size_t i = s->first; i < s->first + s->count; i++) {
+      const struct level *level = &levels[i];
+      csv_text(product->csv.stream, level->run->method);
+      fputc(',', product->csv.stream);
+      csv_text(product->csv.stream, level->run->wall);
+      fputc(',', product->csv.stream);
+      csv_text(product->csv.stream, level->run->name);
+      fprintf(product->csv.stream, ",%.8g,%.8g,%.8g,%.8g,%.6g\n", level->spacing,
+              level->permeability, level->permeability * conductivity(level),
+              s->count > 1 ? s->result.value : NAN, level->run->wall_time);
     }
   }
-  double low = fmax(best - step, 0.01), high = best + step;
-  while (high - low > 1e-7) {
-    double a = high - golden * (high - low), b = low + golden * (high - low);
-    if (fit_power(h, f, n, a, &value, &slope) < fit_power(h, f, n, b, &value, &slope))
-      high = b;
-    else
-      low = a;
-  }
-  return 0.5 * (low + high);
-}
-
-void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
-                          struct convergence *result) {
-  double low = f[0], high = f[0];
-  bool rising = true, falling = true;
-  *result = (struct convergence){.order = NAN, .order_used = formal_order, .safety = 3.0};
-  for (size_t i = 1; i < n; i++) {
-    low = fmin(low, f[i]);
-    high = fmax(high, f[i]);
-    rising = rising && f[i] >= f[i - 1];
-    falling = falling && f[i] <= f[i - 1];
-  }
-  result->monotone = rising || falling;
-  if (n > 2 && !result->monotone) {
-    result->value = f[0];
-    result->index = 3.0 * (high - low) / fabs(f[0]);
-    return;
-  }
-  if (n > 2) {
-    result->order = best_order(h, f, n);
-    bool close = fabs(result->order - formal_order) <= 0.1 * formal_order;
-    result->credible = fabs(result->order - formal_order) <= 0.5 * formal_order;
-    result->safety = close ? 1.25 : 3.0;
-    result->order_used =
-        result->credible ? result->order : fmin(fmax(result->order, 0.5), formal_order);
-  }
-  /* Off the credible range only the two finest speak, as they lie nearest to the limit. */
-  bool all = n > 2 && result->credible;
-  fit_power(h, f, all ? n : 2, result->order_used, &result->value, &result->slope);
-  /* A value beyond zero, or moved by more than half, is no value: the finest stands. */
-  if (!(fabs(result->value - f[0]) <= 0.5 * fabs(f[0]))) {
-    result->far = true;
-    result->credible = false;
-    result->safety = 3.0;
-    result->value = f[0];
-    result->slope = 0.0;
-    result->index = 3.0 * fabs((f[1] - f[0]) / f[0]);
-    return;
-  }
-  double p =
-      result->safety < 3.0 || n == 2 ? formal_order : fmin(fmax(result->order, 0.5), formal_order);
-  double ratio = pow(h[1] / h[0], p);
-  result->index = result->safety * fabs((f[1] - f[0]) / f[0]) / (ratio - 1.0);
+  if (good == 1) series_json(levels, &series[last], product->json);
+  write_summary(levels, series, count, product->summary.stream);
+  write_plot(levels, series, count, product->plot.stream);
+  product->width = 1200;
+  product->height = (int)(460 + 26 * ((count + 1) / 2));
+cleanup:
+  memory_free(&levels);
+  memory_free(&series);
+  return status;
 }

@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "common/snapshot_file.h"
+#include "sphsolve/error_split.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/plan.h"
 #include "sphsolve/scene.h"
@@ -35,6 +36,7 @@ struct run_result {
   const char *status; /* "steady", "end_time", "converged", "interrupted", "blocked" */
   double k;           /* m/s, v/i along the force; NAN where there is none */
   double k_error;     /* relative, of averaging, steadiness or residual; NAN unknown */
+  struct error_split error; /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double reynolds;

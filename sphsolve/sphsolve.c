@@ -80,10 +80,25 @@ static json_t *number_or_null(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
 
+static json_t *error_json(const struct error_split *split) {
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o}", "resolution",
+      number_or_null(split->resolution), "averaging", number_or_null(split->averaging),
+      "steadiness", number_or_null(split->steadiness), "void_ratio",
+      number_or_null(split->void_ratio), "threshold", number_or_null(split->threshold), "total",
+      number_or_null(error_split_total(split)), "observed_order", number_or_null(split->order),
+      "order_credible", (int)split->order_credible, "extrapolated_permeability",
+      number_or_null(split->extrapolated), "dlnk_dvoid_ratio",
+      number_or_null(split->slope_void_ratio), "dlnk_dthreshold",
+      number_or_null(split->slope_threshold));
+}
+
 static enum status print_json(const struct run_result *result) {
   json_t *object = json_pack(
-      "{s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s}", "k", number_or_null(result->k),
-      "k_relative_error", number_or_null(result->k_error), "intrinsic_permeability",
+      "{s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s}", "k",
+      number_or_null(result->k), "k_relative_error",
+      number_or_null(error_split_total(&result->error)), "error", error_json(&result->error),
+      "intrinsic_permeability",
       number_or_null(result->intrinsic_permeability), "darcy_velocity",
       number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
       number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
@@ -97,17 +112,45 @@ static enum status print_json(const struct run_result *result) {
   return STATUS_OK;
 }
 
-static void print_result(const struct run_result *result, bool stationary, const char *prefix) {
-  char error[160] = "";
-  if (isfinite(result->k) && result->k_error > 0)
-    snprintf(
-        error, sizeof error,
-        " +- %.2g %% (%s alone; the resolution counts for more: see explain, analyze converge)",
-        100 * result->k_error, stationary ? "the solver" : "averaging and steadiness");
+static void print_part(const char *what, double share) {
+  if (isfinite(share)) printf("%s %.2g %%", what, 100 * share);
+}
+
+/* The parts of the error, and how the resolution's was found. */
+static void print_error(const struct error_split *split) {
+  printf("error     ");
+  print_part(" resolution", split->resolution);
+  print_part(", averaging", split->averaging > 0 ? split->averaging : NAN);
+  print_part(", steadiness", split->steadiness);
+  print_part(", void ratio", split->void_ratio);
+  print_part(", threshold", split->threshold);
+  putchar('\n');
+  if (split->levels > 1) {
+    printf("           resolution: grid convergence index of %d spacings, ", split->levels);
+    if (isfinite(split->order))
+      printf("observed order %.2g%s; ", split->order,
+             split->order_credible ? "" : " (not credible: too coarse)");
+    printf("extrapolated %.4g m^2\n", split->extrapolated);
+  }
+  if (isfinite(split->slope_void_ratio)) {
+    printf("           0.01 of void ratio moves k by %.2g %% (solved)",
+           split->slope_void_ratio);
+    print_part(", one grey level of the threshold by", split->slope_threshold);
+    putchar('\n');
+  }
+}
+
+static void print_result(const struct run_result *result, const char *prefix) {
+  char error[64] = "";
+  const double total = error_split_total(&result->error);
+  if (isfinite(result->k) && total > 0)
+    snprintf(error, sizeof error, " +- %.2g %%%s", 100 * total,
+             result->error.levels > 1 ? "" : " (resolution not counted)");
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
+    print_error(&result->error);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
     printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
            result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
@@ -123,7 +166,8 @@ static enum status run(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct recorder *recorder = NULL;
   struct run_result result = {
-      .status = "failed", .k = NAN, .k_error = NAN, .intrinsic_permeability = NAN};
+      .status = "failed", .k = NAN, .k_error = NAN, .intrinsic_permeability = NAN,
+      .error = error_split_none()};
   const char *prefix = options_text(options, "output");
   if (prefix == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
   TRY(prepare(options, job));
@@ -136,6 +180,11 @@ static enum status run(const struct options *options, struct job *job) {
       struct run_result *) = {NULL, wcsph_run, stokes_run, isph_run};
   status =
       methods[job->plan.context.method](&job->scene, &job->plan, &job->lattice, recorder, &result);
+  if (status == STATUS_OK && result.k > 0)
+    status = error_split_measure(
+        &job->scene, &job->plan, &job->lattice,
+        job->plan.context.method == METHOD_STOKES ? result.intrinsic_permeability : NAN,
+        &result.error);
   result.wall_time = clock_seconds() - started;
   /* An interrupted run leaves its record too; its message is the method's. */
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
@@ -150,7 +199,7 @@ static enum status run(const struct options *options, struct job *job) {
   if (options_json(options))
     TRY(print_json(&result));
   else
-    print_result(&result, job->plan.context.method == METHOD_STOKES, shown);
+    print_result(&result, shown);
 cleanup:
   recorder_close(recorder);
   return status;

@@ -153,6 +153,8 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   result_from_darcy(scene, darcy, result);
   /* The last round shrank what was wrong by far more than half, so its step bounds what is left. */
   result->k_error = s.grid.active > 0 ? fmax(s.change, s.residual_now) : 0.0;
+  result->error.averaging = 0.0;
+  result->error.steadiness = result->k_error;
   result->reynolds = reynolds;
   result->steps = s.iterations;
   result->pair_interactions =

@@ -363,6 +363,11 @@ static enum status march(struct run *run, struct run_result *result) {
   }
   result_from_darcy(run->scene, verdict.mean + 1, result);
   result->k_error = isfinite(verdict.error) ? verdict.error : NAN;
+  if (isfinite(verdict.error)) {
+    result->error.steadiness = verdict.drift;
+    result->error.averaging =
+        sqrt(fmax(0, verdict.error * verdict.error - verdict.drift * verdict.drift));
+  }
 cleanup:
   return status;
 }

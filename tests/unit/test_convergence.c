@@ -1,5 +1,5 @@
 /* Extrapolation of data whose limit and order are known. */
-#include "analyze/converge.h"
+#include "common/convergence.h"
 
 #include <math.h>
 #include <setjmp.h>

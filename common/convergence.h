@@ -1,0 +1,30 @@
+/* A value against spacing: extrapolation, observed order, grid convergence index. */
+#ifndef TOSUI_COMMON_CONVERGENCE_H
+#define TOSUI_COMMON_CONVERGENCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct convergence {
+  double order;        /* observed; NAN with two spacings or without monotone convergence */
+  double order_used;   /* of the extrapolation */
+  bool monotone;       /* differences keep their sign from the coarsest to the finest */
+  bool credible;       /* monotone, and the observed order within half the formal one of it */
+  bool far;            /* extrapolation would move k by more than half: not done */
+  double value, slope; /* f = value + slope h^order_used through the data */
+  double safety;       /* 1.25, or 3 where the order was not observed close to the formal one */
+  double index;        /* relative grid convergence index of the finest value */
+};
+
+/* f [n] at spacings h [n], finest first, n >= 2. With three spacings the order follows exactly from
+ * f = f0 + C h^p, with more by least squares (Eca, Hoekstra 2014, JCP 262, 104). Two spacings take
+ * the formal order. Index after Roache (1994) in the form of ASME V&V 20 (Celik et al. 2008, JFE
+ * 130, 078001), with the safety factor and the order's limits of Oberkampf, Roy (2010, sec. 8.6):
+ * 1.25 where the observed order is within 10 % of the formal one, else 3 and the order held between
+ * 0.5 and the formal one. Without monotone convergence the value is the finest one and the index
+ * three times the range; where the extrapolation would move the value by more than half, three
+ * times the difference of the two finest. */
+void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
+                          struct convergence *result);
+
+#endif
