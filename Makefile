@@ -46,7 +46,7 @@ all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
 NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 verify bench,$(MAKECMDGOALS))
+INSTALLS = $(filter demo check s06 m15 verify tradeoff bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk
@@ -141,6 +141,8 @@ verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
 	$(Q)BUILD=$(BUILD) scripts/verify
 package:
 	$(Q)BUILD=$(BUILD) scripts/package
+tradeoff: all
+	$(Q)BUILD=$(BUILD) scripts/tradeoff
 bench: all $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/bench
 

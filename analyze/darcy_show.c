@@ -109,42 +109,13 @@ static void fit_json(const struct darcy_fit *fit, json_t *object) {
                                 "share_at_highest_velocity", json_number(fit->curvature)));
 }
 
-/* The parts of the error, of the group's first run. */
-static void budget_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
+/* The parts of the error of the group's first run; the averaging of several runs is the fit's. */
+static struct error_budget budget_of(const struct run *run, const struct darcy_fit *fit) {
   struct error_budget budget;
-  double statistical = fit->count > 0 ? fit->k_error / fit->k : NAN;
   error_budget_read(run, &budget);
-  json_object_set_new(object, "error_budget",
-                      json_pack("{s:o,s:o,s:o,s:o}", "averaging_and_fit", json_number(statistical),
-                                "resolution_expected", json_number(budget.resolution), "void_ratio",
-                                json_number(budget.void_ratio), "total",
-                                json_number(error_budget_total(&budget, statistical))));
-  json_object_set_new(object, "dlnk_dvoid_ratio", json_number(budget.slope_void_ratio));
-  json_object_set_new(object, "dlnk_dthreshold", json_number(budget.slope_threshold));
-}
-
-static void write_part(FILE *stream, const char *what, double share) {
-  if (!isfinite(share)) return;
-  fputs(what, stream);
-  write_percent(stream, share);
-}
-
-static void write_budget(const struct run *run, const struct darcy_fit *fit, FILE *stream) {
-  struct error_budget budget;
-  double statistical = fit->k_error / fit->k;
-  error_budget_read(run, &budget);
-  fputs("  error of k: averaging and fit ", stream);
-  if (isfinite(statistical))
-    write_percent(stream, statistical);
-  else
-    fputs("unknown", stream);
-  write_part(stream, ", resolution (expected) ", budget.resolution);
-  write_part(stream, ", void ratio ", budget.void_ratio);
-  write_part(stream, "; together ", error_budget_total(&budget, statistical));
-  write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * budget.slope_void_ratio);
-  write_part(stream, " (Kozeny-Carman), one grey level of the threshold by ",
-             budget.slope_threshold);
-  fputc('\n', stream);
+  if (fit->count > 1 || isnan(budget.averaging))
+    budget.averaging = fit->count > 0 ? fit->k_error / fit->k : NAN;
+  return budget;
 }
 
 static const char superficial[] =
@@ -155,7 +126,8 @@ static void write_json(const struct darcy_table *table, json_t *json) {
   json_t *groups = json_array();
   if (table->groups == 1) {
     fit_json(&table->fits[0], json);
-    budget_json(table->first[0], &table->fits[0], json);
+    const struct error_budget budget = budget_of(table->first[0], &table->fits[0]);
+    error_budget_json(&budget, json);
   }
   for (size_t g = 0; g < table->groups; g++) {
     char name[400];
@@ -164,7 +136,8 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     run_group_name(first, name, sizeof name);
     json_object_set_new(group, "name", json_text(name));
     fit_json(&table->fits[g], group);
-    budget_json(first, &table->fits[g], group);
+    const struct error_budget budget = budget_of(first, &table->fits[g]);
+    error_budget_json(&budget, group);
     json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
     json_object_set_new(group, "density_kg_per_m3", json_number(first->density));
     for (size_t i = 0; i < table->n; i++) {
@@ -247,7 +220,8 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
                            scale * fit->k_error / DARCY, "+-", " darcy");
     fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
             table->first[g]->viscosity, table->first[g]->density);
-    write_budget(table->first[g], fit, stream);
+    const struct error_budget budget = budget_of(table->first[g], fit);
+    error_budget_write(&budget, stream);
     if (isfinite(fit->r_squared))
       fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
     if (isfinite(fit->free_slope))

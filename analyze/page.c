@@ -192,8 +192,15 @@ static void write_headline(FILE *out, const json_t *fit, const char *name, const
   quantity(out, permeability / 9.869233e-13, relative, "darcy");
   fprintf(out, "</p>\n<p class=\"note\">%s", note);
   const json_t *budget = json_object_get(fit, "error_budget");
-  note_percent(out, " Resolution is expected to add ", number(budget, "resolution_expected"));
-  note_percent(out, " The model&rsquo;s void ratio adds ", number(budget, "void_ratio"));
+  const char *from = json_string_value(json_object_get(budget, "resolution_from"));
+  note_percent(out, " In all &plusmn; ", number(budget, "total"));
+  note_percent(
+      out, from && !strcmp(from, "expectation") ? " Resolution, as expected: " : " Resolution: ",
+      number(budget, "resolution"));
+  note_percent(out, " Averaging: ", number(budget, "averaging"));
+  note_percent(out, " Steadiness: ", number(budget, "steadiness"));
+  note_percent(out, " The model&rsquo;s void ratio: ", number(budget, "void_ratio"));
+  note_percent(out, " Its threshold: ", number(budget, "threshold"));
   note_percent(out, " One grey level of the threshold moves <var>k</var> by about ",
                number(fit, "dlnk_dthreshold"));
   fputs("</p></article>\n", out);

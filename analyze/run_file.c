@@ -64,6 +64,22 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "wall_time", 1, &run->wall_time));
   TRY(read_numbers(file, "steps", 1, &run->steps));
 
+  struct {
+    const char *name;
+    double *value;
+  } const parts[] = {{"resolution", &run->error.resolution},
+                     {"averaging", &run->error.averaging},
+                     {"steadiness", &run->error.steadiness},
+                     {"void_ratio", &run->error.void_ratio},
+                     {"threshold", &run->error.threshold},
+                     {"dlnk_dvoid_ratio", &run->error.slope_void_ratio},
+                     {"dlnk_dthreshold", &run->error.slope_threshold}};
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+    *parts[i].value = NAN;
+    if (h5_attribute_exists(file, "/run/error", parts[i].name))
+      TRY(h5_read_attribute(file, "/run/error", parts[i].name, H5_F64, 1, parts[i].value));
+  }
+
   TRY(need_positive(run, "density", run->density));
   TRY(need_positive(run, "viscosity", run->viscosity));
   for (int d = 0; d < 3; d++) {

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -28,26 +29,64 @@ static enum status check_output(const char *path) {
   return FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
 }
 
-static enum status run_pipeline(const struct options *options, const struct request *request) {
+/* Turns the request into that of a coarser level of `finest` and names its file. */
+static void coarsen(const struct pipeline *finest, int level, struct request *request,
+                    char output[PATH_MAX]) {
+  static const double ratios[] = {1.0, 1.5, 2.0, 3.0, 4.0};
+  const char *path = finest->request->output, *dot = strrchr(path, '.');
+  if (dot != NULL && strchr(dot, '/') != NULL) dot = NULL;
+  for (int a = 0; a < 3; a++) {
+    const size_t n = finest->model.size[a];
+    const bool mirrored = request->mirror && a == request->mirror_axis;
+    const double kept = (double)(mirrored ? (n + 1) / 2 : n);
+    request->size[a] = (size_t)fmax(1.0, round(kept / ratios[level]));
+  }
+  request->size_given = true;
+  snprintf(output, PATH_MAX, "%.*s-%zu%s", dot ? (int)(dot - path) : (int)strlen(path), path,
+           request->size[0], dot ? dot : "");
+  request->output = output;
+}
+
+static enum status run_level(const struct options *options, const struct request *request,
+                             const char *const *paths, struct pipeline *pipeline, json_t **said) {
   enum status status = STATUS_OK;
-  bool build = strcmp(options_command(options), "build") == 0;
-  struct pipeline pipeline = {0};
+  const bool build = strcmp(options_command(options), "build") == 0;
   struct sweep_table table = {0};
-  size_t n = options_operand_count(options);
-  const char **paths = NULL;
   TRY(check_output(request->output));
-  TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
-  for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
-  TRY(pipeline_run(request, paths, n, build, &pipeline));
-  TRY(sweep_table_make(&pipeline, &table));
+  TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
+  TRY(sweep_table_make(pipeline, &table));
   if (build)
-    TRY(model_output_write(&pipeline, options, &table));
+    TRY(model_output_write(pipeline, options, &table));
   else if (request->output != NULL)
     TRY(sweep_table_write(&table, request->output));
-  TRY(report_print(&pipeline, options, build ? NULL : &table));
+  TRY(report_print(pipeline, options, build ? NULL : &table, said));
 cleanup:
   sweep_table_end(&table);
-  pipeline_end(&pipeline);
+  return status;
+}
+
+static enum status run_pipeline(const struct options *options, const struct request *request) {
+  enum status status = STATUS_OK;
+  struct pipeline finest = {0}, coarser = {0};
+  size_t n = options_operand_count(options);
+  const char **paths = NULL;
+  char output[PATH_MAX];
+  json_t *said = NULL;
+  TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
+  for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
+  TRY(run_level(options, request, paths, &finest, &said));
+  for (int level = 1; level < request->levels; level++) {
+    struct request less = *request;
+    coarsen(&finest, level, &less, output);
+    TRY(run_level(options, &less, paths, &coarser, &said));
+    pipeline_end(&coarser);
+    coarser = (struct pipeline){0};
+  }
+  TRY(report_end(&said));
+cleanup:
+  json_decref(said);
+  pipeline_end(&finest);
+  pipeline_end(&coarser);
   memory_free(&paths);
   return status;
 }

@@ -96,8 +96,8 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "representative_volume", windows);
 }
 
-static enum status print_json(const struct pipeline *pipeline, const struct options *options,
-                              const struct sweep_table *table) {
+static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options,
+                           const struct sweep_table *table) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
   put(root, "void_ratio_measured", pipeline->request->void_ratio);
@@ -131,12 +131,7 @@ static enum status print_json(const struct pipeline *pipeline, const struct opti
   if (table != NULL) json_object_set_new(root, "sweep", json_of_table(table));
   if (pipeline->request->output != NULL)
     json_object_set_new(root, "output", json_string(pipeline->request->output));
-  char *text = json_dumps(root, JSON_INDENT(2));
-  json_decref(root);
-  if (text == NULL) return FAIL(STATUS_RUN, "out of memory");
-  puts(text);
-  free(text);
-  return STATUS_OK;
+  return root;
 }
 
 static void print_model(const struct pipeline *pipeline) {
@@ -238,8 +233,29 @@ static void print_text(const struct pipeline *pipeline) {
 }
 
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
-                         const struct sweep_table *table) {
-  if (options_json(options)) return print_json(pipeline, options, table);
-  print_text(pipeline);
+                         const struct sweep_table *table, json_t **first) {
+  if (!options_json(options)) {
+    print_text(pipeline);
+    return STATUS_OK;
+  }
+  json_t *object = json_of_all(pipeline, options, table);
+  if (*first == NULL) {
+    *first = object;
+    return STATUS_OK;
+  }
+  if (json_object_get(*first, "coarser") == NULL)
+    json_object_set_new(*first, "coarser", json_array());
+  json_array_append_new(json_object_get(*first, "coarser"), object);
+  return STATUS_OK;
+}
+
+enum status report_end(json_t **first) {
+  if (*first == NULL) return STATUS_OK;
+  char *text = json_dumps(*first, JSON_INDENT(2));
+  json_decref(*first);
+  *first = NULL;
+  if (text == NULL) return FAIL(STATUS_RUN, "out of memory");
+  puts(text);
+  free(text);
   return STATUS_OK;
 }

@@ -2,13 +2,18 @@
 #ifndef TOSUI_CT2MODEL_REPORT_H
 #define TOSUI_CT2MODEL_REPORT_H
 
+#include <jansson.h>
+
 #include "common/error.h"
 #include "common/options.h"
 #include "ct2model/pipeline.h"
 #include "ct2model/sweep_table.h"
 
-/* To stdout. `table` is NULL for build. */
+/* To stdout, or with --json as one object: `table` is NULL for build. A coarser model's object goes
+ * into the array "coarser" of *first, the finest's; the caller prints *first with report_end. */
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
-                         const struct sweep_table *table);
+                         const struct sweep_table *table, json_t **first);
+/* Prints and frees *first, if there is one. */
+enum status report_end(json_t **first);
 
 #endif

@@ -38,6 +38,10 @@ static const struct option_entry ENTRIES[] = {
     {"roi", 0, "SHAPE", SWEEP | BUILD,
      "where the void ratio was measured: box:X0,Y0,Z0,NX,NY,NZ, cylinder:CX,CY,R or mask:PATH"},
     {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
+    {"levels", 0, "N", BUILD,
+     "models in all, 1 to 5: that of --size, and coarser ones (1/1.5, 1/2, 1/3, 1/4 of the voxels "
+     "a "
+     "side), as model-NX.hdf"},
     {"filter", 0, "NAME", SWEEP | BUILD,
      "bicubic (antialiased, default), bicubic-point, area or none"},
     {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
@@ -156,6 +160,12 @@ enum status request_parse(const struct options *options, struct request *request
   if (request->crop_given)
     TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));
   TRY(parse_numbers(options, "size", 'x', 3, "60x60x31", request->size));
+  long long levels = 1;
+  if (options_given(options, "levels")) TRY(options_integers(options, "levels", ',', 1, &levels));
+  if (levels < 1 || levels > 5)
+    TRY_FAIL(STATUS_USAGE, "--levels %s: 1 to 5 models are possible",
+             options_text(options, "levels"));
+  request->levels = (int)levels;
   TRY(parse_void_ratio(options, request));
   TRY(options_number(options, "scale-peak", &request->scale_peak));
   TRY(parse_threshold(options, request));

@@ -29,6 +29,7 @@ struct request {
   bool dark_grains;
   double scale_peak; /* NAN: greys as stored */
   const char *output;
+  int levels; /* models to build: that of `size` and coarser ones */
 };
 
 extern const struct option_table ct2model_options;

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "common/convergence.h"
-#include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/methods/stokes_solver.h"
@@ -17,8 +16,15 @@ static const double ratios[LEVELS] = {1.0, 1.5, 2.0};
 #define TOLERANCE 1e-4
 
 struct error_split error_split_none(void) {
-  return (struct error_split){NAN, NAN, NAN, NAN, NAN, .order = NAN, .extrapolated = NAN,
-                              .slope_void_ratio = NAN, .slope_threshold = NAN};
+  return (struct error_split){NAN,
+                              NAN,
+                              NAN,
+                              NAN,
+                              NAN,
+                              .order = NAN,
+                              .extrapolated = NAN,
+                              .slope_void_ratio = NAN,
+                              .slope_threshold = NAN};
 }
 
 double error_split_total(const struct error_split *split) {
@@ -34,8 +40,8 @@ double error_split_total(const struct error_split *split) {
   return known > 0 ? sqrt(sum) : NAN;
 }
 
-/* Sites of an axis at `ratio` times the spacing, of `copies` periods where one would leave a spacing
- * more than a twentieth off. */
+/* Sites of an axis at `ratio` times the spacing, of `copies` periods where one would leave a
+ * spacing more than a twentieth off. */
 static size_t coarse_size(size_t n, double ratio, size_t *copies) {
   size_t best = 1;
   double least = INFINITY;
@@ -134,9 +140,10 @@ static double permeability_of(const struct scene *scene, const struct plan *plan
                               const struct lattice *lattice, enum wall_scheme wall,
                               double volumes) {
   const struct effect_context *context = &plan->context;
-  const double spacing = lattice->dimensions == 2 ? sqrt(lattice->spacing[0] * lattice->spacing[2])
-                                                  : cbrt(lattice->spacing[0] * lattice->spacing[1] *
-                                                         lattice->spacing[2]);
+  const double spacing =
+      lattice->dimensions == 2
+          ? sqrt(lattice->spacing[0] * lattice->spacing[2])
+          : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
   struct stokes_solver s = {0};
   double k = 0.0;
   if (lattice->fluid_count > 0 &&
@@ -189,11 +196,25 @@ static void add_model(const char *path, struct error_split *split) {
   h5_close(file);
 }
 
-static bool has_creeping_flow(const struct scene *scene, const struct plan *plan,
-                              const struct lattice *lattice) {
-  return lattice->wall_distance != NULL && plan->context.driving > 0.0 &&
-         plan->context.method != METHOD_ISPH && !plan->context.has_moving_wall &&
-         !plan->context.has_surface && scene->fluid.viscosity > 0.0;
+static bool has_creeping_flow(const struct scene *scene, const struct effect_context *context) {
+  return context->lattice->wall_distance != NULL && context->driving > 0.0 &&
+         context->method != METHOD_ISPH && !context->has_moving_wall && !context->has_surface &&
+         scene->fluid.viscosity > 0.0;
+}
+
+double error_split_seconds(const struct scene *scene, const struct effect_context *context) {
+  const struct lattice *l = context->lattice;
+  const double sites = (double)l->count, fluid = (double)l->fluid_count;
+  const bool stokes = context->method == METHOD_STOKES;
+  const enum wall_scheme wall = stokes ? scene->stokes.wall : scene->wcsph.wall;
+  double solves = wall == WALL_SUBVOXEL ? 0.0 : 1.0;
+  if (!has_creeping_flow(scene, context)) return 0.0;
+  for (int i = 1; i < LEVELS; i++) {
+    const double share = 1.0 / (ratios[i] * ratios[i] * ratios[i]);
+    solves += i == 1 && *scene->model_path ? 2.0 * share : share;
+  }
+  return solves * stokes_solver_seconds(sites, fluid, WALL_SUBVOXEL) +
+         (stokes ? 0.0 : stokes_solver_seconds(sites, fluid, wall));
 }
 
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
@@ -205,14 +226,13 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
   const enum wall_scheme wall =
       plan->context.method == METHOD_STOKES ? scene->stokes.wall : scene->wcsph.wall;
   struct lattice coarse = {0}, moved = {0};
-  if (!has_creeping_flow(scene, plan, lattice)) return STATUS_OK;
+  if (!has_creeping_flow(scene, &plan->context)) return STATUS_OK;
   if (isnan(own)) own = permeability_of(scene, plan, lattice, wall, 1.0);
   if (!(own > 0.0)) return STATUS_OK;
   for (int i = 0; i < LEVELS; i++) {
     if (i == 0) {
-      k[i] = wall == WALL_SUBVOXEL
-                 ? own
-                 : permeability_of(scene, plan, lattice, WALL_SUBVOXEL, 1.0);
+      k[i] =
+          wall == WALL_SUBVOXEL ? own : permeability_of(scene, plan, lattice, WALL_SUBVOXEL, 1.0);
     } else {
       TRY(coarsen(lattice, ratios[i], 0.0, &coarse, &volumes));
       k[i] = permeability_of(scene, plan, &coarse, WALL_SUBVOXEL, volumes);
@@ -233,5 +253,29 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
 cleanup:
   lattice_free(&coarse);
   lattice_free(&moved);
+  return status;
+}
+
+enum status error_split_write(const struct error_split *split, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct {
+    const char *name;
+    double value;
+  } parts[] = {{"resolution", split->resolution},
+               {"averaging", split->averaging},
+               {"steadiness", split->steadiness},
+               {"void_ratio", split->void_ratio},
+               {"threshold", split->threshold},
+               {"total", error_split_total(split)},
+               {"observed_order", split->order},
+               {"order_credible", split->order_credible},
+               {"spacings", split->levels},
+               {"extrapolated_permeability", split->extrapolated},
+               {"dlnk_dvoid_ratio", split->slope_void_ratio},
+               {"dlnk_dthreshold", split->slope_threshold}};
+  TRY(h5_make_group(file, "/run/error"));
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
+cleanup:
   return status;
 }

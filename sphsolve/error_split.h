@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "common/error.h"
+#include "common/hdf5_file.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/plan.h"
 #include "sphsolve/scene.h"
@@ -38,5 +39,11 @@ double error_split_total(const struct error_split *split);
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
                                 const struct lattice *lattice, double permeability,
                                 struct error_split *split);
+
+/* As attributes of /run/error. */
+enum status error_split_write(const struct error_split *split, struct h5_file *file);
+
+/* Processor seconds of the measuring, predicted; 0 where nothing is done. */
+double error_split_seconds(const struct scene *scene, const struct effect_context *context);
 
 #endif

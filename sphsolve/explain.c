@@ -75,7 +75,7 @@ static json_t *number_or_null(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
 
-enum status explain_print_json(const struct plan *plan) {
+enum status explain_print_json(const struct plan *plan, const struct cheapest *cheapest) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char fields[512];
@@ -105,6 +105,7 @@ enum status explain_print_json(const struct plan *plan) {
       number_or_null(plan->seconds), "expected_error", number_or_null(plan->error),
       "expected_error_reason", plan->error_why);
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');
   json_decref(object);

@@ -188,6 +188,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
   /* Pores are resolved by wcsph and stokes only. */
   if (method != METHOD_ISPH)
     estimate_seepage(scene, lattice, &context->velocity_scale, &context->reynolds);
+  if (method != METHOD_ISPH) pore_shape_find(scene, lattice, &plan->shape);
   TRY(scales[method](plan));
   for (size_t i = 0; i < effects_count; i++) {
     const struct effect *effect = effects_all[i];
@@ -206,6 +207,8 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
     }
   }
   TRY(plans[method](plan, threads));
+  plan->bytes_total += PROGRAM_BYTES;
+  plan->seconds += PROGRAM_SECONDS;
 cleanup:
   return status;
 }

@@ -9,10 +9,15 @@
 
 #include "common/error.h"
 #include "sphsolve/effect.h"
+#include "sphsolve/expectation.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/scene.h"
 
 #define EFFECT_MAX 40
+
+/* The program with its libraries: peak memory and time of a scene of a few sites. */
+#define PROGRAM_BYTES 16e6
+#define PROGRAM_SECONDS 0.02
 
 /* What an effect may look at to decide. The numbers are those of the chosen method. */
 struct effect_context {
@@ -47,7 +52,8 @@ struct plan {
   const char *dt_limited_by;
   const char *dt_by; /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
-  double bytes_total;
+  double bytes_total; /* with what the program itself takes */
+  struct pore_shape shape;
   double bytes_copy; /* more, while a run keeps a state to go back to */
   double steps, seconds; /* predicted */
   double error;          /* predicted relative error of the headline number; NAN: unknown */

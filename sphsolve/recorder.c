@@ -534,30 +534,6 @@ cleanup:
   return status;
 }
 
-static enum status write_error(const struct error_split *split, struct h5_file *file) {
-  enum status status = STATUS_OK;
-  const struct {
-    const char *name;
-    double value;
-  } parts[] = {{"resolution", split->resolution},
-               {"averaging", split->averaging},
-               {"steadiness", split->steadiness},
-               {"void_ratio", split->void_ratio},
-               {"threshold", split->threshold},
-               {"total", error_split_total(split)},
-               {"observed_order", split->order},
-               {"order_credible", split->order_credible},
-               {"spacings", split->levels},
-               {"extrapolated_permeability", split->extrapolated},
-               {"dlnk_dvoid_ratio", split->slope_void_ratio},
-               {"dlnk_dthreshold", split->slope_threshold}};
-  TRY(h5_make_group(file, "/run/error"));
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-    TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
-cleanup:
-  return status;
-}
-
 static enum status write_solid(struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
   const struct lattice *lattice = recorder->lattice;
@@ -584,7 +560,7 @@ enum status recorder_finish(struct recorder *recorder, const struct run_result *
   TRY(h5_create(path, &file));
   TRY(write_history(recorder, file));
   TRY(write_run(recorder, result, file));
-  TRY(write_error(&result->error, file));
+  TRY(error_split_write(&result->error, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
                        hashes));

@@ -2,6 +2,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #ifdef _OPENMP
@@ -12,6 +13,7 @@
 #include "common/memory.h"
 #include "common/options.h"
 #include "common/threads.h"
+#include "sphsolve/cheapest.h"
 #include "sphsolve/explain.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/method.h"
@@ -24,13 +26,15 @@ enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
 static const struct option_entry entries[] = {
     {"output", 'o', "OUT", RUN, "OUT.hdf, OUT-NNNN.hdf (snapshots), OUT.ckpt.hdf"},
     {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
+    {"error", 0, "E", EXPLAIN,
+     "wanted error of k, like 5%: names the cheapest settings that reach it"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
 static const struct option_command commands[] = {
     {"run", "SCENE.cfg -o OUT [--set path=value]... [--resume]", "runs a scene",
      "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
-    {"explain", "SCENE.cfg [--set path=value]...",
+    {"explain", "SCENE.cfg [--error E] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
      "sphsolve explain dense.cfg", 1, 1},
     {0}};
@@ -81,16 +85,15 @@ static json_t *number_or_null(double value) {
 }
 
 static json_t *error_json(const struct error_split *split) {
-  return json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o}", "resolution",
-      number_or_null(split->resolution), "averaging", number_or_null(split->averaging),
-      "steadiness", number_or_null(split->steadiness), "void_ratio",
-      number_or_null(split->void_ratio), "threshold", number_or_null(split->threshold), "total",
-      number_or_null(error_split_total(split)), "observed_order", number_or_null(split->order),
-      "order_credible", (int)split->order_credible, "extrapolated_permeability",
-      number_or_null(split->extrapolated), "dlnk_dvoid_ratio",
-      number_or_null(split->slope_void_ratio), "dlnk_dthreshold",
-      number_or_null(split->slope_threshold));
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o}", "resolution",
+                   number_or_null(split->resolution), "averaging", number_or_null(split->averaging),
+                   "steadiness", number_or_null(split->steadiness), "void_ratio",
+                   number_or_null(split->void_ratio), "threshold", number_or_null(split->threshold),
+                   "total", number_or_null(error_split_total(split)), "observed_order",
+                   number_or_null(split->order), "order_credible", (int)split->order_credible,
+                   "extrapolated_permeability", number_or_null(split->extrapolated),
+                   "dlnk_dvoid_ratio", number_or_null(split->slope_void_ratio), "dlnk_dthreshold",
+                   number_or_null(split->slope_threshold));
 }
 
 static enum status print_json(const struct run_result *result) {
@@ -98,8 +101,7 @@ static enum status print_json(const struct run_result *result) {
       "{s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s}", "k",
       number_or_null(result->k), "k_relative_error",
       number_or_null(error_split_total(&result->error)), "error", error_json(&result->error),
-      "intrinsic_permeability",
-      number_or_null(result->intrinsic_permeability), "darcy_velocity",
+      "intrinsic_permeability", number_or_null(result->intrinsic_permeability), "darcy_velocity",
       number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
       number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
       "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
@@ -133,8 +135,7 @@ static void print_error(const struct error_split *split) {
     printf("extrapolated %.4g m^2\n", split->extrapolated);
   }
   if (isfinite(split->slope_void_ratio)) {
-    printf("           0.01 of void ratio moves k by %.2g %% (solved)",
-           split->slope_void_ratio);
+    printf("           0.01 of void ratio moves k by %.2g %% (solved)", split->slope_void_ratio);
     print_part(", one grey level of the threshold by", split->slope_threshold);
     putchar('\n');
   }
@@ -165,9 +166,11 @@ static void print_result(const struct run_result *result, const char *prefix) {
 static enum status run(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct recorder *recorder = NULL;
-  struct run_result result = {
-      .status = "failed", .k = NAN, .k_error = NAN, .intrinsic_permeability = NAN,
-      .error = error_split_none()};
+  struct run_result result = {.status = "failed",
+                              .k = NAN,
+                              .k_error = NAN,
+                              .intrinsic_permeability = NAN,
+                              .error = error_split_none()};
   const char *prefix = options_text(options, "output");
   if (prefix == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
   TRY(prepare(options, job));
@@ -205,12 +208,35 @@ cleanup:
   return status;
 }
 
-static enum status explain(const struct options *options, struct job *job) {
-  enum status status = prepare(options, job);
-  if (status != STATUS_OK) return status;
-  if (options_json(options)) return explain_print_json(&job->plan);
-  explain_print(&job->plan);
+/* "5%" or 0.05. */
+static enum status parse_error(const char *text, double *wanted) {
+  char *end;
+  *wanted = strtod(text, &end);
+  if (end != text && *end == '%') {
+    *wanted /= 100;
+    end++;
+  }
+  if (end == text || *end != '\0' || !(*wanted > 0 && *wanted < 1))
+    return FAIL(STATUS_USAGE, "--error %s: an error above 0 and below 100 %% is wanted, like 5%%",
+                text);
   return STATUS_OK;
+}
+
+static enum status explain(const struct options *options, struct job *job) {
+  enum status status = STATUS_OK;
+  struct cheapest cheapest = {0};
+  bool wanted = options_given(options, "error");
+  if (wanted) TRY(parse_error(options_text(options, "error"), &cheapest.wanted));
+  TRY(prepare(options, job));
+  if (wanted) TRY(cheapest_find(&job->scene, &job->lattice, &job->plan, thread_count(), &cheapest));
+  if (options_json(options)) {
+    TRY(explain_print_json(&job->plan, wanted ? &cheapest : NULL));
+  } else {
+    explain_print(&job->plan);
+    if (wanted) cheapest_print(&job->plan, &cheapest);
+  }
+cleanup:
+  return status;
 }
 
 int main(int argc, char **argv) {

@@ -48,6 +48,8 @@ void stokes_solver_free(struct stokes_solver *solver);
  * solved, takes. */
 int stokes_solver_basis(double sites, double active);
 double stokes_solver_bytes(double sites, double active);
+/* Processor seconds such a solve takes, predicted. */
+double stokes_solver_seconds(double sites, double active, enum wall_scheme wall);
 
 /* One round; residual, divergence, mean and change are those after it. */
 void stokes_solver_round(struct stokes_solver *solver);

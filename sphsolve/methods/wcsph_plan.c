@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "common/kernel.h"
+#include "sphsolve/error_split.h"
 #include "sphsolve/method.h"
+#include "sphsolve/methods/stokes_solver.h"
 #include "sphsolve/methods/wcsph_modes.h"
 #include "sphsolve/methods/wcsph_state.h"
 
@@ -14,6 +16,7 @@
 #define SAFETY 0.8             /* of the stable time step */
 #define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
 #define DELTA 0.1              /* Molteni, Colagrossi 2009 */
+#define SAMPLES_LEAST 80       /* of the Darcy velocity before a flow may be called steady */
 #define TAU 0.005              /* dx^2/mu: the most that pressure diffusion may do to div v */
 
 double wcsph_gap(const struct lattice *lattice) {
@@ -116,20 +119,6 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   settings->region_count = scene->region_count;
 }
 
-static void predict_error(struct plan *plan, double gap) {
-  enum wall_scheme wall = plan->context.scene->wcsph.wall;
-  if (!isfinite(gap)) return;
-  /* Flow-rate error of a slit `gap` particles wide: lattice theory, see docs/physics_wcsph.md. */
-  plan->error = wall == WALL_FROZEN  ? 3.4 / gap + 1.8 / (gap * gap)
-                : wall == WALL_ADAMI ? 2.36 / (gap * gap)
-                                     : 0.5 / (gap * gap);
-  snprintf(plan->error_why, sizeof plan->error_why,
-           "resolution; pores are about %.1f particles wide, walls %s", gap,
-           wall == WALL_FROZEN  ? "frozen"
-           : wall == WALL_ADAMI ? "adami"
-                                : "subvoxel");
-}
-
 enum status wcsph_plan(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
@@ -182,12 +171,18 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   if (!(scene->steady_tolerance > 0) || !isfinite(time)) time = INFINITY;
   time = fmin(scene->end_time, 2 * time);
   plan->steps = ceil(time / plan->dt);
+  if (scene->steady_tolerance > 0)
+    plan->steps = fmax(plan->steps, fmin(SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
   double volume = 4.19;
   for (int a = 0; a < 3; a++) volume *= context->support / lattice->spacing[a];
   if (lattice->dimensions == 2) volume *= 0.75 * lattice->spacing[1] / context->support;
   double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
   plan->seconds =
       plan->steps * passes * volume * (double)lattice->fluid_count / (PAIRS_PER_SECOND * threads);
-  predict_error(plan, gap);
+  plan->seconds += error_split_seconds(scene, context) / threads;
+  if (error_split_seconds(scene, context) > 0)
+    plan->bytes_total = fmax(plan->bytes_total, stokes_solver_bytes((double)lattice->count,
+                                                                    (double)lattice->fluid_count));
+  plan->error = expect_error(&plan->shape, METHOD_WCSPH, scene->wcsph.wall, 1, plan->error_why);
   return STATUS_OK;
 }

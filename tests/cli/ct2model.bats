@@ -366,3 +366,21 @@ P
   done
   near "$otsu" 173 3
 }
+
+@test "levels: coarser models of the same scan in one command" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.96 --mirror none --levels 3 -o lv.hdf --json
+  [ "$status" -eq 0 ] || { echo "$stderr"; false; }
+  echo "$output" | python3 -c '
+import json, sys
+d = json.load(sys.stdin)
+all = [d] + d["coarser"]
+assert [m["size"] for m in all] == [[48] * 3, [32] * 3, [24] * 3], [m["size"] for m in all]
+assert [m["output"] for m in all] == ["lv.hdf", "lv-32.hdf", "lv-24.hdf"]
+for m in all:
+    assert abs(m["void_ratio"] - 3.96) < 0.02, m["void_ratio"]
+    assert abs(m["size"][2] * m["spacing_m"][2] / 4.8e-4 - 1) < 1e-9'
+  [ -s lv-32.hdf ] && [ -s lv-24.hdf ]
+  run_ct build spheres.raw $RAW --void-ratio 3.96 --levels 9 -o lv.hdf
+  [ "$status" -eq 2 ]
+}
