@@ -110,6 +110,7 @@ static enum status read_runs(const struct options *options, struct run **runs, s
   if (*n == 0)
     TRY_FAIL(STATUS_INPUT, "%s: none of the files is a run; give OUT.hdf of sphsolve run",
              options_operand(options, 0));
+  TRY(runs_name_apart(*runs, *n));
 cleanup:
   return status;
 }

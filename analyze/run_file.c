@@ -192,17 +192,29 @@ cleanup:
   return status;
 }
 
+static enum status name_by_file(struct run *run) {
+  const char *file = run->path + strlen(run->folder);
+  const char *ending = strrchr(file, '.');
+  memory_free(&run->name);
+  return text_copy(file, ending == NULL ? strlen(file) : (size_t)(ending - file), &run->name);
+}
+
 static enum status name_run(struct run *run) {
   enum status status = STATUS_OK;
   const char *slash = strrchr(run->path, '/');
   size_t folder = slash == NULL ? 0 : (size_t)(slash - run->path) + 1;
   TRY(text_copy(run->path, folder, &run->folder));
-  if (run->name[0] == '\0') {
-    const char *file = run->path + folder;
-    const char *ending = strrchr(file, '.');
-    memory_free(&run->name);
-    TRY(text_copy(file, ending == NULL ? strlen(file) : (size_t)(ending - file), &run->name));
-  }
+  if (run->name[0] == '\0') TRY(name_by_file(run));
+cleanup:
+  return status;
+}
+
+enum status runs_name_apart(struct run *runs, size_t n) {
+  enum status status = STATUS_OK;
+  bool alike = false;
+  for (size_t i = 0; i < n; i++)
+    for (size_t j = 0; j < i; j++) alike |= strcmp(runs[i].name, runs[j].name) == 0;
+  for (size_t i = 0; alike && i < n; i++) TRY(name_by_file(&runs[i]));
 cleanup:
   return status;
 }

@@ -53,6 +53,8 @@ struct run {
 
 /* Reads everything but the snapshots' particles. On failure the run is empty. */
 enum status run_read(const char *path, struct run *run);
+/* Runs of one scene name (a study that varied something else) are called by their files instead. */
+enum status runs_name_apart(struct run *runs, size_t n);
 void run_free(struct run *run);
 
 /* Whether `path` is a snapshot or checkpoint that lies beside a run, as a shell's OUT*.hdf names
