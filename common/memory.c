@@ -110,6 +110,8 @@ size_t memory_peak(void) {
 void memory_set_limit(size_t bytes) {
   limit = bytes;
 }
-void memory_fail_after(long n) {
+long memory_fail_after(long n) {
+  long left = fail_after;
   fail_after = n;
+  return left;
 }

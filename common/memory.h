@@ -32,7 +32,7 @@ size_t memory_peak(void);
  * machine's memory, which is where every program starts. */
 void memory_set_limit(size_t bytes);
 
-/* Tests only: the n-th allocation from now fails (0: never). */
-void memory_fail_after(long n);
+/* Tests only: the n-th allocation from now fails (0: never). Returns how many were left to go. */
+long memory_fail_after(long n);
 
 #endif

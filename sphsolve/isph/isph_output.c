@@ -284,8 +284,8 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   double dog[] = {s->dog.halvings, s->dog.trip_time};
   TRY(h5_write_attribute(file, "/state", "watchdog", H5_F64, 2, dog));
-  TRY(recorder_checkpoint_commit(recorder, file));
-  return STATUS_OK;
+  status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
+  file = NULL;
 cleanup:
   h5_close(file);
   return status;

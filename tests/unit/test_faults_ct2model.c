@@ -1,0 +1,54 @@
+/* Every allocation and every write of ct2model fails once, on a small stack. */
+#include "faults.h"
+
+int ct2model_main(int argc, char **argv);
+#define main ct2model_main
+#include "ct2model/ct2model.c"
+#undef main
+
+static char slices[400];
+
+/* Eight raw slices of a grain in a pore, with noise that is the same everywhere. */
+static int write_stack(void **state) {
+  if (faults_start(state) != 0) return 1;
+  FILE *file = fopen("stack.mhd", "w");
+  if (file == NULL) return 1;
+  fprintf(file, "NDims = 3\nDimSize = 24 24 8\nElementType = MET_UCHAR\n"
+                "CompressedData = False\nElementDataFile = stack.raw\n");
+  fclose(file);
+  file = fopen("stack.raw", "wb");
+  if (file == NULL) return 1;
+  for (int z = 0; z < 8; z++)
+    for (int y = 0; y < 24; y++)
+      for (int x = 0; x < 24; x++) {
+        int r = (x - 12) * (x - 12) + (y - 12) * (y - 12) + (z - 4) * (z - 4);
+        fputc((r < 90 ? 150 : 60) + (x * 7 + y * 13 + z * 29) % 23, file);
+      }
+  fclose(file);
+  snprintf(slices, sizeof slices,
+           "stack.mhd --void-ratio 0.8 --voxel-size 5um --threads 1 --quiet");
+  return 0;
+}
+
+static void test_build(void **state) {
+  (void)state;
+  char command[600];
+  snprintf(command, sizeof command, "ct2model build %s --size 12x12x4 -o out.hdf", slices);
+  faults_both(ct2model_main, NULL, command);
+}
+static void test_sweep(void **state) {
+  (void)state;
+  char command[600];
+  snprintf(command, sizeof command, "ct2model sweep %s -o out.csv --filter none --json", slices);
+  faults_both(ct2model_main, NULL, command);
+}
+static void test_info(void **state) {
+  (void)state;
+  faults_both(ct2model_main, NULL, "ct2model info stack.mhd --json");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_build), cmocka_unit_test(test_sweep),
+                                     cmocka_unit_test(test_info)};
+  return cmocka_run_group_tests(tests, write_stack, faults_end);
+}

@@ -1,0 +1,64 @@
+/* Every allocation and every write of sphsolve fails once, in small runs of the three methods. */
+#include "faults.h"
+
+int sphsolve_main(int argc, char **argv);
+#define main sphsolve_main
+#include "sphsolve/sphsolve.c"
+#undef main
+
+static void write_scene(const char *name, const char *head, const char *tail) {
+  FILE *file = fopen(name, "w");
+  fprintf(file,
+          "%s\nfluids = ( { density = \"1000 kg/m^3\"; viscosity = \"1 Pa s\"; } );\n%s\n"
+          "checkpoint = { interval = \"1 us\"; };\n",
+          head, tail);
+  fclose(file);
+}
+
+static void write_scenes(void) {
+  const char *slit =
+      "domain = { size = [\"6 cm\", \"6 cm\"]; spacing = \"1 cm\"; periodic = [true, "
+      "false]; };\nregions = ( { type = \"water\"; box = [\"0\", \"0\", \"6 cm\", "
+      "\"6 cm\"]; } );\nforce = { body_acceleration = [\"1 mm/s^2\", \"0\"]; };\n"
+      "output = { interval = \"0.02 s\"; };";
+  write_scene("wcsph.cfg", "scene = { method = \"wcsph\"; end_time = \"0.1 s\"; };", slit);
+  write_scene("stokes.cfg", "scene = { method = \"stokes\"; };", slit);
+  write_scene("isph.cfg",
+              "scene = { method = \"isph\"; end_time = \"3 ms\"; };\n"
+              "domain = { size = [\"6 cm\", \"6 cm\"]; spacing = \"1 cm\"; };",
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"3 cm\", \"4 cm\"]; },"
+              "{ type = \"porous\"; box = [\"3 cm\", \"0\", \"6 cm\", \"2 cm\"]; porosity = 0.4; "
+              "grain_size = \"1 cm\"; } );\nforce = { gravity = [\"0\", \"-9.8 m/s^2\"]; };\n"
+              "isph = { dt = \"1 ms\"; }; gauges = ( { at = [\"1 cm\", \"1 cm\"]; } );");
+}
+
+static void test_wcsph(void **state) {
+  (void)state;
+  write_scenes();
+  faults_both(sphsolve_main, NULL, "sphsolve run wcsph.cfg -o out --threads 1 --quiet");
+}
+static void test_wcsph_resumed(void **state) {
+  (void)state;
+  faults_both(sphsolve_main,
+              "sphsolve run wcsph.cfg -o out --threads 1 --quiet --set scene.end_time=0.05s",
+              "sphsolve run wcsph.cfg -o out --threads 1 --quiet --resume");
+}
+static void test_stokes(void **state) {
+  (void)state;
+  faults_both(sphsolve_main, NULL, "sphsolve run stokes.cfg -o out --threads 1 --quiet");
+}
+static void test_isph(void **state) {
+  (void)state;
+  faults_both(sphsolve_main, NULL, "sphsolve run isph.cfg -o out --threads 1 --quiet");
+}
+static void test_explain(void **state) {
+  (void)state;
+  faults_both(sphsolve_main, NULL, "sphsolve explain isph.cfg --json");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_wcsph), cmocka_unit_test(test_explain),
+                                     cmocka_unit_test(test_wcsph_resumed),
+                                     cmocka_unit_test(test_stokes), cmocka_unit_test(test_isph)};
+  return cmocka_run_group_tests(tests, faults_start, faults_end);
+}
