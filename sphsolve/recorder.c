@@ -186,6 +186,18 @@ static enum status reserve_row(struct recorder *recorder, size_t count) {
   return status;
 }
 
+void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
+                            double velocity[3]) {
+  double sum[3] = {0}, n = 0;
+  for (size_t r = 0; r < recorder->row_count; r++) {
+    const double *row = recorder->rows + r * (size_t)recorder->width;
+    if (row[0] < from || row[0] > to) continue;
+    n++;
+    for (int a = 0; a < 3; a++) sum[a] += row[3 + a];
+  }
+  for (int a = 0; a < 3; a++) velocity[a] = n > 0 ? sum[a] / n : NAN;
+}
+
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra) {
   enum status status = STATUS_OK;

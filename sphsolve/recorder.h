@@ -58,6 +58,9 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra);
 /* Interval of history rows the scene asks for, s; NAN: the method chooses. */
+/* Mean of the rows' Darcy velocity over times from .. to, s; NAN where there is no row. */
+void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
+                            double velocity[3]);
 double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
 double recorder_next_snapshot(const struct recorder *recorder);

@@ -18,6 +18,16 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
   for (int a = 0; a < 3; a++) velocity[a] *= s->thickness / domain_volume(s);
 }
 
+double isph_reynolds(const struct isph *s, const double velocity[3]) {
+  double grain = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++)
+    if (s->scene->regions[k].type == REGION_POROUS)
+      grain = fmax(grain, s->scene->regions[k].grain_size);
+  if (!(grain > 0) || !(s->viscosity > 0)) return NAN;
+  return sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]) *
+         grain / s->viscosity;
+}
+
 /* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
  */
 static bool solve_small(int n, double m[4][4], double b[4]) {
@@ -175,13 +185,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   row.density_max = s->density * most;
   row.density_mean = s->density * filling / count;
   isph_darcy_velocity(s, row.darcy_velocity);
-  double speed = sqrt(row.darcy_velocity[0] * row.darcy_velocity[0] +
-                      row.darcy_velocity[1] * row.darcy_velocity[1] +
-                      row.darcy_velocity[2] * row.darcy_velocity[2]);
-  double grain = s->spacing;
-  for (size_t k = 0; k < s->scene->region_count; k++)
-    if (s->scene->regions[k].type == REGION_POROUS) grain = s->scene->regions[k].grain_size;
-  row.reynolds = s->viscosity > 0 ? speed * grain / s->viscosity : NAN;
+  row.reynolds = isph_reynolds(s, row.darcy_velocity);
   extra[c++] = potential * scale;
   extra[c++] = sqrt(squares / count);
   for (int a = 0; a < 3; a++) extra[c++] = low[a];

@@ -87,10 +87,12 @@ void isph_soil_at(const struct isph *s, const double position[3], struct soil_po
   double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
   soil->solid = share;
-  /* Two soils in series: the mean of their drags, not the drag of the mean porosity, loses the
-   * right head. The edge to free water thins both. */
-  soil->a = own < 1 ? a * weight * linear_of(eps) / linear_of(own) : 0;
-  soil->b = own < 1 ? b * weight * forchheimer_of(eps) / forchheimer_of(own) : 0;
+  /* Drag counts by the share of the soil, whose own it is: a layer then loses as much head as with
+   * sharp faces, next to free water and to another soil. The drag of the smoothed porosity, which
+   * M15 takes, loses less, for it is steeper than a line. */
+  bool smoothed = scene->isph.porosity_paper && own < 1;
+  soil->a = smoothed ? a * weight * linear_of(eps) / linear_of(own) : a;
+  soil->b = smoothed ? b * weight * forchheimer_of(eps) / forchheimer_of(own) : b;
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 

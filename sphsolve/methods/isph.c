@@ -8,6 +8,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/units.h"
 #include "sphsolve/isph/isph_output.h"
 #include "sphsolve/method.h"
 
@@ -269,13 +270,67 @@ cleanup:
   return status;
 }
 
-/* A k only where the force drives water round a periodic box full of it; in a tank or between given
- * heads v / i along gravity means nothing. */
-static bool through_flow(const struct plan *plan) {
+/* Whether a box spans the domain but along `axis` (3: along every axis). */
+static bool spans(const struct isph *s, const double low[3], const double high[3], int axis) {
+  bool all = true;
+  for (int a = 0; a < 3; a++) {
+    double near = 1e-6 * s->spacing;
+    if (a != axis && !(s->dimensions == 2 && a == 1))
+      all = all && low[a] <= s->low[a] + near && high[a] >= s->high[a] - near;
+  }
+  return all;
+}
+
+/* The column of a permeameter: two sides of given head face each other, whole sides, and soil lies
+ * in layers across. i is the fall of head over the length of soil between; false if it is not so. */
+static bool head_gradient(const struct isph *s, int *axis, double *gradient) {
+  const struct isph_open_side *sides = s->sides;
+  if (s->side_count != 2 || s->wall_box_count > 1 || s->on.surface) return false;
+  *axis = sides[0].axis;
+  bool facing = sides[1].axis == *axis && sides[0].inward * sides[1].inward < 0;
+  for (int k = 0; k < 2; k++)
+    facing = facing && sides[k].kind == BOUNDARY_OPEN_HEAD &&
+             spans(s, sides[k].low, sides[k].high, *axis);
+  if (!facing) return false;
+  double length = 0, done = s->low[*axis];
+  while (done < s->high[*axis]) { /* from soil to soil along the axis */
+    double from = s->high[*axis], to = from;
+    for (size_t k = 0; k < s->scene->region_count; k++) {
+      const struct region *region = &s->scene->regions[k];
+      if (region->type != REGION_POROUS || !(region->box[*axis + 3] > done)) continue;
+      if (!spans(s, region->box, region->box + 3, *axis)) return false;
+      if (fmax(region->box[*axis], done) < from)
+        from = fmax(region->box[*axis], done), to = region->box[*axis + 3];
+    }
+    done = fmin(to, s->high[*axis]);
+    length += done - from;
+  }
+  *gradient = (sides[0].head - sides[1].head) * sides[0].inward / length;
+  return length > 0 && *gradient != 0;
+}
+
+/* A k only where the force drives water round a periodic box full of it, or heads drive it along a
+ * column; in a tank v / i along gravity means nothing. Between heads v is the mean over the second
+ * half of the run, and the error of k the change from its third quarter to its fourth. */
+static void find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
+                   struct run_result *result) {
   const struct scene *scene = plan->context.scene;
-  bool through = !plan->context.has_surface && !plan->context.has_inflow;
-  for (int a = 0; a < 3; a++) through = through && (scene->driving[a] == 0 || scene->periodic[a]);
-  return through;
+  bool round = !plan->context.has_surface && !plan->context.has_inflow;
+  int axis;
+  double gradient, third[3], fourth[3];
+  for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
+  if (round) return; /* v / i along the force stands */
+  result->k = result->intrinsic_permeability = NAN;
+  if (!head_gradient(s, &axis, &gradient)) return;
+  const double *g = scene->gravity;
+  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  recorder_mean_velocity(recorder, 0.5 * s->time, s->time, result->darcy_velocity);
+  recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
+  recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
+  result->k = result->darcy_velocity[axis] / gradient;
+  result->k_error = fabs((fourth[axis] - third[axis]) / result->darcy_velocity[axis]);
+  result->intrinsic_permeability =
+      result->k * s->viscosity / (strength > 0 ? strength : GRAVITY_STANDARD);
 }
 
 enum status isph_run(const struct scene *scene, const struct plan *plan,
@@ -297,7 +352,8 @@ cleanup:
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     result_from_darcy(scene, velocity, result);
-    if (!through_flow(plan)) result->k = result->intrinsic_permeability = NAN;
+    find_k(s, plan, recorder, result);
+    result->reynolds = isph_reynolds(s, result->darcy_velocity);
     result->steps = s->step;
     result->pair_interactions = s->pair_interactions;
     result->pair_interactions_per_second = s->pair_interactions / fmax(s->seconds_lists, 1e-9);
