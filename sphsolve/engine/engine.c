@@ -243,52 +243,52 @@ cleanup:
   return status;
 }
 
-/* Trilinear distance to the wall. Negated where the field at the nearest site changes faster than
- * a distance can (noise): the curvature of the velocity is then left out. */
+/* Difference of the distance along one axis, away from the wall: one-sided, for in the middle of a
+ * pore two sites wide, between two walls, a central difference would be none. */
+static double slope_from_wall(double low, double here, double high) {
+  double back = here - low, fore = high - here;
+  if (here < 0) return fore > -back ? fmax(fore, 0) : fmin(back, 0);
+  return back > -fore ? fmax(back, 0) : fmin(fore, 0);
+}
+
+/* Distance to the wall: that of the nearest site, continued as the plane it is the distance to.
+ * (Interpolation between the sites would cut off the ridge in the middle of a narrow pore, which
+ * brakes what flows there: by 10 % in a sand whose pores are two sites wide.) Negated where the
+ * field at the nearest site changes faster than a distance can (noise): the curvature of the
+ * velocity is then left out. */
 static void update_distance(struct engine *engine) {
   struct particles *p = &engine->particles;
   const struct lattice *lattice = engine->lattice;
   const float *field = lattice->wall_distance;
-  size_t slots = particles_slots(p), nx = lattice->size[0], ny = lattice->size[1];
+  const size_t slots = particles_slots(p);
+  const size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
   for (size_t i = 0; i < slots; i++) {
-    size_t low[3], high[3], near[3];
-    double f[3];
+    size_t near[3], site = 0;
+    double offset[3]; /* spacings from the nearest site */
     for (int a = 0; a < 3; a++) {
-      size_t n = lattice->size[a];
       double t = ldexp((double)frame_fold(&p->frame, a, p->x[a][i]), p->frame.image_bits[a] - 32) *
-                     (double)n -
-                 0.5 + (double)n;
-      if (p->frame.step[a] == 0) t = (double)n;
-      size_t cell = (size_t)t;
-      f[a] = t - (double)cell;
-      if (f[a] < 1e-6) f[a] = 0;
-      if (f[a] > 1 - 1e-6) f[a] = 1;
-      low[a] = cell % n;
-      high[a] = (cell + 1) % n;
-      near[a] = f[a] < 0.5 ? low[a] : high[a];
+                 (double)lattice->size[a];
+      if (p->frame.step[a] == 0) t = 0.5;
+      near[a] = (size_t)t;
+      if (near[a] >= lattice->size[a]) near[a] = 0;
+      offset[a] = t - (double)(size_t)t - 0.5;
+      site += near[a] * stride[a];
     }
-#define AT(x, y, z) (double)field[((z)*ny + (y)) * nx + (x)]
-#define ALONG_X(y, z) (AT(low[0], y, z) * (1 - f[0]) + AT(high[0], y, z) * f[0])
-#define ALONG_Y(z) (ALONG_X(low[1], z) * (1 - f[1]) + ALONG_X(high[1], z) * f[1])
-    double d = ALONG_Y(low[2]) * (1 - f[2]) + ALONG_Y(high[2]) * f[2];
-    double here = AT(near[0], near[1], near[2]);
+    double here = (double)field[site], along = 0, square = 0;
     bool smooth = true;
     for (int a = 0; a < 3; a++) {
       if (p->frame.step[a] == 0) continue;
-      size_t n = lattice->size[a], up[3], down[3];
-      memcpy(up, near, sizeof up);
-      memcpy(down, near, sizeof down);
-      up[a] = (near[a] + 1) % n;
-      down[a] = (near[a] + n - 1) % n;
-      double most = 1.15 * lattice->spacing[a];
-      smooth = smooth && fabs(AT(up[0], up[1], up[2]) - here) < most &&
-               fabs(AT(down[0], down[1], down[2]) - here) < most;
+      size_t last = lattice->size[a] - 1, back = last * stride[a];
+      double high = (double)field[near[a] < last ? site + stride[a] : site - back];
+      double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
+      double most = 1.15 * lattice->spacing[a], slope = slope_from_wall(low, here, high);
+      smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
+      along += slope * offset[a];
+      square += slope * slope / (lattice->spacing[a] * lattice->spacing[a]);
     }
-#undef ALONG_Y
-#undef ALONG_X
-#undef AT
-    d = fmax(d, WALL_DISTANCE_LEAST * engine->pass.spacing);
+    double d =
+        fmax(here + along / fmax(sqrt(square), 1), WALL_DISTANCE_LEAST * engine->pass.spacing);
     p->distance[i] = (float)(smooth ? d : -d);
   }
 }

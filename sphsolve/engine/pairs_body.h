@@ -410,7 +410,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
       for (int group = 0; group < SIMD_GROUPS; group++) {
-        vec divergence = {0}, laplacian = {0}, carried = {0}, mirrored = {0};
+        vec divergence = {0}, laplacian = {0}, weights = {0}, carried = {0}, mirrored = {0};
         for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {
           struct geometry g = pair_geometry(local, k, at);
           vec slope = kernel_vector_slope(g.s) * g.inverse;
@@ -418,7 +418,8 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
                                   vec_load(local->field[LVY] + k) - vi[1],
                                   vec_load(local->field[LVZ] + k) - vi[2], &divergence);
           if (diffusion)
-            pressure_diffusion_pair(slope, state, vec_load(local->field[LSTATE] + k), &laplacian);
+            pressure_diffusion_pair(slope, state, vec_load(local->field[LSTATE] + k), &laplacian,
+                                    &weights);
           if (shift)
             carried += shifting_weight(slope, g.x, g.y, g.z, u) *
                        (vec_load(local->field[LSTATE] + k) - state);
@@ -434,13 +435,16 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
         vec_store(tile[0] + group * SIMD_WIDTH, divergence + mirror * mirrored);
         vec_store(tile[1] + group * SIMD_WIDTH, laplacian);
         vec_store(tile[2] + group * SIMD_WIDTH, carried);
+        vec_store(tile[3] + group * SIMD_WIDTH, weights);
       }
-      double sum[3] = {0};
+      double sum[4] = {0};
       tile_sums(tile, 1, sum);
       if (diffusion) tile_sums(tile + 1, 1, sum + 1);
       if (shift) tile_sums(tile + 2, 1, sum + 2);
+      if (diffusion) tile_sums(tile + 3, 1, sum + 3);
       double rate = pass->g_scale * (sum[2] - sum[0]) + diffuse * sum[1];
-      p->state_next[i] = (float)((double)p->state[i] + pass->dt * rate);
+      double stiff = pass->dt * diffuse * sum[3];
+      p->state_next[i] = (float)((double)p->state[i] + pass->dt * rate / (1 + stiff));
     }
   }
 }
