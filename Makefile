@@ -41,12 +41,12 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/g
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: package fuzz all check demo deps s06 m15 verify bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: package fuzz all check demo deps s06 m15 verify hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
 NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 verify tradeoff bench,$(MAKECMDGOALS))
+INSTALLS = $(filter demo check s06 m15 verify tradeoff hard bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk
@@ -124,7 +124,7 @@ $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/repl
 endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
-check: all $(UNIT_TESTS) $(REPLAYS)
+check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(REPLAYS) $(sort $(wildcard tests/cli/*.bats))
 
 # ---- the main job ----
@@ -143,6 +143,8 @@ package:
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/tradeoff
+hard: all $(BUILD)/tests/hard_engine
+	$(Q)BUILD=$(BUILD) scripts/hard
 bench: all $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/bench
 

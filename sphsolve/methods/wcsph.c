@@ -310,6 +310,22 @@ cleanup:
   return status;
 }
 
+/* Pressures c^2 rho hold the particles in a lattice that only strains (docs/physics_wcsph.md): where
+ * the flow that Kozeny and Carman expect would have carried them four spacings, and they have not
+ * come half a spacing far, they are locked. */
+static bool locked(const struct run *run) {
+  const struct wcsph_state *state = &run->state;
+  const struct effect_context *context = &run->plan->context;
+  if (run->scene->wcsph.equation_of_state != EOS_ABSOLUTE ||
+      run->scene->wcsph.wall != WALL_FROZEN || state->monitor.count == 0)
+    return false;
+  double pores = (double)run->lattice->fluid_count / (double)run->lattice->bulk_count, sum = 0;
+  for (size_t i = 0; i < state->monitor.count; i++) sum += state->monitor.rows[i][0];
+  double time = run_time(run), way = sum / (double)state->monitor.count * time / pores;
+  return context->velocity_scale * time / pores > 4 * context->spacing &&
+         fabs(way) < 0.5 * context->spacing;
+}
+
 static enum status march(struct run *run, struct run_result *result) {
   enum status status = STATUS_OK;
   struct wcsph_state *state = &run->state;
@@ -367,6 +383,13 @@ static enum status march(struct run *run, struct run_result *result) {
     result->error.steadiness = verdict.drift;
     result->error.averaging =
         sqrt(fmax(0, verdict.error * verdict.error - verdict.drift * verdict.drift));
+  }
+  if (status == STATUS_OK && locked(run)) {
+    log_warning("the particles have locked into a crystal that does not flow, as the pressure "
+                "c^2 rho makes them below its strength; there is no k: write "
+                "wcsph.equation_of_state = \"gauge\"");
+    result->status = "crystal";
+    result->k = result->k_error = result->intrinsic_permeability = NAN;
   }
 cleanup:
   return status;

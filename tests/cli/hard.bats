@@ -1,0 +1,9 @@
+#!/usr/bin/env bats
+# The fast third of the hard cases (make hard runs all of them).
+
+@test "the fast hard cases hold" {
+  root=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  run "$root/scripts/hard" --fast
+  echo "$output"
+  [ "$status" -eq 0 ]
+}
