@@ -1,6 +1,7 @@
 #include "ct2model/binarise.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "common/log.h"
 #include "common/memory.h"
@@ -40,24 +41,68 @@ static enum status check_reading(const struct pipeline *pipeline, double porosit
   return STATUS_OK;
 }
 
-static void warn_if_fragile(const struct pipeline *pipeline) {
+/* What denoising would do, measured on a part of one slice; "" where it would do nothing. */
+static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
+  struct denoise_effect effect;
+  double e = pipeline->void_ratio_original;
+  text[0] = '\0';
+  if (pipeline->region.denoise != DENOISE_NONE) return;
+  if (!(pipeline->survey.phases.contrast_to_noise > 0.0)) return;
+  if (denoise_effect_measure(&pipeline->survey, pipeline->survey_size, DENOISE_NLM, e / (1.0 + e),
+                             1, 512, &effect) != STATUS_OK)
+    error_clear();
+  else if (effect.surface < 0.95)
+    snprintf(text, size, "; --denoise nlm would take %.0f %% of the surface away as noise",
+             100.0 * (1.0 - effect.surface));
+}
+
+static void warn_of_contrast(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
-  if (phases->levels <= 2) return;
-  double threshold = pipeline->threshold_original;
-  if (phases->valley_depth > 0.9)
+  char advice[100];
+  bool unimodal = phases->valley_depth > 0.9;
+  if (!unimodal && !(phases->contrast_to_noise < 5.0)) return;
+  advise_denoising(pipeline, advice, sizeof advice);
+  if (unimodal)
     log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
-                "much is grain, but not where; compare the model with the slices");
-  else if (phases->contrast_to_noise < 5.0)
+                "much is grain, but not where; compare the model with the slices%s",
+                advice);
+  else
     log_warning("contrast is only %.1f times the noise: at full resolution the grain surface is "
-                "rough, so specific surface and wall distances are unsure%s",
+                "rough, so specific surface and wall distances are unsure%s%s",
                 phases->contrast_to_noise,
-                phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "");
-  double position = (threshold - phases->pore_peak) / (phases->grain_peak - phases->pore_peak);
+                phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "",
+                advice);
+}
+
+static void warn_if_fragile(struct pipeline *pipeline) {
+  const struct grey_phases *phases = &pipeline->phases;
+  const struct request *request = pipeline->request;
+  if (phases->levels <= 2) return;
+  double threshold = pipeline->threshold_original, e = pipeline->void_ratio_original;
+  double contrast = phases->grain_peak - phases->pore_peak;
+  warn_of_contrast(pipeline);
+  double position = (threshold - phases->pore_peak) / contrast;
   if (position < 0.15 || position > 0.85)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
                 "check the void ratio and the region (--crop must not hold the container)",
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
+  /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */
+  double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
+  double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
+  if (request->rule == THRESHOLD_AUTO && shift > 0.1)
+    log_warning("the match is steep: %.2g in the void ratio moves the threshold by %.0f %% of the "
+                "contrast",
+                error, 100.0 * shift);
+  bool sure = pipeline->survey.beam_error < 0.5 * fabs(pipeline->survey.beam);
+  if (fabs(pipeline->survey.beam) > 0.1 && sure && !pipeline->correction.beam)
+    log_warning("the grain is %.0f %% of the contrast %s at the rim than in the middle (beam "
+                "hardening?): one threshold does not fit both; --correct beam levels it",
+                100.0 * fabs(pipeline->survey.beam),
+                pipeline->survey.beam > 0.0 ? "brighter" : "darker");
+  if (pipeline->survey.rings > 0.05 && !pipeline->correction.rings)
+    log_warning("rings of %.0f %% of the contrast; --correct rings takes them out",
+                100.0 * pipeline->survey.rings);
 }
 
 static enum status check_levels(const struct pipeline *pipeline) {
@@ -95,6 +140,16 @@ cleanup:
   return status;
 }
 
+/* A histogram of one peak does not show the phases; the noise from pixel to pixel does. */
+static void phases_of_survey(struct pipeline *pipeline) {
+  const struct grey_phases *seen = &pipeline->survey.phases;
+  if (!(seen->contrast_to_noise > 0.0)) return;
+  pipeline->phases.pore_peak = seen->pore_peak;
+  pipeline->phases.grain_peak = seen->grain_peak;
+  pipeline->phases.noise = seen->noise;
+  pipeline->phases.contrast_to_noise = seen->contrast_to_noise;
+}
+
 enum status binarise_calibrate(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -108,6 +163,9 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   /* A void ratio far off puts the threshold on a peak, and both sides see the same one. */
   if (pipeline->phases.valley_depth > 0.9)
     grey_histogram_phases(histogram, pipeline->otsu, &pipeline->phases);
+  if (pipeline->phases.valley_depth > 0.9 && pipeline->region.denoise == DENOISE_NONE &&
+      pipeline->survey.phases.valley_depth > 0.9)
+    phases_of_survey(pipeline);
   if (!isnan(request->scale_peak)) {
     double peak = sign * pipeline->phases.grain_peak;
     if (!(peak > 0.0))
@@ -158,6 +216,11 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   }
   pipeline->void_ratio_original =
       void_ratio_of(grey_histogram_porosity(histogram, pipeline->threshold_original));
+  if (pipeline->region.denoise != DENOISE_NONE)
+    TRY(denoise_effect_measure(&pipeline->survey, pipeline->survey_size, pipeline->region.denoise,
+                               pipeline->void_ratio_original /
+                                   (1.0 + pipeline->void_ratio_original),
+                               4, SIZE_MAX, &pipeline->denoised));
   warn_if_fragile(pipeline);
 cleanup:
   return status;

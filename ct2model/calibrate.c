@@ -87,10 +87,31 @@ double grey_histogram_otsu(const struct grey_histogram *histogram) {
 /* Box smoothing wide enough to bridge noise and empty levels, on at most 512 coarse bins. */
 enum { COARSE = 512 };
 
+/* Whether `bin`, the first or last that is not empty, holds what was cut off there: far more than
+ * the occupied bins next to it, but less than half of its phase's `share`. Such a spike is no peak.
+ */
+static bool is_clipped(const struct grey_histogram *histogram, size_t bin, bool first,
+                       double share) {
+  const int neighbours = 8;
+  double sum = 0.0;
+  int n = 0;
+  for (size_t i = bin; n<neighbours; n += histogram->counts[i]> 0) {
+    if (first ? ++i == histogram->bins : i-- == 0) break;
+    sum += (double)histogram->counts[i];
+  }
+  double count = (double)histogram->counts[bin];
+  return n == neighbours && count > 4.0 * sum / n && count < 0.5 * share * (double)histogram->total;
+}
+
 static void coarse_histogram(const struct grey_histogram *histogram, double low, double high,
-                             double *coarse) {
-  double raw[COARSE] = {0};
-  for (size_t i = 0; i < histogram->bins; i++) {
+                             double threshold, double *coarse) {
+  double raw[COARSE] = {0}, pore = grey_histogram_porosity(histogram, threshold);
+  size_t first = 0, last = histogram->bins - 1;
+  while (first < last && histogram->counts[first] == 0) first++;
+  while (last > first && histogram->counts[last] == 0) last--;
+  if (is_clipped(histogram, first, true, pore)) first++;
+  if (is_clipped(histogram, last, false, 1.0 - pore)) last--;
+  for (size_t i = first; i <= last; i++) {
     double position = (bin_centre(histogram, i) - low) / (high - low) * COARSE;
     if (position >= 0.0 && position < COARSE) raw[(size_t)position] += (double)histogram->counts[i];
   }
@@ -142,7 +163,7 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
                                  .valley_depth = 1.0};
   for (size_t i = 0; i < histogram->bins; i++) phases->levels += histogram->counts[i] > 0;
   if (!(high > low)) return;
-  coarse_histogram(histogram, low, high, coarse);
+  coarse_histogram(histogram, low, high, threshold, coarse);
   double position = (threshold - low) / (high - low) * COARSE;
   int split = (int)fmin(fmax(position, 1.0), COARSE - 1.0);
   int pore = highest_peak(coarse, 0, split), grain = highest_peak(coarse, split, COARSE);
@@ -153,9 +174,13 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
   phases->valley = low + (valley + 0.5) * step;
   phases->valley_depth = coarse[valley] / fmin(coarse[pore], coarse[grain]);
   /* The flank away from the other phase is noise alone: 0.3173/2 of a normal distribution lies
-   * below mean - sd. */
+   * below mean - sd. Where the pore's flank is cut off there, the grain's outer flank stands in. */
   double outer = grey_histogram_porosity(histogram, phases->pore_peak);
-  phases->noise = phases->pore_peak - grey_histogram_quantile(histogram, outer * 0.3173);
+  double flank = grey_histogram_quantile(histogram, outer * 0.3173);
+  double above = 1.0 - grey_histogram_porosity(histogram, phases->grain_peak);
+  phases->noise = phases->pore_peak - flank;
+  if (flank < grey_histogram_quantile(histogram, 0.0) + 1.5 * histogram->width)
+    phases->noise = grey_histogram_quantile(histogram, 1.0 - above * 0.3173) - phases->grain_peak;
   if (phases->noise > 0.0)
     phases->contrast_to_noise = (phases->grain_peak - phases->pore_peak) / phases->noise;
 }

@@ -40,6 +40,11 @@ static enum status write_calibration(struct h5_file *file, const struct pipeline
   TRY(write_number(file, group, "dthreshold_dvoid_ratio",
                    pipeline_grey(pipeline, pipeline->threshold_slope)));
   TRY(write_number(file, group, "threshold_uncertainty", pipeline_threshold_error(pipeline)));
+  TRY(write_number(file, group, "threshold_valley",
+                   pipeline_grey(pipeline, pipeline->phases.valley)));
+  TRY(write_number(file, group, "contrast_to_noise", pipeline->phases.contrast_to_noise));
+  TRY(write_number(file, group, "beam_hardening", pipeline->survey.beam));
+  TRY(write_number(file, group, "rings", pipeline->survey.rings));
   TRY(write_number(file, group, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak)));
   TRY(write_number(file, group, "grain_peak",
                    pipeline_grey(pipeline, pipeline->phases.grain_peak)));

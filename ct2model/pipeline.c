@@ -77,6 +77,30 @@ static enum status choose_size(struct pipeline *pipeline) {
   return STATUS_OK;
 }
 
+/* The greys as they are, what is wrong with them, and what is to be done about it. */
+static enum status survey_region(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  struct survey *survey = &pipeline->survey;
+  bool wanted = request->correct_beam || request->correct_rings || request->denoise != DENOISE_NONE;
+  memcpy(pipeline->survey_size, pipeline->region.size, sizeof pipeline->survey_size);
+  TRY(survey_take(&pipeline->region, request->void_ratio / (1.0 + request->void_ratio), survey));
+  pipeline->correction = (struct correction){survey, request->correct_beam, request->correct_rings};
+  if (wanted && !(survey->phases.contrast_to_noise > 0.0)) {
+    log_warning("--denoise and --correct do nothing: the image is segmented or of one grey");
+  } else if (wanted && isnan(survey->rings) && (request->correct_beam || request->correct_rings)) {
+    log_warning("--correct does nothing: the region is too small to tell how greys change with the "
+                "radius");
+    pipeline->correction.beam = pipeline->correction.rings = false;
+    pipeline->region.correction = &pipeline->correction;
+  } else if (wanted) {
+    pipeline->region.correction = &pipeline->correction;
+  }
+  if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
+cleanup:
+  return status;
+}
+
 static enum status choose_region(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -84,6 +108,11 @@ static enum status choose_region(struct pipeline *pipeline) {
   struct region *region = &pipeline->region;
   *region = (struct region){.stack = stack, .scale = request->dark_grains ? -1.0 : 1.0};
   memcpy(region->size, stack->size, sizeof region->size);
+  for (int d = 0; d < 2; d++) {
+    region->axis[d] = isnan(request->axis[d]) ? 0.5 * (double)stack->size[d] : request->axis[d];
+    if (!(region->axis[d] > -1e5 && region->axis[d] < 1e6))
+      TRY_FAIL(STATUS_USAGE, "--axis: %g is far outside the slices", region->axis[d]);
+  }
   for (int d = 0; request->crop_given && d < 3; d++) {
     region->origin[d] = request->crop[d];
     region->size[d] = request->crop[d + 3];
@@ -95,9 +124,12 @@ static enum status choose_region(struct pipeline *pipeline) {
   TRY(stack_keep_labels(stack, region->origin[2]));
   if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
+  TRY(survey_region(pipeline));
   int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
   for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
-  if (axis != 2) TRY(region_turn(region, axis, &pipeline->turned));
+  /* Each slice is denoised once. */
+  if (axis != 2 || region->denoise != DENOISE_NONE)
+    TRY(region_turn(region, axis, &pipeline->turned));
   TRY(choose_size(pipeline));
   TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));
   for (size_t z = 0; z < pipeline->size[2]; z++)
@@ -355,5 +387,6 @@ void pipeline_end(struct pipeline *pipeline) {
   memory_free(&pipeline->middle);
   memory_free(&pipeline->turned);
   memory_free(&pipeline->weight);
+  survey_end(&pipeline->survey);
   stack_close(&pipeline->stack);
 }

@@ -9,10 +9,12 @@
 #include "common/error.h"
 #include "common/model_file.h"
 #include "ct2model/calibrate.h"
+#include "ct2model/denoise_effect.h"
 #include "ct2model/morphology.h"
 #include "ct2model/region.h"
 #include "ct2model/request.h"
 #include "ct2model/stack.h"
+#include "ct2model/survey.h"
 
 struct quality {
   bool percolates[3];
@@ -26,6 +28,10 @@ struct pipeline {
   const struct request *request;
   struct stack stack;
   struct region region;
+  struct survey survey;              /* of the greys as stored, in the scan's axes */
+  size_t survey_size[2];             /* of its slices */
+  struct correction correction;      /* what region applies, if asked */
+  struct denoise_effect denoised;    /* if asked */
   float *turned;                     /* the scan with other axes (--flow); NULL if z stays z */
   struct grey_histogram histogram;   /* of the region */
   struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */

@@ -3,7 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/survey.h"
 
 size_t region_batch(const struct region *region) {
   const double bytes = 32e6;
@@ -31,7 +33,10 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
       out[y * region->size[0] + x] = grey;
     }
   }
-  return STATUS_OK;
+  if (region->correction == NULL) return STATUS_OK;
+  status = correction_apply(region, out);
+  if (status != STATUS_OK || region->denoise == DENOISE_NONE) return status;
+  return denoise_slice(region->denoise, &region->correction->survey->phases, region->size, out);
 }
 
 enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
@@ -67,6 +72,8 @@ enum status region_turn(struct region *region, int axis, float **store) {
   size_t plane = from.size[0] * from.size[1], batch = region_batch(&from), numbers[64];
   size_t stride[3]; /* in the turned region, of a step along the scan's x, y, z */
   float *slices = NULL, *turned = NULL;
+  struct progress progress;
+  progress_start(&progress, "preparing", "slices", (double)from.size[2]);
   for (int d = 0; d < 3;
        d++) { /* the turned z is `axis`, its x the next axis, its y the one after */
     int source = (axis + 1 + d) % 3;
@@ -83,7 +90,9 @@ enum status region_turn(struct region *region, int axis, float **store) {
     for (size_t i = 0; i < n * plane; i++)
       turned[(z + i / plane) * stride[2] + i % plane / from.size[0] * stride[1] +
              i % from.size[0] * stride[0]] = slices[i];
+    progress_update(&progress, (double)(z + n), NULL);
   }
+  progress_end(&progress);
   *store = turned;
   region->turned = turned;
 cleanup:

@@ -6,7 +6,10 @@
 #include <stddef.h>
 
 #include "common/error.h"
+#include "ct2model/denoise.h"
 #include "ct2model/stack.h"
+
+struct correction;
 
 struct region {
   const struct stack *stack;
@@ -14,6 +17,9 @@ struct region {
   double voxel[3];           /* m */
   double scale;              /* grey = scale * stored value; negative for dark grains */
   const float *turned;       /* the whole region with other axes, once region_turn made it */
+  double axis[2];            /* of rotation, pixels of the whole slice */
+  const struct correction *correction; /* NULL: greys as stored */
+  enum denoise denoise;
 };
 
 /* How many slices are read at a time (bounded memory). */
@@ -21,8 +27,9 @@ size_t region_batch(const struct region *region);
 /* Slices of the region numbers[0 .. n-1] into out[n][size y][size x]. */
 enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out);
 
-/* Makes `axis` (0 x, 1 y) of the scan the z of the region, by a cyclic change of axes; size and
- * voxel follow. The whole region is held in *store (memory_free after the last read). */
+/* Makes `axis` (0 x, 1 y, 2 z as it is) of the scan the z of the region, by a cyclic change of
+ * axes; size and voxel follow. The whole region is held in *store (memory_free after the last
+ * read). */
 enum status region_turn(struct region *region, int axis, float **store);
 
 #endif

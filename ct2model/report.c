@@ -114,6 +114,12 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   put(root, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak));
   put(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
   put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
+  put(root, "beam_hardening", pipeline->survey.beam);
+  put(root, "rings", pipeline->survey.rings);
+  if (pipeline->region.denoise != DENOISE_NONE) {
+    put(root, "denoised_void_ratio", pipeline->denoised.void_ratio);
+    put(root, "denoised_surface_ratio", pipeline->denoised.surface);
+  }
   put(root, "specific_surface_per_m", pipeline->quality.surface_original);
   size_t original[3];
   double voxel[3];
@@ -203,15 +209,32 @@ static void print_morphology(const struct pipeline *pipeline) {
   }
 }
 
+/* What the survey found, and what was done about it. */
+static void print_scan(const struct pipeline *pipeline) {
+  const struct survey *survey = &pipeline->survey;
+  if (isfinite(survey->rings))
+    printf("radial            grain %+.1f +- %.1f %% of the contrast from middle to rim%s; rings "
+           "%.1f %%%s\n",
+           100.0 * survey->beam, 100.0 * survey->beam_error,
+           pipeline->correction.beam ? " (levelled)" : "", 100.0 * survey->rings,
+           pipeline->correction.rings ? " (taken out)" : "");
+  if (pipeline->region.denoise != DENOISE_NONE)
+    printf("denoised          surface %+.0f %%; the threshold of the noisy slices would now give a "
+           "void ratio of %.4f\n",
+           100.0 * (pipeline->denoised.surface - 1.0), pipeline->denoised.void_ratio);
+}
+
 static void print_text(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const struct quality *quality = &pipeline->quality;
   printf("threshold         %.4f", pipeline_grey(pipeline, pipeline->threshold));
   if (isfinite(pipeline_threshold_error(pipeline)))
     printf(" +- %.3g", pipeline_threshold_error(pipeline));
-  printf(" (full resolution %.4f, Otsu %.4g)\n",
-         pipeline_grey(pipeline, pipeline->threshold_original),
+  printf(" (full resolution %.4f, Otsu %.4g", pipeline_grey(pipeline, pipeline->threshold_original),
          pipeline_grey(pipeline, pipeline->otsu));
+  if (pipeline->phases.levels > 2 && pipeline->phases.valley_depth < 0.9)
+    printf(", least between the peaks %.4g", pipeline_grey(pipeline, pipeline->phases.valley));
+  printf(")\n");
   if (pipeline->phases.levels > 2)
     printf("dT/de             %.4g grey levels per unit of void ratio (full resolution %.4g)\n",
            threshold_slope(pipeline), pipeline_grey(pipeline, pipeline->threshold_slope_original));
@@ -221,6 +244,7 @@ static void print_text(const struct pipeline *pipeline) {
   if (isfinite(pipeline->phases.contrast_to_noise))
     printf(", contrast %.3g times the noise", pipeline->phases.contrast_to_noise);
   putchar('\n');
+  print_scan(pipeline);
   if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2 ||
       request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);

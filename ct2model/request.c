@@ -1,6 +1,7 @@
 #include "ct2model/request.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,6 +52,11 @@ static const struct option_entry ENTRIES[] = {
     {"threshold", 0, "RULE", SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
+    {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
+     "filter each slice first: none (default), median of 5x5 pixels, nlm (non-local means)"},
+    {"correct", 0, "LIST", SWEEP | BUILD,
+     "level what the radius does to the greys: beam (hardening), rings, or beam,rings"},
+    {"axis", 0, "X,Y", SWEEP | BUILD, "pixel about which rings lie (default the middle)"},
     {"islands", 0, "keep|fill", SWEEP | BUILD,
      "pores that are not on the flow path: keep (default) or fill with grain"},
     {"scale-peak", 0, "VALUE", SWEEP | BUILD,
@@ -120,22 +126,40 @@ static enum status parse_choices(const struct options *options, struct request *
   static const char *const MIRRORS[] = {"x", "y", "z", "none", NULL};
   static const char *const AXES[] = {"x", "y", "z", NULL};
   static const char *const GRAINS[] = {"bright", "dark", NULL};
+  static const char *const DENOISE[] = {"none", "median", "nlm", NULL};
   static const char *const ISLANDS[] = {"keep", "fill", NULL};
   enum status status = STATUS_OK;
-  int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0;
+  int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0, denoise = 0;
   TRY(options_choice(options, "filter", FILTERS, &filter));
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
   request->flow_axis = 2;
   TRY(options_choice(options, "flow", AXES, &request->flow_axis));
   TRY(options_choice(options, "grain", GRAINS, &grain));
   TRY(options_choice(options, "islands", ISLANDS, &islands));
+  TRY(options_choice(options, "denoise", DENOISE, &denoise));
   request->filter = (enum filter)filter;
+  request->denoise = (enum denoise)denoise;
   request->mirror = mirror < 3;
   request->mirror_axis = mirror < 3 ? mirror : 2;
   request->dark_grains = grain == 1;
   request->fill_islands = islands == 1;
 cleanup:
   return status;
+}
+
+static enum status parse_correct(const struct options *options, struct request *request) {
+  const char *text = options_text(options, "correct"), *axis = options_text(options, "axis");
+  char rest;
+  request->axis[0] = request->axis[1] = NAN;
+  if (axis != NULL && sscanf(axis, "%lf,%lf%c", &request->axis[0], &request->axis[1], &rest) != 2)
+    return FAIL(STATUS_USAGE, "--axis %s: X,Y is wanted, e.g. 512,498.5", axis);
+  if (text == NULL) return STATUS_OK;
+  request->correct_beam = strcmp(text, "rings") != 0;
+  request->correct_rings = strcmp(text, "beam") != 0;
+  if (strcmp(text, "beam") == 0 || strcmp(text, "rings") == 0 || strcmp(text, "beam,rings") == 0 ||
+      strcmp(text, "rings,beam") == 0)
+    return STATUS_OK;
+  return FAIL(STATUS_USAGE, "--correct %s: beam, rings or beam,rings is wanted", text);
 }
 
 enum status request_parse(const struct options *options, struct request *request) {
@@ -170,6 +194,7 @@ enum status request_parse(const struct options *options, struct request *request
   TRY(options_number(options, "scale-peak", &request->scale_peak));
   TRY(parse_threshold(options, request));
   TRY(parse_choices(options, request));
+  TRY(parse_correct(options, request));
   if (options_given(options, "scale-peak") && !(request->scale_peak > 0.0))
     TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0", options_text(options, "scale-peak"));
   if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio))

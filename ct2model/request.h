@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "common/options.h"
+#include "ct2model/denoise.h"
 #include "ct2model/image.h"
 #include "ct2model/resample.h"
 #include "ct2model/roi.h"
@@ -23,6 +24,9 @@ struct request {
   struct roi roi;
   int flow_axis; /* of the scan, 0 x .. 2 z: the model's z */
   enum filter filter;
+  enum denoise denoise;
+  bool correct_beam, correct_rings;
+  double axis[2];                      /* of rotation, pixels; NAN: the middle */
   double void_ratio, void_ratio_error; /* NAN if not given */
   enum threshold_rule rule;
   double threshold; /* of THRESHOLD_VALUE, in reported greys */

@@ -29,6 +29,8 @@ static const char HELP[] =
     "  --voxel-size Q        edge of a voxel (default 5.83um)\n"
     "  --void-ratio E        pore volume over grain volume (default 0.725)\n"
     "  --noise-ratio R       contrast over standard deviation of the noise (default 8)\n"
+    "  --ring R              height of the strongest rings over contrast (default 0.06)\n"
+    "  --beam R              beam hardening: greys rise by this share outwards (default 0)\n"
     "  --seed N              another sand for every number (default 1)\n"
     "  --truth FILE          the true voxels, raw, 1 byte each, x fastest: 1 grain, 0 pore\n"
     "  --threads N           (default: all cores)\n"
@@ -69,10 +71,13 @@ static enum status parse_size(const char *text, long size[3]) {
 
 static enum status parse_request(int argc, char **argv, struct request *request, int *help) {
   static const struct option options[] = {
-      {"output", 1, NULL, 'o'},      {"format", 1, NULL, 'f'},     {"size", 1, NULL, 's'},
-      {"voxel-size", 1, NULL, 'v'},  {"void-ratio", 1, NULL, 'e'}, {"seed", 1, NULL, 'S'},
-      {"noise-ratio", 1, NULL, 'n'}, {"truth", 1, NULL, 't'},      {"threads", 1, NULL, 'j'},
-      {"quiet", 0, NULL, 'q'},       {"help", 0, NULL, 'h'},       {NULL, 0, NULL, 0}};
+      {"output", 1, NULL, 'o'},      {"format", 1, NULL, 'f'},
+      {"size", 1, NULL, 's'},        {"voxel-size", 1, NULL, 'v'},
+      {"void-ratio", 1, NULL, 'e'},  {"seed", 1, NULL, 'S'},
+      {"noise-ratio", 1, NULL, 'n'}, {"truth", 1, NULL, 't'},
+      {"threads", 1, NULL, 'j'},     {"ring", 1, NULL, 'r'},
+      {"beam", 1, NULL, 'b'},        {"quiet", 0, NULL, 'q'},
+      {"help", 0, NULL, 'h'},        {NULL, 0, NULL, 0}};
   enum status status = STATUS_OK;
   double number;
   opterr = 0;
@@ -106,6 +111,12 @@ static enum status parse_request(int argc, char **argv, struct request *request,
       break;
     case 'n':
       TRY(parse_number("noise-ratio", optarg, 1, 1e4, &request->settings.noise_ratio));
+      break;
+    case 'r':
+      TRY(parse_number("ring", optarg, 0, 1, &request->settings.ring));
+      break;
+    case 'b':
+      TRY(parse_number("beam", optarg, 0, 1, &request->settings.beam));
       break;
     case 'S':
       TRY(parse_number("seed", optarg, 0, 4294967295.0, &number));
@@ -215,6 +226,7 @@ static enum status write_description(const struct request *request, const char *
           field->offset * field->voxel, field->shared, statistics->grains, statistics->whole_grains,
           statistics->diameter_min, statistics->diameter_mean, statistics->diameter_max,
           statistics->coordination, statistics->largest_cluster);
+  if (s->beam > 0) fprintf(file, "  \"beam\": %g,\n", s->beam);
   fprintf(file,
           "  \"grain_grey\": %g,\n"
           "  \"pore_grey\": %g,\n"

@@ -145,10 +145,22 @@ static double slice_drift(const struct scan_artefacts *scan, long z) {
          (wander + 0.25 * random_normal(key, ((uint64_t)1 << 32) + (uint64_t)z));
 }
 
+/* Pixels from the axis of rotation, which is not the middle of the crop. */
+static double axis_distance(const struct scan_artefacts *scan, double x, double y) {
+  const double dx = x - 0.47 * (double)scan->field->size[0];
+  const double dy = y - 0.54 * (double)scan->field->size[1];
+  return sqrt(dx * dx + dy * dy);
+}
+
+/* Outer parts look brighter where the soft part of the beam is lost on the way in (cupping). */
+static float beam_factor(const struct scan_artefacts *scan, long x, long y) {
+  const double r = axis_distance(scan, (double)x, (double)y);
+  const double most = axis_distance(scan, (double)scan->field->size[0], 0);
+  return (float)(1 + scan->settings.beam * (r / most) * (r / most));
+}
+
 static float ring_value(const struct scan_artefacts *scan, long x, long y) {
-  const double dx = (double)x - 0.47 * (double)scan->field->size[0];
-  const double dy = (double)y - 0.54 * (double)scan->field->size[1];
-  const double r = 2 * sqrt(dx * dx + dy * dy);
+  const double r = 2 * axis_distance(scan, (double)x, (double)y);
   const long below = (long)r;
   const double weight = r - (double)below;
   return (float)((1 - weight) * scan->ring[below] + weight * scan->ring[below + 1]);
@@ -186,7 +198,8 @@ void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, flo
         /* Propagation-based phase contrast adds the negative Laplacian (Bronnikov 2002, eq. 2). */
         const float laplacian =
             at[-1] + at[1] + at[-row] + at[row] + at[-layer] + at[layer] - 6 * at[0];
-        grey[(z * ny + y) * nx + x] = at[0] - fringe * laplacian + drift + ring_value(scan, x, y);
+        grey[(z * ny + y) * nx + x] =
+            (at[0] - fringe * laplacian) * beam_factor(scan, x, y) + drift + ring_value(scan, x, y);
       }
   }
 

@@ -15,6 +15,7 @@ struct scan_settings {
   double noise_ratio;    /* contrast / standard deviation of the noise (CNR) */
   double noise_length;   /* standard deviation of the Gaussian that correlates it, voxels */
   double ring;           /* height of the strongest rings, share of the contrast */
+  double beam;           /* hardening: greys rise by this share from the axis to the far corner */
   double drift;          /* standard deviation from slice to slice, grey levels */
 };
 

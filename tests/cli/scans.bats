@@ -81,3 +81,67 @@ P
   run_ct info s
   [[ "$stderr" == *"slice_3.tif"*"10 um"*"5.83"* ]]
 }
+
+# wrong OPTION...: percent of voxels on the wrong side at full resolution, against the generator's truth; scan.json beside
+wrong() {
+  "$CT" build sand --void-ratio 0.725 --voxel-size 8.745um --filter none --mirror none --json --quiet "$@" -o w.hdf > scan.json
+  /usr/bin/python3 -c '
+import h5py, numpy as np
+s = h5py.File("w.hdf")["model/solid"][()]
+print(100 * (s != np.fromfile("truth.raw", np.uint8).reshape(s.shape)).mean())'
+}
+value() { python3 -c 'import json, sys; print(json.load(open("scan.json"))[sys.argv[1]])' "$1"; }
+is() { awk "BEGIN { exit !($1) }" || { echo "$1"; false; }; }
+
+@test "denoising takes voxels back to their side, and says what it does to the surface" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  for ratio in 10000 4; do # the first shows what partial volume and blur alone do
+    "$BUILD/bin/generate_sand" --output sand --size 128x128x16 --voxel-size 8.745um --noise-ratio $ratio --truth truth.raw \
+      --quiet
+    [ $ratio = 4 ] || best=$(wrong > /dev/null; value specific_surface_per_m)
+  done
+  noisy=$(wrong)
+  surface=$(value specific_surface_per_m)
+  run_ct sweep sand --void-ratio 0.725 --voxel-size 8.745um
+  [[ "$stderr" == *"contrast is only"*"--denoise nlm would take"* ]]
+  for kind in median nlm; do
+    clean=$(wrong --denoise $kind)
+    is "$clean < $noisy"
+    # Nearer to the surface without noise by more than half.
+    is "($(value specific_surface_per_m) - $best)^2 < 0.25 * ($surface - $best)^2"
+    # The forecast from faces in the slices' own planes, beside the whole scan's surface.
+    is "($(value specific_surface_per_m) / $surface - $(value denoised_surface_ratio))^2 < 0.01"
+    is "($(value void_ratio) - 0.725)^2 < 1e-6"
+    is "($(value denoised_void_ratio) - 0.725)^2 < 0.0025"
+  done
+  wrong --denoise nlm --threads 1 > /dev/null
+  cp w.hdf one.hdf
+  wrong --denoise nlm --threads 3 > /dev/null
+  /usr/bin/python3 -c '
+import h5py
+a, b = (h5py.File(f)["model"] for f in ("one.hdf", "w.hdf"))
+assert (a["solid"][()] == b["solid"][()]).all() and (a["wall_distance"][()] == b["wall_distance"][()]).all()'
+}
+
+@test "beam hardening and rings are measured, and taken out when asked" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  "$BUILD/bin/generate_sand" --output sand --size 128x128x16 --voxel-size 8.745um --ring 0.6 --beam 0.5 --truth truth.raw \
+    --quiet
+  axis="--axis 60.66,69.62" # the generator's
+  plain=$(wrong $axis)
+  is "$(value beam_hardening) > 0.3 && $(value beam_hardening) < 0.65"
+  is "$(value rings) > 0.03"
+  run_ct sweep sand --void-ratio 0.725 --voxel-size 8.745um $axis
+  [[ "$stderr" == *"--correct beam"*"--correct rings"* ]]
+  beam=$(wrong $axis --correct beam)
+  both=$(wrong $axis --correct beam,rings)
+  is "$beam < $plain && $both < $beam"
+  "$BUILD/bin/generate_sand" --output sand --size 128x128x16 --voxel-size 8.745um --ring 0 --truth truth.raw --quiet
+  clean=$(wrong $axis)
+  is "$(value rings) < 0.02 && $(value beam_hardening)^2 < 0.01"
+  is "$both < 1.1 * $clean"
+  run_ct sweep sand --void-ratio 0.725 --correct ring
+  [ "$status" -eq 2 ]
+  run_ct sweep sand --void-ratio 0.725 --axis 3
+  [ "$status" -eq 2 ]
+}
