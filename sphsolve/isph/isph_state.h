@@ -98,7 +98,7 @@ struct isph {
   double filling_alone;          /* V W(0): the filling of a particle without neighbours */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double time;
+  double time, thickest; /* thickest: largest nu + nu_T of the last step */
   int64_t step;
 
   size_t count, capacity;
@@ -161,6 +161,10 @@ struct isph {
   double lost_mass, left_mass, entered_mass;
   double pair_interactions, pair_seconds;
   struct watchdog dog;
+  int64_t calm_from; /* step since which the watchdog has nothing to say */
+  struct isph_settling {
+    double since, reference[3];
+  } settling;
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
 };
 
@@ -180,7 +184,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by);
 struct isph_copy {
   char *block;
   size_t count, counts[3];
-  double time, numbers[3];
+  double time, thickest, numbers[3];
   int64_t step;
   uint64_t next_id;
 };

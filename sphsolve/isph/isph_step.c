@@ -74,6 +74,9 @@ static void find_viscosity(struct isph *s) {
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
     s->eddy[i] = (s->viscosity + fmax(eddies, calm)) / eps;
   }
+  s->thickest = 0;
+  for (size_t i = 0; i < s->count; i++)
+    s->thickest = fmax(s->thickest, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
 }
 
 /* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
@@ -313,12 +316,11 @@ cleanup:
 }
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = 0, thickest = s->viscosity;
+  double fastest = 0, thickest = fmax(s->viscosity, s->thickest);
   for (size_t i = 0; i < s->count; i++) {
     const double *v = s->velocity[i];
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps);
-    if (s->on.turbulence && s->step > 0) thickest = fmax(thickest, s->eddy[i] * eps);
   }
   double force =
       sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]);

@@ -81,11 +81,7 @@ void isph_switches_of(const struct plan *plan, struct isph_switches *on) {
 }
 
 /* Whether the Darcy velocity has stayed within the tolerance over the last tenth of the time. */
-struct settling {
-  double since, reference[3];
-};
-
-static bool settled(struct settling *settling, double tolerance, double time,
+static bool settled(struct isph_settling *settling, double tolerance, double time,
                     const double velocity[3]) {
   double change = 0, size = 0;
   for (int a = 0; a < 3; a++) {
@@ -191,38 +187,40 @@ cleanup:
   return status;
 }
 
+/* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */
+static double row_after(double time, double interval) {
+  return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
+}
+
 static enum status march(struct isph *s, const struct plan *plan, struct isph_copy *copy,
                          struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double row_interval = recorder_row_interval(recorder);
-  double next_row = s->step == 0 ? 0 : INFINITY, fixed_dt = plan->dt, dt = fixed_dt;
-  struct settling settling = {0};
-  double share = 0;
-  int64_t calm_from = s->step;
+  double fixed_dt = plan->dt, dt = fixed_dt, share = 0;
+  bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   char what[160] = "";
   if (isnan(row_interval)) row_interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
-  if (s->step > 0 && row_interval > 0)
-    next_row = (floor(s->time / row_interval) + 1) * row_interval;
-  if (s->step > 0 && row_interval == 0) next_row = 0;
+  double next_row = resumed ? row_after(s->time, row_interval) : 0;
   result->status = "end_time";
   for (;;) {
     bool last = s->time >= scene->end_time * (1 - 1e-12);
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     if (scene->steady_tolerance > 0 &&
-        settled(&settling, scene->steady_tolerance, s->time, velocity)) {
+        settled(&s->settling, scene->steady_tolerance, s->time, velocity)) {
       last = true;
       result->status = "steady";
     }
     if (recorder_interrupted(recorder)) result->status = "interrupted";
-    if (s->time >= next_row * (1 - 1e-12) || last) {
+    if (!resumed && (s->time >= next_row * (1 - 1e-12) || last)) {
       TRY(isph_write_row(s, recorder, isnan(dt) ? 0 : dt));
-      while (next_row <= s->time * (1 + 1e-12) && row_interval > 0) next_row += row_interval;
+      next_row = row_after(s->time, row_interval);
     }
-    if (s->time >= recorder_next_snapshot(recorder) * (1 - 1e-12) || last)
+    if (!resumed && (s->time >= recorder_next_snapshot(recorder) * (1 - 1e-12) || last))
       TRY(isph_write_snapshot(s, recorder));
     if (recorder_checkpoint_due(recorder) && s->step > 0) TRY(isph_write_checkpoint(s, recorder));
+    resumed = false;
     if (recorder_interrupted(recorder)) {
       status = FAIL(STATUS_INTERRUPTED, "interrupted at t = %.4g s; go on with --resume", s->time);
       goto cleanup;
@@ -233,9 +231,9 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       watchdog_keep(&s->dog, s->step, share);
     }
     if (s->dog.halvings > 0 && isnan(fixed_dt) && s->time > s->dog.trip_time &&
-        s->step >= calm_from + RECOVERY) {
+        s->step >= s->calm_from + RECOVERY) {
       s->dog.halvings--;
-      calm_from = s->step;
+      s->calm_from = s->step;
     }
     const char *limited_by = "scene";
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
@@ -255,10 +253,9 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     if (!(share < 1)) {
       TRY(step_back(s, copy, dt, what, recorder));
       share = s->dog.kept_share;
-      calm_from = s->step;
-      settling = (struct settling){.since = s->time};
-      if (row_interval > 0)
-        next_row = (floor(s->time / row_interval * (1 + 1e-12)) + 1) * row_interval;
+      s->calm_from = s->step;
+      s->settling = (struct isph_settling){.since = s->time};
+      next_row = row_after(s->time, row_interval);
       continue;
     }
     char note[96];
