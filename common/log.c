@@ -78,12 +78,13 @@ void progress_update(struct progress *progress, double done, const char *note) {
   progress->last = now;
   double elapsed = now - progress->started;
   double fraction = progress->total > 0 ? done / progress->total : 0;
-  double rate = elapsed > 0 ? done / elapsed : 0;
-  char eta[32];
+  char eta[32], rate[48] = "";
+  if (progress->unit != NULL && elapsed > 0)
+    snprintf(rate, sizeof rate, "  %.3g %s/s", done / elapsed, progress->unit);
   duration_format(fraction > 0 ? elapsed * (1 - fraction) / fraction : INFINITY, eta, sizeof eta);
-  fprintf(stderr, "%s%s %3.0f %%  %.3g %s/s  ETA %s%s%s%s", progress->terminal ? "\r\033[K" : "",
-          progress->what, 100 * fraction, rate, progress->unit, eta, note ? "  " : "",
-          note ? note : "", progress->terminal ? "" : "\n");
+  fprintf(stderr, "%s%s %3.0f %%%s  ETA %s%s%s%s", progress->terminal ? "\r\033[K" : "",
+          progress->what, 100 * fraction, rate, eta, note ? "  " : "", note ? note : "",
+          progress->terminal ? "" : "\n");
   fflush(stderr);
   progress->shown = true;
 }

@@ -24,7 +24,8 @@ void log_pending_error(void);
 double clock_seconds(void);
 
 /* Progress with rate and ETA: a live line on a terminal, one line every 10 s elsewhere, nothing
- * when quiet. `note` (may be NULL) is appended, e.g. "k 0.154 cm/s, density +1.2 %". */
+ * when quiet. Without a `unit` no rate is shown. `note` (may be NULL) is appended, e.g. "k 0.154
+ * cm/s, density +1.2 %". */
 struct progress {
   const char *what, *unit;
   double total, started, last;

@@ -64,7 +64,8 @@ void explain_print(const struct plan *plan) {
     printf("time step  chosen each step from the effects' limits\n");
   }
   duration_format(plan->seconds, text, sizeof text);
-  printf("steps      about %.3g\ntime       about %s\n", plan->steps, text);
+  printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
+         strncmp(text, "under", 5) ? "about " : "", text);
   if (isfinite(plan->error))
     printf("error      about %.2g %%: %s\n", 100 * plan->error, plan->error_why);
   else

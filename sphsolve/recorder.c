@@ -158,7 +158,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   struct sigaction action = {.sa_handler = on_signal};
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
-  progress_start(&recorder->progress, "sphsolve", "%", 100);
+  progress_start(&recorder->progress, "sphsolve", NULL, 100);
   *result = recorder;
 cleanup:
   if (status != STATUS_OK) recorder_close(recorder);
@@ -472,14 +472,6 @@ static enum status write_count(struct h5_file *file, const char *name, uint64_t 
   return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
 }
 
-/* |driving| / 9.80665, unless the scene says otherwise. */
-static double hydraulic_gradient(const struct scene *scene) {
-  if (!isnan(scene->hydraulic_gradient)) return scene->hydraulic_gradient;
-  double square = 0;
-  for (int a = 0; a < 3; a++) square += scene->driving[a] * scene->driving[a];
-  return sqrt(square) / GRAVITY_STANDARD;
-}
-
 static enum status write_run(struct recorder *recorder, const struct run_result *result,
                              struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -510,7 +502,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "k_error", result->k_error));
   TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
   TRY(write_number(file, "reynolds", result->reynolds));
-  TRY(write_number(file, "hydraulic_gradient", hydraulic_gradient(scene)));
+  TRY(write_number(file, "hydraulic_gradient", scene_hydraulic_gradient(scene)));
   TRY(write_number(file, "density", scene->fluid.density));
   TRY(write_number(file, "viscosity", scene->fluid.viscosity));
   TRY(write_number(file, "sound_speed", context->sound_speed));
@@ -595,6 +587,6 @@ void result_from_darcy(const struct scene *scene, const double darcy_velocity[3]
   result->k = result->intrinsic_permeability = NAN;
   if (!(driving > 0)) return;
   along /= driving;
-  result->k = along / hydraulic_gradient(scene);
+  result->k = along / scene_hydraulic_gradient(scene);
   result->intrinsic_permeability = along * scene->fluid.viscosity / scene->fluid.density / driving;
 }

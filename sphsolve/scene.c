@@ -311,3 +311,10 @@ void scene_free(struct scene *scene) {
   memory_free(&scene->output_fields);
   memory_free(&scene->text);
 }
+
+double scene_hydraulic_gradient(const struct scene *scene) {
+  if (!isnan(scene->hydraulic_gradient)) return scene->hydraulic_gradient;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += scene->driving[a] * scene->driving[a];
+  return sqrt(square) / GRAVITY_STANDARD;
+}

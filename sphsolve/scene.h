@@ -150,4 +150,7 @@ void scene_free(struct scene *scene);
 enum status scene_error(const struct scene *scene, enum scene_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
+double scene_hydraulic_gradient(const struct scene *scene);
+
 #endif

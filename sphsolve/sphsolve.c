@@ -115,11 +115,11 @@ static enum status print_json(const struct run_result *result) {
 }
 
 static void print_part(const char *what, double share) {
-  if (isfinite(share)) printf("%s %.2g %%", what, 100 * share);
+  if (isfinite(share)) printf("%s %.*g %%", what, share < 1 ? 2 : 3, 100 * share);
 }
 
 /* The parts of the error, and how the resolution's was found. */
-static void print_error(const struct error_split *split) {
+static void print_error_split(const struct error_split *split) {
   printf("error     ");
   print_part(" resolution", split->resolution);
   print_part(", averaging", split->averaging > 0 ? split->averaging : NAN);
@@ -145,20 +145,20 @@ static void print_result(const struct run_result *result, const char *prefix) {
   char error[64] = "";
   const double total = error_split_total(&result->error);
   if (isfinite(result->k) && total > 0)
-    snprintf(error, sizeof error, " +- %.2g %%%s", 100 * total,
+    snprintf(error, sizeof error, " +- %.*g %%%s", total < 1 ? 2 : 3, 100 * total,
              result->error.levels > 1 ? "" : " (resolution not counted)");
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
-    print_error(&result->error);
+    print_error_split(&result->error);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
     printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
            result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
     printf("Reynolds   %.3g\n", result->reynolds);
   }
   if (result->pair_interactions_per_second > 0)
-    printf("pairs      %.3g per second\n", result->pair_interactions_per_second);
+    printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
   printf("files      %s.hdf\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix,
          prefix);
 }

@@ -290,6 +290,29 @@ static void sample_of(const struct run *run, const struct wcsph_totals *totals,
   }
 }
 
+/* The live line: k so far and where it goes, density, speed. Without an end the share done is that
+ * of the steps planned, or of the orders of magnitude that the error has come down. */
+static void show_progress(const struct run *run, double velocity,
+                          const struct monitor_verdict *verdict,
+                          const struct wcsph_totals *totals) {
+  char note[128], error[32] = "";
+  const double mean = verdict->mean[0], tolerance = run->scene->steady_tolerance;
+  const double *s = run->state.engine.seconds;
+  const double seconds = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
+  if (isfinite(verdict->error)) snprintf(error, sizeof error, " +- %.2g %%", 100 * verdict->error);
+  const char *trend = !(fabs(velocity - mean) > verdict->error * fabs(mean)) ? ""
+                      : velocity > mean                                      ? " rising"
+                                                                             : " falling";
+  snprintf(note, sizeof note, "k %.4g cm/s%s%s, density %+.2f %%, %.0f M pairs/s",
+           100 * mean / scene_hydraulic_gradient(run->scene), error, trend,
+           100 * (totals->density_max - 1),
+           seconds > 0 ? run->state.engine.pair_interactions / seconds / 1e6 : 0);
+  const double steps = fmin((double)run->last_step, run->plan->steps);
+  double done = fmin((double)run->state.step / steps, 0.95);
+  if (tolerance > 0 && verdict->error < 1) done = fmax(done, log(verdict->error) / log(tolerance));
+  recorder_progress(run->recorder, fmin(done, 0.99), note);
+}
+
 static enum status sample(struct run *run, struct monitor_verdict *verdict) {
   enum status status = STATUS_OK;
   struct wcsph_totals totals;
@@ -299,13 +322,7 @@ static enum status sample(struct run *run, struct monitor_verdict *verdict) {
   TRY(monitor_add(&run->state.monitor, value));
   if (isnan(run->row_interval)) TRY(write_row(run, &totals));
   *verdict = monitor_judge(&run->state.monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
-  char note[96];
-  snprintf(note, sizeof note, "v %.4g m/s +- %.2g %%, density %+.2f %%", verdict->mean[0],
-           100 * verdict->error, 100 * (totals.density_max - 1));
-  double done = (double)run->state.step / (double)run->last_step;
-  if (run->scene->steady_tolerance > 0 && verdict->error < 1)
-    done = fmax(done, log(verdict->error) / log(run->scene->steady_tolerance));
-  recorder_progress(run->recorder, fmin(done, 0.99), note);
+  show_progress(run, value[0], verdict, &totals);
 cleanup:
   return status;
 }
