@@ -69,8 +69,8 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     bool close = fabs(result->order - formal_order) <= 0.1 * formal_order;
     result->credible = fabs(result->order - formal_order) <= 0.5 * formal_order;
     result->safety = close ? 1.25 : 3.0;
-    result->order_used =
-        result->credible ? result->order : fmin(fmax(result->order, 0.5), formal_order);
+    /* Faster than the formal order the finest is nearly there, and the observed one says so. */
+    result->order_used = fmax(result->order, 0.5);
   }
   /* Off the credible range only the two finest speak, as they lie nearest to the limit. */
   bool all = n > 2 && result->credible;
@@ -84,6 +84,12 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     result->slope = 0.0;
     result->index = 3.0 * fabs((f[1] - f[0]) / f[0]);
     return;
+  }
+  /* Hardly an order at all: the limit could be anywhere, so the finest stands. */
+  if (n > 2 && result->order < 0.5) {
+    result->far = true;
+    result->value = f[0];
+    result->slope = 0.0;
   }
   double p =
       result->safety < 3.0 || n == 2 ? formal_order : fmin(fmax(result->order, 0.5), formal_order);

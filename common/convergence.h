@@ -10,7 +10,7 @@ struct convergence {
   double order_used;   /* of the extrapolation */
   bool monotone;       /* differences keep their sign from the coarsest to the finest */
   bool credible;       /* monotone, and the observed order within half the formal one of it */
-  bool far;            /* extrapolation would move k by more than half: not done */
+  bool far; /* extrapolation would move k by more than half, or the order is under .5: not done */
   double value, slope; /* f = value + slope h^order_used through the data */
   double safety;       /* 1.25, or 3 where the order was not observed close to the formal one */
   double index;        /* relative grid convergence index of the finest value */

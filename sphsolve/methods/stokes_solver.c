@@ -11,10 +11,10 @@
 /* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
  * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
  * solution 32, residual 16, Krylov work vector 16; and 16 for every vector of the basis. */
-#define MEMORY_GOAL 112.0
+#define MEMORY_GOAL 103.0
 #define SITE_BYTES 31.0
 #define ACTIVE_BYTES 120.0
-#define BASIS_MIN 5
+#define BASIS_MIN 3
 #define BASIS_MAX 24
 
 int stokes_solver_basis(double sites, double active) {
