@@ -21,7 +21,8 @@ void grey_histogram_add(struct grey_histogram *histogram, const float *values, s
   const double scale = 1.0 / histogram->width, top = (double)histogram->bins - 1.0;
   for (size_t i = 0; i < n; i++) {
     double bin = ((double)values[i] - histogram->low) * scale;
-    histogram->counts[(size_t)fmin(fmax(bin, 0.0), top)]++;
+    bin = bin > 0.0 ? bin : 0.0;
+    histogram->counts[(size_t)(bin < top ? bin : top)]++;
   }
   histogram->total += n;
 }

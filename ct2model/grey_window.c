@@ -54,9 +54,10 @@ static enum status read_slices(struct grey_window *window, size_t n) {
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < some * plane; i++) {
       double value = ((double)window->greys[i] - window->threshold) * window->scale;
+      value = value > 32767.0 ? 32767.0 : value < -32767.0 ? -32767.0 : value;
       /* Away from zero, so that the sign is that of the grey against the threshold. */
-      value = value > 0.0 ? fmin(ceil(value), 32767.0) : fmax(floor(value), -32767.0);
-      target[i] = (int16_t)value;
+      int whole = (int)value;
+      target[i] = (int16_t)(whole + (value > whole) - (value < whole));
     }
     window->depth += some;
     n -= some;
@@ -120,51 +121,76 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
   return status == STATUS_OK ? remove_specks(window) : status;
 }
 
-/* Grain share of a voxel cut by the plane that its grey gradient says; 0 or 1 where no
- * neighbour is of the other phase. */
-static float voxel_fraction(const struct grey_window *window, size_t x, size_t y, size_t z) {
+/* The six neighbours' rows of row y, layer `deep` of the window; periodic in x and y. */
+struct neighbours {
+  const int16_t *at, *rows[4]; /* y + 1, y - 1, z + 1, z - 1 */
+  size_t nx;
+};
+
+static struct neighbours neighbours_of(const struct grey_window *window, size_t y, size_t deep) {
   size_t nx = window->region->size[0], ny = window->region->size[1], plane = nx * ny;
-  const int16_t *at = window->field + z * plane;
-  const int16_t *up = z + 1 < window->depth ? at + plane : at, *down = z > 0 ? at - plane : at;
-  size_t here = y * nx + x;
-  int16_t value = at[here];
-  int16_t around[6] = {at[y * nx + (x + 1) % nx],
-                       at[y * nx + (x + nx - 1) % nx],
-                       at[(y + 1) % ny * nx + x],
-                       at[(y + ny - 1) % ny * nx + x],
-                       up[here],
-                       down[here]};
-  bool cut = false;
-  double slope = 0.0;
-  for (int d = 0; d < 3; d++) {
-    cut |= (around[2 * d] > 0) != (value > 0) || (around[2 * d + 1] > 0) != (value > 0);
-    slope += 0.5 * fabs((double)around[2 * d] - (double)around[2 * d + 1]);
+  const int16_t *layer = window->field + deep * plane, *at = layer + y * nx;
+  return (struct neighbours){
+      .at = at,
+      .rows = {layer + (y + 1 < ny ? y + 1 : 0) * nx, layer + (y > 0 ? y - 1 : ny - 1) * nx,
+               deep + 1 < window->depth ? at + plane : at, deep > 0 ? at - plane : at},
+      .nx = nx};
+}
+
+/* Grain share of a voxel cut by the plane that its grey gradient says. */
+static float voxel_fraction(const struct neighbours *n, size_t x) {
+  double value = (double)n->at[x];
+  double slope =
+      fabs((double)n->at[x + 1 < n->nx ? x + 1 : 0] - (double)n->at[x > 0 ? x - 1 : n->nx - 1]);
+  for (int d = 0; d < 4; d += 2) slope += fabs((double)n->rows[d][x] - (double)n->rows[d + 1][x]);
+  if (slope == 0.0) return value > 0.0 ? 1.0f : 0.0f;
+  double share = 0.5 + 2.0 * value / slope;
+  return (float)(share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share);
+}
+
+/* Grain shares of one row: 0 or 1 where no neighbour is of the other phase. `cut` is scratch. */
+static void row_fractions(const struct neighbours *n, uint8_t *cut, float *shares) {
+  const int16_t *at = n->at;
+  const size_t nx = n->nx;
+  for (size_t x = 0; x < nx; x++) {
+    bool grain = at[x] > 0;
+    cut[x] = (uint8_t)(((n->rows[0][x] > 0) != grain) | ((n->rows[1][x] > 0) != grain) |
+                       ((n->rows[2][x] > 0) != grain) | ((n->rows[3][x] > 0) != grain));
+    shares[x] = grain ? 1.0f : 0.0f;
   }
-  if (!cut || slope == 0.0) return value > 0 ? 1.0f : 0.0f;
-  return (float)fmin(1.0, fmax(0.0, 0.5 + (double)value / slope));
+  for (size_t x = 0; x + 1 < nx; x++) {
+    uint8_t changes = (at[x] > 0) != (at[x + 1] > 0);
+    cut[x] |= changes;
+    cut[x + 1] |= changes;
+  }
+  if ((at[0] > 0) != (at[nx - 1] > 0)) cut[0] = cut[nx - 1] = 1;
+  for (size_t x = 0; x < nx; x++)
+    if (cut[x] != 0) shares[x] = voxel_fraction(n, x);
 }
 
 enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
                                   struct resampler *area, float *volume, size_t changes[3]) {
   enum status status = STATUS_OK;
   float *shares = NULL;
+  uint8_t *cut = NULL;
   size_t nx = window->region->size[0], ny = window->region->size[1], plane = nx * ny;
   TRY(memory_allocate(&shares, area->batch * plane, sizeof *shares, "grain fractions"));
+  TRY(memory_allocate(&cut, area->batch * plane, 1, "grain fractions"));
   for (size_t z = z0; z < z1; z += area->batch) {
     size_t n = z1 - z < area->batch ? z1 - z : area->batch;
     size_t cx = 0, cy = 0, cz = 0;
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
     for (size_t row = 0; row < n * ny; row++) {
       size_t y = row % ny, deep = (size_t)((long)(z + row / ny) - window->first);
-      const int16_t *at = window->field + deep * plane + y * nx;
-      bool last_y = y + 1 == ny, last_z = z + row / ny + 1 == window->region->size[2];
-      for (size_t x = 0; x < nx; x++) {
-        shares[row * nx + x] = voxel_fraction(window, x, y, deep);
-        bool grain = at[x] > 0;
-        if (x + 1 < nx) cx += grain != (at[x + 1] > 0);
-        if (!last_y) cy += grain != (at[x + nx] > 0);
-        if (!last_z) cz += grain != (at[x + plane] > 0);
-      }
+      const struct neighbours near = neighbours_of(window, y, deep);
+      size_t along_x = 0, along_y = 0, along_z = 0;
+      row_fractions(&near, cut + row * nx, shares + row * nx);
+      for (size_t x = 0; x + 1 < nx; x++) along_x += (near.at[x] > 0) != (near.at[x + 1] > 0);
+      for (size_t x = 0; x < nx; x++) along_y += (near.at[x] > 0) != (near.rows[0][x] > 0);
+      for (size_t x = 0; x < nx; x++) along_z += (near.at[x] > 0) != (near.rows[2][x] > 0);
+      cx += along_x;
+      if (y + 1 < ny) cy += along_y;
+      if (z + row / ny + 1 < window->region->size[2]) cz += along_z;
     }
     changes[0] += cx;
     changes[1] += cy;
@@ -173,6 +199,7 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
   }
 cleanup:
   memory_free(&shares);
+  memory_free(&cut);
   return status;
 }
 

@@ -325,6 +325,32 @@ cleanup:
   return status;
 }
 
+/* A sweep needs the surface alone: of a tall scan, slabs stand for the whole. */
+static enum status sample_surface(struct pipeline *pipeline, struct wall_request *request) {
+  enum { SLABS = 8, SLICES = 16 };
+  enum status status = STATUS_OK;
+  struct wall_result walls = {0};
+  const struct region *region = &pipeline->region;
+  struct region slab = *region;
+  double area = 0.0;
+  size_t nz = region->size[2], plane = region->size[0] * region->size[1];
+  size_t slabs = nz >= 3 * SLABS * SLICES ? SLABS : 1, slices = slabs > 1 ? SLICES : nz;
+  double share = (double)slices / (double)nz;
+  slab.size[2] = slices;
+  request->size[2] = (size_t)fmax(1.0, round(share * (double)pipeline->size[2]));
+  for (size_t i = 0; i < slabs; i++) {
+    size_t first = slabs > 1 ? i * (nz - slices) / (slabs - 1) : 0;
+    slab.origin[2] = region->origin[2] + first;
+    if (region->turned != NULL) slab.turned = region->turned + first * plane;
+    TRY(wall_measure(&slab, request, &walls));
+    area += walls.surface_area;
+    wall_result_end(&walls);
+  }
+  pipeline->quality.surface_original = area / (share * (double)slabs);
+cleanup:
+  return status;
+}
+
 static enum status find_walls(struct pipeline *pipeline, bool distances) {
   enum status status = STATUS_OK;
   struct wall_result walls = {0};
@@ -337,13 +363,17 @@ static enum status find_walls(struct pipeline *pipeline, bool distances) {
                                  .mirror = pipeline->request->mirror,
                                  .distances = distances};
   memcpy(request.size, pipeline->size, sizeof request.size);
-  TRY(wall_measure(&pipeline->region, &request, &walls));
-  pipeline->specks = walls.specks;
   double volume = 1.0;
   for (int d = 0; d < 3; d++)
     volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
+  if (!distances) {
+    TRY(sample_surface(pipeline, &request));
+    pipeline->quality.surface_original /= volume;
+    goto cleanup;
+  }
+  TRY(wall_measure(&pipeline->region, &request, &walls));
+  pipeline->specks = walls.specks;
   pipeline->quality.surface_original = walls.surface_area / volume;
-  if (!distances) goto cleanup;
   struct voxel_model *model = &pipeline->model;
   model->wall_distance = walls.distance;
   model->grain_fraction = walls.grain_fraction;

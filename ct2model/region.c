@@ -14,8 +14,13 @@ size_t region_batch(const struct region *region) {
   return n < 4.0 ? 4 : n > 64.0 ? 64 : (size_t)n;
 }
 
+static bool is_whole(const struct region *region) {
+  return region->size[0] == region->stack->size[0] && region->size[1] == region->stack->size[1];
+}
+
 static enum status read_one(const struct region *region, size_t z, float *whole, float *out) {
   const struct stack *stack = region->stack;
+  if (is_whole(region)) whole = out; /* in place */
   enum status status = stack_read(stack, region->origin[2] + z, whole);
   if (status != STATUS_OK) return status;
   float scale = (float)region->scale;
@@ -51,7 +56,8 @@ enum status region_read(const struct region *region, const size_t *numbers, size
 #pragma omp parallel
   {
     float *whole = NULL;
-    enum status mine = memory_allocate(&whole, pixels, sizeof *whole, "a slice");
+    enum status mine =
+        memory_allocate(&whole, is_whole(region) ? 0 : pixels, sizeof *whole, "a slice");
 #pragma omp for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
       if (mine == STATUS_OK)

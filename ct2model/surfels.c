@@ -19,41 +19,52 @@ struct surfel {
 
 /* Eight corners, corner c at (c & 1, c >> 1 & 1, c >> 2). */
 static void cell_corners(const int16_t *field, const size_t size[3], const size_t cell[3],
-                         double corner[8]) {
-  for (unsigned c = 0; c < 8; c++) {
-    size_t x = (cell[0] + (c & 1)) % size[0], y = (cell[1] + (c >> 1 & 1)) % size[1];
-    corner[c] = field[((cell[2] + (c >> 2)) * size[1] + y) * size[0] + x];
-  }
+                         float corner[8]) {
+  size_t x[2] = {cell[0], cell[0] + 1 < size[0] ? cell[0] + 1 : 0};
+  size_t y[2] = {cell[1], cell[1] + 1 < size[1] ? cell[1] + 1 : 0};
+  for (unsigned c = 0; c < 8; c++)
+    corner[c] = field[((cell[2] + (c >> 2)) * size[1] + y[c >> 1 & 1]) * size[0] + x[c & 1]];
 }
 
-static struct surfel make_surfel(const double corner[8], const double stretch[3]) {
-  static const uint8_t EDGES[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
-                                       {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
-  double centre[3] = {0, 0, 0}, gradient[3] = {0, 0, 0}, length = 0.0;
-  int crossings = 0;
+/* Without branches, which no processor could foretell here. */
+static struct surfel make_surfel(const float corner[8], const float stretch[3]) {
+  /* The four edges along x, then y, then z: from corner A to corner B. */
+  static const uint8_t A[12] = {0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3};
+  static const uint8_t B[12] = {1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7};
+  /* What corner A of each edge adds to the two other coordinates. */
+  static const float OTHER[3][12] = {{0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1},
+                                     {0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1, 1},
+                                     {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0}};
+  float crossed[12], at[12], rise[12], centre[3] = {0, 0, 0}, gradient[3], count = 0.0f;
   for (int e = 0; e < 12; e++) {
-    unsigned a = EDGES[e][0], b = EDGES[e][1], axis = (unsigned)e / 4;
-    if ((corner[a] > 0) == (corner[b] > 0)) continue;
-    crossings++;
-    for (unsigned d = 0; d < 3; d++)
-      centre[d] += d == axis ? corner[a] / (corner[a] - corner[b]) : (double)(a >> d & 1);
+    float a = corner[A[e]], b = corner[B[e]];
+    rise[e] = b - a;
+    bool cuts = (a > 0.0f) != (b > 0.0f);
+    crossed[e] = cuts ? 1.0f : 0.0f;
+    at[e] = crossed[e] * a / (cuts ? a - b : 1.0f);
   }
-  for (int d = 0; d < 3; d++) centre[d] /= crossings;
-  for (unsigned axis = 0; axis < 3; axis++) {
-    unsigned u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (unsigned i = 0; i < 4; i++) { /* the four edges along this axis, bilinear weights */
-      unsigned a = (i & 1) << u | (i >> 1) << v, b = a | 1u << axis;
-      double weight = ((i & 1) != 0 ? centre[u] : 1.0 - centre[u]) *
-                      (i >> 1 != 0 ? centre[v] : 1.0 - centre[v]);
-      gradient[axis] += weight * (corner[b] - corner[a]) / stretch[axis];
-    }
-    length += gradient[axis] * gradient[axis];
+  for (int e = 0; e < 12; e++) {
+    count += crossed[e];
+    for (int d = 0; d < 3; d++) centre[d] += crossed[e] * OTHER[d][e];
   }
-  length = length > 0.0 ? sqrt(length) : 1.0;
+  for (int e = 0; e < 4; e++)
+    for (int d = 0; d < 3; d++) centre[d] += at[4 * d + e];
+  for (int d = 0; d < 3; d++) centre[d] /= count;
+  float length = 0.0f;
+  for (int d = 0; d < 3; d++) { /* along the axis, bilinear between its four edges */
+    float u = centre[d == 0 ? 1 : 0], v = centre[d == 2 ? 1 : 2];
+    const float *r = rise + 4 * d;
+    gradient[d] =
+        ((1.0f - v) * ((1.0f - u) * r[0] + u * r[1]) + v * ((1.0f - u) * r[2] + u * r[3])) /
+        stretch[d];
+    length += gradient[d] * gradient[d];
+  }
+  length = length > 0.0f ? sqrtf(length) : 1.0f;
   struct surfel surfel = {0};
   for (int d = 0; d < 3; d++) {
-    surfel.position[d] = (uint8_t)lround(255.0 * centre[d]);
-    surfel.normal[d] = (int8_t)lround(127.0 * gradient[d] / length);
+    float normal = 127.0f * gradient[d] / length;
+    surfel.position[d] = (uint8_t)(255.0f * centre[d] + 0.5f);
+    surfel.normal[d] = (int8_t)(normal < 0.0f ? normal - 0.5f : normal + 0.5f);
   }
   return surfel;
 }
@@ -74,6 +85,8 @@ static void row_crossings(const int16_t *field, const size_t size[3], size_t y, 
 static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz, uint8_t *row,
                         uint32_t *cursor) {
   const size_t *size = surfels->size;
+  const float stretch[3] = {(float)surfels->stretch[0], (float)surfels->stretch[1],
+                            (float)surfels->stretch[2]};
   uint8_t *crossed = row + size[0] + 1;
   for (size_t z = bz * BLOCK; z < (bz + 1) * BLOCK && z + 1 < size[2]; z++) {
     for (size_t y = 0; y < size[1]; y++) {
@@ -86,9 +99,9 @@ static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz
           surfels->first[block + 1]++;
           continue;
         }
-        double corner[8];
+        float corner[8];
         cell_corners(field, size, (size_t[3]){x, y, z}, corner);
-        struct surfel surfel = make_surfel(corner, surfels->stretch);
+        struct surfel surfel = make_surfel(corner, stretch);
         surfel.cell = (uint8_t)(x % BLOCK + BLOCK * (y % BLOCK) + BLOCK * BLOCK * (z % BLOCK));
         surfels->items[cursor[block]++] = surfel;
       }

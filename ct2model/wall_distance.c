@@ -227,11 +227,12 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   }
   progress_end(&progress);
   result->specks = walk.window.specks;
-  /* Faces show 3/2 of an isotropic surface (Crofton). */
-  result->surface_area = 2.0 / 3.0 *
-                         ((double)walk.changes[0] * voxel[1] * voxel[2] +
-                          (double)walk.changes[1] * voxel[0] * voxel[2] +
-                          (double)walk.changes[2] * voxel[0] * voxel[1]);
+  /* Faces show 3/2 of an isotropic surface (Crofton); of n voxels in a row n - 1 have a next. */
+  for (int d = 0; d < 3; d++) {
+    double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
+    if (n > 1.0)
+      result->surface_area += 2.0 / 3.0 * (double)walk.changes[d] * face * n / (n - 1.0);
+  }
 cleanup:
   walk_end(&walk);
   if (status != STATUS_OK) wall_result_end(result);
