@@ -8,14 +8,29 @@
 #include "common/kernel.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/effects/shifting.h"
 
-/* Clusters are cut when wider than this, lists reach this much farther than the kernel; both in
- * spacings. Measured on sand models, see docs/performance.md. */
-#define REACH 3.2
-#define SKIN 0.8
+/* Clusters are cut when wider than this; lists are made for paths of PATH, with so much around them
+ * (see cluster_boxes_fluid). All in spacings; measured on sand models, docs/performance.md. */
+#define REACH 4.0
+#define PATH 1.5
+#define SWERVE 0.4
+#define MARGIN 0.1
+/* Lists reach so much beyond the support that rounding cannot lose a pair. */
+#define ROUNDING 1e-3
+/* Walls so much beyond the support of the fluid's first sites are kept. */
+#define WALL_ROOM 0.8
 /* Steps between removals of the mean pressure, and particles in a block of its sum. */
 #define MEAN_STEPS 16
 #define MEAN_BLOCK 2048
+/* For engine_bytes_*: slots per particle, as clusters are cut; bytes of lists per particle; of keys
+ * and places while ordering; of bins per wall slot. */
+#define SLOTS_FLUID 1.06
+#define SLOTS_WALL 1.04
+#define LISTS_FLUID 20.0
+#define LISTS_WALL 7.0
+#define SORT_BYTES 16.0
+#define BINS_WALL 3.5
 /* Row clusters a thread takes at a time. */
 #define BLOCK 32
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */
@@ -24,12 +39,10 @@
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
   return (struct particle_fields){
-      .next_state = !frozen,
       .shift = s->shift,
-      .distance = s->wall == PASS_SUBVOXEL,
       .wall_state = frozen || adami,
       .wall_base = frozen,
-      .wall_distance = s->wall == PASS_SUBVOXEL,
+      .wall_depth = s->wall == PASS_SUBVOXEL,
       .wall_v = adami || s->wall_moves,
       .wall_given = adami && s->wall_moves,
   };
@@ -50,7 +63,7 @@ static void wall_base_sum(struct engine *engine) {
   size_t slots = particles_wall_slots(p);
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < slots; w++) {
-    if (p->site[0][w] == NO_SITE) continue;
+    if (p->site[w] == NO_SITE) continue;
     double sum = 0;
     for (int k = -reach[2]; k <= reach[2]; k++)
       for (int j = -reach[1]; j <= reach[1]; j++)
@@ -60,7 +73,8 @@ static void wall_base_sum(struct engine *engine) {
           double square = 0;
           for (int a = 0; a < 3; a++) {
             long n = (long)lattice->size[a];
-            at[a] = (size_t)((((long)p->site[a][w] + offset[a]) % n + n) % n);
+            long own = (long)frame_wall_index(&p->frame, a, p->site[w]);
+            at[a] = (size_t)(((own + offset[a]) % n + n) % n);
             square += offset[a] * lattice->spacing[a] * offset[a] * lattice->spacing[a];
           }
           size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
@@ -82,9 +96,10 @@ static void set_velocities(struct engine *engine) {
   }
   float **to = p->wall_given[0] != NULL ? p->wall_given : p->wall_v;
   for (size_t w = 0; w < particles_wall_slots(p) && s->wall_moves; w++) {
-    if (p->site[0][w] == NO_SITE) continue;
-    size_t site = ((size_t)p->site[2][w] * lattice->size[1] + p->site[1][w]) * lattice->size[0] +
-                  p->site[0][w];
+    if (p->site[w] == NO_SITE) continue;
+    size_t at[3];
+    for (int a = 0; a < 3; a++) at[a] = frame_wall_index(&p->frame, a, p->site[w]);
+    size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
     size_t region = lattice->region[site];
     for (int a = 0; a < 3 && region > 0; a++) to[a][w] = (float)s->region_velocity[region - 1][a];
   }
@@ -96,7 +111,7 @@ static enum status make_locals(struct engine *engine) {
   double sites = 1;
   for (int a = 0; a < 3; a++)
     if (lattice->dimensions == 3 || a != 1)
-      sites *= 2 * (engine->settings.support + engine->skin) / lattice->spacing[a] + 2 * REACH;
+      sites *= 2 * engine->settings.support / lattice->spacing[a] + 2 * (REACH + 2 * PATH);
   engine->threads = omp_get_max_threads();
   TRY(memory_allocate(&engine->locals, (size_t)engine->threads, sizeof *engine->locals, "threads"));
   for (int t = 0; t < engine->threads; t++) {
@@ -118,6 +133,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   engine->settings = *settings;
   engine->lattice = lattice;
   engine->fields = engine_fields(settings);
+  struct cluster_set wall_boxes = {0};
   const struct engine_settings *s = &engine->settings;
   double widest = 0, volume = 1, geometric = 1;
   for (int a = 0; a < 3; a++) {
@@ -127,19 +143,20 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
     geometric = volume;
   }
   geometric = pow(geometric, 1.0 / lattice->dimensions);
-  engine->skin = SKIN * geometric;
   TRY(pair_table_choose(&engine->table));
-  double reach = REACH * widest;
-  TRY(particles_make(lattice, s->support + engine->skin, reach,
-                     2 * (s->support + 2 * engine->skin + 2 * reach), &engine->fields,
-                     &engine->particles));
+  /* A cluster as it was cut, and what its members may have gone and may go on both sides. */
+  double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
+  TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
+                     2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
   if (engine->fields.wall_base) wall_base_sum(engine);
   set_velocities(engine);
-  TRY(cluster_boxes_wall(&engine->particles, &engine->wall_boxes));
+  TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
+  TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
   TRY(make_locals(engine));
 
   struct pass *pass = &engine->pass;
   const struct frame *frame = &engine->particles.frame;
+  engine->moved = INFINITY;
   pass->particles = &engine->particles;
   pass->fluid_fluid = &engine->fluid_fluid;
   pass->fluid_wall = &engine->fluid_wall;
@@ -166,18 +183,25 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
     engine->speed_max = fmax(engine->speed_max, sqrt(square));
   }
 cleanup:
+  cluster_set_free(&wall_boxes);
   if (status != STATUS_OK) engine_free(engine);
   return status;
+}
+
+void engine_drop_lists(struct engine *engine) {
+  neighbours_free(&engine->fluid_fluid);
+  neighbours_free(&engine->fluid_wall);
+  neighbours_free(&engine->wall_fluid);
+  cluster_set_free(&engine->boxes);
+  engine->listed = false;
 }
 
 void engine_free(struct engine *engine) {
   for (int t = 0; t < engine->threads && engine->locals != NULL; t++)
     memory_free(&engine->locals[t].field[0]);
   memory_free(&engine->locals);
-  neighbours_free(&engine->fluid_fluid);
-  neighbours_free(&engine->fluid_wall);
-  neighbours_free(&engine->wall_fluid);
-  cluster_set_free(&engine->wall_boxes);
+  engine_drop_lists(engine);
+  cluster_bins_free(&engine->wall_bins);
   particles_free(&engine->particles);
 }
 
@@ -215,30 +239,42 @@ static void count_pairs(struct engine *engine) {
   engine->pairs_wall = wall;
 }
 
-/* Orders the particles anew and makes the lists; `sort` false keeps the order (after a restart). */
-static enum status make_lists(struct engine *engine, bool sort) {
+/* Makes the lists; orders the particles anew where they have gone far since they were last ordered.
+ * The order decides the order of sums and so must not depend on when lists are made: a resumed run
+ * makes its own. */
+static enum status make_lists(struct engine *engine) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
   struct particles *p = &engine->particles;
-  struct cluster_set fluid = {0};
-  double range = engine->settings.support + engine->skin, widest = 2 * p->reach;
-  if (sort) {
+  struct cluster_set wall_boxes = {0};
+  struct cluster_bins bins = {0};
+  double spacing = engine->pass.spacing, path = PATH * spacing;
+  double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
+  if (engine->moved >= path) {
+    engine_drop_lists(engine); /* their memory is the keys' */
     TRY(particles_sort(p));
     engine->moved = 0;
   }
-  TRY(cluster_boxes_fluid(p, &fluid));
-  TRY(neighbours_build(&p->frame, &fluid, &fluid, range, widest, &engine->fluid_fluid));
-  range = engine->settings.support + 0.5 * engine->skin; /* walls do not come to meet */
-  TRY(neighbours_build(&p->frame, &fluid, &engine->wall_boxes, range, widest, &engine->fluid_wall));
-  if (engine->fields.wall_state)
-    TRY(neighbours_build(&p->frame, &engine->wall_boxes, &fluid, range, widest,
-                         &engine->wall_fluid));
+  /* Until the next ordering, if particles keep their speed. */
+  double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
+  double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
+  TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
+  TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
+  TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
+  if (engine->fields.wall_state) {
+    TRY(cluster_boxes_wall(p, &wall_boxes));
+    TRY(neighbours_build(&p->frame, &wall_boxes, &bins, range, widest, &engine->wall_fluid));
+  }
+  cluster_bins_free(&bins);
+  TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
+                       &engine->fluid_wall));
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;
   engine->rebuilds++;
 cleanup:
-  cluster_set_free(&fluid);
+  cluster_set_free(&wall_boxes);
+  cluster_bins_free(&bins);
   engine->seconds[PHASE_LISTS] += clock_seconds() - start;
   return status;
 }
@@ -293,17 +329,21 @@ static void update_distance(struct engine *engine) {
   }
 }
 
-/* x += (v + u) dt; finds the largest speed and displacement. */
+/* x += (v + u) dt; finds the largest speed and displacement, and whether a particle has left the
+ * box that the lists were made for. */
 static void drift(struct engine *engine) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
   double dt = engine->settings.dt, speed = 0, step = 0;
   double per_unit[3];
+  bool left = false;
   for (int a = 0; a < 3; a++) per_unit[a] = p->frame.step[a] == 0 ? 0 : dt / p->frame.unit[a];
-  size_t slots = particles_slots(p);
-#pragma omp parallel for schedule(static) num_threads(engine->threads) reduction(max : speed, step)
-  for (size_t i = 0; i < slots; i++) {
+#pragma omp parallel for schedule(static) num_threads(engine->threads) reduction(max : speed, step) \
+    reduction(|| : left)
+  for (size_t i = 0; i < particles_slots(p); i++) {
+    const struct cluster_box *box = &engine->boxes.boxes[i / CLUSTER];
     double own = 0, moving = 0;
+    bool out = false;
     for (int a = 0; a < 3; a++) {
       double v = (double)p->v[a][i];
       own += v * v;
@@ -311,12 +351,16 @@ static void drift(struct engine *engine) {
       moving += v * v;
       double units = v * per_unit[a];
       if (fabs(units) < 0x1p30) p->x[a][i] += (uint32_t)(int32_t)lrint(units);
+      /* Within the box: centre - half <= x <= centre + half, modulo 2^32. */
+      out = out || p->x[a][i] - box->centre[a] + box->half[a] > 2 * box->half[a];
     }
+    left = left || (out && p->id[i] != NO_PARTICLE);
     speed = fmax(speed, own);
     step = fmax(step, moving);
   }
   engine->speed_max = sqrt(speed);
   engine->moved += sqrt(step) * dt;
+  if (left || engine->moved >= PATH * engine->pass.spacing) engine->listed = false;
   engine->seconds[PHASE_DRIFT] += clock_seconds() - start;
 }
 
@@ -356,10 +400,7 @@ enum status engine_step(struct engine *engine) {
   struct particles *p = &engine->particles;
   const struct engine_settings *s = &engine->settings;
   const struct pair_table *table = engine->table;
-  /* After a restart the order of the particles stands, unless the run that was interrupted would
-   * have ordered them anew at this very step. */
-  bool due = 2 * engine->moved > engine->skin;
-  if (!engine->listed || due) TRY(make_lists(engine, due || !engine->resumed));
+  if (!engine->listed) TRY(make_lists(engine));
   engine->pass.shift_speed = engine->speed_max;
   bool has_walls = p->wall_clusters > 0;
   if (s->wall == PASS_FROZEN) {
@@ -371,16 +412,18 @@ enum status engine_step(struct engine *engine) {
     engine->pair_interactions += (double)engine->pairs_wall;
   } else if (s->wall == PASS_SUBVOXEL) {
     double start = clock_seconds();
+    p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
     update_distance(engine);
     engine->seconds[PHASE_WALL] += clock_seconds() - start;
   }
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], p->clusters, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
   if (s->wall != PASS_FROZEN) {
+    p->state_next = p->v[0]; /* the old velocity is not needed any more */
     run_pass(engine, table->continuity[has_walls][s->diffusion][s->shift], p->clusters,
              PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
-    swap(&p->state, &p->state_next);
+    swap(&p->state, &p->v[0]);
     if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
   }
   for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
@@ -393,6 +436,19 @@ enum status engine_step(struct engine *engine) {
                engine->locals[t].capacity);
 cleanup:
   return status;
+}
+
+/* The phases that hold most: ordering (keys), making lists (boxes, bins), and a snapshot, for which
+ * the lists are dropped; beside them the particles, 1.06 slots each, and the lists. */
+double engine_bytes_fluid(const struct engine_settings *settings) {
+  struct particle_fields fields = engine_fields(settings);
+  return SLOTS_FLUID * (double)particles_bytes_fluid(&fields) + LISTS_FLUID + SORT_BYTES;
+}
+
+double engine_bytes_wall(const struct engine_settings *settings) {
+  struct particle_fields fields = engine_fields(settings);
+  return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS_WALL) +
+         (fields.wall_state ? LISTS_WALL : 0);
 }
 
 double engine_density(const struct engine *engine, size_t slot) {

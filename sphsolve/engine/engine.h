@@ -39,15 +39,15 @@ struct engine {
   struct particles particles;
   struct particle_fields fields;
   struct neighbour_list fluid_fluid, fluid_wall, wall_fluid;
-  struct cluster_set wall_boxes;
+  struct cluster_set boxes;       /* of the fluid, with room for paths: the lists hold in them */
+  struct cluster_bins wall_bins;
   const struct pair_table *table;
   struct pass pass;
   int threads;
   struct local *locals;
-  double skin, moved; /* m: since the lists were made */
-  double speed_max;   /* m/s */
-  bool listed;
-  bool resumed; /* the state comes from a checkpoint: the order of the particles stands */
+  double moved;     /* m: longest path of any particle since they were ordered; INFINITY: never */
+  double speed_max; /* m/s */
+  bool listed;      /* the lists hold: no particle has left its box */
   uint64_t pairs_fluid, pairs_wall; /* directed, when last counted */
   double pair_interactions;         /* evaluated so far */
   double seconds[PHASE_COUNT];
@@ -61,11 +61,14 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
 void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
 void engine_set_dt(struct engine *engine, double dt);
+/* Gives back what the next step makes anew: lists and their boxes. No bit depends on it. */
+void engine_drop_lists(struct engine *engine);
 /* rho/rho_0 and the gauge pressure over rho_0 c^2 of a slot. */
 double engine_density(const struct engine *engine, size_t slot);
 double engine_pressure(const struct engine *engine, size_t slot);
-/* Bytes of the lists per fluid and per wall particle, for a plan: from what sand models take. */
-#define ENGINE_LIST_BYTES_FLUID 32.0
-#define ENGINE_LIST_BYTES_WALL 9.6
+/* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
+ * what plans are made with; tests/unit/test_memory.c holds it against the count of a run. */
+double engine_bytes_fluid(const struct engine_settings *settings);
+double engine_bytes_wall(const struct engine_settings *settings);
 
 #endif

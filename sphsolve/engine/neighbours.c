@@ -10,124 +10,9 @@
 /* Integers and comparisons of unfused floats: every variant gives the same lists. */
 #define TARGETS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 
-static void box_of(const struct frame *frame, uint32_t (*x)[3], int members,
-                   struct cluster_box *box) {
-  for (int a = 0; a < 3; a++) {
-    int32_t low = 0, high = 0;
-    for (int m = 1; m < members; m++) {
-      int32_t d = (int32_t)(x[m][a] - x[0][a]);
-      if (d < low) low = d;
-      if (d > high) high = d;
-    }
-    int64_t span = (int64_t)high - low;
-    box->centre[a] = x[0][a] + (uint32_t)low + (uint32_t)(span / 2);
-    box->half[a] = (float)(frame->unit[a] * (double)(span - span / 2));
-  }
-}
-
-enum status cluster_boxes_fluid(const struct particles *p, struct cluster_set *set) {
-  enum status status = STATUS_OK;
-  set->clusters = p->clusters;
-  TRY(memory_allocate(&set->boxes, p->clusters, sizeof *set->boxes, "cluster boxes"));
-#pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < p->clusters; c++) {
-    uint32_t x[CLUSTER][3];
-    int members = 0;
-    for (size_t i = c * CLUSTER; i < (c + 1) * CLUSTER; i++) {
-      if (p->id[i] == NO_PARTICLE) continue;
-      for (int a = 0; a < 3; a++) x[members][a] = p->x[a][i];
-      members++;
-    }
-    box_of(&p->frame, x, members, &set->boxes[c]);
-  }
-cleanup:
-  return status;
-}
-
-enum status cluster_boxes_wall(const struct particles *p, struct cluster_set *set) {
-  enum status status = STATUS_OK;
-  set->clusters = p->wall_clusters;
-  TRY(memory_allocate(&set->boxes, p->wall_clusters, sizeof *set->boxes, "cluster boxes"));
-#pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < p->wall_clusters; c++) {
-    uint32_t x[CLUSTER][3];
-    int members = 0;
-    for (size_t i = c * CLUSTER; i < (c + 1) * CLUSTER; i++) {
-      if (p->site[0][i] == NO_SITE) continue;
-      for (int a = 0; a < 3; a++) x[members][a] = frame_site_position(&p->frame, a, p->site[a][i]);
-      members++;
-    }
-    box_of(&p->frame, x, members, &set->boxes[c]);
-  }
-cleanup:
-  return status;
-}
-
-void cluster_set_free(struct cluster_set *set) {
-  memory_free(&set->boxes);
-  set->clusters = 0;
-}
-
-/* Column clusters binned by the cell of their centre. */
-struct bins {
-  int cells[3];
-  uint32_t *start, *member;
-  uint32_t *centre[3]; /* of the members, in their order */
-  float *half[3];
-  float half_max[3];
-};
-
-static void bin_cell(const struct frame *frame, const struct bins *bins, const uint32_t at[3],
-                     int cell[3]) {
-  for (int a = 0; a < 3; a++) {
-    /* A centre may lie beyond the box by its own image: fold it back. */
-    uint64_t folded = (uint64_t)(at[a] << frame->image_bits[a]);
-    cell[a] = (int)((folded * (uint64_t)bins->cells[a]) >> 32);
-  }
-}
-
-static enum status bins_make(const struct frame *frame, const struct cluster_set *columns,
-                             double size, struct bins *bins) {
-  enum status status = STATUS_OK;
-  size_t cells = 1;
-  memset(bins, 0, sizeof *bins);
-  for (int a = 0; a < 3; a++) {
-    bins->cells[a] = frame->step[a] == 0 ? 1 : (int)fmin(1024, fmax(1, frame->length[a] / size));
-    cells *= (size_t)bins->cells[a];
-  }
-  TRY(memory_allocate(&bins->start, cells + 2, sizeof *bins->start, "cluster cells"));
-  TRY(memory_allocate(&bins->member, columns->clusters, sizeof *bins->member, "cluster cells"));
-  for (int pass = 0; pass < 2; pass++) {
-    for (size_t c = 0; c < columns->clusters; c++) {
-      int cell[3];
-      bin_cell(frame, bins, columns->boxes[c].centre, cell);
-      size_t i =
-          ((size_t)cell[2] * (size_t)bins->cells[1] + (size_t)cell[1]) * (size_t)bins->cells[0] +
-          (size_t)cell[0];
-      if (pass == 0)
-        bins->start[i + 2]++;
-      else
-        bins->member[bins->start[i + 1]++] = (uint32_t)c;
-    }
-    if (pass == 0)
-      for (size_t i = 2; i < cells + 2; i++) bins->start[i] += bins->start[i - 1];
-  }
-  for (int a = 0; a < 3; a++) {
-    TRY(memory_allocate(&bins->centre[a], columns->clusters, sizeof **bins->centre, "cells"));
-    TRY(memory_allocate(&bins->half[a], columns->clusters, sizeof **bins->half, "cells"));
-    for (size_t m = 0; m < columns->clusters; m++) {
-      const struct cluster_box *box = &columns->boxes[bins->member[m]];
-      bins->centre[a][m] = box->centre[a];
-      bins->half[a][m] = box->half[a];
-      if (box->half[a] > bins->half_max[a]) bins->half_max[a] = box->half[a];
-    }
-  }
-cleanup:
-  return status;
-}
-
 struct found {
-  uint64_t *key, *sorted; /* image << 32 | cluster */
+  uint64_t *key, *sorted;          /* image << 32 | cluster */
+  uint32_t *member, *sorted_member; /* its place in the bins */
   float *square, *at[3], *half[3];
   size_t n, picked, capacity;
 };
@@ -139,6 +24,8 @@ static enum status found_reserve(struct found *found, size_t more) {
   size_t capacity = 2 * (found->n + more) + 256;
   TRY(memory_resize(&found->key, capacity, sizeof *found->key, "neighbour clusters"));
   TRY(memory_resize(&found->sorted, capacity, sizeof *found->sorted, "neighbour clusters"));
+  TRY(memory_resize(&found->member, capacity, sizeof *found->member, "neighbour clusters"));
+  TRY(memory_resize(&found->sorted_member, capacity, sizeof(uint32_t), "neighbour clusters"));
   TRY(memory_resize(&found->square, capacity, sizeof *found->square, "neighbour clusters"));
   for (int a = 0; a < 3; a++) {
     TRY(memory_resize(&found->at[a], capacity, sizeof(float), "neighbour clusters"));
@@ -152,6 +39,8 @@ cleanup:
 static void found_free(struct found *found) {
   memory_free(&found->key);
   memory_free(&found->sorted);
+  memory_free(&found->member);
+  memory_free(&found->sorted_member);
   memory_free(&found->square);
   for (int a = 0; a < 3; a++) {
     memory_free(&found->at[a]);
@@ -168,10 +57,14 @@ TARGETS static void found_sort(struct found *found) {
     uint64_t own = key[i], rank = 0;
     for (size_t j = 0; j < n; j++) rank += key[j] < own;
     found->sorted[rank] = own;
+    found->sorted_member[rank] = found->member[i];
   }
-  uint64_t *swap = found->key;
+  uint64_t *key_swap = found->key;
   found->key = found->sorted;
-  found->sorted = swap;
+  found->sorted = key_swap;
+  uint32_t *member_swap = found->member;
+  found->member = found->sorted_member;
+  found->sorted_member = member_swap;
 }
 
 /* Where the cells [low, high] of an axis lie: in the box, and in which of its images. */
@@ -182,7 +75,7 @@ struct axis_cells {
   uint32_t image[AXIS_CELLS];
 };
 
-static void axis_find(const struct frame *frame, const struct bins *bins,
+static void axis_find(const struct frame *frame, const struct cluster_bins *bins,
                       const struct cluster_box *row, double range, int a, struct axis_cells *axis) {
   int n = bins->cells[a];
   axis->count = 1;
@@ -190,7 +83,7 @@ static void axis_find(const struct frame *frame, const struct bins *bins,
   axis->image[0] = 0;
   if (frame->step[a] == 0) return;
   double cell = frame->length[a] / n, at = frame->unit[a] * (double)row->centre[a];
-  double around = range + (double)row->half[a] + (double)bins->half_max[a];
+  double around = range + frame->unit[a] * ((double)row->half[a] + (double)bins->half_max[a]);
   long low = (long)floor((at - around) / cell), high = (long)floor((at + around) / cell);
   long all = (long)n << frame->image_bits[a];
   if (high - low + 1 > all) high = low + all - 1;
@@ -204,14 +97,14 @@ static void axis_find(const struct frame *frame, const struct bins *bins,
 }
 
 /* Squared gaps from the row's box to those of columns [begin, end) of the bins. */
-TARGETS static void find_gaps(const struct bins *bins, size_t begin, size_t end,
-                              const uint32_t from[3], const float half[3], const float unit[3],
-                              float *restrict square) {
+TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, size_t end,
+                              const uint32_t from[3], const uint32_t half[3],
+                              const float unit[3], float *restrict square) {
   for (size_t m = begin; m < end; m++) {
     float sum = 0;
     for (int a = 0; a < 3; a++) {
-      float d = (float)(int32_t)(bins->centre[a][m] - from[a]) * unit[a];
-      float gap = fabsf(d) - bins->half[a][m] - half[a];
+      float d = fabsf((float)(int32_t)(bins->centre[a][m] - from[a]));
+      float gap = (d - (float)(int32_t)(bins->half[a][m] + half[a])) * unit[a];
       gap = gap > 0 ? gap : 0;
       sum += gap * gap;
     }
@@ -220,7 +113,7 @@ TARGETS static void find_gaps(const struct bins *bins, size_t begin, size_t end,
 }
 
 /* All column clusters and images within range of a box, in no order. */
-static enum status search_box(const struct frame *frame, const struct bins *bins,
+static enum status search_box(const struct frame *frame, const struct cluster_bins *bins,
                               const struct cluster_box *row, double range, struct found *found) {
   enum status status = STATUS_OK;
   struct axis_cells axis[3];
@@ -249,6 +142,7 @@ static enum status search_box(const struct frame *frame, const struct bins *bins
           find_gaps(bins, begin, end, row->centre, row->half, unit, found->square);
           for (size_t m = begin; m < end; m++) {
             found->key[found->n] = bins->member[m];
+            found->member[found->n] = (uint32_t)m;
             found->n += found->square[m - begin] < limit;
           }
         } else {
@@ -262,10 +156,11 @@ static enum status search_box(const struct frame *frame, const struct bins *bins
               if (bits == 0) continue;
               uint32_t own = (at[a] - (bins->centre[a][m] >> (32 - bits))) & ((1u << bits) - 1);
               from[a] -= own << (32 - bits);
-              image |= own << (RUN_IMAGE_BITS * a);
+              image |= own << (IMAGE_BITS * a);
             }
             find_gaps(bins, m, m + 1, from, row->half, unit, found->square);
             found->key[found->n] = (uint64_t)image << 32 | bins->member[m];
+            found->member[found->n] = (uint32_t)m;
             found->n += found->square[0] < limit;
           }
         }
@@ -275,14 +170,12 @@ cleanup:
   return status;
 }
 
-static enum status chunk_push(struct list_chunk *chunk, uint32_t entry) {
+static enum status chunk_reserve(struct list_chunk *chunk, size_t more) {
   enum status status = STATUS_OK;
-  if (chunk->used == chunk->capacity) {
-    size_t capacity = chunk->capacity + chunk->capacity / 4 + 256;
-    TRY(memory_resize(&chunk->entries, capacity, sizeof *chunk->entries, "neighbour lists"));
-    chunk->capacity = capacity;
-  }
-  chunk->entries[chunk->used++] = entry;
+  if (chunk->used + more <= chunk->capacity) return STATUS_OK;
+  size_t capacity = chunk->used + more + chunk->capacity / 4 + 256;
+  TRY(memory_resize(&chunk->words, capacity, sizeof *chunk->words, "neighbour lists"));
+  chunk->capacity = capacity;
 cleanup:
   return status;
 }
@@ -306,8 +199,9 @@ static struct group group_make(const struct frame *frame, const struct cluster_s
     bool fits = true;
     for (int a = 0; a < 3; a++) {
       double d = frame->unit[a] * (int32_t)(boxes[r].centre[a] - boxes[first].centre[a]);
-      next_low[a] = fmin(low[a], d - (double)boxes[r].half[a]);
-      next_high[a] = fmax(high[a], d + (double)boxes[r].half[a]);
+      double half = frame->unit[a] * (double)boxes[r].half[a];
+      next_low[a] = fmin(low[a], d - half);
+      next_high[a] = fmax(high[a], d + half);
       fits = fits && next_high[a] - next_low[a] <= widest;
     }
     if (!fits && r > first) break;
@@ -319,24 +213,23 @@ static struct group group_make(const struct frame *frame, const struct cluster_s
     group.box.centre[a] =
         boxes[first].centre[a] + (uint32_t)(int32_t)lrint(middle / frame->unit[a]);
     /* The centre is rounded to a unit. */
-    group.box.half[a] = (float)(0.5 * (high[a] - low[a]) + 2 * frame->unit[a]);
+    group.box.half[a] = (uint32_t)(0.5 * (high[a] - low[a]) / frame->unit[a]) + 2;
   }
   return group;
 }
 
 /* Boxes of the columns found, relative to the centre of a group. */
-static void place_found(const struct frame *frame, const struct cluster_set *columns,
+static void place_found(const struct frame *frame, const struct cluster_bins *bins,
                         const struct cluster_box *group, struct found *found) {
-  for (size_t m = 0; m < found->n; m++) {
-    const struct cluster_box *box = &columns->boxes[(uint32_t)found->key[m]];
-    uint32_t image = (uint32_t)(found->key[m] >> 32);
+  for (size_t i = 0; i < found->n; i++) {
+    uint32_t image = (uint32_t)(found->key[i] >> 32), m = found->member[i];
     for (int a = 0; a < 3; a++) {
       int bits = frame->image_bits[a];
-      uint32_t own = image >> (RUN_IMAGE_BITS * a) & ((1u << RUN_IMAGE_BITS) - 1);
+      uint32_t own = image >> (IMAGE_BITS * a) & ((1u << IMAGE_BITS) - 1);
       uint32_t offset = bits == 0 ? 0 : own << (32 - bits);
-      found->at[a][m] =
-          (float)(int32_t)(box->centre[a] + offset - group->centre[a]) * (float)frame->unit[a];
-      found->half[a][m] = box->half[a];
+      found->at[a][i] =
+          (float)(int32_t)(bins->centre[a][m] + offset - group->centre[a]) * (float)frame->unit[a];
+      found->half[a][i] = (float)bins->half[a][m] * (float)frame->unit[a];
     }
   }
 }
@@ -358,11 +251,13 @@ TARGETS static void row_gaps(const struct found *found, const float at[3], const
 /* The columns of one row out of those of its group, in order. */
 static void pick_row(const struct frame *frame, const struct cluster_box *row,
                      const struct cluster_box *group, double range, struct found *found) {
-  float at[3], limit = (float)(range * range);
+  float at[3], half[3], limit = (float)(range * range);
   size_t n = 0;
-  for (int a = 0; a < 3; a++)
+  for (int a = 0; a < 3; a++) {
     at[a] = (float)(int32_t)(row->centre[a] - group->centre[a]) * (float)frame->unit[a];
-  row_gaps(found, at, row->half, found->square);
+    half[a] = (float)row->half[a] * (float)frame->unit[a];
+  }
+  row_gaps(found, at, half, found->square);
   for (size_t m = 0; m < found->n; m++) {
     found->sorted[n] = found->key[m];
     n += found->square[m] < limit;
@@ -370,28 +265,45 @@ static void pick_row(const struct frame *frame, const struct cluster_box *row,
   found->picked = n;
 }
 
+static uint16_t *put_long(uint16_t *word, uint16_t mark, uint32_t whole) {
+  *word++ = mark;
+  *word++ = (uint16_t)whole;
+  *word++ = (uint16_t)(whole >> 16);
+  return word;
+}
+
 static enum status encode_row(const struct found *found, struct list_chunk *chunk) {
   enum status status = STATUS_OK;
-  uint32_t image = 0;
+  uint32_t image = 0, last = 0;
   const uint64_t *key = found->sorted;
+  TRY(chunk_reserve(chunk, 6 * found->picked));
+  uint16_t *word = chunk->words + chunk->used;
   for (size_t i = 0; i < found->picked;) {
-    uint32_t own = (uint32_t)(key[i] >> 32), start = (uint32_t)key[i], n = 1;
-    if (i + 1 < found->picked && key[i + 1] == key[i] + 1) n = 2;
-    if (own != image) TRY(chunk_push(chunk, RUN_IMAGE | own));
+    uint32_t own = (uint32_t)(key[i] >> 32), cluster = (uint32_t)key[i];
+    bool pair = i + 1 < found->picked && key[i + 1] == key[i] + 1;
+    if (own != image) {
+      word = put_long(word, WORD_PAIR, own);
+      last = 0;
+    }
+    uint32_t step = cluster - last;
+    if (step != 0 && step <= WORD_STEP)
+      *word++ = (uint16_t)((pair ? WORD_PAIR : 0) | step);
+    else
+      word = put_long(word, 0, cluster | (pair ? 0x80000000u : 0));
     image = own;
-    TRY(chunk_push(chunk, n == 2 ? RUN_PAIR | start : start));
-    i += n;
+    last = cluster;
+    i += pair ? 2 : 1;
   }
+  chunk->used = (size_t)(word - chunk->words);
 cleanup:
   return status;
 }
 
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
-                             const struct cluster_set *columns, double range, double widest,
+                             const struct cluster_bins *columns, double range, double widest,
                              struct neighbour_list *list) {
   enum status status = STATUS_OK;
-  struct bins bins = {0};
-  if (columns->clusters >> RUN_START_BITS != 0)
+  if (columns->clusters >= 0x80000000u)
     TRY_FAIL(STATUS_RUN, "%zu clusters are more than a neighbour list can name", columns->clusters);
   if (list->rows != rows->clusters) {
     memory_free(&list->start);
@@ -399,7 +311,6 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
     list->rows = rows->clusters;
   }
   if (rows->clusters == 0) goto cleanup;
-  TRY(bins_make(frame, columns, range, &bins));
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t chunk = 0; chunk < LIST_CHUNKS; chunk++) {
     struct found found = {0};
@@ -409,7 +320,7 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
     size_t end = list_chunk_begin(list, chunk + 1);
     for (size_t r = list_chunk_begin(list, chunk); r < end && failed == STATUS_OK;) {
       struct group group = group_make(frame, rows, r, end, widest);
-      failed = search_box(frame, &bins, &group.box, range, &found);
+      failed = search_box(frame, columns, &group.box, range, &found);
       found_sort(&found);
       place_found(frame, columns, &group.box, &found);
       for (size_t last = r + group.rows; r < last && failed == STATUS_OK; r++) {
@@ -419,38 +330,28 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
       }
     }
     if (failed == STATUS_OK && to->capacity > to->used + to->used / 8 + 64) {
-      failed = memory_resize(&to->entries, to->used, sizeof *to->entries, "neighbour lists");
+      failed = memory_resize(&to->words, to->used, sizeof *to->words, "neighbour lists");
       to->capacity = to->used;
     }
     found_free(&found);
-    if (failed == STATUS_OK && to->capacity > to->used + to->used / 16 + 64) {
-      failed = memory_resize(&to->entries, to->used, sizeof *to->entries, "neighbour lists");
-      to->capacity = to->used;
-    }
     if (failed != STATUS_OK) {
 #pragma omp atomic write
       status = failed;
     }
   }
 cleanup:
-  memory_free(&bins.start);
-  memory_free(&bins.member);
-  for (int a = 0; a < 3; a++) {
-    memory_free(&bins.centre[a]);
-    memory_free(&bins.half[a]);
-  }
   return status;
 }
 
 void neighbours_free(struct neighbour_list *list) {
   memory_free(&list->start);
-  for (size_t c = 0; c < LIST_CHUNKS; c++) memory_free(&list->chunks[c].entries);
+  for (size_t c = 0; c < LIST_CHUNKS; c++) memory_free(&list->chunks[c].words);
   memset(list, 0, sizeof *list);
 }
 
 size_t neighbours_bytes(const struct neighbour_list *list) {
   size_t bytes = list->rows * sizeof *list->start;
   for (size_t c = 0; c < LIST_CHUNKS; c++)
-    bytes += list->chunks[c].capacity * sizeof *list->chunks[c].entries;
+    bytes += list->chunks[c].capacity * sizeof *list->chunks[c].words;
   return bytes;
 }

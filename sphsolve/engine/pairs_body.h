@@ -40,10 +40,10 @@ SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wa
   int32_t low[3] = {0}, high[3] = {0};
   for (int l = 0; l < CLUSTER; l++) {
     size_t i = cluster * CLUSTER + (size_t)l;
-    ref->live[l] = wall ? p->site[0][i] != NO_SITE : p->id[i] != NO_PARTICLE;
+    ref->live[l] = wall ? p->site[i] != NO_SITE : p->id[i] != NO_PARTICLE;
     if (!ref->live[l]) continue;
     for (int a = 0; a < 3; a++)
-      ref->x[l][a] = wall ? frame_site_position(&p->frame, a, p->site[a][i]) : p->x[a][i];
+      ref->x[l][a] = wall ? frame_wall_position(&p->frame, a, p->site[i]) : p->x[a][i];
     if (first < 0) first = l;
     for (int a = 0; a < 3; a++) {
       int32_t d = (int32_t)(ref->x[l][a] - ref->x[first][a]);
@@ -59,15 +59,17 @@ SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wa
 }
 
 /* Appends the columns of one list that the cluster can reach to the buffer from `n` on; `fields`
- * values each from `source` (NULL: zeros) behind the position. Returns the new count. */
+ * values each from `source` (NULL: zeros) behind the position, and with `depth` the wall's depth in h
+ * as LSTATE. Returns the new count. */
 SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, size_t n,
                                   const struct neighbour_list *list, size_t row, bool wall,
                                   const struct reference *ref, int fields,
-                                  const float *const *source) {
+                                  const float *const *source, bool depth) {
   const struct particles *p = pass->particles;
-  size_t entries;
-  const uint32_t *entry = list_row(list, row, &entries);
-  if (n + entries * SIMD_LANES + SIMD_LANES > local->capacity) {
+  size_t words;
+  struct list_reader reader = {.word = list_row(list, row, &words)};
+  reader.end = reader.word + words;
+  if (n + words * SIMD_LANES + SIMD_LANES > local->capacity) {
     local->overflow = true;
     return n;
   }
@@ -75,33 +77,34 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
   uvec origin[3];
   vec scale[3], half[3], limit = vec_set(pass->radius * pass->radius), zero = vec_set(0.0f);
+  vec depth_unit = vec_set((float)(p->depth_unit / pass->smoothing_length));
   for (int a = 0; a < 3; a++) {
     scale[a] = vec_set(pass->scale[a]);
     half[a] = vec_set(ref->half[a]);
     origin[a] = uvec_set(ref->centre[a] - (wall ? p->frame.step[a] / 2 : 0));
   }
-  for (size_t e = 0; e < entries; e++) {
-    if (entry[e] & RUN_IMAGE) {
+  while (list_next(&reader)) {
+    if (__builtin_expect(reader.turned, 0))
       for (int a = 0; a < 3; a++) {
-        uint32_t image = entry[e] >> (RUN_IMAGE_BITS * a) & ((1u << RUN_IMAGE_BITS) - 1);
+        uint32_t image = reader.image >> (IMAGE_BITS * a) & ((1u << IMAGE_BITS) - 1);
         int bits = p->frame.image_bits[a];
         uint32_t offset = bits == 0 ? 0 : image << (32 - bits);
         origin[a] = uvec_set(ref->centre[a] - offset - (wall ? p->frame.step[a] / 2 : 0));
       }
-      continue;
-    }
-    size_t start = (size_t)(entry[e] & RUN_START) * CLUSTER;
-    uint32_t lanes = entry[e] & RUN_PAIR ? 0xffffu : 0xffu;
+    size_t start = (size_t)reader.cluster * CLUSTER;
+    uint32_t lanes = reader.pair ? 0xffffu : 0xffu;
     for (size_t k = 0; k < SIMD_LANES; k += SIMD_WIDTH) {
       size_t slot = start + k;
       vec x[3], sum = zero;
       uint32_t mask = lanes >> k;
       if (SIMD_WIDTH < SIMD_LANES && mask == 0) break;
       if (wall) {
-        uvec site = uvec_load16(p->site[0] + slot);
+        uvec site = uvec_load(p->site + slot);
         mask &= uvec_differ(site, uvec_set(NO_SITE));
         for (int a = 0; a < 3; a++)
-          x[a] = vec_from(uvec_load16(p->site[a] + slot) * p->frame.step[a] - origin[a]);
+          x[a] = vec_from((site >> (uint32_t)p->frame.site_shift[a] & p->frame.site_mask[a]) *
+                              p->frame.step[a] -
+                          origin[a]);
       } else {
         mask &= uvec_differ(uvec_load(p->id + slot), uvec_set(NO_PARTICLE));
         for (int a = 0; a < 3; a++) x[a] = vec_from(uvec_load(p->x[a] + slot) - origin[a]);
@@ -116,6 +119,9 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
       for (int f = 0; f < fields; f++)
         vec_compress(field[LVX + f] + n, mask,
                      source[f] == NULL ? zero : vec_load(source[f] + slot));
+      if (depth)
+        vec_compress(field[LSTATE] + n, mask,
+                     vec_from(uvec_load16(p->wall_depth + slot)) * depth_unit);
       n += (size_t)__builtin_popcount(mask);
     }
   }
@@ -175,8 +181,8 @@ static void density(const struct pass *pass, struct local *local, size_t begin, 
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL);
-    n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, false);
+    n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL, false);
     n = pad_columns(local, n, 0);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -193,7 +199,7 @@ static void density_wall(const struct pass *pass, struct local *local, size_t be
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, true, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL);
+    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL, false);
     n = pad_columns(local, n, 0);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -317,15 +323,17 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   const bool symmetric = wall == PASS_FROZEN, subvoxel = wall == PASS_SUBVOXEL;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
   const float *walls[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2],
-                           subvoxel ? p->wall_distance : p->wall_state};
+                           p->wall_state};
+  const bool moving = p->wall_v[0] != NULL;
   double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
   double drag = 2 * pass->viscosity * pass->g_scale / pass->smoothing_length;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid), all;
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, false);
+    size_t all;
     if (wall == PASS_FROZEN || wall == PASS_ADAMI)
-      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls);
+      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls, false);
     n = all = pad_columns(local, n, 4);
     if (symmetric)
       for (size_t k = 0; k < n; k += SIMD_WIDTH)
@@ -333,12 +341,9 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
                   pressure_symmetric_term(vec_load(local->field[LSTATE] + k),
                                           vec_set((float)pass->rest_ratio)));
     if (subvoxel) {
-      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls);
+      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, moving ? 3 : 0, walls,
+                           true);
       all = pad_columns(local, all, 4);
-      float to_h = (float)(-1.0 / pass->smoothing_length);
-      for (size_t k = n; k < all; k += SIMD_WIDTH)
-        vec_store(local->field[LSTATE] + k,
-                  vec_max(to_h * vec_load(local->field[LSTATE] + k), vec_set(0.0f)));
     }
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -350,7 +355,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
       double stiff = 0, curve = 1;
       if (subvoxel && all > n && (viscosity || shift)) {
         struct row_wall near;
-        row_force_subvoxel(pass, local, n, all, at, i, p->wall_v[0] != NULL, shift, &near);
+        row_force_subvoxel(pass, local, n, all, at, i, moving, shift, &near);
         curve = 1 / (1 - near.beta);
         stiff = pass->dt * drag * near.weight * curve;
         for (int a = 0; a < 3; a++) {
@@ -394,10 +399,10 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
     struct reference ref;
     reference_make(pass, c, false, &ref);
     size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref,
-                              diffusion || shift ? 4 : 3, fluid);
+                              diffusion || shift ? 4 : 3, fluid, false);
     size_t all = n = pad_columns(local, n, 4);
     if (walls) {
-      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3, wall);
+      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3, wall, false);
       all = pad_columns(local, all, 3);
     }
     for (int l = 0; l < CLUSTER; l++) {
@@ -457,7 +462,7 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, true, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 4, fluid);
+    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 4, fluid, false);
     n = pad_columns(local, n, 4);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -495,8 +500,8 @@ SIMD_INLINE uint64_t count_rows(const struct pass *pass, struct local *local, si
   uint64_t pairs = 0;
   reference_make(pass, c, wall, &ref);
   size_t n = gather_columns(pass, local, 0, wall ? pass->wall_fluid : pass->fluid_fluid, c, false,
-                            &ref, 0, NULL);
-  if (!wall) n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL);
+                            &ref, 0, NULL, false);
+  if (!wall) n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL, false);
   n = pad_columns(local, n, 0);
   for (int l = 0; l < CLUSTER; l++) {
     if (!ref.live[l]) continue;

@@ -8,9 +8,13 @@
 #include "sphsolve/engine/curve.h"
 
 #define MAX_IMAGE_BITS 6
+/* Depths of wall particles end here, in the reach of fluid: deeper ones act the same
+ * (effects/wall_subvoxel.h). */
+#define DEEPEST 1.2
 
 void frame_make(const struct lattice *lattice, double clearance, struct frame *frame) {
   memset(frame, 0, sizeof *frame);
+  int bits = 0;
   frame->dimensions = lattice->dimensions;
   for (int a = 0; a < 3; a++) {
     frame->sites[a] = lattice->size[a];
@@ -23,6 +27,9 @@ void frame_make(const struct lattice *lattice, double clearance, struct frame *f
     frame->unit[a] = ldexp(frame->length[a], frame->image_bits[a] - 32);
     double step = ldexp(1.0, 32 - frame->image_bits[a]) / (double)lattice->size[a];
     frame->step[a] = flat ? 0 : (uint32_t)fmin(step, 4294967295.0);
+    frame->site_shift[a] = a == 0 ? 0 : frame->site_shift[a - 1] + bits;
+    for (bits = 1; lattice->size[a] >> bits != 0; bits++) {}
+    frame->site_mask[a] = (uint32_t)((1ull << bits) - 1);
   }
 }
 
@@ -105,7 +112,7 @@ struct each {
   bool wanted;
 };
 
-/* Every per-slot array of the fluid, 4 bytes each; `kept` of them travel with the particle. */
+/* Every per-slot array of the fluid, 4 bytes each; the first `kept` travel with the particle. */
 static size_t fluid_arrays(struct particles *p, const struct particle_fields *fields,
                            struct each list[24], size_t *kept) {
   size_t n = 0;
@@ -115,8 +122,6 @@ static size_t fluid_arrays(struct particles *p, const struct particle_fields *fi
   list[n++] = (struct each){(void **)&p->id, true};
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->shift[a], fields->shift};
   *kept = n;
-  list[n++] = (struct each){(void **)&p->distance, fields->distance};
-  list[n++] = (struct each){(void **)&p->state_next, fields->next_state};
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v_next[a], true};
   return n;
 }
@@ -126,7 +131,6 @@ static size_t wall_arrays(struct particles *p, const struct particle_fields *fie
   size_t n = 0;
   list[n++] = (struct each){(void **)&p->wall_state, fields->wall_state};
   list[n++] = (struct each){(void **)&p->wall_base, fields->wall_base};
-  list[n++] = (struct each){(void **)&p->wall_distance, fields->wall_distance};
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->wall_v[a], fields->wall_v};
   for (int a = 0; a < 3; a++)
     list[n++] = (struct each){(void **)&p->wall_given[a], fields->wall_given};
@@ -149,14 +153,13 @@ size_t particles_bytes_fluid(const struct particle_fields *fields) {
 size_t particles_bytes_wall(const struct particle_fields *fields) {
   struct particles none;
   struct each list[24];
-  return 3 * sizeof(uint16_t) + 4 * count_wanted(list, wall_arrays(&none, fields, list));
+  return sizeof(uint32_t) + (fields->wall_depth ? sizeof(uint16_t) : 0) +
+         4 * count_wanted(list, wall_arrays(&none, fields, list));
 }
 
 /* The fields a set of particles has, seen from what is allocated. */
 static struct particle_fields fields_of(const struct particles *p) {
-  return (struct particle_fields){.next_state = p->state_next != NULL,
-                                  .shift = p->shift[0] != NULL,
-                                  .distance = p->distance != NULL};
+  return (struct particle_fields){.shift = p->shift[0] != NULL};
 }
 
 static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,
@@ -184,9 +187,9 @@ enum status particles_resize(struct particles *p, size_t clusters) {
 enum status particles_sort(struct particles *p) {
   enum status status = STATUS_OK;
   uint64_t *entries = NULL, *scratch = NULL;
-  uint32_t *order = NULL;
+  uint32_t *order;
   const struct frame *frame = &p->frame;
-  size_t slots = particles_slots(p), n = 0, used = 0, held = 0;
+  size_t slots = particles_slots(p), n = 0, used = 0, held = 2 * p->count;
   int bits = curve_bits(frame);
   TRY(memory_allocate(&entries, p->count, sizeof *entries, "sorting keys"));
   TRY(memory_allocate(&scratch, p->count, sizeof *scratch, "sorting keys"));
@@ -205,19 +208,19 @@ enum status particles_sort(struct particles *p) {
   }
   radix_sort(entries, scratch, n);
 
-  held = n + n / 4 + CLUSTER;
-  TRY(memory_allocate(&order, held, sizeof *order, "particle order"));
+  order = (uint32_t *)(void *)scratch; /* done with, and mostly large enough */
   struct cutter cutter;
   cutter_start(&cutter, frame, p->reach);
   for (size_t k = 0; k < n; k++) {
     uint32_t i = (uint32_t)entries[k], x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    if (used + 2 * CLUSTER > held) {
+      held += held / 2 + 2 * CLUSTER;
+      TRY(memory_resize(&scratch, held, sizeof *order, "particle order"));
+      order = (uint32_t *)(void *)scratch;
+    }
     if (!cutter_takes(&cutter, x))
       while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
     order[used++] = i;
-    if (used + 2 * CLUSTER > held) {
-      held += held / 2 + 2 * CLUSTER;
-      TRY(memory_resize(&order, held, sizeof *order, "particle order"));
-    }
   }
   while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
 
@@ -241,7 +244,6 @@ enum status particles_sort(struct particles *p) {
   }
   p->clusters = used / CLUSTER;
 cleanup:
-  memory_free(&order);
   memory_free(&scratch);
   memory_free(&entries);
   return status;
@@ -278,12 +280,18 @@ cleanup:
   return status;
 }
 
+static void site_of(const struct lattice *lattice, size_t i, size_t at[3]) {
+  at[0] = i % lattice->size[0];
+  at[1] = i / lattice->size[0] % lattice->size[1];
+  at[2] = i / (lattice->size[0] * lattice->size[1]);
+}
+
 static enum status make_walls(const struct lattice *lattice, double range,
                               const struct particle_fields *fields, struct particles *p) {
   enum status status = STATUS_OK;
   uint8_t *near = NULL;
   uint64_t *entries = NULL, *scratch = NULL;
-  uint32_t *order = NULL;
+  uint32_t *order;
   size_t n = 0, used = 0;
   const struct frame *frame = &p->frame;
   int bits = curve_bits(frame);
@@ -296,58 +304,61 @@ static enum status make_walls(const struct lattice *lattice, double range,
   n = 0;
   for (size_t i = 0; i < lattice->count; i++) {
     if (!near[i] || lattice->kind[i] != SITE_WALL) continue;
-    uint32_t cell[3] = {
-        (uint32_t)(i % lattice->size[0]) * 2,
-        (uint32_t)(i / lattice->size[0] % lattice->size[1]) * 2,
-        (uint32_t)(i / (lattice->size[0] * lattice->size[1])) * 2,
-    };
+    size_t at[3];
+    site_of(lattice, i, at);
+    uint32_t cell[3] = {(uint32_t)at[0] * 2, (uint32_t)at[1] * 2, (uint32_t)at[2] * 2};
     entries[n++] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
   }
   memory_free(&near);
   radix_sort(entries, scratch, n);
-  size_t held = n * 2 + CLUSTER; /* at worst a cluster of its own for each second site */
-  TRY(memory_allocate(&order, held, sizeof *order, "wall order"));
+  size_t held = 2 * n;
+  order = (uint32_t *)(void *)scratch; /* as in particles_sort */
   struct cutter cutter;
   cutter_start(&cutter, frame, p->reach);
   for (size_t k = 0; k < n; k++) {
-    size_t i = (uint32_t)entries[k];
-    uint32_t x[3] = {
-        frame_site_position(frame, 0, (uint32_t)(i % lattice->size[0])),
-        frame_site_position(frame, 1, (uint32_t)(i / lattice->size[0] % lattice->size[1])),
-        frame_site_position(frame, 2, (uint32_t)(i / (lattice->size[0] * lattice->size[1]))),
-    };
+    size_t i = (uint32_t)entries[k], at[3];
+    uint32_t x[3];
+    if (used + 2 * CLUSTER > held) {
+      held += held / 2 + 2 * CLUSTER;
+      TRY(memory_resize(&scratch, held, sizeof *order, "wall order"));
+      order = (uint32_t *)(void *)scratch;
+    }
+    site_of(lattice, i, at);
+    for (int a = 0; a < 3; a++) x[a] = frame_site_position(frame, a, (uint32_t)at[a]);
     if (!cutter_takes(&cutter, x))
       while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
     order[used++] = (uint32_t)i;
-    if (used + 2 * CLUSTER > held) {
-      held += held / 2 + 2 * CLUSTER;
-      TRY(memory_resize(&order, held, sizeof *order, "wall order"));
-    }
   }
   while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
-  memory_free(&scratch);
   memory_free(&entries);
 
   p->wall_clusters = used / CLUSTER;
   size_t capacity = used + SLOT_PADDING;
-  for (int a = 0; a < 3; a++)
-    TRY(memory_allocate(&p->site[a], capacity, sizeof **p->site, "wall sites"));
+  TRY(memory_allocate(&p->site, capacity, sizeof *p->site, "wall sites"));
+  if (fields->wall_depth) {
+    p->depth_unit = DEEPEST * range / UINT16_MAX;
+    TRY(memory_allocate(&p->wall_depth, capacity, sizeof *p->wall_depth, "wall depths"));
+  }
+  for (size_t s = 0; s < capacity; s++) {
+    size_t i = s < used ? order[s] : NO_PARTICLE, at[3];
+    p->site[s] = NO_SITE;
+    if (i == NO_PARTICLE) continue;
+    site_of(lattice, i, at);
+    p->site[s] = 0;
+    for (int a = 0; a < 3; a++) p->site[s] |= (uint32_t)at[a] << frame->site_shift[a];
+    if (fields->wall_depth) {
+      double depth = fmax(-(double)lattice->wall_distance[i], 0) / p->depth_unit;
+      p->wall_depth[s] = (uint16_t)lrint(fmin(depth, UINT16_MAX));
+    }
+  }
+  memory_free(&scratch);
   struct each list[24];
   size_t arrays = wall_arrays(p, fields, list);
   for (size_t f = 0; f < arrays; f++)
     if (list[f].wanted)
       TRY(memory_allocate(list[f].array, capacity, sizeof(float), "wall particles"));
-  for (size_t s = 0; s < capacity; s++) {
-    size_t i = s < used ? order[s] : NO_PARTICLE;
-    bool hole = i == NO_PARTICLE;
-    p->site[0][s] = hole ? NO_SITE : (uint16_t)(i % lattice->size[0]);
-    p->site[1][s] = hole ? 0 : (uint16_t)(i / lattice->size[0] % lattice->size[1]);
-    p->site[2][s] = hole ? 0 : (uint16_t)(i / (lattice->size[0] * lattice->size[1]));
-    if (!hole && fields->wall_distance) p->wall_distance[s] = lattice->wall_distance[i];
-  }
 cleanup:
   memory_free(&near);
-  memory_free(&order);
   memory_free(&scratch);
   memory_free(&entries);
   return status;
@@ -362,25 +373,24 @@ enum status particles_make(const struct lattice *lattice, double range, double r
   p->reach = reach;
   if (lattice->count >= NO_PARTICLE)
     TRY_FAIL(STATUS_INPUT, "%zu sites are more than one process takes (2^32 - 1)", lattice->count);
-  for (int a = 0; a < 3; a++)
-    if (lattice->size[a] >= NO_SITE)
-      TRY_FAIL(STATUS_INPUT, "%zu sites along one axis are more than the engine takes (%u)",
-               lattice->size[a], NO_SITE - 1u);
+  if ((uint64_t)p->frame.site_mask[2] << p->frame.site_shift[2] > UINT32_MAX)
+    TRY_FAIL(STATUS_INPUT, "%zu x %zu x %zu sites are more than the engine takes (32 bits in all)",
+             lattice->size[0], lattice->size[1], lattice->size[2]);
+  /* The walls first: ordering them takes memory that the fluid does not need yet. */
+  TRY(make_walls(lattice, range, fields, p));
   p->count = lattice->fluid_count;
   p->clusters = (p->count + CLUSTER - 1) / CLUSTER;
   TRY(grow_fluid(p, fields, p->clusters * CLUSTER));
   size_t slot = 0;
   for (size_t i = 0; i < lattice->count; i++) {
     if (lattice->kind[i] != SITE_FLUID) continue;
-    p->x[0][slot] = frame_site_position(&p->frame, 0, (uint32_t)(i % lattice->size[0]));
-    p->x[1][slot] =
-        frame_site_position(&p->frame, 1, (uint32_t)(i / lattice->size[0] % lattice->size[1]));
-    p->x[2][slot] =
-        frame_site_position(&p->frame, 2, (uint32_t)(i / (lattice->size[0] * lattice->size[1])));
+    size_t at[3];
+    site_of(lattice, i, at);
+    for (int a = 0; a < 3; a++)
+      p->x[a][slot] = frame_site_position(&p->frame, a, (uint32_t)at[a]);
     p->id[slot++] = (uint32_t)i;
   }
   for (; slot < p->capacity; slot++) p->id[slot] = NO_PARTICLE;
-  TRY(make_walls(lattice, range, fields, p));
 cleanup:
   if (status != STATUS_OK) particles_free(p);
   return status;
@@ -393,7 +403,8 @@ void particles_free(struct particles *p) {
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
   n = wall_arrays(p, &none, list);
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
-  for (int a = 0; a < 3; a++) memory_free(&p->site[a]);
+  memory_free(&p->site);
+  memory_free(&p->wall_depth);
   memset(p, 0, sizeof *p);
 }
 

@@ -4,7 +4,7 @@
  * neighbour lists. A cluster that would become wider than `reach` is closed early; its empty slots
  * carry NO_PARTICLE. Fluid positions are fixed-point fractions of the box, so that differences are
  * exact and periodic for free; a box narrower than the kernel's reach is taken 2, 4, ... times (see
- * frame_make), and lists name the image. Wall positions are the site's indices. */
+ * frame_make), and lists name the image. Wall positions are the site's indices, packed. */
 #ifndef TOSUI_ENGINE_PARTICLES_H
 #define TOSUI_ENGINE_PARTICLES_H
 
@@ -17,7 +17,7 @@
 
 #define CLUSTER 8
 #define NO_PARTICLE UINT32_MAX
-#define NO_SITE UINT16_MAX
+#define NO_SITE UINT32_MAX
 /* Slots allocated beyond the last, so that full vectors may be read anywhere. */
 #define SLOT_PADDING 32
 
@@ -29,6 +29,9 @@ struct frame {
   int image_bits[3];
   double unit[3];   /* m per unit */
   uint32_t step[3]; /* units per site; 0: no such direction (y in 2-D) */
+  /* Where x, y, z stand in a packed site, and what one more than the largest takes. */
+  int site_shift[3];
+  uint32_t site_mask[3];
 };
 
 struct particles {
@@ -37,26 +40,30 @@ struct particles {
 
   size_t count, clusters, capacity; /* fluid particles, their clusters, slots allocated */
   uint32_t *x[3];
-  float *v[3], *v_next[3]; /* m/s */
+  float *v[3]; /* m/s */
   /* Frozen walls: rho_0 / rho. Else: the pressure p / (rho_0 c^2). */
-  float *state, *state_next;
+  float *state;
   float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
-  float *distance; /* m: to the wall, negated where its field is not smooth; NULL without */
   uint32_t *id;    /* site the particle started from */
+  /* What a step makes: the new velocity, and in memory that lies idle (see engine_step) the distance
+   * to the wall, m, negated where its field is not smooth, and the new state. Free between steps. */
+  float *v_next[3];
+  float *distance, *state_next;
 
   size_t wall_count, wall_clusters; /* only walls that fluid can reach are kept */
-  uint16_t *site[3];
-  float *wall_state;    /* as state; frozen and adami */
-  float *wall_base;     /* sum of W over wall neighbours / alpha; frozen */
-  float *wall_distance; /* m, subvoxel */
+  uint32_t *site;                   /* frame_wall_index */
+  float *wall_state;                /* as state; frozen and adami */
+  float *wall_base;                 /* sum of W over wall neighbours / alpha; frozen */
+  uint16_t *wall_depth;             /* below the surface, in units of depth_unit, subvoxel */
+  double depth_unit;                /* m */
   float *wall_v[3];     /* m/s: prescribed, or adami's dummy velocity; NULL where all are 0 */
   float *wall_given[3]; /* m/s: prescribed velocity beside adami's; NULL where all are 0 */
 };
 
 /* What the effects of a run need; the rest stays NULL. */
 struct particle_fields {
-  bool next_state, shift, distance;
-  bool wall_state, wall_base, wall_distance, wall_v, wall_given;
+  bool shift;
+  bool wall_state, wall_base, wall_depth, wall_v, wall_given;
 };
 
 /* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */
@@ -73,7 +80,7 @@ enum status particles_resize(struct particles *particles, size_t clusters);
 /* m, inside the lattice's box. */
 void particles_position(const struct particles *particles, const struct lattice *lattice,
                         size_t slot, double position[3]);
-/* Bytes held per fluid particle and per wall particle. */
+/* Bytes held per slot of fluid and of wall. */
 size_t particles_bytes_fluid(const struct particle_fields *fields);
 size_t particles_bytes_wall(const struct particle_fields *fields);
 
@@ -89,6 +96,12 @@ static inline uint32_t frame_fold(const struct frame *frame, int axis, uint32_t 
 }
 static inline uint32_t frame_site_position(const struct frame *frame, int axis, uint32_t index) {
   return index * frame->step[axis] + frame->step[axis] / 2;
+}
+static inline uint32_t frame_wall_index(const struct frame *frame, int axis, uint32_t site) {
+  return site >> frame->site_shift[axis] & frame->site_mask[axis];
+}
+static inline uint32_t frame_wall_position(const struct frame *frame, int axis, uint32_t site) {
+  return frame_site_position(frame, axis, frame_wall_index(frame, axis, site));
 }
 
 #endif

@@ -158,12 +158,10 @@ enum status wcsph_plan(struct plan *plan, int threads) {
                                                                                : PASS_SUBVOXEL,
                                      .shift = plan_has(plan, "shifting"),
                                      .wall_moves = plan_has(plan, "wall_moving")};
-  struct particle_fields fields = engine_fields(&settings);
   double site = 1 + (lattice->wall_distance ? 4 : 0) + (lattice->region ? 2 : 0);
-  plan->bytes_fluid =
-      1.05 * (double)particles_bytes_fluid(&fields) + ENGINE_LIST_BYTES_FLUID + site;
-  plan->bytes_wall = 1.05 * (double)particles_bytes_wall(&fields) + site +
-                     (fields.wall_state ? ENGINE_LIST_BYTES_WALL : 0);
+  plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
+  plan->bytes_wall = engine_bytes_wall(&settings) + site;
+  struct particle_fields fields = engine_fields(&settings);
   plan->bytes_copy = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
   plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
                       plan->bytes_wall * (double)lattice->wall_count;

@@ -138,7 +138,6 @@ enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy)
   copy->step = state->step;
   copy->sample_from = state->sample_from;
   copy->halvings = state->halvings;
-  copy->ordered = state->engine.listed || state->engine.resumed;
   copy->time = wcsph_time(state);
   copy->moved = state->engine.moved;
   copy->speed_max = state->engine.speed_max;
@@ -159,7 +158,6 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;
   engine->listed = false;
-  engine->resumed = copy->ordered;
   for (int t = 0; t < engine->threads; t++) engine->locals[t].overflow = false;
   state->monitor.count = copy->samples;
   state->next_row = copy->next_row;
@@ -246,7 +244,6 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   engine->pair_interactions = numbers[2];
   engine->pairs_fluid = (uint64_t)numbers[3];
   engine->pairs_wall = (uint64_t)numbers[4];
-  engine->resumed = *step > 0; /* before the first step no order was made yet */
   engine->steps = (uint64_t)numbers[7];
   state->next_row = numbers[5];
   state->step = *step;

@@ -32,7 +32,6 @@ struct wcsph_copy {
   int64_t step, sample_from;
   double time, moved, speed_max, next_row;
   int halvings;
-  bool ordered;
 };
 enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy);
 /* The step stays as it is now, unless it was shorter then. */
