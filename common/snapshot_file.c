@@ -6,49 +6,72 @@
 #include "common/memory.h"
 #include "common/output_file.h"
 
+static size_t type_size(enum h5_type type) {
+  return type == H5_F64 || type == H5_U64 || type == H5_I64 ? 8 : type == H5_U8 ? 1 : 4;
+}
+
+static enum status write_field(struct h5_file *file, const char *name, size_t count,
+                               const struct snapshot_field *field) {
+  enum status status = STATUS_OK;
+  void *made = NULL;
+  size_t dims[2] = {count, (size_t)field->components};
+  if (field->data == NULL) {
+    TRY(memory_allocate(&made, count * dims[1], type_size(field->type), "a field of a snapshot"));
+    field->fill(field->context, made);
+  }
+  const void *data = field->data != NULL ? field->data : made;
+  TRY(h5_write(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
+cleanup:
+  memory_free(&made);
+  return status;
+}
+
 /* An UnstructuredGrid of one vertex cell (VTK type 1) per particle. */
+static void fill_numbers(const void *context, void *data) {
+  int64_t *numbers = data;
+  for (size_t i = 0; i < *(const size_t *)context; i++) numbers[i] = (int64_t)i;
+}
+static void fill_types(const void *context, void *data) {
+  if (*(const size_t *)context > 0) memset(data, 1, *(const size_t *)context);
+}
+
 static enum status write_cells(struct h5_file *file, size_t count) {
   enum status status = STATUS_OK;
-  int64_t *numbers = NULL, total = (int64_t)count;
-  uint8_t *types = NULL;
+  int64_t total = (int64_t)count;
   size_t one = 1, next = count + 1;
-  TRY(memory_allocate(&numbers, next, sizeof *numbers, "cells of a snapshot"));
-  TRY(memory_allocate(&types, count, 1, "cells of a snapshot"));
-  for (size_t i = 0; i < next; i++) numbers[i] = (int64_t)i;
-  if (count > 0) memset(types, 1, count);
-  TRY(h5_write(file, "/VTKHDF/Connectivity", H5_I64, 1, &count, numbers, true));
-  TRY(h5_write(file, "/VTKHDF/Offsets", H5_I64, 1, &next, numbers, true));
-  TRY(h5_write(file, "/VTKHDF/Types", H5_U8, 1, &count, types, true));
+  const struct snapshot_field
+      numbers = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &count},
+      offsets = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &next},
+      types = {.type = H5_U8, .components = 1, .fill = fill_types, .context = &count};
+  TRY(write_field(file, "/VTKHDF/Connectivity", count, &numbers));
+  TRY(write_field(file, "/VTKHDF/Offsets", next, &offsets));
+  TRY(write_field(file, "/VTKHDF/Types", count, &types));
   TRY(h5_write(file, "/VTKHDF/NumberOfPoints", H5_I64, 1, &one, &total, false));
   TRY(h5_write(file, "/VTKHDF/NumberOfCells", H5_I64, 1, &one, &total, false));
   TRY(h5_write(file, "/VTKHDF/NumberOfConnectivityIds", H5_I64, 1, &one, &total, false));
 cleanup:
-  memory_free(&types);
-  memory_free(&numbers);
   return status;
 }
 
 enum status snapshot_write(const char *path, double time, int64_t step, size_t count,
-                           const double *points, size_t field_count,
+                           const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   int version[2] = {1, 0};
-  size_t dims[2] = {count, 3};
   TRY(h5_create(path, &file));
   TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
   TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
   TRY(h5_make_group(file, "/VTKHDF"));
   TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
   TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "UnstructuredGrid"));
-  TRY(h5_write(file, "/VTKHDF/Points", H5_F64, 2, dims, points, true));
+  TRY(write_field(file, "/VTKHDF/Points", count, points));
   TRY(write_cells(file, count));
   for (size_t i = 0; i < field_count; i++) {
     const struct snapshot_field *field = &fields[i];
     char name[128];
-    dims[1] = (size_t)field->components;
     snprintf(name, sizeof name, "/VTKHDF/PointData/%s", field->name);
-    TRY(h5_write(file, name, field->type, field->components > 1 ? 2 : 1, dims, field->data, true));
+    TRY(write_field(file, name, count, field));
     TRY(h5_write_attribute_text(file, name, "unit", field->unit));
     TRY(h5_write_attribute_text(file, name, "description", field->description));
   }

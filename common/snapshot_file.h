@@ -12,13 +12,16 @@
 struct snapshot_field {
   const char *name, *unit, *description;
   enum h5_type type;
-  int components; /* 1 or 3 */
+  int components;   /* 1 or 3 */
   const void *data; /* [count][components] */
+  /* Without data: makes it, when its turn has come, in memory that is given back at once. */
+  void (*fill)(const void *context, void *data);
+  const void *context;
 };
 
-/* `points` [count][3] in m. Root attribute `time` (s), `step`. Atomic. */
+/* `points`: f64, 3 components, m. Root attribute `time` (s), `step`. Atomic. */
 enum status snapshot_write(const char *path, double time, int64_t step, size_t count,
-                           const double *points, size_t field_count,
+                           const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields);
 
 /* Rewrites PREFIX.hdf.series, ParaView's list of the snapshots with their times. */

@@ -259,7 +259,7 @@ cleanup:
 }
 
 enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
-                              const double *points, size_t field_count,
+                              const struct snapshot_field *points, size_t field_count,
                               const struct snapshot_field *fields) {
   enum status status = STATUS_OK;
   char path[4096];

@@ -65,10 +65,10 @@ double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
 double recorder_next_snapshot(const struct recorder *recorder);
 
-/* Writes PREFIX-NNNN.hdf and the series. points [count][3]. Fields not in output.fields are
+/* Writes PREFIX-NNNN.hdf and the series. Fields not in output.fields are
  * dropped. */
 enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
-                              const double *points, size_t field_count,
+                              const struct snapshot_field *points, size_t field_count,
                               const struct snapshot_field *fields);
 
 /* Forgets rows and snapshots after `time`: the march goes back to it. */

@@ -63,8 +63,7 @@ enum status cluster_boxes_wall(const struct particles *p, struct cluster_set *se
     size_t first = c * CLUSTER;
     int64_t low[3] = {0}, high[3] = {0};
     uint32_t origin[3];
-    for (int a = 0; a < 3; a++)
-      origin[a] = frame_wall_position(&p->frame, a, p->site[first]);
+    for (int a = 0; a < 3; a++) origin[a] = frame_wall_position(&p->frame, a, p->site[first]);
     for (size_t i = first + 1; i < first + CLUSTER; i++) {
       if (p->site[i] == NO_SITE) continue;
       for (int a = 0; a < 3; a++) {

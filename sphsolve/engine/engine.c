@@ -9,6 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/effects/shifting.h"
+#include "sphsolve/engine/simd.h"
 
 /* Clusters are cut when wider than this; lists are made for paths of PATH, with so much around them
  * (see cluster_boxes_fluid). All in spacings; measured on sand models, docs/performance.md. */
@@ -23,14 +24,14 @@
 /* Steps between removals of the mean pressure, and particles in a block of its sum. */
 #define MEAN_STEPS 16
 #define MEAN_BLOCK 2048
-/* For engine_bytes_*: slots per particle, as clusters are cut; bytes of lists per particle; of keys
- * and places while ordering; of bins per wall slot. */
-#define SLOTS_FLUID 1.06
-#define SLOTS_WALL 1.04
-#define LISTS_FLUID 20.0
+/* For engine_bytes_*: slots per particle, as clusters are cut; bytes of lists per particle and per
+ * wall slot of frozen walls; of boxes and bins, per slot, while lists are made. */
+#define SLOTS_FLUID 1.05
+#define SLOTS_WALL 1.02
+#define LISTS_FLUID 23.0
 #define LISTS_WALL 7.0
-#define SORT_BYTES 16.0
-#define BINS_WALL 3.5
+#define BOXES 3.0
+#define BINS 3.6
 /* Row clusters a thread takes at a time. */
 #define BLOCK 32
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */
@@ -105,22 +106,27 @@ static void set_velocities(struct engine *engine) {
   }
 }
 
-static enum status make_locals(struct engine *engine) {
-  enum status status = STATUS_OK;
-  const struct lattice *lattice = engine->lattice;
+/* Columns that the buffer of a row cluster takes: half of what fits where a cluster can see, and
+ * more where it sees little. */
+static size_t local_capacity(const struct lattice *lattice, double support) {
   double sites = 1;
   for (int a = 0; a < 3; a++)
     if (lattice->dimensions == 3 || a != 1)
-      sites *= 2 * engine->settings.support / lattice->spacing[a] + 2 * (REACH + 2 * PATH);
+      sites *= 2 * support / lattice->spacing[a] + 2 * (REACH + 2 * PATH);
+  return ((size_t)(0.5 * sites) + 2048) / SIMD_LANES * SIMD_LANES;
+}
+
+static enum status make_locals(struct engine *engine) {
+  enum status status = STATUS_OK;
+  size_t capacity = local_capacity(engine->lattice, engine->settings.support);
   engine->threads = omp_get_max_threads();
   TRY(memory_allocate(&engine->locals, (size_t)engine->threads, sizeof *engine->locals, "threads"));
   for (int t = 0; t < engine->threads; t++) {
     struct local *local = &engine->locals[t];
-    local->capacity = ((size_t)(1.5 * sites) + 1024) / 16 * 16;
-    TRY(memory_allocate(&local->field[0], local->capacity * LOCAL_FIELDS, sizeof(float),
+    local->capacity = capacity;
+    TRY(memory_allocate(&local->field[0], capacity * LOCAL_FIELDS, sizeof(float),
                         "columns of a cluster"));
-    for (int f = 1; f < LOCAL_FIELDS; f++)
-      local->field[f] = local->field[0] + (size_t)f * local->capacity;
+    for (int f = 1; f < LOCAL_FIELDS; f++) local->field[f] = local->field[0] + (size_t)f * capacity;
   }
 cleanup:
   return status;
@@ -338,8 +344,10 @@ static void drift(struct engine *engine) {
   double per_unit[3];
   bool left = false;
   for (int a = 0; a < 3; a++) per_unit[a] = p->frame.step[a] == 0 ? 0 : dt / p->frame.unit[a];
-#pragma omp parallel for schedule(static) num_threads(engine->threads) reduction(max : speed, step) \
-    reduction(|| : left)
+#pragma omp parallel for schedule(static) num_threads(engine->threads) reduction(max               \
+                                                                                 : speed, step)    \
+    reduction(||                                                                                   \
+              : left)
   for (size_t i = 0; i < particles_slots(p); i++) {
     const struct cluster_box *box = &engine->boxes.boxes[i / CLUSTER];
     double own = 0, moving = 0;
@@ -438,17 +446,21 @@ cleanup:
   return status;
 }
 
-/* The phases that hold most: ordering (keys), making lists (boxes, bins), and a snapshot, for which
- * the lists are dropped; beside them the particles, 1.06 slots each, and the lists. */
+/* Making lists holds most: the particles, the lists, boxes of rows and bins of columns. Ordering
+ * (16 bytes of keys a particle) and snapshots (24 of points) come when there are no lists. */
 double engine_bytes_fluid(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
-  return SLOTS_FLUID * (double)particles_bytes_fluid(&fields) + LISTS_FLUID + SORT_BYTES;
+  return SLOTS_FLUID * ((double)particles_bytes_fluid(&fields) + BOXES + BINS) + LISTS_FLUID;
 }
 
 double engine_bytes_wall(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
-  return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS_WALL) +
-         (fields.wall_state ? LISTS_WALL : 0);
+  return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS) +
+         (fields.wall_state ? BOXES + LISTS_WALL : 0);
+}
+
+double engine_bytes_thread(const struct lattice *lattice, double support) {
+  return LOCAL_FIELDS * sizeof(float) * (double)local_capacity(lattice, support);
 }
 
 double engine_density(const struct engine *engine, size_t slot) {

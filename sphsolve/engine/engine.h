@@ -39,7 +39,7 @@ struct engine {
   struct particles particles;
   struct particle_fields fields;
   struct neighbour_list fluid_fluid, fluid_wall, wall_fluid;
-  struct cluster_set boxes;       /* of the fluid, with room for paths: the lists hold in them */
+  struct cluster_set boxes; /* of the fluid, with room for paths: the lists hold in them */
   struct cluster_bins wall_bins;
   const struct pair_table *table;
   struct pass pass;
@@ -67,8 +67,10 @@ void engine_drop_lists(struct engine *engine);
 double engine_density(const struct engine *engine, size_t slot);
 double engine_pressure(const struct engine *engine, size_t slot);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
- * what plans are made with; tests/unit/test_memory.c holds it against the count of a run. */
+ * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);
 double engine_bytes_wall(const struct engine_settings *settings);
+/* Per thread; `support` in m. */
+double engine_bytes_thread(const struct lattice *lattice, double support);
 
 #endif

@@ -11,7 +11,7 @@
 #define TARGETS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 
 struct found {
-  uint64_t *key, *sorted;          /* image << 32 | cluster */
+  uint64_t *key, *sorted;           /* image << 32 | cluster */
   uint32_t *member, *sorted_member; /* its place in the bins */
   float *square, *at[3], *half[3];
   size_t n, picked, capacity;
@@ -98,8 +98,8 @@ static void axis_find(const struct frame *frame, const struct cluster_bins *bins
 
 /* Squared gaps from the row's box to those of columns [begin, end) of the bins. */
 TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, size_t end,
-                              const uint32_t from[3], const uint32_t half[3],
-                              const float unit[3], float *restrict square) {
+                              const uint32_t from[3], const uint32_t half[3], const float unit[3],
+                              float *restrict square) {
   for (size_t m = begin; m < end; m++) {
     float sum = 0;
     for (int a = 0; a < 3; a++) {

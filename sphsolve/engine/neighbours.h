@@ -1,10 +1,10 @@
 /* Verlet lists from clusters to clusters.
  *
- * A list holds, for each row cluster, the column clusters whose box comes within `range` of its own,
- * in ascending order (image by image). The boxes of fluid clusters leave room for the paths to come
- * (clusters.h): a list holds until a particle leaves its box. Exactness is left to the pair loop,
- * which drops every particle out of reach of the row cluster as it now stands: a longer list changes
- * no bit of a result. */
+ * A list holds, for each row cluster, the column clusters whose box comes within `range` of its
+ * own, in ascending order (image by image). The boxes of fluid clusters leave room for the paths to
+ * come (clusters.h): a list holds until a particle leaves its box. Exactness is left to the pair
+ * loop, which drops every particle out of reach of the row cluster as it now stands: a longer list
+ * changes no bit of a result. */
 #ifndef TOSUI_ENGINE_NEIGHBOURS_H
 #define TOSUI_ENGINE_NEIGHBOURS_H
 
@@ -15,10 +15,10 @@
 #include "sphsolve/engine/clusters.h"
 
 /* A row is a string of 16-bit words. A word is the step from the last cluster named (at first 0) to
- * the next, with WORD_PAIR if the one after it belongs to the list too (a full vector of 16). With a
- * step of 0 it is followed by 32 bits, low half first: of the cluster itself (the highest bit says
- * pair), or, with WORD_PAIR, of the image of all that follow, in offsets of IMAGE_BITS bits for x, y, z in units of one box; then
- * clusters count from 0 again. Image 0 need not be named. */
+ * the next, with WORD_PAIR if the one after it belongs to the list too (a full vector of 16). With
+ * a step of 0 it is followed by 32 bits, low half first: of the cluster itself (the highest bit
+ * says pair), or, with WORD_PAIR, of the image of all that follow, in offsets of IMAGE_BITS bits
+ * for x, y, z in units of one box; then clusters count from 0 again. Image 0 need not be named. */
 #define WORD_PAIR 0x8000u
 #define WORD_STEP 0x7fffu
 #define IMAGE_BITS 8

@@ -16,7 +16,7 @@
 enum pass_wall { PASS_FROZEN, PASS_OPEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_WALLS };
 
 /* Columns of a row cluster, gathered and cut to what is in reach. */
-#define LOCAL_FIELDS 9
+#define LOCAL_FIELDS 8
 struct local {
   float *field[LOCAL_FIELDS];
   size_t capacity;

@@ -59,8 +59,8 @@ SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wa
 }
 
 /* Appends the columns of one list that the cluster can reach to the buffer from `n` on; `fields`
- * values each from `source` (NULL: zeros) behind the position, and with `depth` the wall's depth in h
- * as LSTATE. Returns the new count. */
+ * values each from `source` (NULL: zeros) behind the position, and with `depth` the wall's depth in
+ * h as LSTATE. Returns the new count. */
 SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, size_t n,
                                   const struct neighbour_list *list, size_t row, bool wall,
                                   const struct reference *ref, int fields,
@@ -69,10 +69,6 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   size_t words;
   struct list_reader reader = {.word = list_row(list, row, &words)};
   reader.end = reader.word + words;
-  if (n + words * SIMD_LANES + SIMD_LANES > local->capacity) {
-    local->overflow = true;
-    return n;
-  }
   float *field[LOCAL_FIELDS];
   for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
   uvec origin[3];
@@ -91,6 +87,10 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
         uint32_t offset = bits == 0 ? 0 : image << (32 - bits);
         origin[a] = uvec_set(ref->centre[a] - offset - (wall ? p->frame.step[a] / 2 : 0));
       }
+    if (n + 2 * SIMD_LANES > local->capacity) {
+      local->overflow = true;
+      break;
+    }
     size_t start = (size_t)reader.cluster * CLUSTER;
     uint32_t lanes = reader.pair ? 0xffffu : 0xffu;
     for (size_t k = 0; k < SIMD_LANES; k += SIMD_WIDTH) {
@@ -322,8 +322,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   struct particles *p = pass->particles;
   const bool symmetric = wall == PASS_FROZEN, subvoxel = wall == PASS_SUBVOXEL;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
-  const float *walls[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2],
-                           p->wall_state};
+  const float *walls[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
   const bool moving = p->wall_v[0] != NULL;
   double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
   double drag = 2 * pass->viscosity * pass->g_scale / pass->smoothing_length;

@@ -28,7 +28,8 @@ void frame_make(const struct lattice *lattice, double clearance, struct frame *f
     double step = ldexp(1.0, 32 - frame->image_bits[a]) / (double)lattice->size[a];
     frame->step[a] = flat ? 0 : (uint32_t)fmin(step, 4294967295.0);
     frame->site_shift[a] = a == 0 ? 0 : frame->site_shift[a - 1] + bits;
-    for (bits = 1; lattice->size[a] >> bits != 0; bits++) {}
+    for (bits = 1; lattice->size[a] >> bits != 0; bits++) {
+    }
     frame->site_mask[a] = (uint32_t)((1ull << bits) - 1);
   }
 }
@@ -386,8 +387,7 @@ enum status particles_make(const struct lattice *lattice, double range, double r
     if (lattice->kind[i] != SITE_FLUID) continue;
     size_t at[3];
     site_of(lattice, i, at);
-    for (int a = 0; a < 3; a++)
-      p->x[a][slot] = frame_site_position(&p->frame, a, (uint32_t)at[a]);
+    for (int a = 0; a < 3; a++) p->x[a][slot] = frame_site_position(&p->frame, a, (uint32_t)at[a]);
     p->id[slot++] = (uint32_t)i;
   }
   for (; slot < p->capacity; slot++) p->id[slot] = NO_PARTICLE;

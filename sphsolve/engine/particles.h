@@ -45,8 +45,9 @@ struct particles {
   float *state;
   float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
   uint32_t *id;    /* site the particle started from */
-  /* What a step makes: the new velocity, and in memory that lies idle (see engine_step) the distance
-   * to the wall, m, negated where its field is not smooth, and the new state. Free between steps. */
+  /* What a step makes: the new velocity, and in memory that lies idle (see engine_step) the
+   * distance to the wall, m, negated where its field is not smooth, and the new state. Free between
+   * steps. */
   float *v_next[3];
   float *distance, *state_next;
 

@@ -234,15 +234,16 @@ enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder)
     id[k++] = number;
   }
   struct snapshot_field fields[] = {
-      {"velocity", "m/s", "Darcy velocity", H5_F64, 3, velocity},
-      {"pressure", "Pa", "pressure", H5_F64, 1, pressure},
-      {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, density},
-      {"porosity", "1", "porosity at the particle", H5_F64, 1, porosity},
-      {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, surface},
-      {"volume", "m^3", "bulk volume", H5_F64, 1, volume},
-      {"id", "1", "number of the particle", H5_U64, 1, id}};
-  TRY(recorder_snapshot(recorder, s->time, s->step, n, (const double *)points,
-                        sizeof fields / sizeof *fields, fields));
+      {"velocity", "m/s", "Darcy velocity", H5_F64, 3, velocity, NULL, NULL},
+      {"pressure", "Pa", "pressure", H5_F64, 1, pressure, NULL, NULL},
+      {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, density, NULL, NULL},
+      {"porosity", "1", "porosity at the particle", H5_F64, 1, porosity, NULL, NULL},
+      {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, surface, NULL, NULL},
+      {"volume", "m^3", "bulk volume", H5_F64, 1, volume, NULL, NULL},
+      {"id", "1", "number of the particle", H5_U64, 1, id, NULL, NULL}};
+  const struct snapshot_field at = {.type = H5_F64, .components = 3, .data = points};
+  TRY(recorder_snapshot(recorder, s->time, s->step, n, &at, sizeof fields / sizeof *fields,
+                        fields));
 cleanup:
   memory_free(&points);
   memory_free(&velocity);

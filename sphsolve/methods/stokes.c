@@ -55,11 +55,13 @@ static enum status write_snapshot(const struct scene *scene, const struct lattic
     at++;
   }
   const struct snapshot_field list[] = {
-      {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity},
-      {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure},
-      {"density", "kg/m^3", "density", H5_F32, 1, f.density},
-      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id}};
-  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, f.points, sizeof list / sizeof *list,
+      {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity, NULL, NULL},
+      {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure,
+       NULL, NULL},
+      {"density", "kg/m^3", "density", H5_F32, 1, f.density, NULL, NULL},
+      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id, NULL, NULL}};
+  const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
+  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, sizeof list / sizeof *list,
                         list));
 cleanup:
   fields_free(&f);

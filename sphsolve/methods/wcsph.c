@@ -203,44 +203,61 @@ static enum status write_row(struct run *run, const struct wcsph_totals *totals)
   return recorder_row(run->recorder, &row, NULL);
 }
 
-static enum status write_snapshot(struct run *run) {
-  enum status status = STATUS_OK;
+/* Fields of a snapshot, one at a time: a run's memory is the engine's. */
+static void fill_points(const void *context, void *data) {
+  const struct run *run = context;
   const struct particles *p = &run->state.engine.particles;
-  double *points = NULL;
-  float *velocity = NULL, *pressure = NULL, *density = NULL;
-  uint32_t *id = NULL;
-  size_t n = 0;
-  TRY(memory_allocate(&points, 3 * p->count, sizeof *points, "snapshot"));
-  TRY(memory_allocate(&velocity, 3 * p->count, sizeof *velocity, "snapshot"));
-  TRY(memory_allocate(&pressure, p->count, sizeof *pressure, "snapshot"));
-  TRY(memory_allocate(&density, p->count, sizeof *density, "snapshot"));
-  TRY(memory_allocate(&id, p->count, sizeof *id, "snapshot"));
-  const struct engine *engine = &run->state.engine;
-  double rest = run->scene->fluid.density;
-  double unit = rest * engine->settings.sound_speed * engine->settings.sound_speed;
+  double *point = data;
   for (size_t i = 0; i < particles_slots(p); i++) {
     if (p->id[i] == NO_PARTICLE) continue;
-    particles_position(p, run->lattice, i, points + 3 * n);
-    for (int a = 0; a < 3; a++) velocity[3 * n + (size_t)a] = p->v[a][i];
-    pressure[n] = (float)(unit * engine_pressure(engine, i));
-    density[n] = (float)(rest * engine_density(engine, i));
-    id[n++] = p->id[i];
+    particles_position(p, run->lattice, i, point);
+    point += 3;
   }
+}
+static void fill_velocity(const void *context, void *data) {
+  const struct particles *p = &((const struct run *)context)->state.engine.particles;
+  float *velocity = data;
+  for (size_t i = 0; i < particles_slots(p); i++)
+    for (int a = 0; a < 3 && p->id[i] != NO_PARTICLE; a++) *velocity++ = p->v[a][i];
+}
+static void fill_pressure(const void *context, void *data) {
+  const struct run *run = context;
+  const struct engine *engine = &run->state.engine;
+  double c = engine->settings.sound_speed, unit = run->scene->fluid.density * c * c;
+  float *pressure = data;
+  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+    if (engine->particles.id[i] != NO_PARTICLE)
+      *pressure++ = (float)(unit * engine_pressure(engine, i));
+}
+static void fill_density(const void *context, void *data) {
+  const struct run *run = context;
+  const struct engine *engine = &run->state.engine;
+  float *density = data;
+  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+    if (engine->particles.id[i] != NO_PARTICLE)
+      *density++ = (float)(run->scene->fluid.density * engine_density(engine, i));
+}
+static void fill_id(const void *context, void *data) {
+  const struct particles *p = &((const struct run *)context)->state.engine.particles;
+  uint32_t *id = data;
+  for (size_t i = 0; i < particles_slots(p); i++)
+    if (p->id[i] != NO_PARTICLE) *id++ = p->id[i];
+}
+
+static enum status write_snapshot(struct run *run) {
+  const struct snapshot_field points = {
+      .type = H5_F64, .components = 3, .fill = fill_points, .context = run};
   const struct snapshot_field fields[] = {
-      {"velocity", "m/s", "fluid velocity", H5_F32, 3, velocity},
-      {"pressure", "Pa", "pressure over that of the fluid at rest", H5_F32, 1, pressure},
-      {"density", "kg/m^3", "density", H5_F32, 1, density},
-      {"id", "1", "site the particle started from", H5_U32, 1, id},
+      {"velocity", "m/s", "fluid velocity", H5_F32, 3, NULL, fill_velocity, run},
+      {"pressure", "Pa", "pressure over that of the fluid at rest", H5_F32, 1, NULL, fill_pressure,
+       run},
+      {"density", "kg/m^3", "density", H5_F32, 1, NULL, fill_density, run},
+      {"id", "1", "site the particle started from", H5_U32, 1, NULL, fill_id, run},
   };
-  TRY(recorder_snapshot(run->recorder, run_time(run), run->state.step, n, points,
-                        sizeof fields / sizeof *fields, fields));
-cleanup:
-  memory_free(&points);
-  memory_free(&velocity);
-  memory_free(&pressure);
-  memory_free(&density);
-  memory_free(&id);
-  return status;
+  engine_drop_lists(&run->state.engine);
+  return recorder_snapshot(run->recorder, run_time(run), run->state.step,
+                           run->state.engine.particles.count, &points,
+                           sizeof fields / sizeof *fields, fields);
 }
 
 static enum status write_checkpoint(struct run *run) {
@@ -453,6 +470,8 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
                       "region velocities"));
   wcsph_settings(scene, plan, region_velocity, &settings);
+  /* Before the engine is there: both take memory. */
+  if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
   TRY(engine_make(lattice, &settings, &run.state.engine));
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
@@ -473,7 +492,6 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
     TRY(wcsph_sum(&run.state.engine, &totals));
     TRY(write_row(&run, &totals));
   }
-  if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
   if (flows) {
     status = march(&run, result);
     if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;

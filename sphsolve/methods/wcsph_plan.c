@@ -164,7 +164,8 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   struct particle_fields fields = engine_fields(&settings);
   plan->bytes_copy = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
   plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
-                      plan->bytes_wall * (double)lattice->wall_count;
+                      plan->bytes_wall * (double)lattice->wall_count +
+                      threads * engine_bytes_thread(lattice, context->support);
 
   double gap = wcsph_gap(lattice), wide = gap + (settings.wall == PASS_FROZEN ? 1 : 0);
   double time = wide * wide * context->spacing * context->spacing / context->kinematic_viscosity;

@@ -154,9 +154,10 @@ static void test_model(void **state) {
 static void test_snapshot(void **state) {
   (void)state;
   double points[6] = {0, 1, 2, 3, 4, 5}, velocity[6] = {1, 0, 0, 0, 0, 2}, *read;
-  struct snapshot_field field = {"velocity", "m/s", "velocity of the fluid", H5_F64, 3, velocity};
+  struct snapshot_field field = {"velocity", "m/s", "velocity of the fluid", H5_F64, 3, velocity, NULL, NULL},
+                        at = {.type = H5_F64, .components = 3, .data = points};
   struct snapshot snapshot;
-  assert_int_equal(snapshot_write(path, 0.5, 7, 2, points, 1, &field), STATUS_OK);
+  assert_int_equal(snapshot_write(path, 0.5, 7, 2, &at, 1, &field), STATUS_OK);
   assert_int_equal(snapshot_open(path, &snapshot), STATUS_OK);
   assert_true(snapshot.time == 0.5 && snapshot.count == 2);
   assert_memory_equal(snapshot.points, points, sizeof points);

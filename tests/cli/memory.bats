@@ -1,0 +1,59 @@
+#!/usr/bin/env bats
+# Memory: what explain promises, a run keeps, as its own count of every allocation says; with the
+# default walls at most 100 bytes per fluid site and 16 per grain site.
+
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+  export SPH="${BUILD:-build}/bin/sphsolve"
+  cd "$BATS_FILE_TMPDIR"
+  # Spheres of two sizes at random in a periodic box: half pore, half grain, smooth distances.
+  /usr/bin/python3 - <<'END'
+import h5py
+import numpy as np
+rng = np.random.default_rng(4)
+n, dx = 60, 4e-5
+d = np.full((n, n, n), 1e9)
+grid = np.stack(np.meshgrid(*[np.arange(n) + 0.5] * 3, indexing="ij"))
+for i in range(150):
+    r = 5.5 if i % 2 else 8.0
+    away = np.abs(grid - rng.uniform(0, n, 3).reshape(3, 1, 1, 1))
+    d = np.minimum(d, np.sqrt((np.minimum(away, n - away) ** 2).sum(0)) - r)
+with h5py.File("spheres.hdf", "w") as f:
+    f["model/solid"] = (d < 0).astype("u1")
+    f["model/wall_distance"] = (d * dx).astype("f4")
+    f["model/grain_fraction"] = np.clip(0.5 - d, 0, 1).astype("f4")
+    f["model"].attrs["spacing"] = [dx, dx, dx]
+END
+  cat > scene.cfg <<'END'
+scene = { name = "memory"; method = "wcsph"; end_time = "1 s"; steady_tolerance = 0.0; };
+model = { file = "spheres.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-100 m/s^2"]; };
+END
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+@test "the counted peak of a run is what explain said, within its bounds" {
+  "$SPH" explain scene.cfg --json > plan.json
+  end=$(/usr/bin/python3 -c "import json; print(json.load(open('plan.json'))['dt'] * 60)")
+  "$SPH" run scene.cfg --set scene.end_time="$end s" --set output.interval="$(awk "BEGIN { print $end / 3 }") s" \
+    --threads 2 --quiet -o out
+  /usr/bin/python3 - <<'END'
+import h5py
+import json
+plan = json.load(open("plan.json"))
+run = h5py.File("out.hdf")["run"].attrs
+fluid, wall = plan["fluid_sites"], plan["wall_sites"]
+peak, total = float(run["memory_peak_bytes"]), plan["memory_bytes"]
+said = fluid * plan["bytes_per_fluid_site"] + wall * plan["bytes_per_wall_site"]
+print(f"{fluid} fluid, {wall} wall: peak {peak / 1e6:.2f} MB, said {said / 1e6:.2f} MB; "
+      f"{plan['bytes_per_fluid_site']:.1f} and {plan['bytes_per_wall_site']:.1f} bytes a site; "
+      f"{run['list_rebuilds']:.0f} times lists")
+assert 0.3 < fluid / (fluid + wall) < 0.7
+assert run["list_rebuilds"] >= 3
+assert plan["bytes_per_fluid_site"] <= 100 and plan["bytes_per_wall_site"] <= 16
+assert peak <= 100 * fluid + 16 * wall
+assert 0.9 * said <= peak <= total
+END
+}
