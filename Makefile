@@ -41,7 +41,7 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/g
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: package fuzz all check demo deps s06 m15 verify hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: package fuzz all check demo deps s06 m15 verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----

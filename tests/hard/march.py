@@ -1,6 +1,6 @@
 """Hard cases of any step: the watchdog, the step that effects choose, restart after a step back."""
 import os
-import shutil
+import re
 
 from suite import Run, case, explain, force_power, holds, row, slit, slit_velocity, whole
 from water import scene
@@ -25,6 +25,16 @@ def given_up_after_three():
     for what, word in (("particle", "particle"), ("place", " m "), ("cause", "time step"), ("mend", 'wcsph.dt = "auto"'), ("checkpoint", "out.ckpt.hdf")):
         yield holds(f"the message names the {what}", "", word in run.message, run.message.strip()[-250:])
     yield holds("the checkpoint is there", "", os.path.exists(run.prefix + ".ckpt.hdf"))
+
+
+@case("What leaves its bounds must be seen before it spoils the state: within ten steps", fast=True)
+def seen_within_ten_steps():
+    # From rest v = g t in the middle of the slit: it passes the speed of sound at a time known beforehand.
+    c, g, dt = 0.144, 1000.0, 1e-6
+    run = Run(slit(8, g=g), [f"wcsph.sound_speed={c} m/s", f"wcsph.dt={dt:g} s"])
+    first = re.search(r"t = ([0-9.e-]+) s: (\w+)", run.message)
+    yield row("steps from leaving the bound to being seen", "the issue: ten; the first half step is the leapfrog's", (float(first[1]) - c / g) / dt, 5, 5)
+    yield holds("the bound is the velocity's, the cause the sound speed", "", first[2] == "velocity" and "raise wcsph.sound_speed" in run.message, run.message.strip()[-200:])
 
 
 @case("isph: a step of several particles' way", fast=True)

@@ -77,11 +77,15 @@ def sound_speed_from_tenth_to_ten_times():
 @case("100 G: velocity, not pressure head, sets c; inertia lowers k (Mei, Auriault 1991), density stays within the 1 % that c was chosen for")
 def hundred_g():
     path, radius = spheres(12, 0.216, 46.6e-6)
-    slow, fast = Run(in_model(path, 9.80665e-2)), Run(in_model(path, 980.665))
+    slow = Run(in_model(path, 9.80665e-2, method="stokes"))
+    # The automatic c follows the creeping estimate of the velocity, 83 m/s; inertia leaves it under 1 m/s.
+    fast = Run(in_model(path, 980.665, end="20 ms", tolerance=1e-2), ["wcsph.sound_speed=10 m/s"], limit=240)
     yield from whole(fast, force_power([0, 0, 980.665]))
+    if fast.code:
+        return
     yield holds("k falls with inertia", "Mei, Auriault 1991: the first correction lowers k", 0 < fast.json["k"] < slow.json["k"],
-                f"k(100 G)/k(0.01 G) = {fast.json['k'] / slow.json['k']:.3f}, Re = {fast.json['reynolds']:.3g}")
-    yield row("largest density over that at rest", "c is chosen so that gL/c^2 <= 1 %", fast.history["density_max"].max() / 1000, 1, 0.01)
+                f"k(100 G)/k(creeping) = {fast.json['k'] / slow.json['k']:.3f}, Re = {fast.json['reynolds']:.3g}")
+    yield row("largest density over that at rest", "gL/c^2 + (u/c)^2/2 <= 1 % each", fast.history["density_max"].max() / 1000, 1, 0.02)
 
 
 def duct_series(t, width, nu, g):
@@ -180,12 +184,12 @@ def void_ratio_tenth_and_ten():
         yield row(f"{method}, e = 0.099, square duct of 6 sites: k over exact", "0.5/N^2 in both directions, twice",
                   run.json["intrinsic_permeability"] / exact, 1, 2 * half_n2(b))
     c = 1 / 11
-    path, radius = spheres(20, c, 1e-4)
-    exact = 2 * radius ** 2 / (9 * c * hasimoto(c))
-    for method in ("stokes", "wcsph"):
-        run = Run(in_model(path, 0.01, method=method))
+    for method, n in (("stokes", 20), ("wcsph", 14)):
+        path, radius = spheres(n, c, 1e-4)
+        exact = 2 * radius ** 2 / (9 * c * hasimoto(c))
+        run = Run(in_model(path, 0.01, method=method, tolerance=1e-2, end="5 s"))
         yield row(f"{method}, e = 10, spheres of {2 * radius * 1e4:.1f} sites: k over exact", "1 % at 24 sites a side (verification.md), as 1/n^2",
-                  run.json["intrinsic_permeability"] / exact, 1, 0.01 * (24 / 20) ** 2)
+                  run.json["intrinsic_permeability"] / exact, 1, 0.01 * (24 / n) ** 2)
 
 
 @case("Viscosity over eleven decades at one Reynolds number: no hidden scale, no underflow of single precision", fast=True)
@@ -203,13 +207,14 @@ def viscosity_1e_8_to_1e3():
 
 @case("Inertia: drag grows as Re^2 first (Mei, Auriault 1991; Hill, Koch, Ladd 2001), then about as Re; wakes need shifting")
 def reynolds_up_to_200():
-    n, dx = 16, 1e-4
+    n, dx = 12, 1e-4
     path, radius = spheres(n, 0.216, dx)
     creeping = 2 * radius ** 2 / (9 * 0.216 * 7.4419)  # m^2
     d, drag = 2 * radius, {}
-    for re in (0.001, 1, 4, 20, 60, 200):
+    for re in (0.001, 1, 20, 60, 200):
         guess = re * NU / d * NU / creeping * (1 + 0.02 * re)
-        run = Run(in_model(path, guess, tolerance=1e-2, end="2 s"))
+        c = f"wcsph.sound_speed={max(30 * re * NU / d, math.sqrt(guess * n * dx / 0.01)):.6g} m/s"  # u_max about 3 u
+        run = Run(in_model(path, guess, tolerance=1e-2, end="1 s" if re < 10 else "0.15 s"), [c] * (re > 10), limit=240)
         yield from (r | {"check": f"Re about {re:g}: {r['check']}"} for r in whole(run, force_power([0, 0, guess])))
         if run.code:
             continue
