@@ -551,7 +551,22 @@ cleanup:
   return status;
 }
 
-enum status recorder_finish(struct recorder *recorder, const struct run_result *result) {
+/* The columns of a row are as recorder_row writes them. */
+static enum status account(const struct recorder *recorder, struct ledger *ledger) {
+  enum status status = STATUS_OK;
+  struct ledger_row *rows = NULL;
+  TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the ledger"));
+  for (size_t i = 0; i < recorder->row_count; i++) {
+    const double *row = recorder->rows + i * (size_t)recorder->width;
+    rows[i] = (struct ledger_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
+  }
+  ledger_account(ledger, recorder->row_count, rows, recorder->scene->driving);
+cleanup:
+  memory_free(&rows);
+  return status;
+}
+
+enum status recorder_finish(struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   char path[4096];
@@ -560,11 +575,13 @@ enum status recorder_finish(struct recorder *recorder, const struct run_result *
   progress_end(&recorder->progress);
   hashes[0] = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
   hashes[1] = recorder->lattice->model_hash;
+  TRY(account(recorder, &result->ledger));
   snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
   TRY(h5_create(path, &file));
   TRY(write_history(recorder, file));
   TRY(write_run(recorder, result, file));
   TRY(error_split_write(&result->error, file));
+  TRY(ledger_write(&result->ledger, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
                        hashes));

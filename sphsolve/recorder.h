@@ -13,6 +13,7 @@
 #include "common/snapshot_file.h"
 #include "sphsolve/error_split.h"
 #include "sphsolve/lattice.h"
+#include "sphsolve/ledger.h"
 #include "sphsolve/plan.h"
 #include "sphsolve/scene.h"
 #include "sphsolve/step_log.h"
@@ -44,6 +45,7 @@ struct run_result {
   double wall_time;
   double pair_interactions;            /* directed pairs evaluated, all passes */
   double pair_interactions_per_second; /* over the time in pair loops */
+  struct ledger ledger;
 };
 
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
@@ -96,8 +98,8 @@ void recorder_add_time(struct recorder *recorder, const char *name, double secon
 /* A fact for /run as an attribute ("residual", "iterations", ...). Overwrites. */
 void recorder_set_fact(struct recorder *recorder, const char *name, double value);
 
-/* Writes the whole PREFIX.hdf (atomically). */
-enum status recorder_finish(struct recorder *recorder, const struct run_result *result);
+/* Completes the ledger from the history and writes the whole PREFIX.hdf (atomically). */
+enum status recorder_finish(struct recorder *recorder, struct run_result *result);
 
 /* Darcy velocity along the driving force -> k = v/i and intrinsic permeability v nu / driving. */
 void result_from_darcy(const struct scene *scene, const double darcy_velocity[3],

@@ -159,6 +159,7 @@ static void print_result(const struct run_result *result, const char *prefix) {
   }
   if (result->pair_interactions_per_second > 0)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
+  ledger_print(&result->ledger);
   printf("files      %s.hdf\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix,
          prefix);
 }

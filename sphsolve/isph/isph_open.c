@@ -174,6 +174,10 @@ void isph_remove_outside(struct isph *s) {
           log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and "
                       "is taken out",
                       s->time, (unsigned long long)s->id[i], x[0], x[1], x[2]);
+        if (s->lost_count < LEDGER_LOSSES) {
+          const double loss[6] = {(double)s->id[i], s->time, x[0], x[1], x[2], mass};
+          memcpy(s->losses[s->lost_count], loss, sizeof loss);
+        }
         s->lost_count++, s->lost_mass += mass;
       }
       continue;

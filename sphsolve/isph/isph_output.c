@@ -287,6 +287,8 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
                       (int64_t)s->entered_count};
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 5, numbers));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  size_t losses[2] = {LEDGER_LOSSES, 6};
+  TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
   double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->calm_from};
   double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
                     s->solve.residual};
@@ -357,6 +359,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->entered_mass = numbers[3], s->thickest = numbers[4];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
+  TRY(read_into(file, "/state/losses", H5_F64, LEDGER_LOSSES, 6, s->losses));
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));

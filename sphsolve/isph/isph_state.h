@@ -16,6 +16,7 @@
 
 #include "common/error.h"
 #include "sphsolve/lattice.h"
+#include "sphsolve/ledger.h"
 #include "sphsolve/scene.h"
 #include "sphsolve/watchdog.h"
 
@@ -158,6 +159,7 @@ struct isph {
 
   /* ledger */
   size_t lost_count, left_count, entered_count;
+  double losses[LEDGER_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;
   double pair_interactions, pair_seconds;
   struct watchdog dog;

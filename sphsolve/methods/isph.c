@@ -365,6 +365,16 @@ cleanup:
     recorder_set_fact(recorder, "particles_lost", (double)s->lost_count);
     recorder_set_fact(recorder, "particles_left", (double)s->left_count);
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
+    result->ledger = (struct ledger){.known = true,
+                                     .start = lattice->fluid_count,
+                                     .entered = s->entered_count,
+                                     .left = s->left_count,
+                                     .lost = s->lost_count,
+                                     .end = s->count,
+                                     .entered_mass = s->entered_mass,
+                                     .left_mass = s->left_mass,
+                                     .lost_mass = s->lost_mass};
+    memcpy(result->ledger.losses, s->losses, sizeof s->losses);
   }
   h5_close(file);
   isph_copy_free(&copy);

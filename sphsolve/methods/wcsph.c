@@ -434,6 +434,9 @@ static void finish(struct run *run, struct run_result *result) {
   const double *s = engine->seconds;
   double pair_time = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
   result->steps = run->state.step;
+  result->ledger = (struct ledger){.known = true, .start = run->lattice->fluid_count};
+  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+    result->ledger.end += engine->particles.id[i] != NO_PARTICLE;
   result->wall_time = clock_seconds() - run->started;
   result->pair_interactions = engine->pair_interactions;
   result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
