@@ -225,7 +225,9 @@ static enum status tiff_open(const char *path, struct image *image) {
   struct tiff_layout layout;
   char *description = NULL;
   TIFF *tiff = tiff_start(path);
-  if (tiff == NULL) TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path, tiff_message);
+  if (tiff == NULL)
+    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path,
+             tiff_message[0] != '\0' ? tiff_message : "its first directory is damaged");
   layout_read(tiff, &layout);
   if (layout.width == 0 || layout.height == 0)
     TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height", path);

@@ -84,6 +84,17 @@ static double reynolds_number(const struct lattice *l, double darcy, double nu) 
   return darcy * (double)l->bulk_count / (double)l->fluid_count * diameter / nu;
 }
 
+/* Darcy velocity in m/s, and the Reynolds number with it. */
+static void scale_darcy(const struct lattice *lattice, const struct scene *scene,
+                        const struct stokes_solver *s, double darcy[3], double *reynolds) {
+  double length = 0.0;
+  for (int a = 0; a < 3; a++) {
+    darcy[a] = s->mean[a] * s->velocity_unit;
+    length = hypot(length, darcy[a]);
+  }
+  *reynolds = reynolds_number(lattice, length, scene->fluid.viscosity / scene->fluid.density);
+}
+
 static enum status write_row(const struct scene *scene, const struct lattice *lattice,
                              const struct stokes_solver *s, double darcy[3],
                              struct recorder *recorder, double *reynolds) {
@@ -92,22 +103,69 @@ static enum status write_row(const struct scene *scene, const struct lattice *la
   struct history_row row = {.step = s->iterations,
                             .density_max = scene->fluid.density,
                             .density_mean = scene->fluid.density};
-  double square = 0.0, length = 0.0;
+  double square = 0.0;
   for (size_t a = 0; n > 0 && a < (size_t)s->stencil.axis_count; a++)
     for (size_t i = 0; i < n; i++) square += s->x[a * n + i] * s->x[a * n + i];
   row.mass = scene->fluid.density * volume * (double)lattice->fluid_count;
+  scale_darcy(lattice, scene, s, darcy, reynolds);
   for (int a = 0; a < 3; a++) {
-    darcy[a] = s->mean[a] * s->velocity_unit;
-    length = hypot(length, darcy[a]);
     row.darcy_velocity[a] = darcy[a];
     row.momentum[a] = darcy[a] * scene->fluid.density * volume * (double)lattice->bulk_count;
   }
   row.kinetic_energy =
       0.5 * scene->fluid.density * volume * square * s->velocity_unit * s->velocity_unit;
-  row.reynolds = *reynolds =
-      reynolds_number(lattice, length, scene->fluid.viscosity / scene->fluid.density);
+  row.reynolds = *reynolds;
   const double extra[] = {s->residual_now, s->divergence};
   return recorder_row(recorder, &row, extra);
+}
+
+/* What the rounds hand on beside the solution itself. */
+struct progress_state {
+  double best;
+  int stalled;
+};
+
+static enum status write_checkpoint(const struct stokes_solver *s,
+                                    const struct progress_state *state, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  size_t length = (size_t)(s->stencil.axis_count + 1) * s->grid.active, count = 7;
+  const double numbers[] = {s->mean[0],  s->mean[1],     s->mean[2],           s->change,
+                            state->best, state->stalled, (double)s->iterations};
+  TRY(recorder_checkpoint_begin(recorder, &file));
+  TRY(h5_write(file, "/state/x", H5_F64, 1, &length, s->x, false));
+  TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
+  status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+static enum status read_checkpoint(struct stokes_solver *s, struct progress_state *state,
+                                   struct recorder *recorder, bool *resumed) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  double *x = NULL, *numbers = NULL;
+  size_t length, count;
+  TRY(recorder_resume(recorder, &file));
+  *resumed = file != NULL;
+  if (file == NULL) goto cleanup;
+  TRY(h5_read(file, "/state/x", H5_F64, 1, &length, &x));
+  TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
+  if (length != (size_t)(s->stencil.axis_count + 1) * s->grid.active || count != 7)
+    TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
+  memcpy(s->x, x, length * sizeof *x);
+  stokes_solver_measure(s);
+  memcpy(s->mean, numbers, sizeof s->mean);
+  s->change = numbers[3];
+  *state = (struct progress_state){numbers[4], (int)numbers[5]};
+  s->iterations = (long)numbers[6];
+cleanup:
+  memory_free(&x);
+  memory_free(&numbers);
+  h5_close(file);
+  return status;
 }
 
 enum status stokes_run(const struct scene *scene, const struct plan *plan,
@@ -115,7 +173,9 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
                        struct run_result *result) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
-  double darcy[3] = {0.0}, reynolds = 0.0, best = INFINITY, solving = 0.0;
+  double darcy[3] = {0.0}, reynolds = 0.0, solving = 0.0;
+  struct progress_state state = {.best = INFINITY};
+  bool resumed = false;
   const double tolerance = scene->stokes.tolerance;
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
@@ -129,8 +189,19 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   if (s.grid.active < lattice->fluid_count)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
                 lattice->fluid_count - s.grid.active, lattice->fluid_count);
-  TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-  for (int stalled = 0; s.grid.active > 0 && !stokes_solver_converged(&s, tolerance);) {
+  if (s.grid.active > 0) TRY(read_checkpoint(&s, &state, recorder, &resumed));
+  if (resumed)
+    scale_darcy(lattice, scene, &s, darcy, &reynolds);
+  else
+    TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
+  while (s.grid.active > 0 && !stokes_solver_converged(&s, tolerance)) {
+    if (recorder_checkpoint_due(recorder)) TRY(write_checkpoint(&s, &state, recorder));
+    if (recorder_interrupted(recorder)) {
+      result->status = "interrupted";
+      status = FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
+                    s.residual_now);
+      break;
+    }
     char note[80];
     const double started = clock_seconds();
     stokes_solver_round(&s);
@@ -140,13 +211,9 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
     snprintf(note, sizeof note, "residual %.1e, Darcy velocity %.4g m/s", s.residual_now,
              hypot(hypot(darcy[0], darcy[1]), darcy[2]));
     recorder_progress(recorder, fmin(1.0, log(s.residual_now) / log(tolerance)), note);
-    if (recorder_interrupted(recorder)) {
-      result->status = "interrupted";
-      break;
-    }
-    stalled = s.residual_now < 0.9 * best ? 0 : stalled + 1;
-    best = fmin(best, s.residual_now);
-    if (stalled == 10)
+    state.stalled = s.residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
+    state.best = fmin(state.best, s.residual_now);
+    if (state.stalled == 10)
       TRY_FAIL(STATUS_NUMERIC,
                "%s: no progress after %ld iterations at a residual of %.1e; stokes.tolerance = "
                "%.1g accepts it",
@@ -171,8 +238,8 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   recorder_set_fact(recorder, "sites_solved", (double)s.grid.active);
   stokes_krylov_free(&s.krylov); /* room for the snapshot */
   stokes_operator_free(&s.operator);
-  TRY(write_snapshot(scene, lattice, &s, recorder));
-  if (recorder_interrupted(recorder)) status = FAIL(STATUS_INTERRUPTED, "interrupted");
+  enum status left = write_snapshot(scene, lattice, &s, recorder);
+  if (status == STATUS_OK) status = left;
 cleanup:
   stokes_solver_free(&s);
   return status;

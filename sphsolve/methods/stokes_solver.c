@@ -140,6 +140,13 @@ void stokes_solver_free(struct stokes_solver *s) {
   memory_free(&s->residual);
 }
 
+void stokes_solver_measure(struct stokes_solver *s) {
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(s->operator.threads);
+  measure(s);
+  omp_set_num_threads(threads);
+}
+
 void stokes_solver_round(struct stokes_solver *s) {
   double shrunk = 1.0, reached;
   const int threads = omp_get_max_threads();

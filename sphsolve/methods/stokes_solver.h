@@ -51,6 +51,9 @@ double stokes_solver_bytes(double sites, double active);
 /* Processor seconds such a solve takes, predicted. */
 double stokes_solver_seconds(double sites, double active, enum wall_scheme wall);
 
+/* Recomputes residual, divergence, mean and change from `x`, as a round leaves them: all that a
+ * round needs of those before it is x and the mean. */
+void stokes_solver_measure(struct stokes_solver *solver);
 /* One round; residual, divergence, mean and change are those after it. */
 void stokes_solver_round(struct stokes_solver *solver);
 /* Relative residual under `tolerance`, divergence under 1e-4, mean settled to 1e-4. */

@@ -43,6 +43,23 @@ equal_to_whole() {
   done
 }
 
+@test "stokes: killed by SIGKILL between and in its rounds, and resumed" {
+  stokes() {
+    local name=$1; shift
+    exec sphsolve run s06.cfg --set model.file=dense.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 \
+      --set checkpoint.interval='1 us' --threads 1 -o "$name" --quiet "$@"
+  }
+  (stokes smooth > /dev/null)
+  for moment in 0.1 0.3 0.5; do
+    (stokes torn --resume > /dev/null 2>&1) &
+    sleep $moment
+    kill -9 $! 2> /dev/null || true
+    wait $! 2> /dev/null || true
+  done
+  (stokes torn --resume > /dev/null)
+  $SAME smooth.hdf torn.hdf && cmp smooth-0000.hdf torn-0000.hdf
+}
+
 @test "SIGTERM writes a checkpoint and ends with exit code 130" {
   rm -f term*
   (run_it term > /dev/null 2>&1) &

@@ -1,0 +1,202 @@
+#!/usr/bin/env bats
+# Nothing lost, nothing believed: ledgers, equal bytes, hostile files, bounds on memory.
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH"
+  cd "$BATS_FILE_TMPDIR"
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o m.hdf --quiet > /dev/null
+}
+setup() {
+  cd "$BATS_FILE_TMPDIR"
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+}
+
+# refused CODE TEXT COMMAND...: the exit code, one line on stderr, and TEXT in it
+refused() {
+  local code=$1 text=$2; shift 2
+  run --separate-stderr timeout 60 "$@"
+  [ "$status" -eq "$code" ] && [ "${#stderr_lines[@]}" -eq 1 ] && [[ "$stderr" == *"$text"* ]] ||
+    { echo "$*: exit code $status, wanted $code and '$text': $stderr"; false; }
+}
+python() { /usr/bin/python3 "$@"; }
+
+@test "every run ends with a ledger that closes" {
+  cat > flow.cfg << 'END'
+scene = { method = "isph"; end_time = "0.3 s"; };
+domain = { size = ["0.4 m", "0.1 m"]; spacing = "1 cm"; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.4 m", "0.1 m"]; },
+  { type = "porous"; box = ["0.1 m", "0", "0.3 m", "0.1 m"]; porosity = 0.4; grain_size = "5 mm"; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; head = "0.3 m"; },
+  { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.1 m"]; head = "0.2 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  run --separate-stderr sphsolve run flow.cfg -o flow --quiet
+  [ "$status" -eq 0 ] && [[ "$output" == *"ledger     particles: 400 + "* ]] && [[ "$output" != *unaccounted* ]]
+  sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.end_time='1 ms' -o pore --quiet > /dev/null
+  python - << 'END'
+import h5py
+for name in "flow", "pore":
+    l = h5py.File(name + ".hdf")["run/ledger"].attrs
+    n = {k: int(l["particles_" + k]) for k in ("start", "entered", "left", "lost", "end", "open")}
+    assert n["open"] == 0 and n["start"] + n["entered"] - n["left"] - n["lost"] == n["end"], n
+    assert abs(l["mass_open"]) <= 1e-12 * l["mass_start"], l["mass_open"]
+    assert all(k in l for k in ("momentum_start", "momentum_end", "impulse_of_force", "work_of_force", "energy_taken"))
+assert h5py.File("flow.hdf")["run/ledger"].attrs["particles_left"] > 0
+END
+}
+
+@test "the same inputs give the same bytes in every output" {
+  for d in one two; do
+    mkdir -p $d
+    cp -r "$ROOT/data-samples/small" $d/slices
+    cp "$ROOT/data-samples/scenes/s06.cfg" $d
+    (
+      cd $d
+      ct2model sweep slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o sweep.csv --json --quiet > sweep.json
+      ct2model build slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o dense.hdf --quiet > build.txt
+      sphsolve run s06.cfg --set scene.end_time='5 ms' --set output.interval='2 ms' -o out --quiet > /dev/null
+    )
+    [ $d = one ] && sleep 1.1
+  done
+  for f in sweep.csv sweep.json build.txt out-0000.hdf out-0001.hdf out-0002.hdf out.hdf.series; do cmp one/$f two/$f; done
+  # Models differ in the time, and nowhere else.
+  [ "$(cmp -l one/dense.hdf two/dense.hdf | wc -l)" -le 6 ]
+  python "$ROOT/tests/cli/same_run.py" one/out.hdf two/out.hdf
+  # What is drawn of one run is drawn again, bit for bit.
+  for d in one two; do
+    (cd one && for c in darcy pdf history; do analyze $c out.hdf -o ../drawn-$d --quiet > /dev/null; done
+      analyze report out.hdf -o report.html --quiet > /dev/null && mv report.html ../drawn-$d)
+  done
+  diff -r drawn-one drawn-two
+}
+
+@test "compressed pixels cannot promise more than they can hold; sizes that overflow are refused" {
+  head -c 1000 /dev/zero | gzip > zeros.gz
+  printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: gzip\n\n' | cat - zeros.gz > bomb.nrrd
+  refused 3 "can hold at most" ct2model sweep bomb.nrrd --void-ratio 0.7 --voxel-size 1um --quiet
+  python - << 'END'
+import zlib, struct
+def chunk(kind, data): return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+head = struct.pack(">IIBBBBB", 900000, 900000, 16, 0, 0, 0, 0)
+open("bomb.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
+def tiff(width, height, rows):
+    tags = [(256, 4, width), (257, 4, height), (258, 3, 16), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 4, rows), (279, 4, 2**32 - 1)]
+    return b"II*\0" + struct.pack("<I", 8) + struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", t, k, 1, v) for t, k, v in tags) + bytes(4)
+open("wide.tif", "wb").write(tiff(2**32 - 1, 2**32 - 1, 2**32 - 1))
+open("tall.tif", "wb").write(tiff(60000, 60000, 60000))
+END
+  refused 3 "not a readable TIFF" ct2model sweep wide.tif --void-ratio 0.7 --voxel-size 1um --quiet
+  for f in bomb.png tall.tif; do
+    run --separate-stderr timeout 60 ct2model sweep $f --void-ratio 0.7 --voxel-size 1um --quiet --max-memory 1GB
+    [ "$status" -eq 1 ] || [ "$status" -eq 3 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+  done
+  truncate -s 1000000 s.raw
+  refused 3 "header promises" ct2model sweep --void-ratio 0.7 --voxel-size 1um --quiet \
+    "$(printf 'NDims = 3\nDimSize = 18446744073709551615 4 4\nElementType = MET_UCHAR\nElementDataFile = s.raw\n' > huge.mhd; echo huge.mhd)"
+  run --separate-stderr ct2model sweep s.raw --raw 4294967296x4294967296x4:u16le --void-ratio 0.7 --voxel-size 1um --quiet
+  [ "$status" -eq 2 ] || [ "$status" -eq 3 ]
+}
+
+@test "2^32 slices are counted, and their memory is refused before it is taken" {
+  truncate -s 4294967296 many.raw # a hole: no bytes on the disk
+  refused 1 "would exceed the limit" timeout 60 ct2model sweep many.raw --raw 1x1x4294967296:u8 --void-ratio 0.7 --voxel-size 1um --quiet --max-memory 100MB
+  rm many.raw
+}
+
+@test "a header names only files beside it" {
+  mkdir -p inner
+  head -c 64 /dev/urandom > beside.raw
+  for name in ../beside.raw "$PWD/beside.raw" x/../../beside.raw; do
+    printf 'NDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = %s\n' "$name" > inner/out.mhd
+    refused 3 "lie outside the header's folder" ct2model info inner/out.mhd
+    printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: %s\n\n' "$name" > inner/out.nrrd
+    refused 3 "lie outside the header's folder" ct2model info inner/out.nrrd
+  done
+}
+
+@test "NaN and infinities in float stacks are named with their slice" {
+  for bad in nan inf -inf; do
+    python -c "
+import array
+a = array.array('f', [i % 7 for i in range(8 * 8 * 8)])
+a[300] = float('$bad')
+open('f.raw', 'wb').write(a.tobytes())"
+    refused 3 "f.raw" ct2model sweep f.raw --raw 8x8x8:f32le --void-ratio 0.7 --voxel-size 1um --filter none --quiet
+  done
+}
+
+@test "HDF5 of wrong types, ranks, groups, links and filters is refused" {
+  python - << 'END'
+import h5py, numpy as np
+def make(name, solid=np.zeros((4, 4, 4), "u1"), spacing=[1e-5] * 3, **options):
+    with h5py.File(name, "w") as f:
+        if solid is not None: f.create_dataset("/model/solid", data=solid, **options)
+        else: f.create_group("model")
+        if spacing is not None: f["model"].attrs["spacing"] = spacing
+make("float.hdf", np.zeros((4, 4, 4)))
+make("text.hdf", np.full((4, 4, 4), b"x"))
+make("flat.hdf", np.zeros((4, 4), "u1"))
+make("deep.hdf", np.zeros((4, 4, 4, 4), "u1"))
+make("seven.hdf", np.full((4, 4, 4), 7, "u1"))
+make("none.hdf", None)
+make("nospace.hdf", spacing=None)
+make("two.hdf", spacing=[1e-5] * 2)
+make("nan.hdf", spacing=[float("nan")] * 3)
+make("minus.hdf", spacing=[-1e-5] * 3)
+make("words.hdf", spacing="1 mm")
+make("empty.hdf", np.zeros((0, 4, 4), "u1"))
+make("lzf.hdf", compression="lzf")
+make("other.hdf", external=[("elsewhere.bin", 0, 64)], solid=np.zeros((4, 4, 4), "u1"))
+with h5py.File("link.hdf", "w") as f: f["model"] = h5py.ExternalLink("none.hdf", "/model")
+with h5py.File("loop.hdf", "w") as f: f["model"] = h5py.SoftLink("/model")
+with h5py.File("chase.hdf", "w") as f: f["a"], f["model"] = h5py.SoftLink("/model"), h5py.SoftLink("/a")
+with h5py.File("self.hdf", "w") as f:
+    g = f.create_group("model"); g["model"] = g; g["solid"] = g
+with h5py.File("vast.hdf", "w") as f:
+    f.create_dataset("/model/solid", shape=(1 << 20, 1 << 20, 1 << 20), dtype="u1", chunks=(64, 64, 64), compression="gzip")
+    f["model"].attrs["spacing"] = [1e-5] * 3
+make("walls.hdf")
+with h5py.File("walls.hdf", "a") as f:
+    f["/model/wall_distance"] = np.full((4, 4, 4), np.nan, "f4")
+END
+  printf 'scene = { };\nmodel = { file = "model-file"; };\nfluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.8 m/s^2"]; };\n' > s.cfg
+  for case in "float:holds floats" "text:holds no numbers" "flat:has 2 dimensions" "deep:has 4 dimensions" "seven:only 0 (pore)" \
+    "none:has no /model/solid" "nospace:no attribute 'spacing'" "two:3 are wanted" "nan:greater than 0" "minus:greater than 0" "words:wrong type" \
+    "empty:impossible" "lzf:filter or storage" "other:filter or storage" "link:has no /model/solid" "loop:has no /model/solid" \
+    "chase:has no /model/solid" "self:has no dataset" "walls:holds nan"; do
+    sed "s/model-file/${case%%:*}.hdf/" s.cfg > case.cfg
+    refused 3 "${case#*:}" sphsolve explain case.cfg
+  done
+  sed "s/model-file/vast.hdf/" s.cfg > case.cfg
+  refused 1 "would exceed the limit" sphsolve explain case.cfg
+}
+
+@test "--max-memory is held before memory is taken, with the number in the message" {
+  sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --max-memory 50MB > /dev/null
+  refused 1 "limit of 0.0 MB; --max-memory sets it" sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --max-memory 0.01MB
+  refused 1 "MB in use would exceed the limit of 0.2 MB" sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf \
+    --max-memory 0.2MB -o little --quiet
+  [ ! -e little.hdf ]
+}
+
+@test "a folder that cannot be written is found before the work" {
+  local as="" open
+  open=$(mktemp -d /tmp/tosui-trust-XXXXXX) # the test's own folder is closed to others
+  [ "$(id -u)" -ne 0 ] || as="setpriv --reuid 65534 --clear-groups"
+  mkdir "$open/locked" && chmod 755 "$open" && chmod 555 "$open/locked"
+  cp -r m.hdf "$ROOT/data-samples/scenes/s06.cfg" "$ROOT/data-samples/small" "$open"
+  cd "$open"
+  $as sphsolve --version > /dev/null || skip "the programs are closed to others"
+  refused 1 "cannot be written" $as sphsolve run s06.cfg --set model.file=m.hdf -o locked/out --quiet
+  refused 1 "cannot be written" $as ct2model build small --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o locked/m.hdf --quiet
+  refused 1 "cannot be written" $as ct2model sweep small --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o locked/s.csv --quiet
+  cd "$BATS_FILE_TMPDIR"
+  rm -rf "$open"
+}
