@@ -68,7 +68,7 @@ static void test_correlation_of_noise(void **state) {
   uint32_t seed = 1;
   for (size_t i = 0; i < SITES; i++) {
     seed = seed * 1664525u + 1013904223u;
-    solid[i] = seed >> 31;
+    solid[i] = (uint8_t)(seed >> 31);
     distance[i] = solid[i] != 0 ? -0.1f : 0.1f;
   }
   struct voxel_model model = make_model();
