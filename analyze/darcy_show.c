@@ -85,12 +85,29 @@ cleanup:
   return status;
 }
 
-static void fit_json(const struct darcy_fit *fit, json_t *object) {
+/* The parts of the error of the group's first run; the averaging of several runs is the fit's. */
+static struct error_budget budget_of(const struct run *run, const struct darcy_fit *fit) {
+  struct error_budget budget;
+  error_budget_read(run, &budget);
+  if (fit->count > 1 || isnan(budget.averaging))
+    budget.averaging = fit->count > 0 ? fit->k_error / fit->k : NAN;
+  return budget;
+}
+
+/* The whole error of the group's k, relative: what its headline carries. */
+static double whole_error(const struct run *run, const struct darcy_fit *fit) {
+  const struct error_budget budget = budget_of(run, fit);
+  return error_budget_total(&budget);
+}
+
+static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
   bool ok = fit->count > 0;
+  const double error = ok ? whole_error(run, fit) : NAN;
   json_object_set_new(object, "k_m_per_s", json_number(ok ? fit->k : NAN));
   json_object_set_new(object, "k_cm_per_s", json_number(ok ? 100.0 * fit->k : NAN));
-  json_object_set_new(object, "k_error_m_per_s", json_number(ok ? fit->k_error : NAN));
-  json_object_set_new(object, "k_relative_error", json_number(ok ? fit->k_error / fit->k : NAN));
+  json_object_set_new(object, "k_error_m_per_s", json_number(ok ? error * fit->k : NAN));
+  json_object_set_new(object, "k_relative_error", json_number(error));
+  json_object_set_new(object, "fit_relative_error", json_number(ok ? fit->k_error / fit->k : NAN));
   json_object_set_new(object, "intrinsic_permeability_m2",
                       json_number(ok ? fit->intrinsic_permeability : NAN));
   json_object_set_new(object, "intrinsic_permeability_darcy",
@@ -109,15 +126,6 @@ static void fit_json(const struct darcy_fit *fit, json_t *object) {
                                 "share_at_highest_velocity", json_number(fit->curvature)));
 }
 
-/* The parts of the error of the group's first run; the averaging of several runs is the fit's. */
-static struct error_budget budget_of(const struct run *run, const struct darcy_fit *fit) {
-  struct error_budget budget;
-  error_budget_read(run, &budget);
-  if (fit->count > 1 || isnan(budget.averaging))
-    budget.averaging = fit->count > 0 ? fit->k_error / fit->k : NAN;
-  return budget;
-}
-
 static const char superficial[] =
     "superficial (Darcy) velocity = sum of the fluid's velocity over all sites / number of sites "
     "of the bulk, grains included";
@@ -125,7 +133,7 @@ static const char superficial[] =
 static void write_json(const struct darcy_table *table, json_t *json) {
   json_t *groups = json_array();
   if (table->groups == 1) {
-    fit_json(&table->fits[0], json);
+    fit_json(table->first[0], &table->fits[0], json);
     const struct error_budget budget = budget_of(table->first[0], &table->fits[0]);
     error_budget_json(&budget, json);
   }
@@ -135,7 +143,7 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     const struct run *first = table->first[g];
     run_group_name(first, name, sizeof name);
     json_object_set_new(group, "name", json_text(name));
-    fit_json(&table->fits[g], group);
+    fit_json(table->first[g], &table->fits[g], group);
     const struct error_budget budget = budget_of(first, &table->fits[g]);
     error_budget_json(&budget, group);
     json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
@@ -208,16 +216,17 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
       fputs("  k: none, since no run is steady; run longer\n\n", stream);
       continue;
     }
-    double scale = fit->intrinsic_permeability / fit->k;
+    const double scale = fit->intrinsic_permeability / fit->k;
+    const double error = whole_error(table->first[g], fit) * fit->k;
     fputs("  k = ", stream);
-    write_value_with_error(stream, 100.0 * fit->k, 100.0 * fit->k_error, "+-", " cm/s");
+    write_value_with_error(stream, 100.0 * fit->k, 100.0 * error, "+-", " cm/s");
     fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->k, fit->k_error, "+-", " m/s");
+    write_value_with_error(stream, fit->k, error, "+-", " m/s");
     fputs("\n  intrinsic permeability = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability, scale * fit->k_error, "+-", " m^2");
+    write_value_with_error(stream, fit->intrinsic_permeability, scale * error, "+-", " m^2");
     fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability / DARCY,
-                           scale * fit->k_error / DARCY, "+-", " darcy");
+    write_value_with_error(stream, fit->intrinsic_permeability / DARCY, scale * error / DARCY, "+-",
+                           " darcy");
     fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
             table->first[g]->viscosity, table->first[g]->density);
     const struct error_budget budget = budget_of(table->first[g], fit);

@@ -193,10 +193,10 @@ static void write_headline(FILE *out, const json_t *fit, const char *name, const
   fprintf(out, "</p>\n<p class=\"note\">%s", note);
   const json_t *budget = json_object_get(fit, "error_budget");
   const char *from = json_string_value(json_object_get(budget, "resolution_from"));
-  note_percent(out, " In all &plusmn; ", number(budget, "total"));
-  note_percent(
-      out, from && !strcmp(from, "expectation") ? " Resolution, as expected: " : " Resolution: ",
-      number(budget, "resolution"));
+  note_percent(out,
+               from && !strcmp(from, "expectation") ? " Resolution, as expected: "
+                                                    : " Parts of the error: resolution ",
+               number(budget, "resolution"));
   note_percent(out, " Averaging: ", number(budget, "averaging"));
   note_percent(out, " Steadiness: ", number(budget, "steadiness"));
   note_percent(out, " The model&rsquo;s void ratio: ", number(budget, "void_ratio"));
@@ -232,8 +232,7 @@ static void write_headlines(struct page *page) {
     const json_t *list = json_object_get(page->part[PART_DARCY].json, "groups");
     json_array_foreach(list, i, group) {
       write_headline(out, group, json_string_value(json_object_get(group, "name")),
-                     "At the resolution of the runs; 95&nbsp;% of averaging and fit, without the "
-                     "error of resolution.");
+                     "At the resolution of the runs; its error is counted.");
     }
   } else {
     fputs("<article class=\"card\"><p>No steady seepage is driven in every run, so there is no "
@@ -358,12 +357,12 @@ static void write_head(struct page *page) {
         "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
-  html_text(out, page->runs[0].name);
+  html_text(out, page->runs[0].title);
   fputs(" - Tosui report</title>\n", out);
   write_asset(out, ASSET_DYGRAPH_STYLE, "<style>", "</style>\n");
   write_asset(out, ASSET_STYLE, "<style>", "</style>\n");
   fputs("</head><body>\n<header><h1>", out);
-  html_text(out, page->runs[0].name);
+  html_text(out, page->runs[0].title);
   fprintf(out, "</h1><p>%zu run%s</p></header>\n<main>\n", page->n, page->n > 1 ? "s" : "");
 }
 

@@ -205,6 +205,7 @@ static enum status name_run(struct run *run) {
   size_t folder = slash == NULL ? 0 : (size_t)(slash - run->path) + 1;
   TRY(text_copy(run->path, folder, &run->folder));
   if (run->name[0] == '\0') TRY(name_by_file(run));
+  TRY(text_copy(run->name, strlen(run->name), &run->title));
 cleanup:
   return status;
 }
@@ -281,6 +282,7 @@ void run_free(struct run *run) {
   memory_free(&run->solid);
   memory_free(&run->path);
   memory_free(&run->folder);
+  memory_free(&run->title);
   memory_free(&run->name);
   memory_free(&run->method);
   memory_free(&run->status);

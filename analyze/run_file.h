@@ -20,7 +20,8 @@ struct history_column {
 struct run {
   char *path;
   char *folder; /* of `path`, "" or ending in '/'; snapshot names are relative to it */
-  char *name;   /* scene name, else the file's name without its ending */
+  char *title;  /* scene name, else the file's name without its ending */
+  char *name;   /* the title, or the file's where several runs share it (runs_name_apart) */
   char *method, *status, *wall;
   char *model_path;  /* "" without a model */
   uint64_t identity; /* equal for runs of the same geometry: model hash, else the sites' own hash */
