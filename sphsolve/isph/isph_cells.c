@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/isph/isph_kernel.h"
 
 #define CANDIDATES 8192 /* of a particle, with room for a second search */
@@ -251,7 +252,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     }
 
     s->filling[i] = filling;
-    if (s->on.surface) s->filling_walls[i] = filling - water;
+    if (s->on.surface) {
+      s->filling_walls[i] = filling - water;
+      s->surface[i] = surface_weight(s, hi, filling, imbalance, moment, wall_moment);
+    }
     memcpy(s->imbalance[i], imbalance, sizeof imbalance);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */

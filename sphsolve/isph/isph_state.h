@@ -97,6 +97,7 @@ struct isph {
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
   double filling_alone;          /* V W(0): the filling of a particle without neighbours */
+  double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
   double time, thickest; /* thickest: largest nu + nu_T of the last step */

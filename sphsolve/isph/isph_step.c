@@ -273,8 +273,6 @@ enum status isph_refresh(struct isph *s) {
   TRY(isph_sort(s));
   update_volumes(s);
   TRY(isph_find_neighbours(s));
-  if (s->on.surface)
-    for (size_t i = 0; i < s->count; i++) s->surface[i] = surface_weight(s->filling[i]);
   s->seconds_lists += clock_seconds() - start;
 cleanup:
   return status;
