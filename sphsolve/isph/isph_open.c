@@ -35,6 +35,7 @@ enum status isph_open_create(struct isph *s) {
       thinnest = width;
       side.axis = a;
       side.inward = at_low ? 1 : -1;
+      side.edge = at_low ? s->low[a] : s->high[a];
     }
     if (side.axis < 0)
       TRY_FAIL(STATUS_INPUT,
@@ -60,10 +61,6 @@ cleanup:
   return status;
 }
 
-static double edge_of(const struct isph *s, const struct isph_open_side *side) {
-  return side->inward > 0 ? s->low[side->axis] : s->high[side->axis];
-}
-
 /* Layers of a column: one more than of a wall, for the foremost moves away from the side. */
 static int column_layers(const struct isph *s) {
   return isph_wall_layers(s) + 1;
@@ -75,7 +72,7 @@ static void place_column(struct isph *s, size_t c) {
   if (column->dry) return;
   for (int l = 0; l < column_layers(s); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
-        edge_of(s, side) - side->inward * (s->column_front[c] + l * s->spacing);
+        side->edge - side->inward * (s->column_front[c] + l * s->spacing);
 }
 
 enum status isph_open_fill(struct isph *s, size_t *capacity) {
@@ -87,7 +84,7 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
                    c / side->cells[0] / side->cells[1]};
       double x[3];
       for (int a = 0; a < 3; a++) x[a] = side->low[a] + (at[a] + 0.5) * side->pitch[a];
-      x[side->axis] = edge_of(s, side);
+      x[side->axis] = side->edge;
       memcpy(column->at, x, sizeof x);
       column->side = k;
       column->first = s->boundary_count;
@@ -95,7 +92,7 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
       if (column->dry) continue;
       for (int l = 0; l < column_layers(s); l++) {
-        x[side->axis] = edge_of(s, side) - side->inward * (l + 0.5) * s->spacing;
+        x[side->axis] = side->edge - side->inward * (l + 0.5) * s->spacing;
         enum status status = isph_wall_add(s, capacity, x, side->kind, k);
         if (status != STATUS_OK) return status;
       }
@@ -152,7 +149,7 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
   size_t c = (size_t)((at[2] * side->cells[1] + at[1]) * side->cells[0] + at[0]);
   double *front = &s->column_front[side->first + c];
   if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
-    *front = fmin(fabs(x[side->axis] - edge_of(s, side)), s->spacing);
+    *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);
 }
 
 void isph_remove_outside(struct isph *s) {
@@ -242,7 +239,7 @@ enum status isph_open_measure(struct isph *s) {
     struct soil_point soil;
     if (column->dry) continue;
     if (s->on.soil) {
-      isph_soil_at(s, column->at, &soil);
+      isph_soil_at(s, column->at, 0, &soil);
       porosity = soil.porosity;
     }
     if (side->kind == BOUNDARY_OPEN_FLUX) {
@@ -267,7 +264,7 @@ static enum status admit(struct isph *s, size_t c) {
     if (used(s, a)) volume *= side->pitch[a];
   if (s->on.soil) {
     struct soil_point soil;
-    isph_soil_at(s, x, &soil);
+    isph_soil_at(s, x, 0, &soil);
     porosity = soil.porosity;
   }
   velocity[side->axis] = side->inward * column->speed * porosity;

@@ -53,7 +53,10 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
     TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
-    if (s->on.moving_soil) TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
+    if (s->on.moving_soil) {
+      TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
+      TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
+    }
   }
   TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
   TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
@@ -205,6 +208,7 @@ void isph_free(struct isph *s) {
                     &s->drag_b,
                     &s->drag_left,
                     &s->soil_velocity,
+                    &s->porosity_rate,
                     &s->filling,
                     &s->imbalance,
                     &s->correction,

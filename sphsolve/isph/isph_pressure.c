@@ -78,6 +78,7 @@ void isph_assemble(struct isph *s, double tau) {
         for (int a = 0; a < 3; a++)
           divergence += s->wall_volume * slope * 2 * mirror[a] * (vi[a] - vw[a]) * r[a];
       }
+      if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
       source -= vol * divergence;
       if (s->on.surface) {
         double coefficient, load;

@@ -13,14 +13,15 @@ struct box {
   double low[3], high[3];
 };
 
-/* Region k's box where it is now, the image nearest to x; without end where it touches a closed
+/* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it touches a closed
  * side or fills a periodic axis. */
-static struct box box_of(const struct isph *s, size_t k, const double x[3]) {
+static struct box box_of(const struct isph *s, size_t k, double ahead, const double x[3]) {
   const struct region *region = &s->scene->regions[k];
   double near = 1e-6 * s->spacing;
   struct box box;
   for (int a = 0; a < 3; a++) {
-    double low = region->box[a], high = region->box[a + 3], offset = s->soil_offset[k][a];
+    double low = region->box[a], high = region->box[a + 3], 
+           offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
     if (s->dimensions == 2 && a == 1) open_low = open_high = true;
     if (s->periodic[a] && !(open_low && open_high)) {
@@ -42,17 +43,18 @@ static double share_of_box(const struct isph *s, const struct box *box, const do
 }
 
 /* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
-static double share_left(const struct isph *s, const struct box *box, size_t next,
+static double share_left(const struct isph *s, const struct box *box, size_t next, double ahead,
                          const double x[3]) {
   for (; next < s->scene->region_count; next++) {
     if (s->scene->regions[next].type != REGION_POROUS) continue;
-    struct box both = box_of(s, next, x);
+    struct box both = box_of(s, next, ahead, x);
     bool overlap = true;
     for (int a = 0; a < 3; a++) {
       both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
       overlap = overlap && both.low[a] < both.high[a];
     }
-    if (overlap) return share_left(s, box, next + 1, x) - share_left(s, &both, next + 1, x);
+    if (overlap)
+      return share_left(s, box, next + 1, ahead, x) - share_left(s, &both, next + 1, ahead, x);
   }
   return share_of_box(s, box, x);
 }
@@ -65,16 +67,17 @@ static double forchheimer_of(double eps) {
   return (1 - eps) / (eps * eps * eps);
 }
 
-void isph_soil_at(const struct isph *s, const double position[3], struct soil_point *soil) {
+void isph_soil_at(const struct isph *s, const double position[3], double ahead,
+                  struct soil_point *soil) {
   const struct scene *scene = s->scene;
   double solid = 0, share = 0, a = 0, b = 0, velocity[3] = {0}, paper = 1;
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
-    struct box box = box_of(s, k, position);
+    struct box box = box_of(s, k, ahead, position);
     if (share_of_box(s, &box, position) <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    double w = share_left(s, &box, k + 1, position), d = region->grain_size;
+    double w = share_left(s, &box, k + 1, ahead, position), d = region->grain_size;
     if (w <= 0) continue;
     solid += w * (1 - region->porosity);
     share += w;

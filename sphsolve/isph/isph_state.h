@@ -45,6 +45,7 @@ enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
 struct isph_open_side {
   int axis;               /* of its normal */
   double inward;          /* +1: on the low side, -1: on the high side */
+  double edge;            /* where on the axis */
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   double head, flux;
@@ -114,6 +115,7 @@ struct isph {
   double *porosity, *soil_share;    /* NULL without soil */
   double *drag_a, *drag_b;          /* NULL without soil */
   double (*soil_velocity)[3];       /* NULL unless soil moves */
+  double *porosity_rate;            /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *filling;                  /* sum V W with walls: 1 in the bulk */
   double (*imbalance)[3];           /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];           /* L, gradient correction */
@@ -206,7 +208,9 @@ struct soil_point {
   double a, b;            /* drag coefficients, 1/s and 1/m */
   double velocity[3];
 };
-void isph_soil_at(const struct isph *s, const double position[3], struct soil_point *soil);
+/* At a place, where moving soil stands a time `ahead` from now. */
+void isph_soil_at(const struct isph *s, const double position[3], double ahead,
+                  struct soil_point *soil);
 double isph_soil_minimum(const struct scene *scene);
 
 /* isph_wall.c */

@@ -14,6 +14,8 @@ static double size_of(const struct isph *s, double volume) {
   return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
 }
 
+#define SOON 1e-6 /* s, of the difference for d eps/dt */
+
 /* Porosity, volume and support at the particles' places. */
 static void update_volumes(struct isph *s) {
   double ratio = s->scene->isph.support_ratio;
@@ -22,13 +24,18 @@ static void update_volumes(struct isph *s) {
     double eps = 1;
     if (s->on.soil) {
       struct soil_point soil;
-      isph_soil_at(s, s->position[i], &soil);
+      isph_soil_at(s, s->position[i], 0, &soil);
       eps = soil.porosity;
       s->porosity[i] = eps;
       s->soil_share[i] = soil.solid;
       s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
       s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
-      if (s->on.moving_soil) memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
+      if (s->on.moving_soil) {
+        struct soil_point soon;
+        isph_soil_at(s, s->position[i], SOON, &soon);
+        s->porosity_rate[i] = (soon.porosity - eps) / SOON;
+        memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
+      }
     }
     s->volume[i] = s->mass[i] / (eps * s->density);
     s->support[i] = fmin(ratio * size_of(s, s->volume[i]), s->support_max);
@@ -313,8 +320,22 @@ cleanup:
   return status;
 }
 
+/* Fastest of the walls, soils and windows, m/s: what will move the water, when it is still at rest. */
+static double fastest_drive(const struct isph *s) {
+  double fastest = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *r = &s->scene->regions[k];
+    const double *v = r->type == REGION_POROUS ? r->soil_velocity : r->velocity;
+    if (r->type == REGION_POROUS || r->type == REGION_WALL)
+      fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
+      fastest = fmax(fastest, fabs(r->flux));
+  }
+  return fastest;
+}
+
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = 0, thickest = fmax(s->viscosity, s->thickest);
+  double fastest = fastest_drive(s), thickest = fmax(s->viscosity, s->thickest);
   for (size_t i = 0; i < s->count; i++) {
     const double *v = s->velocity[i];
     double eps = s->on.soil ? s->porosity[i] : 1;

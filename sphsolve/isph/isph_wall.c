@@ -149,7 +149,9 @@ void isph_wall_move(struct isph *s, double dt) {
     } else if (s->boundary_kind[j] == BOUNDARY_OPEN_FLUX) {
       s->boundary_velocity[j][s->sides[box].axis] = s->sides[box].flux * s->sides[box].inward;
     } else {
-      s->boundary_pressure[j] = isph_open_pressure(s, &s->sides[box], s->boundary_position[j][2]);
+      const struct isph_open_side *side = &s->sides[box];
+      double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];
+      s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* on the side itself */
     }
   }
 }

@@ -86,6 +86,19 @@ assert abs(d["intrinsic_permeability"] / (0.8e-3 ** 2 / 12) - 1) < 0.01'
   [ -z "$(ls *.part 2>/dev/null)" ]
 }
 
+@test "isph: k between two heads, with an error; null in a tank" {
+  cd "$BATS_TEST_TMPDIR"
+  local scenes=$BATS_TEST_DIRNAME/../../data-samples/scenes
+  "$SPH" run "$scenes/seepage-heads.cfg" -o heads --json --quiet > heads.json
+  "$SPH" run "$scenes/still-tank.cfg" --set scene.end_time='0.01 s' -o tank --json --quiet > tank.json
+  python3 -c '
+import json
+heads, tank = json.load(open("heads.json")), json.load(open("tank.json"))
+assert abs(heads["k"] / (0.018621 / 0.5) - 1) < 0.03 and 0 < heads["k_relative_error"] < 0.1, heads
+assert abs(heads["reynolds"] / (0.018621 * 5e-3 / 1e-6) - 1) < 0.03, heads
+assert tank["k"] is None and tank["reynolds"] is None, tank'
+}
+
 @test "an output folder that is not there is refused before the run" {
   slit
   run --separate-stderr "$SPH" run slit.cfg -o nowhere/out

@@ -180,6 +180,140 @@ static void warm_start_saves(void **state) {
   finish(&run);
 }
 
+static void advance(struct run *run, double until) {
+  while (run->s.time < until - 1e-9) {
+    const char *limit;
+    double dt = fmin(isph_stable_dt(&run->s, &limit), until - run->s.time);
+    assert_int_equal(isph_advance(&run->s, dt), STATUS_OK);
+  }
+}
+
+#define CHANNEL                                                                                    \
+  "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"                                          \
+  "domain = { size = [\"0.2 m\", \"0.1 m\"]; spacing = \"1 cm\"; periodic = [false, false]; };\n"  \
+  "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n"      \
+  "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; },\n"               \
+  "{ type = \"inflow\"; box = [\"0.19 m\", \"0\", \"0.2 m\", \"0.1 m\"]; head = \"0.2 m\"; },\n"
+
+static void a_given_flux_is_what_goes_through(void **state) {
+  (void)state;
+  struct run run;
+  double mean = 0, worst = 0;
+  start(&run, CHANNEL
+        "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; flux = \"0.05 m/s\"; } );");
+  for (int k = 0; k < 40; k++) {
+    advance(&run, 0.5 + 0.02 * k);
+    double flux = isph_plane_flux(&run.s, 0, 0.05) / (0.1 * 0.01);
+    mean += flux / 40, worst = fmax(worst, fabs(flux / 0.05 - 1));
+  }
+  assert_near(mean, 0.05, 0.0015);
+  assert_true(worst < 0.1);
+  assert_int_equal(run.s.lost_count, 0);
+  assert_near(run.s.entered_mass, 1000 * 0.05 * run.s.time * 0.1 * 0.01, 0.1 * 0.01 * 10.01);
+  finish(&run);
+}
+
+/* Gravel between two heads: the flux of its drag, and a straight line of heads. */
+static void heads_hold(void **state) {
+  (void)state;
+  struct run run;
+  double v[3], mean = 0, head[2] = {0};
+  start(&run, CHANNEL "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; porosity = "
+                      "0.4; grain_size = \"5 mm\"; },\n"
+                      "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; head = "
+                      "\"0.3 m\"; } );");
+  for (int k = 0; k < 40; k++) {
+    advance(&run, 0.5 + 0.02 * k);
+    isph_darcy_velocity(&run.s, v);
+    mean += v[0] / 40;
+    for (int g = 0; g < 2; g++) {
+      const double at[3] = {g == 0 ? 0.05 : 0.15, 0, 0.05};
+      head[g] += (isph_pressure_at(&run.s, at) / 9810 + 0.05) / 40;
+    }
+  }
+  double a = 1000 * 1e-6 * 0.36 / (0.064 * 25e-6), b = 1.1 * 0.6 / (0.064 * 5e-3);
+  assert_near(mean, (-a + sqrt(a * a + 4 * b * 9.81 * 0.5)) / (2 * b), 0.03 * 0.0186);
+  assert_near(head[0], 0.275, 0.002);
+  assert_near(head[1], 0.225, 0.002);
+  finish(&run);
+}
+
+/* A block of soil that moves round a ring takes the water along. */
+static void moving_soil_carries_water(void **state) {
+  (void)state;
+  struct run run;
+  double v[3];
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+        "domain = { size = [\"0.3 m\", \"0.05 m\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
+        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.3 m\", \"0.05 m\"]; },\n"
+        "{ type = \"porous\"; box = [\"0\", \"0\", \"0.1 m\", \"0.05 m\"]; porosity = 0.4; "
+        "grain_size = \"2 mm\"; velocity = [\"0.1 m/s\", \"0\"]; } );\n"
+        "force = { gravity = [\"0\", \"0\"]; };\nisph = { dt = \"2 ms\"; };\n");
+  advance(&run, 1);
+  isph_darcy_velocity(&run.s, v);
+  assert_near(v[0], 0.08, 0.004); /* v_soil in two thirds, eps v_soil in one */
+  finish(&run);
+}
+
+static void a_piston_pushes(void **state) {
+  (void)state;
+  struct run run;
+  start(&run, CHANNEL "{ type = \"wall\"; box = [\"0\", \"0\", \"0.03 m\", \"0.1 m\"]; slip = true; "
+                      "velocity = [\"0.1 m/s\", \"0\"]; } );");
+  advance(&run, 0.5);
+  assert_near(isph_plane_flux(&run.s, 0, 0.15) / (0.1 * 0.01), 0.1, 0.005);
+  assert_int_equal(run.s.lost_count, 0);
+  finish(&run);
+}
+
+/* The solver needs no more iterations for 27 times the particles, none for a particle alone, and
+ * few for spray. */
+static void iterations_stay(void **state) {
+  (void)state;
+  struct run run;
+  int cold[2];
+  for (int fine = 0; fine < 2; fine++) {
+    char text[600];
+    snprintf(text, sizeof text,
+             "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+             "domain = { size = [\"0.9 m\", \"0.9 m\", \"1.2 m\"]; spacing = \"%s\"; periodic = "
+             "[false, false, false]; };\n"
+             "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0\", \"0.9 m\", \"0.9 m\", "
+             "\"0.9 m\"]; } );\n"
+             "force = { gravity = [\"0\", \"0\", \"-9.81 m/s^2\"]; };\n",
+             fine ? "3 cm" : "9 cm");
+    start(&run, text);
+    assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+    cold[fine] = run.s.solve.iterations;
+    if (fine) { /* spray: one particle in 23 stays */
+      size_t kept = 0;
+      for (size_t i = 0; i < run.s.count; i += 23, kept++) {
+        memcpy(run.s.position[kept], run.s.position[i], sizeof run.s.position[i]);
+        memset(run.s.velocity[kept], 0, sizeof run.s.velocity[i]);
+        run.s.mass[kept] = run.s.mass[i], run.s.id[kept] = run.s.id[i], run.s.pressure[kept] = 0;
+      }
+      run.s.count = kept;
+      assert_int_equal(isph_refresh(&run.s), STATUS_OK);
+      for (int k = 0; k < 10; k++) {
+        assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+        assert_in_range(run.s.solve.iterations, 0, 20);
+      }
+    }
+    finish(&run);
+  }
+  assert_in_range(cold[1], 1, cold[0] + 3);
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0.1 m\", \"0.15 m\", \"0.11 m\", \"0.16 m\"]; "
+              "} );\nforce = { gravity = [\"0\", \"-10 m/s^2\"]; };\n");
+  for (int k = 0; k < 10; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+  assert_int_equal(run.s.count, 1);
+  assert_near(run.s.velocity[0][2], -0.1, 1e-6); /* free flight */
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(kernels_agree),
@@ -188,6 +322,11 @@ int main(void) {
       cmocka_unit_test(saturated_soil_obeys_darcy),
       cmocka_unit_test(threads_agree),
       cmocka_unit_test(warm_start_saves),
+      cmocka_unit_test(a_given_flux_is_what_goes_through),
+      cmocka_unit_test(heads_hold),
+      cmocka_unit_test(moving_soil_carries_water),
+      cmocka_unit_test(a_piston_pushes),
+      cmocka_unit_test(iterations_stay),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
