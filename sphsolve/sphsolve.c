@@ -122,6 +122,7 @@ static void print_part(const char *what, double share) {
 static void print_error_split(const struct error_split *split) {
   printf("error     ");
   print_part(" resolution", split->resolution);
+  if (!isfinite(split->resolution)) printf(" resolution not counted");
   print_part(", averaging", split->averaging > 0 ? split->averaging : NAN);
   print_part(", steadiness", split->steadiness);
   print_part(", void ratio", split->void_ratio);
