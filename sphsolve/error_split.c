@@ -249,6 +249,9 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
     h[levels++] = ratios[i];
   }
   measure_resolution(h, k, levels, own, split);
+  /* Pores too coarse to converge can agree by chance: no less than what explain expected. */
+  if (levels < LEVELS || !split->order_credible)
+    split->resolution = fmax(split->resolution, plan->error);
   add_model(scene->model_path, split);
 cleanup:
   lattice_free(&coarse);
