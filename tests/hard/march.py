@@ -6,15 +6,27 @@ from suite import Run, case, explain, force_power, holds, row, slit, slit_veloci
 from water import scene
 
 
-@case("A step 1.3 times too long: the watchdog sees it, steps back, halves, and the answer is right", fast=True)
+@case("A step twice too long: the watchdog sees it, steps back, halves, and the answer is right", fast=True)
 def step_taken_back():
     limit = explain(slit(8))["dt_limit"]
-    run = Run(slit(8), [f"wcsph.dt={1.3 * limit:.17g} s", "wcsph.force_dt=true"])
+    run = Run(slit(8), [f"wcsph.dt={2 * limit:.17g} s", "wcsph.force_dt=true"])
     yield holds("the run ends, and says what it did", "", run.code == 0 and len(run.backs) == 1, "; ".join(run.backs) or run.message[-150:])
     yield row("k over exact", "0.5/N^2 twice", run.json["darcy_velocity"][0] / slit_velocity(8e-4, 1e-3, 0.1), 1, 1 / 64)
     yield holds("/run/limits counts the watchdog's steps", "", run.limits.get("watchdog", 0) > 0, str(run.limits))
     plain = Run(slit(8))
     yield holds("a run that is never out of bounds has no record of it", "", plain.backs == [] and set(plain.limits) == {"sound"}, str(plain.limits))
+
+
+@case("A restart after a step back must go on with the halved step, bit for bit", fast=True)
+def restart_after_a_step_back():
+    limit = explain(slit(8))["dt_limit"]
+    sets = [f"wcsph.dt={2 * limit:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"]
+    whole_run = Run(slit(8), sets)
+    half = Run(slit(8), sets + ["scene.end_time=0.5 s", "checkpoint.interval=1 ms"])
+    rest = Run(slit(8), sets, out=half.folder, resume=True)
+    yield holds("the first half stepped back", "", len(half.backs) == 1, str(half.backs))
+    yield holds("the checkpoint was taken up", "", rest.code == 0 and rest.backs == half.backs and "starting anew" not in rest.message, rest.message.strip()[-150:])
+    yield row("Darcy velocity, difference", "bit for bit", rest.json["darcy_velocity"][0] - whole_run.json["darcy_velocity"][0], 0, 0)
 
 
 @case("Twelve times too long: three halvings do not help, and the run ends as the interface says", fast=True)

@@ -109,11 +109,19 @@ def whole(run, work=None, backs=False):
         scale = max(abs(given).max(), h["kinetic_energy"].max(), 1e-300)
         yield row("kinetic energy beyond the work of the force, of that work", "viscosity only takes: 2 %, quadrature over rows",
                   max(0.0, (gained - given).max() / scale), 0, 0.02)
+        g, t = work.acceleration, h["time"]
+        impulse = mass * np.linalg.norm(g) * t
+        taken = (h["momentum"] - h["momentum"][0]) @ g / np.linalg.norm(g)
+        yield row("momentum beyond the impulse of the force, of that impulse", "walls only take; the leapfrog's half step, dt/t",
+                  max(0.0, (taken - impulse).max() / impulse[-1]), 0, max(1e-6, h["dt"].max() / t[-1]))
 
 
 def force_power(acceleration):
     """Power of a constant acceleration, from momentum."""
-    return lambda h: h["momentum"] @ np.asarray(acceleration, float)
+    def power(h):
+        return h["momentum"] @ power.acceleration
+    power.acceleration = np.asarray(acceleration, float)
+    return power
 
 
 def slit(n, width=8e-4, viscosity=1e-3, g=0.1, method="wcsph", end="1 s", tolerance=1e-3, more="", length=6):
