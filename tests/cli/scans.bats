@@ -145,3 +145,38 @@ assert (a["solid"][()] == b["solid"][()]).all() and (a["wall_distance"][()] == b
   run_ct sweep sand --void-ratio 0.725 --axis 3
   [ "$status" -eq 2 ]
 }
+
+@test "the permeability tensor turns with the scan and is symmetric" {
+  "$BUILD/bin/generate_sand" --output sand --size 64x64x64 --voxel-size 8.745um --ring 0 --quiet
+  for flow in x y z; do
+    "$CT" build sand --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,64,48,32 --flow $flow --mirror none --quiet \
+      --size "$(case $flow in x) echo 12x8x16 ;; y) echo 8x16x12 ;; z) echo 16x12x8 ;; esac)" -o $flow.hdf > /dev/null
+    "$BATS_TEST_DIRNAME/../../scripts/tensor" $flow.hdf > $flow.json
+  done
+  python3 - <<'P'
+import json
+k = {f: json.load(open(f + ".json")) for f in "xyz"}
+z = k["z"]["k_m_per_s"]
+mean = k["z"]["mean_m_per_s"]
+for flow, axes in (("x", (1, 2, 0)), ("y", (2, 0, 1))):  # the scan's axes that are the model's
+    t = k[flow]["k_m_per_s"]
+    assert all(abs(t[i][j] - z[axes[i]][axes[j]]) < 1e-3 * mean for i in range(3) for j in range(3)), (flow, t, z)
+assert all(z[i][i] > 0 for i in range(3)) and abs(z[0][0] - z[2][2]) > 1e-3 * mean
+assert all(v["asymmetry"] < 0.01 for v in k.values())
+P
+}
+
+@test "ours keeps more voxels on their side than bicubic-point, at the same void ratio" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/scan-study" --size 96x96x48 --voxel-size 8.745um \
+    --noise 4 --ways bicubic,bicubic-point,nlm --output study
+  python3 - <<'P'
+import json
+rows = {(r["noise_ratio"], r["way"]): r for r in json.load(open("study/results.json"))["rows"]}
+ours, paper = rows[4, "bicubic"], rows[4, "bicubic-point"]
+assert ours["wrong"] < paper["wrong"] and abs(ours["surface_model"]) < abs(paper["surface_model"])
+for row in rows.values():
+    assert abs(row["void_ratio"] - 0.725) < 1e-3
+assert rows[4, "nlm"]["surface"] < rows[4, "bicubic"]["surface"]
+P
+}
