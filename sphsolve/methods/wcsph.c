@@ -456,6 +456,7 @@ static void finish(struct run *run, struct run_result *result) {
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
+  recorder_set_fact(run->recorder, "method_peak_bytes", (double)memory_peak());
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 
@@ -505,9 +506,9 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
     result->status = "blocked";
     result->k_error = 0;
   }
-  finish(&run, result);
   enum status left = write_snapshot(&run);
   if (status == STATUS_OK) status = left;
+  finish(&run, result);
 cleanup:
   monitor_free(&run.state.monitor);
   engine_free(&run.state.engine);
