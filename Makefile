@@ -124,7 +124,7 @@ $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/repl
 endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
-check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine
+check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(REPLAYS) $(sort $(wildcard tests/cli/*.bats))
 
 # ---- the main job ----

@@ -354,7 +354,10 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
       double stiff = 0, curve = 1;
       if (subvoxel && all > n && (viscosity || shift)) {
         struct row_wall near;
-        row_force_subvoxel(pass, local, n, all, at, i, moving, shift, &near);
+        if (moving) /* two instances: resting walls have no velocity to load */
+          row_force_subvoxel(pass, local, n, all, at, i, true, shift, &near);
+        else
+          row_force_subvoxel(pass, local, n, all, at, i, false, shift, &near);
         curve = 1 / (1 - near.beta);
         stiff = pass->dt * drag * near.weight * curve;
         for (int a = 0; a < 3; a++) {

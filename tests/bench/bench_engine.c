@@ -1,7 +1,8 @@
 /* Speed of the engine. Time is that of the processor, so that other work on the machine disturbs
  * little; threads are compared by the wall clock.
  *   bench_engine OUT.json [LARGEST]   the suite, up to LARGEST sites (1e7)
- *   bench_engine count SHIFT STEPS    a small fixed run for counting instructions */
+ *   bench_engine count WALL VISCOSITY DIFFUSION SHIFT MOVING    a small run for
+ * scripts/count-effects */
 #include <immintrin.h>
 #include <jansson.h>
 #include <omp.h>
@@ -201,19 +202,31 @@ cleanup:
   return status;
 }
 
-static enum status count(bool shift, int steps) {
+/* A fixed run for counting the instructions of engine_step: prints its pairs and the bytes per slot
+ * of fluid and wall. `moving`: the grains glide along x. */
+static enum status count(enum pass_wall wall, bool viscosity, bool diffusion, bool shift,
+                         bool moving) {
   enum status status = STATUS_OK;
   struct engine engine = {0};
   struct lattice lattice = test_grains(12, DX, 0.58, 3);
-  struct engine_settings settings = settings_of(&lattice, PASS_SUBVOXEL);
+  struct engine_settings settings = settings_of(&lattice, wall);
+  const double velocity[1][3] = {{1e-3, 0, 0}};
+  lattice.region = calloc(lattice.count, sizeof *lattice.region);
+  for (size_t i = 0; i < lattice.count; i++) lattice.region[i] = lattice.kind[i] == SITE_WALL;
+  settings.viscosity = viscosity;
+  settings.diffusion = diffusion;
   settings.shift = shift;
+  settings.wall_moves = moving;
+  settings.region_velocity = velocity;
+  settings.region_count = 1;
   omp_set_num_threads(1);
   TRY(engine_make(&lattice, &settings, &engine));
-  for (int s = 0; s < steps; s++) TRY(engine_step(&engine));
-  printf("%.0f %zu\n", (double)engine.pairs_fluid * 2 * steps,
-         particles_bytes_fluid(&engine.fields));
+  for (int s = 0; s < 3; s++) TRY(engine_step(&engine));
+  printf("%.0f %zu %zu\n", engine.pair_interactions, particles_bytes_fluid(&engine.fields),
+         particles_bytes_wall(&engine.fields));
 cleanup:
   engine_free(&engine);
+  free(lattice.region);
   test_lattice_free(&lattice);
   return status;
 }
@@ -221,12 +234,14 @@ cleanup:
 int main(int argc, char **argv) {
   enum status status;
   log_start("bench_engine", LOG_NORMAL);
-  if (argc == 4 && strcmp(argv[1], "count") == 0)
-    status = count(atoi(argv[2]) != 0, atoi(argv[3]));
+  if (argc == 7 && strcmp(argv[1], "count") == 0)
+    status = count((enum pass_wall)atoi(argv[2]), *argv[3] == '1', *argv[4] == '1', *argv[5] == '1',
+                   *argv[6] == '1');
   else if (argc == 2 || argc == 3)
     status = suite(argv[1], argc == 3 ? atof(argv[2]) : 1e7);
   else
-    status = FAIL(STATUS_USAGE, "usage: bench_engine OUT.json [LARGEST] | count SHIFT STEPS");
+    status =
+        FAIL(STATUS_USAGE, "usage: bench_engine OUT.json [LARGEST] | count 0..3 0|1 0|1 0|1 0|1");
   if (status != STATUS_OK) log_pending_error();
   return (int)status;
 }
