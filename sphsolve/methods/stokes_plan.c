@@ -11,7 +11,7 @@
 
 /* Iterations hardly depend on the size: 30 to 40 in arrays, 60 to 130 in sand; an iteration of
  * adami walls, with more of them, costs 2.2 times as much in all. */
-#define ITERATIONS 60.0
+#define ITERATIONS 70.0
 #define ADAMI 2.2
 /* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
 #define SECONDS_SITE 30e-9
