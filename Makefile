@@ -161,6 +161,9 @@ ubsan:
 	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
 tsan:
 	$(MAKE) check BUILD=$(BUILD)-tsan OPT="-O1 -g" SANITIZE="-fsanitize=thread"
+coverage:
+	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage"
+	scripts/coverage $(BUILD)-coverage
 
 # ---- fuzzing: FUZZ_SECONDS each, with address and undefined behaviour sanitizers (needs clang) ----
 # `make fuzz FUZZ=png` runs one target. The corpora under tests/fuzz/corpus are replayed by `make check`.

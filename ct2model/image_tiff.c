@@ -372,6 +372,9 @@ static enum status tiff_read(const struct image *image, size_t page, float *out)
   if (decoder.layout.compression == COMPRESSION_JPEG)
     TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
   if (decoder.layout.photometric == PHOTOMETRIC_PALETTE) {
+    if (decoder.layout.samples != 1 || (image->type != PIXEL_U8 && image->type != PIXEL_U16))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
+               pixel_name(image->type));
     if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder.palette[0], &decoder.palette[1],
                       &decoder.palette[2]))
       TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette", image->path);

@@ -43,6 +43,7 @@ static int sorted_offsets(const double spacing[3], struct offset offsets[OFFSETS
         }
         struct offset new = {{i, j, k}, sqrt(square)};
         int at = n++;
+        /* cppcheck-suppress uninitvar ; the first `at` entries were filled by earlier rounds */
         while (at > 0 && offsets[at - 1].face > new.face) {
           offsets[at] = offsets[at - 1];
           at--;

@@ -140,6 +140,7 @@ static size_t wall_arrays(struct particles *p, const struct particle_fields *fie
 
 static size_t count_wanted(const struct each *list, size_t n) {
   size_t wanted = 0;
+  /* cppcheck-suppress uninitvar ; the callers fill the first n entries in the argument n itself */
   for (size_t i = 0; i < n; i++) wanted += list[i].wanted;
   return wanted;
 }
