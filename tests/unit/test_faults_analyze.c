@@ -38,8 +38,14 @@ static void write_snapshot(const char *path) {
       points[i][a] = (at[a] + 0.5) * 1e-5;
       velocity[i][a] = a == 2 ? -1e-4 * (1 + at[0]) : 1e-6 * at[1];
     }
-  const struct snapshot_field field = {"velocity", "m/s", "velocity", H5_F64, 3, velocity};
-  assert_int_equal(snapshot_write(path, 1, 10, COUNT, &points[0][0], 1, &field), STATUS_OK);
+  const struct snapshot_field place = {.type = H5_F64, .components = 3, .data = points};
+  const struct snapshot_field field = {.name = "velocity",
+                                       .unit = "m/s",
+                                       .description = "velocity",
+                                       .type = H5_F64,
+                                       .components = 3,
+                                       .data = velocity};
+  assert_int_equal(snapshot_write(path, 1, 10, COUNT, &place, 1, &field), STATUS_OK);
 }
 
 static void write_run(const char *name, double gradient) {
