@@ -65,6 +65,11 @@ static enum status choose_size(struct pipeline *pipeline) {
     log_warning("bicubic-point does not antialias: at a reduction of %.3g the void ratio still "
                 "matches, but many voxels are wrong and the surface is far too large; use bicubic",
                 spacing[0] / voxel[0]);
+  if (out[0] > in[0] || out[1] > in[1] || out[2] > in[2])
+    log_warning(
+        "--size %zux%zux%zu is finer than the scan's own %zux%zux%zu voxels: it adds voxels, "
+        "but no detail",
+        out[0], out[1], out[2], in[0], in[1], in[2]);
   if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 || fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
     double ny = (double)in[1] * voxel[1] / spacing[0], nz = (double)in[2] * voxel[2] / spacing[0];
     log_warning("model voxels of %.4g x %.4g x %.4g um are not cubic; --size %zux%.0fx%.0f%s "
@@ -320,6 +325,12 @@ static enum status make_solid(struct pipeline *pipeline) {
   mirror_layers(pipeline, model->solid, 1);
   TRY(binarise_connect(pipeline));
   model->void_ratio_measured = pipeline->request->void_ratio;
+  if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2 &&
+      pipeline->request->roi.kind == ROI_NONE && !pipeline->request->fill_islands &&
+      fabs(model->void_ratio / model->void_ratio_measured - 1.0) > 0.01)
+    log_warning("the model's void ratio is %.4g, not %.4g: the scan has too few grey levels near "
+                "the threshold to come nearer",
+                model->void_ratio, model->void_ratio_measured);
   model->threshold = pipeline_grey(pipeline, pipeline->threshold);
 cleanup:
   return status;
@@ -400,6 +411,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(scan(pipeline, resample));
   TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
+  memory_free(&pipeline->survey.sample); /* room for the surface */
   if (resample) TRY(make_solid(pipeline));
   TRY(find_walls(pipeline, distances));
   if (distances)

@@ -180,3 +180,15 @@ for row in rows.values():
 assert rows[4, "nlm"]["surface"] < rows[4, "bicubic"]["surface"]
 P
 }
+
+@test "what cannot be matched or is finer than the scan is said" {
+  slices 1 2 3 4
+  run_ct build s --void-ratio 0.9 --voxel-size 5.83um --size 16x12x8 -o m.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"finer than the scan's own 8x6x4 voxels"* ]]
+  # Twelve grains and pores of nine greys each: nothing between 8/9 and 1 can be matched.
+  awk 'BEGIN { for (i = 0; i < 4096; i++) printf "%c", int(i / 8) % 2 ? 120 + i % 3 : 30 + 4 * (i % 3 > 0) }' > few.raw
+  run_ct build few.raw --raw 16x16x16:u8 --voxel-size 1um --void-ratio 0.75 -o m.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"too few grey levels"* ]]
+}
