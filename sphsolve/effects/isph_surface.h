@@ -22,10 +22,11 @@
  * filling is above 1, and a front that is no longer seen as one strikes the soil like a wall (it
  * lost half its speed). 1 from .8 of the value of a level surface's outermost layer, 0 below .5:
  * the second layer of a surface at 45 degrees stands at .28, disorder of a tenth of a spacing below
- * .33. Sheets one particle thick and drops are told by their filling, below .8 to .7 (.79 in the
- * outermost layer). */
+ * .33. Sheets one particle thick and drops are told by their filling, below .8 to .72 (.79 in the
+ * outermost layer). Walls above the water level even the neighbourhood out: in a tank's corner it is a
+ * quarter as lopsided and filled to .87, of which `walls` is .45; what walls fill counts .35. */
 static inline double surface_weight(const struct isph *s, double support, double filling,
-                                    const double imbalance[3], const double moment[6],
+                                    double walls, const double imbalance[3], const double moment[6],
                                     const double wall_moment[6]) {
   double trace = moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] +
                  wall_moment[5];
@@ -33,7 +34,7 @@ static inline double surface_weight(const struct isph *s, double support, double
                        imbalance[2] * imbalance[2]);
   if (!(trace > 0)) return 1;
   double lopsided = (length * support / (trace * s->lopsided_top) - 0.5) / 0.3;
-  double thin = (0.8 - filling) / 0.1, w = lopsided > thin ? lopsided : thin;
+  double thin = (0.8 + 0.35 * walls - filling) / 0.08, w = lopsided > thin ? lopsided : thin;
   return w < 0 ? 0 : w > 1 ? 1 : w;
 }
 
