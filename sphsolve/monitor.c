@@ -70,9 +70,13 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
     m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
   double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
   double wander = 2 * wander_of(monitor, n - 2 * window, n);
-  /* What is still to come if the change goes on dying as it does; nothing dies that wanders. */
-  double to_come = now;
-  if (now > wander) to_come *= before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST;
+  /* What is still to come if the change goes on dying as it does; where it is lost in the wander,
+   * as slowly as the wander allows; and where all is, twice the spread of the three windows. */
+  double to_come = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
+  if (now > wander)
+    to_come = now * (before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST);
+  else if (before > now + 2 * wander)
+    to_come = (now + wander) / (1 - (now + wander) / (before - wander));
   for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - window, n, a);
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
   verdict.drift = to_come / scale;

@@ -18,7 +18,7 @@ struct monitor {
 struct monitor_verdict {
   bool steady;
   double mean[MONITOR_COMPONENTS];
-  double error; /* of mean[0], relative: its wander and the change still to come */
+  double error; /* of mean[0], relative, 95 %: its wander and the change still to come */
   double drift; /* its part that is drift */
 };
 

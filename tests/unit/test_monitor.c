@@ -63,6 +63,47 @@ static void test_truth_within_error(void **state) {
     }
 }
 
+/* What flows of moving particles look like: an approach, and about it a wander that remembers
+ * itself for `memory` samples. */
+static double remembered, memory;
+static double flow(size_t i, uint64_t *seed) {
+  double keep = exp(-1 / memory);
+  if (i == 0) remembered = 0;
+  remembered = keep * remembered + 0.01 * sqrt(1 - keep * keep) * sqrt(12) * noise(seed);
+  return (1 - exp(-(double)i / 12)) * (1 + remembered) - 0.05 * exp(-(double)i / 60);
+}
+
+/* The mean at the stop lies within its own error of that of a run ten times as long. The error is a
+ * 95 % one: one in twenty may miss. */
+static void test_ten_times_as_long(void **state) {
+  (void)state;
+  const double memories[] = {1, 4, 10, 25}, tolerances[] = {5e-3, 1e-4};
+  int runs = 0, missed = 0;
+  for (int m = 0; m < 4; m++)
+    for (int t = 0; t < 2; t++)
+      for (uint64_t seed = 1; seed <= 100; seed++) {
+        struct monitor monitor = {0};
+        struct monitor_verdict stop = {0};
+        uint64_t noise_state = seed;
+        size_t last = 40000;
+        memory = memories[m];
+        for (size_t n = 0; n < last; n++) {
+          double value[MONITOR_COMPONENTS] = {flow(n, &noise_state)};
+          assert_int_equal(monitor_add(&monitor, value), STATUS_OK);
+          if (stop.steady) continue;
+          stop = monitor_judge(&monitor, tolerances[t], 80);
+          if (stop.steady) last = 10 * (n + 1);
+        }
+        assert_true(stop.steady);
+        double later = monitor_judge(&monitor, tolerances[t], 80).mean[0];
+        missed += fabs(stop.mean[0] / later - 1) > stop.error;
+        runs++;
+        monitor_free(&monitor);
+      }
+  print_message("%d of %d outside their error\n", missed, runs);
+  assert_true(20 * missed <= runs);
+}
+
 static void test_never_steady(void **state) {
   (void)state;
   struct monitor_verdict verdict;
@@ -74,6 +115,7 @@ static void test_never_steady(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_truth_within_error),
+      cmocka_unit_test(test_ten_times_as_long),
       cmocka_unit_test(test_never_steady),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
