@@ -2,9 +2,8 @@
  * specialised at compile time for its set of effects: the flags of an `always_inline` function are
  * constants where it is instantiated, and what is off leaves no instruction behind.
  *
- * A row cluster first gathers its columns into a small local buffer (gather_columns): positions
- * relative to the cluster in single precision and in units of h, image by image, without those
- * that no row of the cluster can reach. Then each row runs over the buffer with full vectors. */
+ * A row cluster first gathers its columns into a small local buffer (pairs_gather.h). Then each row
+ * runs over the buffer with full vectors. */
 #include <math.h>
 
 #include "sphsolve/effects/density_continuity.h"
@@ -16,153 +15,10 @@
 #include "sphsolve/effects/viscosity_morris.h"
 #include "sphsolve/effects/wall_adami.h"
 #include "sphsolve/effects/wall_subvoxel.h"
-#include "sphsolve/engine/pairs.h"
+#include "sphsolve/engine/kernel_vector.h"
+#include "sphsolve/engine/pairs_gather.h"
 
-#define FAR_AWAY 1e6f
-/* Keeps 1/r finite for a particle and itself; in units of h^2. */
-#define TINY 1e-8f
 #define MAX_SUMS 12
-
-enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM };
-
-/* Where a row cluster stands now. */
-struct reference {
-  uint32_t centre[3];
-  float half[3]; /* h */
-  uint32_t x[CLUSTER][3];
-  bool live[CLUSTER];
-};
-
-SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wall,
-                                struct reference *ref) {
-  const struct particles *p = pass->particles;
-  int first = -1;
-  int32_t low[3] = {0}, high[3] = {0};
-  for (int l = 0; l < CLUSTER; l++) {
-    size_t i = cluster * CLUSTER + (size_t)l;
-    ref->live[l] = wall ? p->site[i] != NO_SITE : p->id[i] != NO_PARTICLE;
-    if (!ref->live[l]) continue;
-    for (int a = 0; a < 3; a++)
-      ref->x[l][a] = wall ? frame_wall_position(&p->frame, a, p->site[i]) : p->x[a][i];
-    if (first < 0) first = l;
-    for (int a = 0; a < 3; a++) {
-      int32_t d = (int32_t)(ref->x[l][a] - ref->x[first][a]);
-      low[a] = d < low[a] ? d : low[a];
-      high[a] = d > high[a] ? d : high[a];
-    }
-  }
-  for (int a = 0; a < 3; a++) {
-    uint32_t span = (uint32_t)high[a] - (uint32_t)low[a];
-    ref->centre[a] = (first < 0 ? 0 : ref->x[first][a]) + (uint32_t)low[a] + span / 2;
-    ref->half[a] = (float)(span - span / 2) * pass->scale[a];
-  }
-}
-
-/* Appends the columns of one list that the cluster can reach to the buffer from `n` on; `fields`
- * values each from `source` (NULL: zeros) behind the position, and with `depth` the wall's depth in
- * h as LSTATE. Returns the new count. */
-SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, size_t n,
-                                  const struct neighbour_list *list, size_t row, bool wall,
-                                  const struct reference *ref, int fields,
-                                  const float *const *source, bool depth) {
-  const struct particles *p = pass->particles;
-  size_t words;
-  struct list_reader reader = {.word = list_row(list, row, &words)};
-  reader.end = reader.word + words;
-  float *field[LOCAL_FIELDS];
-  for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
-  uvec origin[3];
-  vec scale[3], half[3], limit = vec_set(pass->radius * pass->radius), zero = vec_set(0.0f);
-  vec depth_unit = vec_set((float)(p->depth_unit / pass->smoothing_length));
-  for (int a = 0; a < 3; a++) {
-    scale[a] = vec_set(pass->scale[a]);
-    half[a] = vec_set(ref->half[a]);
-    origin[a] = uvec_set(ref->centre[a] - (wall ? p->frame.step[a] / 2 : 0));
-  }
-  while (list_next(&reader)) {
-    if (__builtin_expect(reader.turned, 0))
-      for (int a = 0; a < 3; a++) {
-        uint32_t image = reader.image >> (IMAGE_BITS * a) & ((1u << IMAGE_BITS) - 1);
-        int bits = p->frame.image_bits[a];
-        uint32_t offset = bits == 0 ? 0 : image << (32 - bits);
-        origin[a] = uvec_set(ref->centre[a] - offset - (wall ? p->frame.step[a] / 2 : 0));
-      }
-    if (n + 2 * SIMD_LANES > local->capacity) {
-      local->overflow = true;
-      break;
-    }
-    size_t start = (size_t)reader.cluster * CLUSTER;
-    uint32_t lanes = reader.pair ? 0xffffu : 0xffu;
-    for (size_t k = 0; k < SIMD_LANES; k += SIMD_WIDTH) {
-      size_t slot = start + k;
-      vec x[3], sum = zero;
-      uint32_t mask = lanes >> k;
-      if (SIMD_WIDTH < SIMD_LANES && mask == 0) break;
-      if (wall) {
-        uvec site = uvec_load(p->site + slot);
-        mask &= uvec_differ(site, uvec_set(NO_SITE));
-        for (int a = 0; a < 3; a++)
-          x[a] = vec_from((site >> (uint32_t)p->frame.site_shift[a] & p->frame.site_mask[a]) *
-                              p->frame.step[a] -
-                          origin[a]);
-      } else {
-        mask &= uvec_differ(uvec_load(p->id + slot), uvec_set(NO_PARTICLE));
-        for (int a = 0; a < 3; a++) x[a] = vec_from(uvec_load(p->x[a] + slot) - origin[a]);
-      }
-      for (int a = 0; a < 3; a++) {
-        x[a] *= scale[a];
-        vec gap = vec_max(vec_abs(x[a]) - half[a], zero);
-        sum += gap * gap;
-      }
-      mask &= vec_below(sum, limit);
-      for (int a = 0; a < 3; a++) vec_compress(field[a] + n, mask, x[a]);
-      for (int f = 0; f < fields; f++)
-        vec_compress(field[LVX + f] + n, mask,
-                     source[f] == NULL ? zero : vec_load(source[f] + slot));
-      if (depth)
-        vec_compress(field[LSTATE] + n, mask,
-                     vec_from(uvec_load16(p->wall_depth + slot)) * depth_unit);
-      n += (size_t)__builtin_popcount(mask);
-    }
-  }
-  return n;
-}
-
-/* Fills up to whole vectors with columns that no row reaches. */
-SIMD_INLINE size_t pad_columns(struct local *local, size_t n, int fields) {
-  size_t full = (n + SIMD_LANES - 1) / SIMD_LANES * SIMD_LANES;
-  for (; n < full; n++) {
-    for (int a = 0; a < 3; a++) local->field[a][n] = FAR_AWAY;
-    for (int f = 0; f < fields; f++) local->field[LVX + f][n] = 0;
-  }
-  return full;
-}
-
-/* Offset of column vector k from the row, distance and slope, all in h. */
-struct geometry {
-  vec x, y, z, s, inverse;
-};
-SIMD_INLINE struct geometry pair_geometry(const struct local *local, size_t k, const vec at[3]) {
-  struct geometry g;
-  g.x = vec_load(local->field[LX] + k) - at[0];
-  g.y = vec_load(local->field[LY] + k) - at[1];
-  g.z = vec_load(local->field[LZ] + k) - at[2];
-  vec square = g.x * g.x + (g.y * g.y + (g.z * g.z + TINY));
-  g.inverse = vec_rsqrt(square);
-  g.s = square * g.inverse;
-  return g;
-}
-
-SIMD_INLINE void row_position(const struct pass *pass, const struct reference *ref, int l,
-                              vec at[3]) {
-  for (int a = 0; a < 3; a++)
-    at[a] = vec_set((float)(int32_t)(ref->x[l][a] - ref->centre[a]) * pass->scale[a]);
-}
-
-/* Sums in `tile`, one line of lanes each, to scalars. */
-SIMD_INLINE void tile_sums(float (*tile)[SIMD_LANES], int n, double *sum) {
-  for (int i = 0; i < n; i++) sum[i] = (double)lanes_sum(tile[i]);
-}
 
 /* ---- density by summation ---- */
 SIMD_INLINE double row_density(const struct local *local, size_t n, const vec at[3]) {
