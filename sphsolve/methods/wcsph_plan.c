@@ -17,8 +17,7 @@
 #define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
 #define DELTA 0.1              /* Molteni, Colagrossi 2009 */
 #define SAMPLES_LEAST 80       /* of the Darcy velocity before a flow may be called steady */
-#define TAU 0.005              /* dx^2/nu: div v that pressure diffusion leaves beside walls */
-#define TAU_FAST 0.1           /* dx/u: the most of it where inertia rules */
+#define TAU_FAST 0.1           /* dx/u: the most of tau where inertia rules */
 
 double wcsph_gap(const struct lattice *lattice) {
   size_t faces[3];
@@ -114,7 +113,8 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   if (context->kinematic_viscosity > 0 && context->has_wall)
     settings->pressure_diffusion =
         c * c *
-        fmin(TAU * dx * dx / context->kinematic_viscosity, TAU_FAST * dx / context->velocity_scale);
+        fmin(WCSPH_TAU * dx * dx / context->kinematic_viscosity,
+             TAU_FAST * dx / context->velocity_scale);
   for (size_t r = 0; r < scene->region_count; r++)
     memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
   settings->region_velocity = (const double(*)[3])region_velocity;

@@ -30,7 +30,7 @@ static struct engine_settings settings_of(const struct lattice *lattice, enum pa
   settings.dt = 2.5e-5;
   settings.kinematic_viscosity = 1e-6;
   settings.force[2] = -9.8;
-  settings.pressure_diffusion = 0.005 * DX * DX / 1e-6 * 2.25;
+  settings.pressure_diffusion = WCSPH_TAU * DX * DX / 1e-6 * 2.25;
   return settings;
 }
 

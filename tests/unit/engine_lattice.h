@@ -8,6 +8,7 @@
 
 #include "sphsolve/engine/engine.h"
 #include "sphsolve/methods/wcsph_modes.h"
+#include "sphsolve/methods/wcsph_plan.h"
 
 static inline double test_random(uint64_t *state) {
   *state = *state * 6364136223846793005u + 1442695040888963407u;

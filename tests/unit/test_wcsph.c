@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "sphsolve/percolation.h"
-#include "tests/unit/engine_lattice.h"
+#include "tests/unit/engine_march.h"
 
 /* Limits found with a prototype: c dt/dx < 1.014 absolute, 2.19 (c dt/h 2.2) gauge, viscous
  * eigenvalue 4.30 nu/dx^2. */
@@ -24,31 +24,14 @@ static void test_eigenvalues(void **state) {
 
 /* Error of the flow rate of a slit after the start-up has died, particles moving. */
 static double slit_error(enum pass_wall wall, size_t width, double phase) {
-  double dx = 1e-4, nu = 1e-6, f = 1e-3, h = 2.9 * dx / 3;
+  double dx = 1e-4, nu = 1e-6, f = 1e-3, w = (double)width * dx;
   struct lattice lattice = test_slit(width, phase, dx);
-  struct engine_settings settings = test_settings(&lattice, wall, 2.9 * dx);
-  double w = (double)width * dx;
-  struct lattice_modes modes = lattice_modes_find(2, lattice.spacing, h);
-  settings.kinematic_viscosity = nu;
-  settings.sound_speed = 2 * nu / h;
-  double viscous = 2 / (nu * modes.laplacian), sound = 2 / (settings.sound_speed * modes.gradient);
-  double q = sound / viscous;
-  settings.dt = 0.8 * sound * (sqrt(q * q / 4 + 1) - q / 2);
-  settings.force[0] = f;
-  settings.pressure_diffusion = 0.005 * dx * dx / nu * settings.sound_speed * settings.sound_speed;
-  struct engine engine;
-  assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
   double wide = w + (wall == PASS_FROZEN ? dx : 0);
-  int steps = (int)(1.1 * wide * wide / nu / settings.dt) + 10;
-  for (int s = 0; s < steps; s++) assert_int_equal(engine_step(&engine), STATUS_OK);
-  double sum = 0;
-  const struct particles *p = &engine.particles;
-  for (size_t i = 0; i < particles_slots(p); i++)
-    if (p->id[i] != NO_PARTICLE) sum += (double)p->v[0][i];
-  double flow = sum / 6 * dx, exact = f * w * w * w / (12 * nu);
-  engine_free(&engine);
+  struct march march = {wall, nu, {f}, 1.1 * wide * wide / nu, 0};
+  double darcy = test_march(&lattice, &march, NULL);
+  double exact = f * w * w * w / (12 * nu) / ((double)lattice.size[2] * dx);
   test_lattice_free(&lattice);
-  return flow / exact - 1;
+  return darcy / exact - 1;
 }
 
 static void test_slit_frozen(void **state) {
@@ -89,6 +72,46 @@ static void test_slit_subvoxel_shifted(void **state) {
   }
 }
 
+/* Turned by atan(4/7) = 29.7 degrees, the nearest that repeats in a small box. */
+static void test_slit_subvoxel_turned(void **state) {
+  (void)state;
+  double length = hypot(7, 4), dx = 1e-4, nu = 1e-6, f = 1e-3, w = 8;
+  double parameter[4] = {w, 97 / length, 7 / length, 4 / length};
+  struct lattice lattice =
+      test_geometry(2, (const size_t[3]){97, 1, 97}, dx, test_turned_slit, parameter);
+  struct march march = {
+      PASS_SUBVOXEL, nu, {-f * 4 / length, 0, f * 7 / length}, 1.1 * w * w * dx * dx / nu, 0};
+  double error =
+      test_march(&lattice, &march, NULL) / (f * w * w * w * dx * dx / (12 * nu) / parameter[1]) - 1;
+  test_lattice_free(&lattice);
+  print_message("subvoxel slit, w = 8, turned by 30 degrees: %+.2f %%\n", 100 * error);
+  assert_true(fabs(error) < 0.03);
+}
+
+/* In pores two to three particles wide, creeping: k depends neither on the sound speed nor on how
+ * fast, and so how far, the particles move through the grains. */
+static void test_pinning(void **state) {
+  (void)state;
+  double dx = 5e-5, nu = 1e-5, g = 100;
+  const double parameter[4] = {18, 4.5, 14, 7};
+  struct lattice lattice =
+      test_geometry(3, (const size_t[3]){18, 18, 18}, dx, test_balls, parameter);
+  struct march march = {PASS_SUBVOXEL, nu, {0, 0, -g}, 0.02, 1.2};
+  double travel, k = test_march(&lattice, &march, &travel) / g;
+  march.sound *= 2;
+  double k_sound = test_march(&lattice, &march, NULL) / g;
+  march.sound /= 2;
+  march.force[2] /= 10;
+  double k_slow = test_march(&lattice, &march, NULL) / (g / 10);
+  print_message("balls, pores %.1f wide: moved by %.2f spacings; sound speed doubled %+.2f %%, "
+                "a tenth of the force %+.2f %%\n",
+                wcsph_gap(&lattice), travel, 100 * (k_sound / k - 1), 100 * (k_slow / k - 1));
+  test_lattice_free(&lattice);
+  assert_true(travel > 0.5);
+  assert_true(fabs(k_sound / k - 1) < 0.03);
+  assert_true(fabs(k_slow / k - 1) < 0.03);
+}
+
 static void test_percolation(void **state) {
   (void)state;
   struct lattice slit = test_slit(4, 0.5, 1);
@@ -109,6 +132,8 @@ int main(void) {
       cmocka_unit_test(test_slit_adami),
       cmocka_unit_test(test_slit_subvoxel),
       cmocka_unit_test(test_slit_subvoxel_shifted),
+      cmocka_unit_test(test_slit_subvoxel_turned),
+      cmocka_unit_test(test_pinning),
       cmocka_unit_test(test_percolation),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
