@@ -293,46 +293,43 @@ static double slope_from_wall(double low, double here, double high) {
   return back > -fore ? fmax(back, 0) : fmin(fore, 0);
 }
 
-/* Distance to the wall: that of the nearest site, continued as the plane it is the distance to.
- * (Interpolation between the sites would cut off the ridge in the middle of a narrow pore, which
- * brakes what flows there: by 10 % in a sand whose pores are two sites wide.) Negated where the
- * field at the nearest site changes faster than a distance can (noise): the curvature of the
- * velocity is then left out. */
-static void update_distance(struct engine *engine) {
-  struct particles *p = &engine->particles;
+double engine_wall_distance(const struct engine *engine, size_t i) {
+  const struct particles *p = &engine->particles;
   const struct lattice *lattice = engine->lattice;
   const float *field = lattice->wall_distance;
-  const size_t slots = particles_slots(p);
   const size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
-#pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t i = 0; i < slots; i++) {
-    size_t near[3], site = 0;
-    double offset[3]; /* spacings from the nearest site */
-    for (int a = 0; a < 3; a++) {
-      double t = ldexp((double)frame_fold(&p->frame, a, p->x[a][i]), p->frame.image_bits[a] - 32) *
-                 (double)lattice->size[a];
-      if (p->frame.step[a] == 0) t = 0.5;
-      near[a] = (size_t)t;
-      if (near[a] >= lattice->size[a]) near[a] = 0;
-      offset[a] = t - (double)(size_t)t - 0.5;
-      site += near[a] * stride[a];
-    }
-    double here = (double)field[site], along = 0, square = 0;
-    bool smooth = true;
-    for (int a = 0; a < 3; a++) {
-      if (p->frame.step[a] == 0) continue;
-      size_t last = lattice->size[a] - 1, back = last * stride[a];
-      double high = (double)field[near[a] < last ? site + stride[a] : site - back];
-      double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
-      double most = 1.15 * lattice->spacing[a], slope = slope_from_wall(low, here, high);
-      smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
-      along += slope * offset[a];
-      square += slope * slope / (lattice->spacing[a] * lattice->spacing[a]);
-    }
-    double d =
-        fmax(here + along / fmax(sqrt(square), 1), WALL_DISTANCE_LEAST * engine->pass.spacing);
-    p->distance[i] = (float)(smooth ? d : -d);
+  size_t near[3], site = 0;
+  double offset[3]; /* spacings from the nearest site */
+  for (int a = 0; a < 3; a++) {
+    double t = ldexp((double)frame_fold(&p->frame, a, p->x[a][i]), p->frame.image_bits[a] - 32) *
+               (double)lattice->size[a];
+    if (p->frame.step[a] == 0) t = 0.5;
+    near[a] = (size_t)t;
+    if (near[a] >= lattice->size[a]) near[a] = 0;
+    offset[a] = t - (double)(size_t)t - 0.5;
+    site += near[a] * stride[a];
   }
+  double here = (double)field[site], along = 0, square = 0;
+  bool smooth = true;
+  for (int a = 0; a < 3; a++) {
+    if (p->frame.step[a] == 0) continue;
+    size_t last = lattice->size[a] - 1, back = last * stride[a];
+    double high = (double)field[near[a] < last ? site + stride[a] : site - back];
+    double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
+    double most = 1.15 * lattice->spacing[a], slope = slope_from_wall(low, here, high);
+    smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
+    along += slope * offset[a];
+    square += slope * slope / (lattice->spacing[a] * lattice->spacing[a]);
+  }
+  double d = fmax(here + along / fmax(sqrt(square), 1), WALL_DISTANCE_LEAST * engine->pass.spacing);
+  return smooth ? d : -d;
+}
+
+static void update_distance(struct engine *engine) {
+  struct particles *p = &engine->particles;
+  const size_t slots = particles_slots(p);
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t i = 0; i < slots; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
 }
 
 /* x += (v + u) dt; finds the largest speed and displacement, and whether a particle has left the

@@ -189,7 +189,7 @@ static enum status write_row(struct run *run, const struct wcsph_totals *totals)
       .time = run_time(run), .step = run->state.step, .dt = run->state.engine.settings.dt};
   double square = 0;
   for (int a = 0; a < 3; a++) {
-    row.darcy_velocity[a] = totals->velocity[a] / (double)lattice->bulk_count;
+    row.darcy_velocity[a] = totals->flux[a] / (double)lattice->bulk_count;
     row.momentum[a] = mass * totals->velocity[a];
     square += row.darcy_velocity[a] * row.darcy_velocity[a];
   }
@@ -302,7 +302,7 @@ static void sample_of(const struct run *run, const struct wcsph_totals *totals,
   double n = (double)run->lattice->bulk_count;
   value[0] = 0;
   for (int a = 0; a < 3; a++) {
-    value[1 + a] = totals->velocity[a] / n;
+    value[1 + a] = totals->flux[a] / n;
     value[0] += value[1 + a] * run->direction[a];
   }
 }

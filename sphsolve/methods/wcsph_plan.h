@@ -7,9 +7,8 @@
 
 /* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). Less locks
  * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
- * (+30 % at .02); with .006 two pieces of sand agree with method stokes, whose own stabilisation
- * leaves smooth pressures alone. */
-#define WCSPH_TAU 0.006
+ * (+30 % at .02). */
+#define WCSPH_TAU 0.005
 
 /* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */
 void wcsph_settings(const struct scene *scene, const struct plan *plan,

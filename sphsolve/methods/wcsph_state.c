@@ -5,14 +5,50 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/effects/stokes_wall_subvoxel.h"
 
 #define SUM_BLOCK 2048
+
+/* What the ends of lines of sites at a wall add to a particle's share of the volume integral of the
+ * velocity, relative (stokes_wall_subvoxel.h, Euler and Maclaurin; the profile taken as straight
+ * from the particle to the wall). Off the lines of the lattice it is right on the average. */
+static double end_of_line(const struct engine *engine, size_t slot) {
+  const struct lattice *l = engine->lattice;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  size_t near[3], site = 0;
+  double at[3], share = 0, sum = 0;
+  particles_position(&engine->particles, l, slot, at);
+  for (int a = 0; a < 3; a++) {
+    long n = (long)l->size[a], index = lround((at[a] - l->origin[a]) / l->spacing[a]);
+    near[a] = (size_t)(((index % n) + n) % n);
+    site += near[a] * stride[a];
+  }
+  if (l->kind[site] != SITE_FLUID) return 0;
+  double d = fabs(engine_wall_distance(engine, slot));
+  for (int a = 0; a < 3; a++) {
+    if (l->dimensions == 2 && a == 1) continue;
+    double step = l->spacing[a], most = 0;
+    size_t last = l->size[a] - 1, back = last * stride[a];
+    for (int up = 0; up < 2; up++) {
+      size_t other = up ? (near[a] < last ? site + stride[a] : site - back)
+                        : (near[a] > 0 ? site - stride[a] : site + back);
+      if (l->kind[other] != SITE_WALL) continue;
+      struct stokes_wall_quadrature end =
+          stokes_wall_quadrature(d / step, -(double)l->wall_distance[other] / step, 1);
+      sum += end.velocity;
+      most = fmax(most, end.share);
+    }
+    share += most;
+  }
+  return sum / fmax(share, 1);
+}
 
 enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) {
   enum status status = STATUS_OK;
   const struct particles *p = &engine->particles;
   size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
   struct wcsph_totals *part = NULL;
+  const bool ends = engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < blocks; b++) {
@@ -22,9 +58,11 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
     for (size_t i = b * SUM_BLOCK; i < end; i++) {
       if (p->id[i] == NO_PARTICLE) continue;
       double density = engine_density(engine, i), square = 0;
+      double whole = 1 + (ends ? end_of_line(engine, i) : 0);
       for (int a = 0; a < 3; a++) {
         double v = (double)p->v[a][i];
         t->velocity[a] += v;
+        t->flux[a] += v * whole;
         t->square += v * v;
         square += v * v;
       }
@@ -47,7 +85,10 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
   memset(totals, 0, sizeof *totals);
   totals->density_min = INFINITY;
   for (size_t b = 0; b < blocks; b++) {
-    for (int a = 0; a < 3; a++) totals->velocity[a] += part[b].velocity[a];
+    for (int a = 0; a < 3; a++) {
+      totals->velocity[a] += part[b].velocity[a];
+      totals->flux[a] += part[b].flux[a];
+    }
     totals->square += part[b].square;
     totals->density += part[b].density;
     if (!(part[b].density_max <= totals->density_max)) {

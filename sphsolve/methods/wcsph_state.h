@@ -41,6 +41,7 @@ size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid part
 /* Sums over the fluid, in an order that no thread count changes. */
 struct wcsph_totals {
   double velocity[3]; /* sum, m/s */
+  double flux[3];     /* sum with the ends at walls: volume integral over the volume of a site */
   double square;      /* sum of v^2 */
   double density;     /* sum of rho/rho_0 */
   double compression; /* sum of (rho/rho_0 - 1)^2 */

@@ -69,7 +69,7 @@ static inline double test_march(const struct lattice *l, const struct march *m, 
     if (s % 8 != 0 && s != steps) continue;
     if (wcsph_sum(&engine, &totals) != STATUS_OK) break;
     double v = 0;
-    for (int a = 0; a < 3; a++) v += totals.velocity[a] * m->force[a] / force;
+    for (int a = 0; a < 3; a++) v += totals.flux[a] * m->force[a] / force;
     moved += 8 * settings.dt * v / (double)l->fluid_count / l->spacing[0];
     if (s > first) sum += v / (double)l->bulk_count, n++;
   }

@@ -1,0 +1,303 @@
+/* Pore-scale cases of method wcsph, marched in time with moving particles, against exact and
+ * independent references.
+ *   verify_pores [FILE.json [DATA_FOLDER]]
+ * writes FILE.json (a list of case, status, reference, measured, bound, seconds) and beside it
+ * pores.dat (error and time against resolution) and pores.svg (by gnuplot, if it is there).
+ * Measured is what is compared with the reference; bound the largest relative error that passes. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/distance.h"
+#include "sphsolve/methods/stokes_solver.h"
+#include "tests/unit/engine_march.h"
+
+#define DX 1e-4 /* m */
+#define NU 1e-6 /* m^2/s */
+
+static FILE *json, *data;
+static int count, failed;
+
+/* `one_sided`: more than the reference is as good. */
+static void judge(const char *name, double reference, double measured, double bound, double seconds,
+                  bool one_sided) {
+  const double error = measured / reference - 1;
+  const bool pass = fabs(error) <= bound || (one_sided && error > 0);
+  failed += !pass;
+  fprintf(json, "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": ",
+          count++ ? ",\n" : "[\n", name, pass ? "pass" : "fail", reference);
+  fprintf(json, isfinite(measured) ? "%.8g" : "null", measured);
+  fprintf(json, ", \"bound\": %g, \"seconds\": %.3g}", bound, seconds);
+  printf("%-48s %-4s %12.6g %12.6g %+8.3f %% (bound %g %%) %6.2f s\n", name, pass ? "pass" : "FAIL",
+         reference, measured, 100 * error, 100 * bound, seconds);
+  fflush(stdout);
+}
+
+static void report(const char *name, double reference, double measured, double bound,
+                   double seconds) {
+  judge(name, reference, measured, bound, seconds, false);
+}
+
+static void point(double width, double error, double seconds) {
+  fprintf(data, "%g %.6g %.4g\n", width, fabs(error), seconds);
+}
+
+/* Permeability, spacings^2: the flow creeps, and runs for `times` viscous times of `width`. */
+static double permeability(struct lattice *l, enum pass_wall wall, const double direction[3],
+                           double width, double times, double *seconds) {
+  const double dx = l->spacing[0], started = clock_seconds();
+  struct march m = {.wall = wall, .nu = NU, .end = times * width * width * dx * dx / NU};
+  /* u well below NU/dx, and sound well above */
+  const double f = 0.1 * NU * NU / (dx * dx * dx * width * width);
+  for (int a = 0; a < 3; a++) m.force[a] = f * direction[a];
+  const double darcy = test_march(l, &m, NULL);
+  test_lattice_free(l);
+  *seconds = clock_seconds() - started;
+  return darcy * NU / f / (dx * dx);
+}
+
+/* Ratio of the flow rate to the exact one. */
+static double slit(enum pass_wall wall, size_t width, double phase, double *seconds) {
+  struct lattice l = test_slit(width, phase, DX);
+  const double w = (double)width, wide = w + (wall == PASS_FROZEN);
+  const double exact = w * w * w / 12 / (double)l.size[2];
+  return permeability(&l, wall, (const double[3]){1, 0, 0}, wide, 1.1, seconds) / exact;
+}
+
+static void slits(void) {
+  static const double bound[] = {0.13, 0.04, 0.01, 0.003};
+  char name[64];
+  double seconds, error[4];
+  for (int i = 0; i < 4; i++)
+    for (int shift = 0; shift < 4; shift++) {
+      const size_t w = 2u << i;
+      const double ratio = slit(PASS_SUBVOXEL, w, 0.5 + 0.25 * shift - (shift > 1), &seconds);
+      snprintf(name, sizeof name, "slit %zu wide, shifted by %.2f", w, 0.25 * shift);
+      report(name, 1, ratio, bound[i], seconds);
+      if (shift > 0) continue;
+      error[i] = ratio - 1;
+      point((double)w, error[i], seconds);
+    }
+  fprintf(data, "\n\n");
+  judge("slit, order from 4 to 16", 2, log(error[1] / error[3]) / log(4), 0.1, 0, true);
+  /* numerics.md: exact lattice theory */
+  static const struct {
+    enum pass_wall wall;
+    const char *name;
+    size_t width;
+    double theory;
+  } table[] = {{PASS_ADAMI, "adami", 2, 0.58},    {PASS_ADAMI, "adami", 4, 0.147},
+               {PASS_ADAMI, "adami", 8, 0.037},   {PASS_ADAMI, "adami", 16, 0.0095},
+               {PASS_FROZEN, "frozen", 2, 2.16},  {PASS_FROZEN, "frozen", 4, 0.934},
+               {PASS_FROZEN, "frozen", 8, 0.430}, {PASS_FROZEN, "frozen", 16, 0.206},
+               {PASS_FROZEN, "frozen", 32, 0.100}};
+  for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+    const double ratio = slit(table[i].wall, table[i].width, 0.5, &seconds);
+    snprintf(name, sizeof name, "slit %zu wide, %s walls", table[i].width, table[i].name);
+    report(name, 1 + table[i].theory, ratio, 0.015, seconds);
+    point((double)table[i].width, ratio - 1, seconds);
+    if (i == 3) fprintf(data, "\n\n");
+  }
+  fprintf(data, "\n\n");
+}
+
+/* Turned by atan(4/7) = 29.7 degrees, the nearest that repeats in a small box. */
+static void turned_slits(void) {
+  static const double width[] = {4, 8, 16}, bound[] = {0.06, 0.03, 0.015};
+  static const size_t size[] = {65, 97, 193};
+  const double length = hypot(7, 4), along[3] = {-4 / length, 0, 7 / length};
+  for (int i = 0; i < 3; i++) {
+    const double w = width[i], period = (double)size[i] / length;
+    const double p[4] = {w, period, 7 / length, 4 / length};
+    struct lattice l =
+        test_geometry(2, (const size_t[3]){size[i], 1, size[i]}, DX, test_turned_slit, p);
+    char name[64];
+    double seconds;
+    const double k = permeability(&l, PASS_SUBVOXEL, along, w, 1.1, &seconds);
+    const double exact = w * w * w / 12 / period;
+    snprintf(name, sizeof name, "slit %g wide, turned 30 degrees", w);
+    report(name, exact, k, bound[i], seconds);
+    point(w, k / exact - 1, seconds);
+  }
+  fprintf(data, "\n\n");
+}
+
+/* p0: half the width, p1: the middle. */
+static double duct(const double at[3], const double p[4]) {
+  double d[2];
+  for (int a = 0; a < 2; a++) d[a] = p[0] - fabs(at[a] - p[1]);
+  return d[0] < 0 && d[1] < 0 ? -hypot(d[0], d[1]) : fmin(d[0], d[1]);
+}
+/* A ball of radius p0 in the middle of a box of p1. */
+static double ball(const double at[3], const double p[4]) {
+  return sqrt(pow(at[0] - p[1] / 2, 2) + pow(at[1] - p[1] / 2, 2) + pow(at[2] - p[1] / 2, 2)) -
+         p[0];
+}
+static double cylinder(const double at[3], const double p[4]) {
+  return hypot(at[0] - p[1] / 2, at[2] - p[1] / 2) - p[0];
+}
+
+static void ducts(void) {
+  for (int w = 8; w <= 16; w *= 2) {
+    const double p[4] = {w / 2.0, w / 2.0 + 3, 0, 0};
+    struct lattice l =
+        test_geometry(3, (const size_t[3]){(size_t)w + 6, (size_t)w + 6, 4}, DX, duct, p);
+    char name[64];
+    double seconds;
+    const double k = permeability(&l, PASS_SUBVOXEL, (const double[3]){0, 0, 1}, w, 0.6, &seconds);
+    snprintf(name, sizeof name, "square duct %d wide", w);
+    report(name, pow(w, 4) * 0.421731 / 12 / pow(w + 6, 2), k, w == 8 ? 0.03 : 0.01, seconds);
+  }
+}
+
+static void arrays(void) {
+  /* verification.md; k/a^2 = 2 / (9 c K) and k / L^2 = 1 / (F / mu U) */
+  static const double spheres[][2] = {{0.125, 4.29159}, {0.216, 7.4419}, {0.45, 28.08}};
+  static const double cylinders[][2] = {{0.05, 15.5578}, {0.1, 24.8317}, {0.2, 51.5270},
+                                        {0.3, 102.881},  {0.4, 217.894}, {0.5, 532.548}};
+  const double along[3] = {1, 0, 0};
+  char name[64];
+  double seconds;
+  for (int i = 0; i < 3; i++) {
+    for (size_t n = 12; n <= 24; n += n / 2 > 6 ? 8 : 4) {
+      const double c = spheres[i][0], radius = cbrt(0.75 * c / M_PI) * (double)n;
+      struct lattice l = test_geometry(3, (const size_t[3]){n, n, n}, DX, ball,
+                                       (const double[4]){radius, (double)n});
+      const double exact = 2 * radius * radius / (9 * c * spheres[i][1]);
+      const double k = permeability(&l, PASS_SUBVOXEL, along, sqrt(exact), 10, &seconds) / exact;
+      snprintf(name, sizeof name, "spheres c = %g, %zu a side", c, n);
+      if (n == 24)
+        report(name, 1, k, 0.01, seconds);
+      else
+        printf("  %s: k %.4f of the reference, %.2f s\n", name, k, seconds);
+      point((double)n, k - 1, seconds);
+    }
+    fprintf(data, "\n\n");
+  }
+  for (int i = 0; i < 6; i++) {
+    const double c = cylinders[i][0], n = 48, exact = n * n / cylinders[i][1];
+    struct lattice l = test_geometry(2, (const size_t[3]){48, 1, 48}, DX, cylinder,
+                                     (const double[4]){sqrt(c / M_PI) * n, n});
+    const double k = permeability(&l, PASS_SUBVOXEL, along, sqrt(exact), 10, &seconds);
+    snprintf(name, sizeof name, "cylinders c = %g, 48 a side", c);
+    report(name, exact, k, 0.01, seconds);
+  }
+}
+
+/* Morris, Fox, Zhu 1997: a cylinder of radius .02 m in a periodic box of .1 m; Re 1 and .03. */
+static void morris_lattice(void) {
+  static const double nu[] = {1e-6, 1e-4}, force[] = {1.5e-7, 5e-5},
+                      mean[] = {4.9422e-5, 1.64741e-4};
+  static const double fastest[] = {1.14125e-4, 3.80415e-4};
+  for (int i = 0; i < 2; i++) {
+    const double n = 50, dx = 0.1 / n, started = clock_seconds();
+    struct lattice l =
+        test_geometry(2, (const size_t[3]){50, 1, 50}, dx, cylinder, (const double[4]){0.2 * n, n});
+    struct march m = {PASS_SUBVOXEL, nu[i], {force[i]}, 0.16 * 0.1 * 0.1 / nu[i], 0};
+    m.sound = fmax(2 * nu[i] / (2.9 * dx / 3), 10 * fastest[i]);
+    const double u = test_march(&l, &m, NULL);
+    test_lattice_free(&l);
+    report(i == 0 ? "Morris lattice, case A, mean velocity"
+                  : "Morris lattice, case B, mean velocity",
+           mean[i], u, 0.02, clock_seconds() - started);
+  }
+}
+
+/* A sand: k against method stokes on the same walls; with the sound speed doubled; with a tenth of
+ * the force, for as long a time, so that the particles hardly leave their sites. */
+static void pinning(const char *name, struct lattice *l, double gap) {
+  const double dx = l->spacing[0], nu = 1e-5, g = 98.0665, started = clock_seconds();
+  struct march m = {PASS_SUBVOXEL, nu, {0, 0, -g}, 6 * gap * gap * dx * dx / nu, 1.2};
+  struct stokes_solver s;
+  double k_stokes = NAN, travel;
+  if (stokes_solver_build(l, NULL, 2.9 * dx, WALL_SUBVOXEL, nu, m.force, &s) == STATUS_OK &&
+      stokes_solver_run(&s, 1e-6) == STATUS_OK) {
+    k_stokes = -s.mean[2] * s.velocity_unit / g * 9.80665;
+    stokes_solver_free(&s);
+  }
+  char title[96];
+  const double first = clock_seconds(), k = test_march(l, &m, &travel) / g * 9.80665;
+  printf("  %s: moved by %.2f spacings\n", name, travel);
+  snprintf(title, sizeof title, "%s, against stokes", name);
+  report(title, k_stokes, k, 0.01, clock_seconds() - first);
+  m.sound *= 2;
+  snprintf(title, sizeof title, "%s, sound speed doubled", name);
+  report(title, k, test_march(l, &m, NULL) / g * 9.80665, 0.03, clock_seconds() - first);
+  m.sound /= 2;
+  m.force[2] /= 10;
+  snprintf(title, sizeof title, "%s, a tenth of the force", name);
+  report(title, k, test_march(l, &m, NULL) / g * 98.0665, 0.03, clock_seconds() - started);
+  test_lattice_free(l);
+}
+
+static void sands(const char *folder) {
+  static const double balls[4] = {24, 5, 24, 7};
+  struct lattice l = test_geometry(3, (const size_t[3]){24, 24, 24}, 5e-5, test_balls, balls);
+  pinning("balls at random, 24 a side", &l, wcsph_gap(&l));
+  char path[1024];
+  const size_t n[3] = {60, 60, 61}, voxels = n[0] * n[1] * n[2];
+  const bool periodic[3] = {true, true, true};
+  snprintf(path, sizeof path, "%s/sand/sand_m61_e0725_60x60x61.raw", folder);
+  FILE *file = fopen(path, "rb");
+  uint8_t *solid = malloc(voxels);
+  if (file != NULL && solid != NULL && fread(solid, 1, voxels, file) == voxels) {
+    l = test_lattice(3, n[0], n[1], n[2], 46.64e-6, 46.64e-6, 46.64e-6);
+    for (size_t s = 0; s < voxels; s++) l.kind[s] = solid[s] ? SITE_WALL : SITE_FLUID;
+    distance_from_faces(l.size, l.spacing, periodic, solid, l.wall_distance);
+    test_recount(&l);
+    pinning("sand 60x60x61", &l, wcsph_gap(&l));
+  } else {
+    fprintf(json,
+            "%s{\"case\": \"sand 60x60x61\", \"status\": \"skip\", \"reference\": null, "
+            "\"measured\": null, \"bound\": 0.03, \"seconds\": 0}",
+            count++ ? ",\n" : "[\n");
+    printf("%s: skip: not found\n", path);
+  }
+  if (file != NULL) fclose(file);
+  free(solid);
+}
+
+static void plot(const char *folder) {
+  char command[4096];
+  snprintf(
+      command, sizeof command,
+      "gnuplot -e \"set terminal svg size 900,600; set output '%s/pores.svg'; set logscale xy; "
+      "set xlabel 'particles across'; set ylabel 'relative error'; set format y '%%g'; "
+      "plot for [i=0:6] '%s/pores.dat' index i using 1:2 with linespoints title "
+      "word('slit adami frozen turned spheres.125 spheres.216 spheres.45', i + 1)\"",
+      folder, folder);
+  if (system(command) != 0) printf("no plot: gnuplot is missing\n");
+}
+
+int main(int argc, char **argv) {
+  const char *out = argc > 1 ? argv[1] : "pores.json";
+  char folder[1024], path[1100];
+  snprintf(folder, sizeof folder, "%s", out);
+  char *slash = strrchr(folder, '/');
+  if (slash != NULL)
+    *slash = '\0';
+  else
+    snprintf(folder, sizeof folder, ".");
+  snprintf(path, sizeof path, "%s/pores.dat", folder);
+  json = fopen(out, "w");
+  data = fopen(path, "w");
+  if (!json || !data) {
+    fprintf(stderr, "verify_pores: cannot write to %s\n", folder);
+    return 1;
+  }
+  slits();
+  turned_slits();
+  ducts();
+  arrays();
+  morris_lattice();
+  sands(argc > 2 ? argv[2] : "../shared/data");
+  fprintf(json, "\n]\n");
+  fclose(json);
+  fclose(data);
+  plot(folder);
+  printf("%d cases, %d failed\n", count, failed);
+  return failed > 0;
+}
