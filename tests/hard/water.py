@@ -230,7 +230,7 @@ def wall_corner():
     yield row("highest front, m", "the tank's top", max(0.0, h[:, 2].max() - 0.3), 0, 0.005)
 
 
-@case("A gate gone in one step: walls that moved at 100 m/s must not throw water", fast=True)
+@case("A gate gone in one step: walls that moved at 100 m/s must not throw water")
 def gate_opening_in_one_step():
     run = Run(scene((0.5, 0.3), 0.01, [("water", (0, 0, 0.15, 0.2), ""), ("wall", (0.155, 0, 0.185, 0.3), 'velocity = ["0", "100 m/s"];')], 0.3))
     yield from whole(run, False)
