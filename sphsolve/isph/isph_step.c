@@ -288,7 +288,10 @@ cleanup:
 enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
-  double tau = isnan(scene->isph.alpha) ? scene->isph.tau : dt / scene->isph.alpha;
+  /* alpha is that of the scene's dt, where it gives one, also for a shorter last step. */
+  double tau = scene->isph.tau;
+  if (!isnan(scene->isph.alpha))
+    tau = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
   double start = clock_seconds(), now;
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);

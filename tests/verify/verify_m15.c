@@ -298,7 +298,8 @@ int main(int argc, char **argv) {
     int side;
   } cases[] = {{"m15", .3, 21},    {"m15", .5, 21},    {"m15", .8, 21},    {"akbari", .3, 21},
                {"akbari", .5, 21}, {"akbari", .8, 21}, {"alpha0", .3, 21}, {"m15", .3, 12},
-               {"m15", .5, 12},    {"m15", .8, 12},    {"m15", .3, 32},    {"m15", .5, 32},
+               {"m15", .5, 12},    {"m15", .8, 12},    {"akbari", .3, 12}, {"akbari", .5, 12},
+               {"akbari", .8, 12}, {"alpha0", .3, 12}, {"m15", .3, 32},    {"m15", .5, 32},
                {"m15", .8, 32}};
   enum { CASES = sizeof cases / sizeof *cases };
   static struct run runs[CASES];
