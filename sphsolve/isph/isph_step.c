@@ -145,14 +145,14 @@ static inline void add_drop(const double f[3], double rho, double weight, double
   for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
 }
 
-/* v^{n+1} = v* - k grad q (and into v* the mean of v^n and v^{n+1}), q = P - rho f.x the pressure without its hydrostatic part. The gradient
- * is the adjoint of the divergence up to terms in the imbalance sum V grad W, so that the pressure
- * takes energy from the flow and never gives any:
- *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s.
- * The second term is the surface's; walls have q_w = q_i. In soil the share of the moment
- * along a wall that is missing there is made up for: without it a column ten particles wide
- * carries 2 % too little. (In free water the same feeds a slow stirring at rest.) In water at rest q is the same everywhere
- * and nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
+/* v^{n+1} = v* - k grad q (and into v* the mean of v^n and v^{n+1}), q = P - rho f.x the pressure
+ * without its hydrostatic part. The gradient is the adjoint of the divergence up to terms in the
+ * imbalance sum V grad W, so that the pressure takes energy from the flow and never gives any: grad
+ * q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s. The second
+ * term is the surface's; walls have q_w = q_i. In soil the share of the moment along a wall that is
+ * missing there is made up for: without it a column ten particles wide carries 2 % too little. (In
+ * free water the same feeds a slow stirring at rest.) In water at rest q is the same everywhere and
+ * nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
  * gradient corrected to be exact for linear fields is unstable beside walls and surfaces.) */
 static void correct(struct isph *s) {
   const double *f = s->force, rho = s->density;
@@ -323,14 +323,27 @@ cleanup:
   return status;
 }
 
-/* Fastest of the walls, soils and windows, m/s: what will move the water, when it is still at rest. */
+/* A wall that has left the domain drives nothing any more. */
+static bool wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
+  for (int a = 0; a < 3; a++)
+    if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
+  return true;
+}
+
+static double length(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* Fastest of the walls, soils and windows, m/s: what will move the water, when it is still at rest.
+ */
 static double fastest_drive(const struct isph *s) {
   double fastest = 0;
+  for (size_t b = 1; b < s->wall_box_count; b++)
+    if (wall_is_inside(s, &s->wall_boxes[b]))
+      fastest = fmax(fastest, length(s->wall_boxes[b].velocity));
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *r = &s->scene->regions[k];
-    const double *v = r->type == REGION_POROUS ? r->soil_velocity : r->velocity;
-    if (r->type == REGION_POROUS || r->type == REGION_WALL)
-      fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    if (r->type == REGION_POROUS) fastest = fmax(fastest, length(r->soil_velocity));
     if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
       fastest = fmax(fastest, fabs(r->flux));
   }
@@ -340,12 +353,10 @@ static double fastest_drive(const struct isph *s) {
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
   double fastest = fastest_drive(s), thickest = fmax(s->viscosity, s->thickest);
   for (size_t i = 0; i < s->count; i++) {
-    const double *v = s->velocity[i];
     double eps = s->on.soil ? s->porosity[i] : 1;
-    fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps);
+    fastest = fmax(fastest, length(s->velocity[i]) / eps);
   }
-  double force =
-      sqrt(s->force[0] * s->force[0] + s->force[1] * s->force[1] + s->force[2] * s->force[2]);
+  double force = length(s->force);
   const struct {
     const char *name;
     double dt;
