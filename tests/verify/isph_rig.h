@@ -1,0 +1,113 @@
+/* What verify_isph and verify_seepage share: a scene written as a user would write it, through
+ * scene, lattice and plan, advanced to a time, and its results. Each program includes this once. */
+#ifndef TOSUI_TESTS_VERIFY_ISPH_RIG_H
+#define TOSUI_TESTS_VERIFY_ISPH_RIG_H
+
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/log.h"
+#include "sphsolve/isph/isph_output.h"
+#include "sphsolve/methods/isph.h"
+
+static json_t *results;
+static char scene_file[] = "/tmp/verify_isph_XXXXXX";
+static const char *const *wanted;
+static int wanted_count;
+
+struct run {
+  struct scene scene;
+  struct lattice lattice;
+  struct plan plan;
+  struct isph s;
+};
+
+static void give_up(void) {
+  fprintf(stderr, "verification: %s\n", error_message());
+  exit(1);
+}
+
+static void start(struct run *run, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  FILE *file = fopen(scene_file, "w");
+  if (file == NULL) exit(1);
+  fprintf(file, "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
+                "viscosity = \"1e-3 Pa s\"; } );\n");
+  vfprintf(file, format, arguments);
+  fclose(file);
+  va_end(arguments);
+  struct isph_switches on;
+  if (scene_read(scene_file, NULL, 0, &run->scene) ||
+      lattice_build(&run->scene, plan_wall_layers(&run->scene), &run->lattice) ||
+      plan_make(&run->scene, &run->lattice, METHOD_ISPH, "verification", 1, &run->plan))
+    give_up();
+  isph_switches_of(&run->plan, &on);
+  if (isph_create(&run->scene, &run->lattice, &on, &run->s)) give_up();
+}
+
+static void finish(struct run *run) {
+  isph_free(&run->s);
+  lattice_free(&run->lattice);
+  scene_free(&run->scene);
+}
+
+static void advance(struct run *run, double until) {
+  while (run->s.time < until - 1e-9) {
+    const char *limit;
+    double dt = isnan(run->plan.dt) ? isph_stable_dt(&run->s, &limit) : run->plan.dt;
+    dt = fmin(dt, until - run->s.time);
+    if (isph_advance(&run->s, dt)) give_up();
+  }
+}
+
+static bool case_wanted(const char *name) {
+  for (int i = 0; i < wanted_count; i++)
+    if (!strncmp(name, wanted[i], strlen(wanted[i]))) return true;
+  return wanted_count == 0;
+}
+
+/* `bound`: largest |measured - reference|. */
+static void report(const char *name, double reference, double measured, double bound,
+                   double started) {
+  double seconds = clock_seconds() - started;
+  bool pass = fabs(measured - reference) <= bound;
+  printf("%-4s %-52s reference %-11.5g measured %-11.5g bound %-9.3g %6.1f s\n",
+         pass ? "pass" : "FAIL", name, reference, measured, bound, seconds);
+  fflush(stdout);
+  json_array_append_new(results,
+                        json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "case", name, "status",
+                                  pass ? "pass" : "fail", "reference", reference, "measured",
+                                  measured, "bound", bound, "seconds", seconds));
+}
+
+struct verify_case {
+  const char *name;
+  void (*run)(void);
+};
+
+/* The main of both: PROGRAM RESULTS.json [CASE...]. */
+static int run_cases(int argc, char **argv, const struct verify_case *cases, size_t n) {
+  if (argc < 2) return fprintf(stderr, "usage: %s RESULTS.json [CASE...]\n", argv[0]), 2;
+  wanted = (const char *const *)argv + 2;
+  wanted_count = argc - 2;
+  log_start("verification", LOG_NORMAL);
+  results = json_array();
+  int handle = mkstemp(scene_file);
+  if (handle < 0) return 1;
+  close(handle);
+  for (size_t i = 0; i < n; i++)
+    if (case_wanted(cases[i].name)) cases[i].run();
+  unlink(scene_file);
+  int failed = json_dump_file(results, argv[1], JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+  json_decref(results);
+  return failed ? 1 : 0;
+}
+
+#endif
