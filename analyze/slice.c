@@ -29,7 +29,11 @@ static enum status choose_window(const struct run *run, const struct slice_reque
   w->across = w->axis == 0 ? 1 : 0;
   w->up = w->axis == 2 ? 1 : 2;
   double low = extent_low(run, w->axis), high = extent_high(run, w->axis);
-  w->middle = isfinite(request->position) ? request->position : 0.5 * (low + high);
+  /* Unasked, the layer of sites at the middle: a plane between two layers shows the grains of one
+   * under the particles of the other. */
+  w->middle = isfinite(request->position)
+                  ? request->position
+                  : run->origin[w->axis] + (double)(run->size[w->axis] / 2) * run->spacing[w->axis];
   w->thickness = isfinite(request->thickness) ? request->thickness : run->spacing[w->axis];
   if (w->middle < low || w->middle > high)
     return FAIL(STATUS_USAGE, "--plane: %c = %g m lies outside the run, which spans %g to %g m",
