@@ -17,6 +17,11 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   bash -e -x commands.sh > log 2>&1 || { tail -30 log; false; }
 }
 
+@test "readme: a scan, a scene of four lines, a report" {
+  run_blocks "$ROOT/README.md"
+  [ -s out.html ]
+}
+
 @test "tutorial: from a scan to a number" {
   run_blocks "$ROOT/docs/tutorial.md"
   [ -s tutorial/converge/converge.json ] && [ -s tutorial/report.html ]
