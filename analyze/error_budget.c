@@ -5,14 +5,6 @@
 #include "analyze/product.h"
 #include "common/hdf5_file.h"
 
-static double attribute(struct h5_file *file, const char *group, const char *name) {
-  double value = NAN;
-  if (h5_attribute_exists(file, group, name) &&
-      h5_read_attribute(file, group, name, H5_F64, 1, &value) != STATUS_OK)
-    error_clear();
-  return value;
-}
-
 void error_budget_read(const struct run *run, struct error_budget *budget) {
   char path[8200];
   struct h5_file *file = NULL;
@@ -33,10 +25,10 @@ void error_budget_read(const struct run *run, struct error_budget *budget) {
     error_clear();
     return;
   }
-  double e = attribute(file, "/model", "void_ratio");
-  double measured = attribute(file, "/model", "void_ratio_measured");
-  double threshold_slope = attribute(file, "/calibration", "dthreshold_dvoid_ratio");
-  double uncertainty = attribute(file, "/calibration", "threshold_uncertainty");
+  double e = h5_attribute_or_nan(file, "/model", "void_ratio");
+  double measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+  double threshold_slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
   if (e > 0.0) {
     budget->slope_void_ratio = 3.0 / e - 1.0 / (1.0 + e);
     budget->void_ratio = budget->slope_void_ratio * fabs(e - measured);

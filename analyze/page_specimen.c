@@ -41,14 +41,6 @@ cleanup:
   return status;
 }
 
-static double attribute(struct h5_file *file, const char *group, const char *name) {
-  double value = NAN;
-  if (h5_attribute_exists(file, group, name) &&
-      h5_read_attribute(file, group, name, H5_F64, 1, &value) != STATUS_OK)
-    error_clear();
-  return value;
-}
-
 static void row(FILE *stream, const char *name, double value, const char *unit) {
   if (!isfinite(value)) return;
   fprintf(stream, "<tr><th>%s</th><td>%.5g%s%s</td></tr>\n", name, value, unit[0] ? " " : "", unit);
@@ -65,14 +57,14 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   row(stream, "Void ratio, measured on the specimen", model->void_ratio_measured, "");
   row(stream, "Void ratio of the model", model->void_ratio, "");
   row(stream, "Grey threshold", model->threshold, "");
-  row(stream, "Otsu's threshold, for comparison", attribute(file, "/calibration", "threshold_otsu"),
-      "");
+  row(stream, "Otsu's threshold, for comparison",
+      h5_attribute_or_nan(file, "/calibration", "threshold_otsu"), "");
   row(stream, "Threshold per void ratio, dT/de",
-      attribute(file, "/calibration", "dthreshold_dvoid_ratio"), "");
-  row(stream, "Porosity", attribute(file, "/model", "porosity"), "");
-  row(stream, "Connected porosity", attribute(file, "/model", "connected_porosity"), "");
-  row(stream, "Isolated pores", attribute(file, "/model", "isolated_pores"), "");
-  row(stream, "Specific surface", 1e-3 * attribute(file, "/model", "specific_surface"),
+      h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio"), "");
+  row(stream, "Porosity", h5_attribute_or_nan(file, "/model", "porosity"), "");
+  row(stream, "Connected porosity", h5_attribute_or_nan(file, "/model", "connected_porosity"), "");
+  row(stream, "Isolated pores", h5_attribute_or_nan(file, "/model", "isolated_pores"), "");
+  row(stream, "Specific surface", 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface"),
       "1/mm of bulk volume");
   fputs("</tbody></table>\n", stream);
 }
@@ -178,9 +170,9 @@ static enum status scan_pictures(FILE *stream, struct h5_file *file) {
   float *grey = NULL;
   size_t size[2]; /* y, x */
   if (!h5_exists(file, "/calibration/slice")) return STATUS_OK;
-  double pore = attribute(file, "/calibration", "pore_peak");
-  double grain = attribute(file, "/calibration", "grain_peak");
-  double threshold = attribute(file, "/calibration", "threshold_original");
+  double pore = h5_attribute_or_nan(file, "/calibration", "pore_peak");
+  double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
+  double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
   TRY(h5_read(file, "/calibration/slice", H5_F32, 2, size, &grey));
   if (!(fabs(grain - pore) > 0.0)) goto cleanup;
   TRY(picture(stream, grey, size[1], size[0], pore - 0.3 * (grain - pore),

@@ -63,6 +63,8 @@ void h5_free_texts(size_t count, char ***texts);
 /* Reads exactly `count` values. */
 enum status h5_read_attribute(struct h5_file *file, const char *name, const char *attribute,
                               enum h5_type type, size_t count, void *data);
+/* One number that may be absent or of another kind: NAN then, and no error. */
+double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *attribute);
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                    char **text);
 

@@ -1,6 +1,7 @@
 /* The reading half of the HDF5 layer: everything is checked before it is believed. */
 #include "common/hdf5_file.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "common/hdf5_internal.h"
@@ -273,6 +274,14 @@ cleanup:
   if (stored >= 0) H5Tclose(stored);
   if (id >= 0) H5Aclose(id);
   return status;
+}
+
+double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *attribute) {
+  double value = NAN;
+  if (h5_attribute_exists(file, name, attribute) &&
+      h5_read_attribute(file, name, attribute, H5_F64, 1, &value) != STATUS_OK)
+    error_clear();
+  return value;
 }
 
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,

@@ -170,14 +170,6 @@ static void measure_resolution(const double *h, const double *k, int levels, dou
   split->extrapolated = c.value;
 }
 
-static double attribute(struct h5_file *file, const char *group, const char *name) {
-  double value = NAN;
-  if (h5_attribute_exists(file, group, name) &&
-      h5_read_attribute(file, group, name, H5_F64, 1, &value) != STATUS_OK)
-    error_clear();
-  return value;
-}
-
 /* What the model says of its own void ratio, times the measured slope. */
 static void add_model(const char *path, struct error_split *split) {
   struct h5_file *file = NULL;
@@ -186,11 +178,11 @@ static void add_model(const char *path, struct error_split *split) {
     error_clear();
     return;
   }
-  const double slope = attribute(file, "/calibration", "dthreshold_dvoid_ratio");
-  const double uncertainty = attribute(file, "/calibration", "threshold_uncertainty");
+  const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
   split->void_ratio =
-      fabs(split->slope_void_ratio * (attribute(file, "/model", "void_ratio") -
-                                      attribute(file, "/model", "void_ratio_measured")));
+      fabs(split->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
+                                      h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
   split->slope_threshold = split->slope_void_ratio / slope;
   if (uncertainty > 0.0) split->threshold = fabs(split->slope_threshold) * uncertainty;
   h5_close(file);
