@@ -165,7 +165,7 @@ coverage:
 	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage"
 	scripts/coverage $(BUILD)-coverage
 
-# ---- fuzzing: FUZZ_SECONDS each, with address and undefined behaviour sanitizers (needs clang) ----
+# ---- fuzzing: FUZZ_SECONDS of processor time each, with address and undefined behaviour sanitizers (needs clang) ----
 # `make fuzz FUZZ=png` runs one target. The corpora under tests/fuzz/corpus are replayed by `make check`.
 FUZZ_SECONDS ?= 1200
 FUZZ ?= $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
@@ -175,11 +175,11 @@ $(BUILD)/fuzz/obj/%.o: %.c $(BUILD)/flags
 	$(call say,FUZZ,$<)
 	$(Q)mkdir -p $(@D) && clang $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link $(ISA_FLAGS) -I. -I$(BUILD) -Itests/fuzz $(DEP_CFLAGS) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/fuzz/obj && find $(BUILD)/fuzz/obj -name '*.d')
-$(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o)
+$(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o) $(call object,$(filter %.cc,$(SOURCES_ct2model)))
 	$(Q)rm -f $@ && ar rcs $@ $^
 $(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
 	$(call say,LINK,$@)
-	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(DEP_LIBS)
+	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_OPENCV) $(DEP_LIBS)
 $(BUILD)/fuzz/run: $(BUILD)/fuzz/obj/analyze/run_file.o
 fuzz: $(FUZZ:%=$(BUILD)/fuzz/%)
 	$(Q)for n in $(FUZZ); do scripts/fuzz $(BUILD)/fuzz $$n $(FUZZ_SECONDS) || exit 1; done
