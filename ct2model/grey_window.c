@@ -1,6 +1,7 @@
 #include "ct2model/grey_window.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 #include "common/memory.h"
@@ -168,34 +169,51 @@ static void row_fractions(const struct neighbours *n, uint8_t *cut, float *share
     if (cut[x] != 0) shares[x] = voxel_fraction(n, x);
 }
 
+void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
+                         size_t changes[3]) {
+  const size_t nx = window->region->size[0], ny = window->region->size[1];
+  size_t cx = 0, cy = 0, cz = 0;
+#pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
+  for (size_t row = z0 * ny; row < z1 * ny; row++) {
+    const size_t y = row % ny, deep = (size_t)((long)(row / ny) - window->first);
+    const struct neighbours near = neighbours_of(window, y, deep);
+    size_t along_x = 0, along_y = 0, along_z = 0;
+    for (size_t x = 0; x + 1 < nx; x++) along_x += (near.at[x] > 0) != (near.at[x + 1] > 0);
+    for (size_t x = 0; x < nx; x++) along_y += (near.at[x] > 0) != (near.rows[0][x] > 0);
+    for (size_t x = 0; x < nx; x++) along_z += (near.at[x] > 0) != (near.rows[2][x] > 0);
+    cx += along_x;
+    if (y + 1 < ny) cy += along_y;
+    if (row / ny + 1 < window->region->size[2]) cz += along_z;
+  }
+  changes[0] += cx;
+  changes[1] += cy;
+  changes[2] += cz;
+}
+
 enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
-                                  struct resampler *area, float *volume, size_t changes[3]) {
+                                  struct resampler *area, float *volume) {
   enum status status = STATUS_OK;
   float *shares = NULL;
   uint8_t *cut = NULL;
-  size_t nx = window->region->size[0], ny = window->region->size[1], plane = nx * ny;
-  TRY(memory_allocate(&shares, area->batch * plane, sizeof *shares, "grain fractions"));
-  TRY(memory_allocate(&cut, area->batch * plane, 1, "grain fractions"));
+  const size_t nx = window->region->size[0], ny = window->region->size[1];
+  const size_t threads = (size_t)omp_get_max_threads();
+  TRY(memory_allocate(&shares, threads * nx * ny, sizeof *shares, "grain fractions"));
+  TRY(memory_allocate(&cut, threads * nx, 1, "grain fractions"));
   for (size_t z = z0; z < z1; z += area->batch) {
     size_t n = z1 - z < area->batch ? z1 - z : area->batch;
-    size_t cx = 0, cy = 0, cz = 0;
-#pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
-    for (size_t row = 0; row < n * ny; row++) {
-      size_t y = row % ny, deep = (size_t)((long)(z + row / ny) - window->first);
-      const struct neighbours near = neighbours_of(window, y, deep);
-      size_t along_x = 0, along_y = 0, along_z = 0;
-      row_fractions(&near, cut + row * nx, shares + row * nx);
-      for (size_t x = 0; x + 1 < nx; x++) along_x += (near.at[x] > 0) != (near.at[x + 1] > 0);
-      for (size_t x = 0; x < nx; x++) along_y += (near.at[x] > 0) != (near.rows[0][x] > 0);
-      for (size_t x = 0; x < nx; x++) along_z += (near.at[x] > 0) != (near.rows[2][x] > 0);
-      cx += along_x;
-      if (y + 1 < ny) cy += along_y;
-      if (z + row / ny + 1 < window->region->size[2]) cz += along_z;
+#pragma omp parallel for schedule(dynamic)
+    for (size_t i = 0; i < n; i++) {
+      const size_t thread = (size_t)omp_get_thread_num();
+      float *slice = shares + thread * nx * ny;
+      const struct pixel_rows rows = {slice, nx * sizeof *slice, PIXEL_F32, 1.0f};
+      for (size_t y = 0; y < ny; y++) {
+        const struct neighbours near =
+            neighbours_of(window, y, (size_t)((long)(z + i) - window->first));
+        row_fractions(&near, cut + thread * nx, slice + y * nx);
+      }
+      (void)resampler_reduce(area, &rows, i); /* area: cannot fail */
     }
-    changes[0] += cx;
-    changes[1] += cy;
-    changes[2] += cz;
-    TRY(resampler_feed(area, z, n, shares, volume));
+    resampler_add(area, z, n, volume);
   }
 cleanup:
   memory_free(&shares);

@@ -21,7 +21,7 @@ static enum status raw_read(const struct image *image, size_t page, float *out) 
   return image_read_contiguous(image, page, out);
 }
 
-static const struct image_reader RAW = {"raw", NULL, NULL, raw_read};
+static const struct image_reader RAW = {"raw", NULL, NULL, raw_read, image_read_contiguous_stored};
 static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
                                                      &image_nrrd_reader, &image_meta_reader};
 #define READER_COUNT (sizeof READERS / sizeof *READERS)
@@ -93,6 +93,7 @@ static enum status raw_open(const struct raw_layout *raw, struct image *image) {
   image->type = raw->type;
   image->pages = (size_t)(bytes / page_bytes);
   image->swap = raw->big_endian;
+  image->plain = true;
   if (image->pages == 0 || bytes % page_bytes != 0)
     return FAIL(STATUS_INPUT,
                 "%s: %llu bytes are not whole slices of %zux%zu %s (%zu bytes each); check --raw",
@@ -164,6 +165,24 @@ enum status image_read(const struct image *image, size_t page, float *out) {
   return STATUS_OK;
 }
 
+bool image_has_levels(const struct image *image) {
+  double low, high;
+  return image->plain && !image->invert && pixel_levels(image->type, &low, &high);
+}
+
+enum status image_read_stored(const struct image *image, size_t page, void *out) {
+  enum status status = STATUS_OK;
+  size_t pixels = image->size[0] * image->size[1];
+  float *greys = NULL;
+  if (image->reader->read_stored != NULL) return image->reader->read_stored(image, page, out);
+  TRY(memory_allocate(&greys, pixels, sizeof *greys, "a slice"));
+  TRY(image->reader->read(image, page, greys));
+  pixels_of_float(out, greys, pixels, image->type);
+cleanup:
+  memory_free(&greys);
+  return status;
+}
+
 enum status image_data_beside(struct image *image, const char *name, int line) {
   const char *slash = strrchr(image->path, '/');
   size_t folder = slash == NULL ? 0 : (size_t)(slash - image->path) + 1;
@@ -228,19 +247,29 @@ static enum status read_bytes(const char *path, uint64_t offset, size_t size, si
   return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
 }
 
+static enum status contiguous_bytes(const struct image *image, size_t page, void *out) {
+  size_t bytes = image->size[0] * image->size[1] * pixel_size(image->type);
+  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  if (image->inflated != NULL) return inflate_read(image->inflated, offset, bytes, out);
+  return read_bytes(image->data_path != NULL ? image->data_path : image->path, offset, bytes, page,
+                    out);
+}
+
 enum status image_read_contiguous(const struct image *image, size_t page, float *out) {
   enum status status = STATUS_OK;
-  size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
-  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  size_t pixels = image->size[0] * image->size[1];
   unsigned char *buffer = NULL;
-  TRY(memory_allocate(&buffer, bytes, 1, "a slice"));
-  if (image->inflated != NULL)
-    TRY(inflate_read(image->inflated, offset, bytes, buffer));
-  else
-    TRY(read_bytes(image->data_path != NULL ? image->data_path : image->path, offset, bytes, page,
-                   buffer));
+  TRY(memory_allocate(&buffer, pixels, pixel_size(image->type), "a slice"));
+  TRY(contiguous_bytes(image, page, buffer));
   pixels_to_float(out, buffer, pixels, image->type, image->swap);
 cleanup:
   memory_free(&buffer);
+  return status;
+}
+
+enum status image_read_contiguous_stored(const struct image *image, size_t page, void *out) {
+  enum status status = contiguous_bytes(image, page, out);
+  if (status == STATUS_OK && image->swap)
+    pixels_swap(out, image->size[0] * image->size[1], image->type);
   return status;
 }

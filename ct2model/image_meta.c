@@ -85,6 +85,7 @@ static enum status meta_open(const char *path, struct image *image) {
              !sized   ? "DimSize"
              : !typed ? "ElementType"
                       : "ElementDataFile");
+  image->plain = true;
   TRY(image_claim_pixels(image, compressed));
 cleanup:
   if (file != NULL) fclose(file);
@@ -92,4 +93,4 @@ cleanup:
 }
 
 const struct image_reader image_meta_reader = {"MetaImage", meta_claims, meta_open,
-                                               image_read_contiguous};
+                                               image_read_contiguous, image_read_contiguous_stored};

@@ -127,6 +127,7 @@ static enum status nrrd_open(const char *path, struct image *image) {
   if (image->data_path == NULL && image->data_offset != PIXELS_AT_END)
     image->data_offset += (uint64_t)ftell(file);
   read_spacing(image, spacing, units);
+  image->plain = true;
   TRY(image_claim_pixels(image, compressed));
 cleanup:
   if (file != NULL) fclose(file);
@@ -134,4 +135,4 @@ cleanup:
 }
 
 const struct image_reader image_nrrd_reader = {"NRRD", nrrd_claims, nrrd_open,
-                                               image_read_contiguous};
+                                               image_read_contiguous, image_read_contiguous_stored};

@@ -76,6 +76,7 @@ static enum status png_open(const char *path, struct image *image) {
   image->size[0] = png_get_image_width(session.png, session.info);
   image->size[1] = png_get_image_height(session.png, session.info);
   image->pages = 1;
+  image->plain = true;
   image->type = png_get_bit_depth(session.png, session.info) == 16 ? PIXEL_U16 : PIXEL_U8;
   int colour = png_get_color_type(session.png, session.info);
   if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
@@ -150,4 +151,4 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read};
+const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read, NULL};

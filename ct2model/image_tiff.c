@@ -64,6 +64,12 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   return STATUS_OK;
 }
 
+/* Samples are greys as they stand. */
+static bool layout_is_plain(const struct tiff_layout *layout, enum pixel_type type) {
+  return layout->samples == 1 && layout->bits == 8 * pixel_size(type) &&
+         layout->photometric != PHOTOMETRIC_PALETTE;
+}
+
 /* Voxel size from ImageJ's description ("unit=micron", "spacing=5.83") and the resolution tags.
  * Screen resolutions in dots per inch are what programs write unasked: they do not count. */
 static double unit_in_metres(const char *unit) {
@@ -238,6 +244,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->size[0] = layout.width;
   image->size[1] = layout.height;
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
+  image->plain = layout_is_plain(&layout, image->type);
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
     snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
@@ -259,13 +266,19 @@ struct row_decoder {
   struct tiff_layout layout;
   uint16_t *palette[3];
   double palette_scale;
+  bool stored; /* plain rows are wanted as they are */
 };
 
 static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
-                              size_t n, size_t y, float *out) {
+                              size_t n, size_t y, void *page) {
   const struct tiff_layout *layout = &decoder->layout;
   const struct image *image = decoder->image;
   size_t bytes = pixel_size(image->type);
+  if (decoder->stored) {
+    memcpy((char *)page + (y * image->size[0] + x0) * bytes, in, n * bytes);
+    return STATUS_OK;
+  }
+  float *out = (float *)page + y * image->size[0] + x0;
   if (layout->bits < 8) {
     unsigned mask = (1u << layout->bits) - 1u, top = layout->photometric == 3 ? 1u : 255u / mask;
     for (size_t x = 0; x < n; x++) {
@@ -301,7 +314,7 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
   return STATUS_OK;
 }
 
-static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, float *out) {
+static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, void *out) {
   enum status status = STATUS_OK;
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
@@ -313,22 +326,23 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, fl
   size_t strip_bytes;
   if (!size_multiply(row, rows, &strip_bytes) || (tmsize_t)strip_bytes != TIFFStripSize(tiff))
     TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout", image->path);
-  TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
+  if (!decoder->stored) TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
   for (size_t y0 = 0; y0 < height; y0 += rows) {
     size_t n = height - y0 < rows ? height - y0 : rows;
-    tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), buffer, (tmsize_t)(n * row));
+    unsigned char *to = decoder->stored ? (unsigned char *)out + y0 * row : buffer;
+    tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), to, (tmsize_t)(n * row));
     if (got < (tmsize_t)(n * row))
       TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s", image->path, y0,
                y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
-    for (size_t y = 0; y < n; y++)
-      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out + (y0 + y) * width));
+    for (size_t y = 0; y < n && !decoder->stored; y++)
+      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out));
   }
 cleanup:
   memory_free(&buffer);
   return status;
 }
 
-static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, float *out) {
+static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, void *out) {
   enum status status = STATUS_OK;
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
@@ -348,7 +362,7 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, flo
       size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
       size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
       for (size_t y = 0; y < ny; y++)
-        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, out + (y0 + y) * width + x0));
+        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, out));
     }
   }
 cleanup:
@@ -356,37 +370,74 @@ cleanup:
   return status;
 }
 
+/* Opens a page and checks what its layout has that the first page's need not have. */
+static enum status page_open(const struct image *image, size_t page, struct row_decoder *decoder,
+                             TIFF **handle) {
+  enum status status = STATUS_OK;
+  struct tiff_layout *layout = &decoder->layout;
+  decoder->image = image;
+  TIFF *tiff = *handle = tiff_start(image->path);
+  if (tiff == NULL || !TIFFSetSubDirectory(tiff, image->page_offsets[page]))
+    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s", image->path, page, tiff_message);
+  layout_read(tiff, layout);
+  if (layout->width != image->size[0] || layout->height != image->size[1])
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read", image->path);
+  if (layout->samples > 1 && layout->planar != PLANARCONFIG_CONTIG)
+    TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
+  if (layout->compression == COMPRESSION_JPEG)
+    TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+  if (layout->photometric == PHOTOMETRIC_PALETTE) {
+    if (layout->samples != 1 || (image->type != PIXEL_U8 && image->type != PIXEL_U16))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
+               pixel_name(image->type));
+    if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
+                      &decoder->palette[2]))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette", image->path);
+    decoder->palette_scale = image->type == PIXEL_U8 ? 257.0 : 1.0;
+  }
+cleanup:
+  return status;
+}
+
+static enum status page_decode(TIFF *tiff, const struct row_decoder *decoder, void *out) {
+  return TIFFIsTiled(tiff) ? read_tiles(tiff, decoder, out) : read_strips(tiff, decoder, out);
+}
+
 static enum status tiff_read(const struct image *image, size_t page, float *out) {
   enum status status = STATUS_OK;
   TIFF *tiff = NULL;
+  struct row_decoder decoder = {0};
   if (image->data_offset != 0) return image_read_contiguous(image, page, out);
-  struct row_decoder decoder = {.image = image};
-  tiff = tiff_start(image->path);
-  if (tiff == NULL || !TIFFSetSubDirectory(tiff, image->page_offsets[page]))
-    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s", image->path, page, tiff_message);
-  layout_read(tiff, &decoder.layout);
-  if (decoder.layout.width != image->size[0] || decoder.layout.height != image->size[1])
-    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read", image->path);
-  if (decoder.layout.samples > 1 && decoder.layout.planar != PLANARCONFIG_CONTIG)
-    TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
-  if (decoder.layout.compression == COMPRESSION_JPEG)
-    TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-  if (decoder.layout.photometric == PHOTOMETRIC_PALETTE) {
-    if (decoder.layout.samples != 1 || (image->type != PIXEL_U8 && image->type != PIXEL_U16))
-      TRY_FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
-               pixel_name(image->type));
-    if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder.palette[0], &decoder.palette[1],
-                      &decoder.palette[2]))
-      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette", image->path);
-    decoder.palette_scale = image->type == PIXEL_U8 ? 257.0 : 1.0;
-  }
-  if (TIFFIsTiled(tiff))
-    TRY(read_tiles(tiff, &decoder, out));
-  else
-    TRY(read_strips(tiff, &decoder, out));
+  TRY(page_open(image, page, &decoder, &tiff));
+  TRY(page_decode(tiff, &decoder, out));
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   return status;
 }
 
-const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read};
+static enum status tiff_read_stored(const struct image *image, size_t page, void *out) {
+  enum status status = STATUS_OK;
+  TIFF *tiff = NULL;
+  float *greys = NULL;
+  size_t pixels = image->size[0] * image->size[1];
+  struct row_decoder decoder = {0};
+  if (image->data_offset != 0) return image_read_contiguous_stored(image, page, out);
+  TRY(page_open(image, page, &decoder, &tiff));
+  decoder.stored =
+      layout_is_plain(&decoder.layout, image->type) &&
+      (TIFFIsTiled(tiff) || TIFFScanlineSize64(tiff) == image->size[0] * pixel_size(image->type));
+  if (decoder.stored) {
+    TRY(page_decode(tiff, &decoder, out));
+  } else { /* a page of another kind than the first */
+    TRY(memory_allocate(&greys, pixels, sizeof *greys, "a slice"));
+    TRY(page_decode(tiff, &decoder, greys));
+    pixels_of_float(out, greys, pixels, image->type);
+  }
+cleanup:
+  memory_free(&greys);
+  if (tiff != NULL) TIFFClose(tiff);
+  return status;
+}
+
+const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read,
+                                               tiff_read_stored};

@@ -8,6 +8,7 @@
 #include "common/units.h"
 #include "ct2model/autocrop.h"
 #include "ct2model/binarise.h"
+#include "ct2model/scan.h"
 #include "ct2model/wall_distance.h"
 
 double pipeline_grey(const struct pipeline *pipeline, double internal) {
@@ -89,7 +90,8 @@ static enum status survey_region(struct pipeline *pipeline) {
   struct survey *survey = &pipeline->survey;
   bool wanted = request->correct_beam || request->correct_rings || request->denoise != DENOISE_NONE;
   memcpy(pipeline->survey_size, pipeline->region.size, sizeof pipeline->survey_size);
-  TRY(survey_take(&pipeline->region, request->void_ratio / (1.0 + request->void_ratio), survey));
+  TRY(survey_take(&pipeline->region, request->void_ratio / (1.0 + request->void_ratio),
+                  request->correct_beam || request->correct_rings, survey));
   pipeline->correction = (struct correction){survey, request->correct_beam, request->correct_rings};
   if (wanted && !(survey->phases.contrast_to_noise > 0.0)) {
     log_warning("--denoise and --correct do nothing: the image is segmented or of one grey");
@@ -140,93 +142,6 @@ static enum status choose_region(struct pipeline *pipeline) {
   for (size_t z = 0; z < pipeline->size[2]; z++)
     pipeline->weight[z] = request->mirror && z + 1 < pipeline->size[2] ? 2 : 1;
 cleanup:
-  return status;
-}
-
-/* ---- scan: histogram and resampling in one pass ---- */
-
-static enum status start_histogram(struct pipeline *pipeline, float *slice) {
-  double low, high;
-  const struct region *region = &pipeline->region;
-  if (pixel_levels(pipeline->stack.type, &low, &high)) {
-    double first = region->scale < 0.0 ? -high : low;
-    return grey_histogram_start(first - 0.5, 1.0, (size_t)(high - low) + 1, &pipeline->histogram);
-  }
-  /* Too many levels for one bin each: bins over the range of a few slices, wide enough. */
-  low = INFINITY;
-  high = -INFINITY;
-  for (size_t i = 0; i < 8; i++) {
-    size_t z = i * (region->size[2] - 1) / 7;
-    enum status status = region_read(region, &z, 1, slice);
-    if (status != STATUS_OK) return status;
-    for (size_t p = 0; p < region->size[0] * region->size[1]; p++) {
-      low = fmin(low, (double)slice[p]);
-      high = fmax(high, (double)slice[p]);
-    }
-  }
-  double margin = high > low ? 0.05 * (high - low) : 0.5;
-  const size_t bins = 1u << 18;
-  return grey_histogram_start(low - margin, (high - low + 2.0 * margin) / (double)bins, bins,
-                              &pipeline->histogram);
-}
-
-static enum status histogram_batch(struct grey_histogram *total, const float *values, size_t n) {
-  enum status status = STATUS_OK;
-#pragma omp parallel
-  {
-    struct grey_histogram mine;
-    enum status one = grey_histogram_start(total->low, total->width, total->bins, &mine);
-    const size_t part = 65536;
-#pragma omp for schedule(static)
-    for (size_t i = 0; i < (n + part - 1) / part; i++) {
-      size_t first = i * part;
-      if (one == STATUS_OK)
-        grey_histogram_add(&mine, values + first, n - first < part ? n - first : part);
-    }
-#pragma omp critical
-    {
-      if (one != STATUS_OK) status = one;
-      for (size_t b = 0; one == STATUS_OK && b < total->bins; b++)
-        total->counts[b] += mine.counts[b];
-      if (one == STATUS_OK) total->total += mine.total;
-    }
-    grey_histogram_end(&mine);
-  }
-  return status;
-}
-
-static enum status scan(struct pipeline *pipeline, bool resample) {
-  enum status status = STATUS_OK;
-  const struct region *region = &pipeline->region;
-  size_t plane = region->size[0] * region->size[1], batch = region_batch(region);
-  size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
-  struct resampler resampler = {0};
-  float *slices = NULL;
-  struct progress progress;
-  TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
-  TRY(memory_allocate(&pipeline->middle, plane, sizeof *pipeline->middle, "the middle slice"));
-  TRY(start_histogram(pipeline, slices));
-  if (resample) {
-    TRY(memory_allocate(&pipeline->volume, sites, sizeof *pipeline->volume, "the resampled model"));
-    TRY(resampler_start(pipeline->request->filter, region->size, pipeline->size, batch,
-                        &resampler));
-  }
-  progress_start(&progress, "reading", "slices", (double)region->size[2]);
-  for (size_t z = 0; z < region->size[2]; z += batch) {
-    size_t n = region->size[2] - z < batch ? region->size[2] - z : batch, numbers[64];
-    for (size_t i = 0; i < n; i++) numbers[i] = z + i;
-    TRY(region_read(region, numbers, n, slices));
-    TRY(histogram_batch(&pipeline->histogram, slices, n * plane));
-    if (resample) TRY(resampler_feed(&resampler, z, n, slices, pipeline->volume));
-    size_t middle = region->size[2] / 2;
-    if (middle >= z && middle < z + n)
-      memcpy(pipeline->middle, slices + (middle - z) * plane, plane * sizeof *slices);
-    progress_update(&progress, (double)(z + n), NULL);
-  }
-  progress_end(&progress);
-cleanup:
-  resampler_end(&resampler);
-  memory_free(&slices);
   return status;
 }
 
@@ -336,32 +251,6 @@ cleanup:
   return status;
 }
 
-/* A sweep needs the surface alone: of a tall scan, slabs stand for the whole. */
-static enum status sample_surface(struct pipeline *pipeline, struct wall_request *request) {
-  enum { SLABS = 8, SLICES = 16 };
-  enum status status = STATUS_OK;
-  struct wall_result walls = {0};
-  const struct region *region = &pipeline->region;
-  struct region slab = *region;
-  double area = 0.0;
-  size_t nz = region->size[2], plane = region->size[0] * region->size[1];
-  size_t slabs = nz >= 3 * SLABS * SLICES ? SLABS : 1, slices = slabs > 1 ? SLICES : nz;
-  double share = (double)slices / (double)nz;
-  slab.size[2] = slices;
-  request->size[2] = (size_t)fmax(1.0, round(share * (double)pipeline->size[2]));
-  for (size_t i = 0; i < slabs; i++) {
-    size_t first = slabs > 1 ? i * (nz - slices) / (slabs - 1) : 0;
-    slab.origin[2] = region->origin[2] + first;
-    if (region->turned != NULL) slab.turned = region->turned + first * plane;
-    TRY(wall_measure(&slab, request, &walls));
-    area += walls.surface_area;
-    wall_result_end(&walls);
-  }
-  pipeline->quality.surface_original = area / (share * (double)slabs);
-cleanup:
-  return status;
-}
-
 static enum status find_walls(struct pipeline *pipeline, bool distances) {
   enum status status = STATUS_OK;
   struct wall_result walls = {0};
@@ -378,13 +267,14 @@ static enum status find_walls(struct pipeline *pipeline, bool distances) {
   for (int d = 0; d < 3; d++)
     volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
   if (!distances) {
-    TRY(sample_surface(pipeline, &request));
-    pipeline->quality.surface_original /= volume;
+    TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
+                               &pipeline->quality.surface_error));
     goto cleanup;
   }
   TRY(wall_measure(&pipeline->region, &request, &walls));
   pipeline->specks = walls.specks;
   pipeline->quality.surface_original = walls.surface_area / volume;
+  pipeline->quality.surface_error = NAN;
   struct voxel_model *model = &pipeline->model;
   model->wall_distance = walls.distance;
   model->grain_fraction = walls.grain_fraction;
@@ -408,7 +298,8 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
   bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
-  TRY(scan(pipeline, resample));
+  if (!distances) TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
+  TRY(scan_take(pipeline, resample));
   TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
   memory_free(&pipeline->survey.sample); /* room for the surface */
@@ -429,6 +320,7 @@ void pipeline_end(struct pipeline *pipeline) {
   memory_free(&pipeline->middle);
   memory_free(&pipeline->turned);
   memory_free(&pipeline->weight);
+  surface_sample_end(&pipeline->sample);
   survey_end(&pipeline->survey);
   stack_close(&pipeline->stack);
 }

@@ -14,6 +14,7 @@
 #include "ct2model/region.h"
 #include "ct2model/request.h"
 #include "ct2model/stack.h"
+#include "ct2model/surface_sample.h"
 #include "ct2model/survey.h"
 
 struct quality {
@@ -21,6 +22,7 @@ struct quality {
   double porosity, connected_porosity; /* connected: on a path along z */
   size_t isolated_pores, isolated_voxels, floating_grains, floating_voxels;
   double surface_original, surface_model; /* 1/m: grain surface per bulk volume */
+  double surface_error; /* standard error of surface_original where windows stand for the whole */
 };
 
 /* Greys inside are `grey_sign` times stored ones; pipeline_grey gives what is reported. */
@@ -43,6 +45,7 @@ struct pipeline {
   float *middle;     /* the middle slice of the region, full resolution */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */
+  struct surface_sample sample;                     /* of a sweep */
   double threshold_original, threshold;             /* full resolution; model */
   double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
   double void_ratio_original;                       /* of the region at threshold_original */

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum pixel_type {
   PIXEL_U8,
@@ -25,5 +26,25 @@ bool pixel_levels(enum pixel_type type, double *low, double *high);
 bool pixel_type_of(int bits, char format, enum pixel_type *type);
 /* n values of `type` at `in` (any alignment; bytes swapped first if `swap`) to float. */
 void pixels_to_float(float *out, const void *in, size_t n, enum pixel_type type, bool swap);
+
+/* For types with levels. Bytes of n values in place; whole numbers from float, clamped. */
+void pixels_swap(void *data, size_t n, enum pixel_type type);
+void pixels_of_float(void *out, const float *in, size_t n, enum pixel_type type);
+/* Counts n values of a type with levels in counts[PIXEL_COUNTS]; how often level i, from the
+ * lowest, was met. */
+enum { PIXEL_COUNTS = 65536 };
+void pixels_count(uint32_t *counts, const void *in, size_t n, enum pixel_type type);
+uint64_t pixels_counted(const uint32_t *counts, size_t level, enum pixel_type type);
+
+/* Rows of a slice as stored or as float; a grey is `scale` (1 or -1) times the value. */
+struct pixel_rows {
+  const void *first;
+  size_t stride; /* bytes from row to row */
+  enum pixel_type type;
+  float scale;
+};
+
+/* Row y as greys. */
+void pixel_rows_read(const struct pixel_rows *rows, size_t y, size_t n, float *out);
 
 #endif

@@ -44,26 +44,53 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
   return denoise_slice(region->denoise, &region->correction->survey->phases, region->size, out);
 }
 
-enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
-  enum status status = STATUS_OK;
+bool region_has_levels(const struct region *region) {
+  return region->turned == NULL && region->correction == NULL && region->stack->has_levels;
+}
+
+size_t region_buffer_size(const struct region *region) {
+  const struct stack *stack = region->stack;
+  size_t whole = stack->size[0] * stack->size[1], part = region->size[0] * region->size[1];
+  if (region->turned != NULL) return 0;
+  if (region_has_levels(region)) return whole * pixel_size(stack->type);
+  return (is_whole(region) ? whole : whole + part) * sizeof(float);
+}
+
+enum status region_read_rows(const struct region *region, size_t z, void *buffer,
+                             struct pixel_rows *rows) {
+  const struct stack *stack = region->stack;
+  const size_t bytes = pixel_size(stack->type), whole = stack->size[0] * stack->size[1];
+  if (region_has_levels(region)) {
+    *rows = (struct pixel_rows){
+        (char *)buffer + (region->origin[1] * stack->size[0] + region->origin[0]) * bytes,
+        stack->size[0] * bytes, stack->type, (float)region->scale};
+    return stack_read_stored(stack, region->origin[2] + z, buffer);
+  }
+  *rows = (struct pixel_rows){buffer, region->size[0] * sizeof(float), PIXEL_F32, 1.0f};
   if (region->turned != NULL) {
-    size_t plane = region->size[0] * region->size[1];
-    for (size_t i = 0; i < n; i++)
-      memcpy(out + i * plane, region->turned + numbers[i] * plane, plane * sizeof *out);
+    rows->first = region->turned + z * region->size[0] * region->size[1];
     return STATUS_OK;
   }
-  size_t pixels = region->stack->size[0] * region->stack->size[1];
+  float *slice = is_whole(region) ? buffer : (float *)buffer + whole;
+  rows->first = slice;
+  return read_one(region, z, buffer, slice);
+}
+
+enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
+  enum status status = STATUS_OK;
 #pragma omp parallel
   {
-    float *whole = NULL;
-    enum status mine =
-        memory_allocate(&whole, is_whole(region) ? 0 : pixels, sizeof *whole, "a slice");
+    char *buffer = NULL;
+    struct pixel_rows rows;
+    enum status mine = memory_allocate(&buffer, region_buffer_size(region), 1, "a slice");
 #pragma omp for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
-      if (mine == STATUS_OK)
-        mine = read_one(region, numbers[i], whole, out + i * region->size[0] * region->size[1]);
+      if (mine == STATUS_OK) mine = region_read_rows(region, numbers[i], buffer, &rows);
+      for (size_t y = 0; y < region->size[1] && mine == STATUS_OK; y++)
+        pixel_rows_read(&rows, y, region->size[0],
+                        out + (i * region->size[1] + y) * region->size[0]);
     }
-    memory_free(&whole);
+    memory_free(&buffer);
     if (mine != STATUS_OK) {
 #pragma omp critical
       status = mine;

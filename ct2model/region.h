@@ -3,6 +3,7 @@
 #ifndef TOSUI_CT2MODEL_REGION_H
 #define TOSUI_CT2MODEL_REGION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
@@ -22,6 +23,14 @@ struct region {
   enum denoise denoise;
 };
 
+/* Whether greys come as whole numbers of few levels: nothing was done to them, and each file stores
+ * them so. */
+bool region_has_levels(const struct region *region);
+/* Slice z in the form that costs least, by one thread; `rows` point into `buffer`, which has
+ * region_buffer_size bytes, or into what the region holds. */
+size_t region_buffer_size(const struct region *region);
+enum status region_read_rows(const struct region *region, size_t z, void *buffer,
+                             struct pixel_rows *rows);
 /* How many slices are read at a time (bounded memory). */
 size_t region_batch(const struct region *region);
 /* Slices of the region numbers[0 .. n-1] into out[n][size y][size x]. */

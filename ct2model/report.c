@@ -121,6 +121,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
     put(root, "denoised_surface_ratio", pipeline->denoised.surface);
   }
   put(root, "specific_surface_per_m", pipeline->quality.surface_original);
+  if (!build) put(root, "specific_surface_error_per_m", pipeline->quality.surface_error);
   size_t original[3];
   double voxel[3];
   for (int a = 0; a < 3; a++) {
@@ -249,7 +250,9 @@ static void print_text(const struct pipeline *pipeline) {
       request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);
   if (pipeline->volume != NULL) print_model(pipeline);
-  printf("specific surface  %.4g 1/mm of bulk volume", quality->surface_original * 1e-3);
+  printf("specific surface  %.4g", quality->surface_original * 1e-3);
+  if (isfinite(quality->surface_error)) printf(" +- %.2g", quality->surface_error * 1e-3);
+  printf(" 1/mm of bulk volume");
   if (pipeline->volume != NULL) printf(" (model %.4g)", quality->surface_model * 1e-3);
   putchar('\n');
   if (pipeline->model.wall_distance != NULL) print_morphology(pipeline);

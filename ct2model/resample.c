@@ -1,9 +1,11 @@
 #include "ct2model/resample.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/reduce.h"
 #include "ct2model/resample_opencv.h"
 
 double keys_kernel(double x) {
@@ -31,7 +33,8 @@ enum status resample_axis_start(enum filter filter, size_t in, size_t out,
   memset(axis, 0, sizeof *axis);
   axis->in = in;
   axis->out = out;
-  axis->taps = (size_t)ceil(2.0 * reach) + 2;
+  axis->taps =
+      ((size_t)ceil(2.0 * reach) + 2 + RESAMPLE_LANES - 1) / RESAMPLE_LANES * RESAMPLE_LANES;
   TRY(memory_allocate(&axis->first, out, sizeof *axis->first, "resampling weights"));
   TRY(memory_allocate(&axis->count, out, sizeof *axis->count, "resampling weights"));
   TRY(memory_allocate(&axis->weight, out * axis->taps, sizeof *axis->weight, "resampling weights"));
@@ -72,14 +75,19 @@ enum status resampler_start(enum filter filter, const size_t in[3], const size_t
   memcpy(resampler->in, in, sizeof resampler->in);
   memcpy(resampler->out, out, sizeof resampler->out);
   if (memcmp(in, out, sizeof resampler->in) == 0) resampler->filter = FILTER_NONE;
-  TRY(resample_opencv_start());
+  resampler->threads = (size_t)omp_get_max_threads();
   if (resampler->filter == FILTER_BICUBIC || resampler->filter == FILTER_AREA) {
     for (int axis = 0; axis < 3; axis++)
       TRY(resample_axis_start(filter, in[axis], out[axis], &resampler->axes[axis]));
+    resampler->scratch_size = reduce_scratch(&resampler->axes[0], &resampler->axes[1]);
+  } else if (resampler->filter == FILTER_BICUBIC_POINT) {
+    TRY(resample_opencv_start());
+    resampler->scratch_size = in[0] * in[1];
   }
-  if (resampler->filter != FILTER_NONE)
-    TRY(memory_allocate(&resampler->planes, batch * out[0] * out[1], sizeof *resampler->planes,
-                        "reduced slices"));
+  TRY(memory_allocate(&resampler->scratch, resampler->threads * resampler->scratch_size,
+                      sizeof *resampler->scratch, "rows being reduced"));
+  TRY(memory_allocate(&resampler->planes, batch * out[0] * out[1], sizeof *resampler->planes,
+                      "reduced slices"));
 cleanup:
   if (status != STATUS_OK) resampler_end(resampler);
   return status;
@@ -88,9 +96,10 @@ cleanup:
 void resampler_end(struct resampler *resampler) {
   for (int axis = 0; axis < 3; axis++) resample_axis_end(&resampler->axes[axis]);
   memory_free(&resampler->planes);
+  memory_free(&resampler->scratch);
 }
 
-static bool slice_is_wanted(const struct resampler *resampler, size_t z) {
+bool resampler_wants(const struct resampler *resampler, size_t z) {
   if (resampler->filter != FILTER_BICUBIC_POINT) return true;
   for (size_t layer = 0; layer < resampler->out[2]; layer++) {
     if (point_slice(resampler, layer) == z) return true;
@@ -106,38 +115,57 @@ static double layer_weight(const struct resampler *resampler, size_t layer, size
   return (double)axis->weight[layer * axis->taps + z - axis->first[layer]];
 }
 
-enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
-                           float *volume) {
-  size_t in = resampler->in[0] * resampler->in[1], out = resampler->out[0] * resampler->out[1];
-  if (resampler->filter == FILTER_NONE) {
-    memcpy(volume + z0 * out, slices, n * out * sizeof *volume);
+enum status resampler_reduce(struct resampler *resampler, const struct pixel_rows *slice,
+                             size_t i) {
+  const size_t *in = resampler->in;
+  float *plane = resampler->planes + i * resampler->out[0] * resampler->out[1];
+  float *scratch = resampler->scratch + (size_t)omp_get_thread_num() * resampler->scratch_size;
+  if (resampler->filter == FILTER_BICUBIC || resampler->filter == FILTER_AREA) {
+    reduce_slice(slice, &resampler->axes[0], &resampler->axes[1], scratch, plane);
     return STATUS_OK;
   }
+  float *whole = resampler->filter == FILTER_NONE ? plane : scratch;
+  for (size_t y = 0; y < in[1]; y++) pixel_rows_read(slice, y, in[0], whole + y * in[0]);
+  if (resampler->filter == FILTER_NONE) return STATUS_OK;
+  return resample_opencv_cubic(scratch, in, resampler->out, plane);
+}
+
+void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float *volume) {
+  const size_t out = resampler->out[0] * resampler->out[1], part = 4096;
+  if (resampler->filter == FILTER_NONE) {
+    memcpy(volume + z0 * out, resampler->planes, n * out * sizeof *volume);
+    return;
+  }
+#pragma omp parallel for schedule(static)
+  for (size_t first = 0; first < out; first += part) {
+    size_t end = first + part < out ? first + part : out;
+    for (size_t layer = 0; layer < resampler->out[2]; layer++) {
+      for (size_t i = 0; i < n; i++) {
+        float weight = (float)layer_weight(resampler, layer, z0 + i);
+        const float *plane = resampler->planes + i * out;
+        float *target = volume + layer * out;
+        if (weight == 0.0f) continue;
+        for (size_t p = first; p < end; p++) target[p] += weight * plane[p];
+      }
+    }
+  }
+}
+
+enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
+                           float *volume) {
   enum status status = STATUS_OK;
-#pragma omp parallel for schedule(static, 1)
+  const size_t *in = resampler->in;
+#pragma omp parallel for schedule(dynamic)
   for (size_t i = 0; i < n; i++) {
-    if (!slice_is_wanted(resampler, z0 + i)) continue;
-    enum status one =
-        resampler->filter == FILTER_BICUBIC_POINT
-            ? resample_opencv_cubic(slices + i * in, resampler->in, resampler->out,
-                                    resampler->planes + i * out)
-            : resample_opencv_weighted(slices + i * in, &resampler->axes[0], &resampler->axes[1],
-                                       resampler->planes + i * out);
+    const struct pixel_rows slice = {slices + i * in[0] * in[1], in[0] * sizeof *slices, PIXEL_F32,
+                                     1.0f};
+    if (!resampler_wants(resampler, z0 + i)) continue;
+    enum status one = resampler_reduce(resampler, &slice, i);
     if (one != STATUS_OK) {
 #pragma omp critical
       status = one;
     }
   }
-  if (status != STATUS_OK) return status;
-  for (size_t layer = 0; layer < resampler->out[2]; layer++) {
-    for (size_t i = 0; i < n; i++) {
-      float weight = (float)layer_weight(resampler, layer, z0 + i);
-      if (weight == 0.0f) continue;
-      const float *plane = resampler->planes + i * out;
-      float *target = volume + layer * out;
-#pragma omp parallel for schedule(static)
-      for (size_t p = 0; p < out; p++) target[p] += weight * plane[p];
-    }
-  }
-  return STATUS_OK;
+  if (status == STATUS_OK) resampler_add(resampler, z0, n, volume);
+  return status;
 }

@@ -13,7 +13,9 @@
 
 enum filter { FILTER_BICUBIC, FILTER_BICUBIC_POINT, FILTER_AREA, FILTER_NONE };
 
-/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i] */
+/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i]; `taps` is a multiple of
+ * RESAMPLE_LANES, weights behind `count` are zero. Both ends of the taps rise with i. */
+enum { RESAMPLE_LANES = 16 };
 struct resample_axis {
   size_t in, out, taps;
   size_t *first, *count;
@@ -25,20 +27,29 @@ enum status resample_axis_start(enum filter filter, size_t in, size_t out,
                                 struct resample_axis *axis);
 void resample_axis_end(struct resample_axis *axis);
 
+struct pixel_rows;
 struct resampler {
   enum filter filter;
   size_t in[3], out[3];
   struct resample_axis axes[3];
-  float *planes; /* scratch: one reduced slice a thread and batch place */
   size_t batch;
+  float *planes; /* reduced slices of a batch, [batch][out y][out x] */
+  float *scratch;
+  size_t scratch_size, threads; /* floats of scratch a thread */
 };
 
 /* `batch` slices are fed at a time. Free with resampler_end. */
 enum status resampler_start(enum filter filter, const size_t in[3], const size_t out[3],
                             size_t batch, struct resampler *resampler);
 void resampler_end(struct resampler *resampler);
-/* Adds the slices z0 .. z0 + n - 1 (slices[n][in y][in x]) to volume[out z][out y][out x], which
- * starts as zeros. The result does not depend on the number of threads. */
+/* Whether slice z has a weight at all. */
+bool resampler_wants(const struct resampler *resampler, size_t z);
+/* Reduces a slice to its place i < batch; to be called by one thread for one place. */
+enum status resampler_reduce(struct resampler *resampler, const struct pixel_rows *slice, size_t i);
+/* Adds the reduced slices z0 .. z0 + n - 1 to volume[out z][out y][out x], which starts as zeros,
+ * in an order that does not depend on the number of threads. */
+void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float *volume);
+/* Both, for slices[n][in y][in x]. */
 enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
                            float *volume);
 

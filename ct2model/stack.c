@@ -165,6 +165,12 @@ static void warn_of_gaps(const struct name_list *list) {
   if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
 }
 
+static void look_for_levels(struct stack *stack) {
+  stack->has_levels = true;
+  for (size_t i = 0; i < stack->file_count; i++)
+    stack->has_levels &= image_has_levels(&stack->files[i]);
+}
+
 static enum status check_agreement(const struct image *first, const struct image *image) {
   if (image->reader != first->reader)
     return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; name one kind, e.g. FOLDER/*.tif",
@@ -202,6 +208,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
   stack->type = first->type;
   memcpy(stack->voxel, first->voxel, sizeof stack->voxel);
   stack->voxel_source = first->voxel_source;
+  look_for_levels(stack);
   if (raw != NULL && raw->given && stack->size[2] != raw->size[2])
     TRY_FAIL(STATUS_INPUT, "%s: %zu slices of %zux%zu, but --raw says %zu", first->path,
              stack->size[2], raw->size[0], raw->size[1], raw->size[2]);
@@ -261,6 +268,11 @@ enum status stack_read(const struct stack *stack, size_t z, float *out) {
   return image_read(&stack->files[file], z - stack->first_slice[file], out);
 }
 
+enum status stack_read_stored(const struct stack *stack, size_t z, void *out) {
+  size_t file = file_of_slice(stack, z);
+  return image_read_stored(&stack->files[file], z - stack->first_slice[file], out);
+}
+
 enum status stack_keep_labels(struct stack *stack, size_t z) {
   enum status status = STATUS_OK;
   size_t pixels = stack->size[0] * stack->size[1], others = 0;
@@ -279,6 +291,7 @@ enum status stack_keep_labels(struct stack *stack, size_t z) {
               "is bright",
               stack->files[0].path);
   for (size_t i = 0; i < stack->file_count; i++) stack->files[i].invert = false;
+  look_for_levels(stack);
 cleanup:
   memory_free(&slice);
   return status;

@@ -11,6 +11,7 @@
 struct stack {
   size_t size[3]; /* x, y, z */
   enum pixel_type type;
+  bool has_levels; /* every slice has (image_has_levels): stack_read_stored may be called */
   double voxel[3]; /* m; NAN where no file says */
   const char *voxel_source;
   size_t file_count;
@@ -25,6 +26,8 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
 void stack_close(struct stack *stack);
 /* Slice z into out[size[1]][size[0]]; may be called from several threads. */
 enum status stack_read(const struct stack *stack, size_t z, float *out);
+/* Of a stack that has levels: slice z as `type`, native byte order. */
+enum status stack_read_stored(const struct stack *stack, size_t z, void *out);
 /* Warns if the files say that a voxel is not as large as `given` (m; NAN: nothing is given). */
 void stack_compare_voxel(const struct stack *stack, double given);
 /* Files that say "white is zero" are inverted, unless slice `z` holds the two labels of a segmented

@@ -7,15 +7,17 @@
 #include "common/memory.h"
 
 enum { SLICES = 8, SMOOTH = 8, BINS = 4096 };
+static const double ENOUGH = 1e6; /* pixels that tell the trend; a correction takes them all */
 
 /* Where the slice lies: pixel x, y of the region is at radius |(x, y) + shift|. */
 struct frame {
   double shift[2];
   size_t size[2], radii;
+  size_t step; /* every how many rows are looked at */
 };
 
 static struct frame frame_of(const struct region *region) {
-  struct frame frame = {.radii = 2};
+  struct frame frame = {.radii = 2, .step = 1};
   double square = 0.0;
   for (int d = 0; d < 2; d++) {
     double whole = (double)region->stack->size[d];
@@ -51,7 +53,7 @@ static void add_deviations(const struct frame *frame, const float *greys, const 
                            double *sum, double *number) {
   const float *pore = greys, *grain = greys + frame->radii;
   size_t nx = frame->size[0];
-  for (size_t y = 1; y + 1 < frame->size[1]; y++) {
+  for (size_t y = 1; y + 1 < frame->size[1]; y += frame->step) {
     for (size_t x = 1; x + 1 < nx; x++) {
       const float *at = slice + y * nx + x;
       size_t r = radius_of(frame, x, y);
@@ -266,13 +268,15 @@ cleanup:
   return status;
 }
 
-enum status survey_take(const struct region *region, double porosity, struct survey *survey) {
+enum status survey_take(const struct region *region, double porosity, bool all,
+                        struct survey *survey) {
   enum status status = STATUS_OK;
   struct frame frame = frame_of(region);
   size_t plane = region->size[0] * region->size[1], nz = region->size[2], numbers[SLICES];
   size_t most = region_batch(region) < SLICES ? region_batch(region) : SLICES;
   *survey = (struct survey){.count = nz < most ? nz : most, .beam = NAN, .rings = NAN};
   survey->radii = frame.radii;
+  if (!all) frame.step += (size_t)((double)(survey->count * plane) / ENOUGH);
   for (size_t i = 0; i < survey->count; i++)
     numbers[i] = survey->count > 1 ? i * (nz - 1) / (survey->count - 1) : 0;
   TRY(memory_allocate(&survey->sample, survey->count * plane, sizeof *survey->sample, "slices"));

@@ -24,8 +24,10 @@ struct survey {
   float *ring_profile; /* [radii], mean over the slices looked at */
 };
 
-/* `porosity` helps to tell the phases apart; NAN if unknown. Free with survey_end. */
-enum status survey_take(const struct region *region, double porosity, struct survey *survey);
+/* `porosity` helps to tell the phases apart; NAN if unknown. Without `all`, about a million pixels
+ * are enough for trend and rings. Free with survey_end. */
+enum status survey_take(const struct region *region, double porosity, bool all,
+                        struct survey *survey);
 void survey_end(struct survey *survey);
 
 /* Levels both phases over the radius, takes rings out. Kept by the region that reads. */

@@ -12,7 +12,8 @@
 enum {
   BAND_LAYERS = 4, /* model voxels from the surface with exact distances */
   MARGIN = 6,      /* slices around new ones in which islands are looked for */
-  STEP_LEAST = 8   /* new slices at a time, at least */
+  AREA_BATCH = 8,
+  STEP_LEAST = 8 /* new slices at a time, at least */
 };
 static const double WINDOW_VOXELS = 32e6; /* held at a time */
 
@@ -151,10 +152,11 @@ static enum status advance(struct walk *walk, long done, long end, struct wall_r
   bool last = end == walk->window.high - 1;
   long n = (long)walk->region->size[2], z0 = done < 0 ? 0 : done, z1 = last || end > n ? n : end;
   TRY(grey_window_move(&walk->window, done - MARGIN, end + MARGIN));
+  if (z1 > z0) grey_window_changes(&walk->window, (size_t)z0, (size_t)z1, walk->changes);
+  if (!walk->request->distances) goto cleanup;
   if (z1 > z0)
     TRY(grey_window_fractions(&walk->window, (size_t)z0, (size_t)z1, &walk->area,
-                              result->grain_fraction, walk->changes));
-  if (!walk->request->distances) goto cleanup;
+                              result->grain_fraction));
   TRY(add_piece(walk, done, end));
   long held = walk->window.first + (long)walk->window.depth;
   for (; walk->signed_layers < layers; walk->signed_layers++) {
@@ -192,7 +194,8 @@ static enum status walk_start(const struct region *region, const struct wall_req
   TRY(grey_window_start(region, request->threshold, request->contrast, request->mirror,
                         (size_t)fmin(64.0, reduction / 8.0), request->mirror ? -1 : -halo,
                         request->mirror ? n + 1 : n + halo, (size_t)room, &walk->window));
-  TRY(resampler_start(FILTER_AREA, region->size, request->size, region_batch(region), &walk->area));
+  if (request->distances)
+    TRY(resampler_start(FILTER_AREA, region->size, request->size, AREA_BATCH, &walk->area));
 cleanup:
   return status;
 }
@@ -209,29 +212,28 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   enum status status = STATUS_OK;
   struct walk walk = {0};
   struct progress progress;
-  size_t sites = request->size[0] * request->size[1] * request->size[2];
+  size_t sites = request->distances ? request->size[0] * request->size[1] * request->size[2] : 0;
   const double *voxel = region->voxel;
   memset(result, 0, sizeof *result);
-  TRY(memory_allocate(&result->distance, request->distances ? sites : 0, sizeof *result->distance,
-                      "wall distances"));
+  TRY(memory_allocate(&result->distance, sites, sizeof *result->distance, "wall distances"));
   TRY(memory_allocate(&result->grain_fraction, sites, sizeof *result->grain_fraction,
                       "grain fractions"));
   TRY(walk_start(region, request, &walk));
   long step = (long)walk.window.room - 2 * MARGIN - 1, last = walk.window.high - 1;
   if (step < 1) step = 1;
-  progress_start(&progress, "surface", "slices", (double)(walk.window.high - walk.window.low));
+  if (request->distances)
+    progress_start(&progress, "surface", "slices", (double)(walk.window.high - walk.window.low));
   for (long done = walk.window.low; done < last; done += step) {
     long end = done + step < last ? done + step : last;
     TRY(advance(&walk, done, end, result));
-    progress_update(&progress, (double)(end + 1 - walk.window.low), NULL);
+    if (request->distances) progress_update(&progress, (double)(end + 1 - walk.window.low), NULL);
   }
-  progress_end(&progress);
+  if (request->distances) progress_end(&progress);
   result->specks = walk.window.specks;
   /* Faces show 3/2 of an isotropic surface (Crofton); of n voxels in a row n - 1 have a next. */
   for (int d = 0; d < 3; d++) {
     double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
-    if (n > 1.0)
-      result->surface_area += 2.0 / 3.0 * (double)walk.changes[d] * face * n / (n - 1.0);
+    if (n > 1.0) result->surface_area += 2.0 / 3.0 * (double)walk.changes[d] * face * n / (n - 1.0);
   }
 cleanup:
   walk_end(&walk);

@@ -1,0 +1,11 @@
+/* The pass over all pixels: histogram and resampling, slice by slice, a thread a slice. */
+#ifndef TOSUI_CT2MODEL_SCAN_H
+#define TOSUI_CT2MODEL_SCAN_H
+
+#include "ct2model/pipeline.h"
+
+/* Fills the pipeline's histogram, middle slice and, with `resample`, volume. The result does not
+ * depend on the number of threads. */
+enum status scan_take(struct pipeline *pipeline, bool resample);
+
+#endif
