@@ -37,7 +37,7 @@ main_of = $(BUILD)/obj/$(1)/$(1).c.o
 library = $(BUILD)/lib/lib$(1).a
 LIBRARIES = $(call library,ct2model) $(call library,sphsolve) $(call library,analyze) $(call library,common)
 LIBS_OPENCV = -lopencv_photo -lopencv_imgproc -lopencv_core -lstdc++
-BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(SOURCES_generator),$(BUILD)/bin/generate_sand)
+BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sphsolve-mpi) $(if $(SOURCES_generator),$(BUILD)/bin/generate_sand)
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
@@ -52,11 +52,11 @@ ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk
 endif
 $(BUILD)/config.mk: Makefile scripts/install-deps
-	$(Q)scripts/install-deps $(if $(INSTALLS),,--check)
+	$(Q)scripts/install-deps $(if $(INSTALLS),,--check) $(if $(filter 1,$(MPI)),--mpi)
 	$(Q)mkdir -p $(@D)
 	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" "$$(pkg-config --libs $(PACKAGES))" > $@
 deps:
-	scripts/install-deps
+	scripts/install-deps $(if $(filter 1,$(MPI)),--mpi)
 
 # ---- a changed flag rebuilds what it concerns ----
 FLAGS_NOW = $(CC) $(CXX) $(CFLAGS_ALL) $(CXXFLAGS_ALL) $(LDFLAGS_ALL) $(DEP_LIBS) MPI=$(MPI)
@@ -85,6 +85,33 @@ $(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))
 $(BUILD)/obj/analyze/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
 endef
 $(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
+
+# ---- MPI=1: sphsolve once more, from the same source, beside the other ----
+# The headers of libraries are not ours to be warned about.
+MPI_PACKAGES = hdf5-openmpi ompi-c $(filter-out hdf5-serial,$(PACKAGES))
+MPI_CFLAGS = $(patsubst -I/%,-isystem /%,$(shell pkg-config --cflags $(MPI_PACKAGES)))
+MPI_LIBS = $(shell pkg-config --libs $(MPI_PACKAGES)) -lm -lz -lpthread
+mpi_object = $(patsubst %,$(BUILD)/obj-mpi/%.o,$(1))
+MPI_LIBRARY = $(BUILD)/lib/libsphsolve-mpi.a
+$(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/flags
+	$(call say,MPICC,$<)
+	$(Q)mkdir -p $(@D) && $(CC) $(filter-out $(DEP_CFLAGS),$(CFLAGS_ALL)) $(MPI_CFLAGS) -DTOSUI_MPI $(ISA_FLAGS) -MMD -MP -c $< -o $@
+-include $(shell test -d $(BUILD)/obj-mpi && find $(BUILD)/obj-mpi -name '*.d')
+$(MPI_LIBRARY): $(filter-out $(call mpi_object,sphsolve/sphsolve.c),$(call mpi_object,$(SOURCES_common) $(SOURCES_sphsolve)))
+	$(call say,AR,$@)
+	$(Q)mkdir -p $(@D) && rm -f $@ && ar rcs $@ $^
+$(BUILD)/bin/sphsolve-mpi: $(call mpi_object,sphsolve/sphsolve.c) $(MPI_LIBRARY)
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(MPI_LIBS)
+
+# Programs that tests run with and without MPI.
+RANK_TESTS = $(patsubst tests/ranks/%.c,$(BUILD)/tests/%,$(wildcard tests/ranks/*.c))
+$(BUILD)/tests/ranks_%-mpi: $(BUILD)/obj-mpi/tests/ranks/ranks_%.c.o $(MPI_LIBRARY)
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(MPI_LIBS)
+$(BUILD)/tests/ranks_%: $(BUILD)/obj/tests/ranks/ranks_%.c.o $(BUILD)/lib/libsphsolve.a $(BUILD)/lib/libcommon.a
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(DEP_LIBS)
 
 # ---- libraries (everything but the mains) and programs ----
 define library_rule
@@ -124,7 +151,7 @@ $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/repl
 endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
-check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine
+check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi))
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(REPLAYS) $(sort $(wildcard tests/cli/*.bats))
 
 # ---- the main job ----

@@ -10,6 +10,7 @@
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "common/ranks.h"
 
 hid_t h5_memory_type(enum h5_type type) {
   switch (type) {
@@ -31,7 +32,7 @@ hid_t h5_memory_type(enum h5_type type) {
   return -1;
 }
 
-static hid_t disk_type(enum h5_type type) {
+hid_t h5_disk_type(enum h5_type type) {
   switch (type) {
   case H5_U8:
     return H5T_STD_U8LE;
@@ -79,11 +80,17 @@ cleanup:
   return status;
 }
 
+/* All but shares is written by the first rank. */
+static bool idle(void) {
+  return ranks_own() > 0;
+}
+
 enum status h5_create(const char *path, struct h5_file **result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   hid_t access = -1, creation = -1;
   TRY(new_file(path, true, &file));
+  if (idle()) goto cleanup;
   access = H5Pcreate(H5P_FILE_ACCESS);
   creation = H5Pcreate(H5P_FILE_CREATE);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
@@ -109,7 +116,7 @@ static enum status open_file(const char *path, bool try_first, struct h5_file **
   struct h5_file *file = NULL;
   TRY(new_file(path, false, &file));
   if (access(path, R_OK) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  if (try_first) TRY(h5_try(path));
+  if (try_first && !idle()) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->id < 0) TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged", path);
 cleanup:
@@ -151,6 +158,7 @@ enum status h5_commit(struct h5_file *file) {
   enum status status = STATUS_OK;
   hid_t id = file->id;
   file->id = -1;
+  if (idle()) goto cleanup;
   if (H5Fclose(id) < 0 || output_fails())
     TRY_FAIL(STATUS_RUN, "%s: cannot be written to the end; is the disk full?", file->path);
   TRY(sync_path(file->part, O_RDONLY));
@@ -158,12 +166,10 @@ enum status h5_commit(struct h5_file *file) {
 cleanup:
   if (status != STATUS_OK) unlink(file->part);
   h5_close(file);
-  return status;
+  return ranks_agree(status);
 }
 
-/* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
- * without times of their own, so that two equal runs give equal bytes. */
-static enum status make_groups(struct h5_file *file, const char *name, bool last) {
+enum status h5_make_groups(struct h5_file *file, const char *name, bool last) {
   enum status status = STATUS_OK;
   char path[512];
   size_t length = strlen(name);
@@ -189,8 +195,7 @@ cleanup:
   return status;
 }
 
-/* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
-static hid_t dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress) {
+hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress) {
   hid_t list = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_obj_track_times(list, 0);
   size_t total = h5_type_size(type);
@@ -218,11 +223,14 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
     extent[i] = dims[i];
     empty = empty || dims[i] == 0;
   }
-  status = make_groups(file, name, false);
+  if (idle()) return STATUS_OK;
+  status = h5_make_groups(file, name, false);
   if (status != STATUS_OK) return status;
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
-  hid_t layout = empty ? H5Pcreate(H5P_DATASET_CREATE) : dataset_layout(type, rank, dims, compress);
-  hid_t set = H5Dcreate2(file->id, name, disk_type(type), space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  hid_t layout =
+      empty ? H5Pcreate(H5P_DATASET_CREATE) : h5_dataset_layout(type, rank, dims, compress);
+  hid_t set =
+      H5Dcreate2(file->id, name, h5_disk_type(type), space, H5P_DEFAULT, layout, H5P_DEFAULT);
   if (set < 0 || output_fails() ||
       (!empty && H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
@@ -241,9 +249,10 @@ static enum status write_strings(struct h5_file *file, const char *name, hid_t s
   size_t width = 1;
   char *padded = NULL;
   hid_t set = -1, type = H5Tcopy(H5T_C_S1), layout = H5Pcreate(H5P_DATASET_CREATE);
+  if (idle()) goto cleanup;
   for (size_t i = 0; i < count; i++)
     if (strlen(texts[i]) > width) width = strlen(texts[i]);
-  TRY(make_groups(file, name, false));
+  TRY(h5_make_groups(file, name, false));
   TRY(memory_allocate(&padded, count, width, name));
   for (size_t i = 0; i < count; i++) memcpy(padded + i * width, texts[i], strlen(texts[i]));
   H5Tset_size(type, width);
@@ -274,11 +283,12 @@ enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
 }
 
 enum status h5_make_group(struct h5_file *file, const char *name) {
-  return make_groups(file, name, true);
+  return idle() ? STATUS_OK : h5_make_groups(file, name, true);
 }
 
 enum status h5_soft_link(struct h5_file *file, const char *target, const char *name) {
-  enum status status = make_groups(file, name, false);
+  if (idle()) return STATUS_OK;
+  enum status status = h5_make_groups(file, name, false);
   if (status != STATUS_OK) return status;
   herr_t failed =
       output_fails() ? -1 : H5Lcreate_soft(target, file->id, name, H5P_DEFAULT, H5P_DEFAULT);
@@ -288,6 +298,10 @@ enum status h5_soft_link(struct h5_file *file, const char *target, const char *n
 static enum status write_attribute(struct h5_file *file, const char *name, const char *attribute,
                                    hid_t on_disk, hid_t in_memory, hid_t space, const void *data) {
   enum status status = STATUS_OK;
+  if (idle()) {
+    H5Sclose(space);
+    return STATUS_OK;
+  }
   hid_t object = H5Oopen(file->id, name, H5P_DEFAULT);
   if (object >= 0 && H5Aexists(object, attribute) > 0) H5Adelete(object, attribute);
   hid_t id =
@@ -305,7 +319,8 @@ enum status h5_write_attribute(struct h5_file *file, const char *name, const cha
                                enum h5_type type, size_t count, const void *data) {
   hsize_t extent = count;
   hid_t space = count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, NULL);
-  return write_attribute(file, name, attribute, disk_type(type), h5_memory_type(type), space, data);
+  return write_attribute(file, name, attribute, h5_disk_type(type), h5_memory_type(type), space,
+                         data);
 }
 
 enum status h5_write_attribute_text(struct h5_file *file, const char *name, const char *attribute,

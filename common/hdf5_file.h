@@ -30,6 +30,9 @@ const char *h5_path(const struct h5_file *file);
 /* Intermediate groups of `name` are created. */
 enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
                      const size_t *dims, const void *data, bool compress);
+/* Collective (common/ranks.h): the same dataset, of which this rank holds the next dims[0] rows. */
+enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                           const size_t *dims, const void *data, bool compress);
 enum status h5_write_text(struct h5_file *file, const char *name, const char *text);
 /* A 1-D array of strings. */
 enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
@@ -57,6 +60,9 @@ enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *
  * (memory_free); dims filled. Any integer or float type on disk is accepted for a number. */
 enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
                     size_t *dims, void *data);
+/* Rows first .. first + dims[0] alone of a dataset that has `rows`. */
+enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                          size_t rows, size_t first, size_t *dims, void *data);
 enum status h5_read_text(struct h5_file *file, const char *name, char **text);
 enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count, char ***texts);
 void h5_free_texts(size_t count, char ***texts);

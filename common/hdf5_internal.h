@@ -13,6 +13,12 @@ struct h5_file {
 };
 
 hid_t h5_memory_type(enum h5_type type);
+hid_t h5_disk_type(enum h5_type type);
+/* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
+hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress);
+/* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
+ * without times of their own, so that two equal runs give equal bytes. */
+enum status h5_make_groups(struct h5_file *file, const char *name, bool last);
 /* Whether a dataset lies in its file, behind no filter but HDF5's own. */
 bool h5_filters_known(hid_t set);
 /* An input error where the library crashes or hangs on the file. */

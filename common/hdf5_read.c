@@ -78,11 +78,12 @@ cleanup:
   return status;
 }
 
-enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                    size_t *dims, void *data) {
+/* `rows` of the slowest axis from `first` on; SIZE_MAX: all. */
+static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                             size_t first, size_t rows, size_t *dims, void *data) {
   enum status status = STATUS_OK;
   void *values = NULL;
-  hid_t set = -1, stored = -1;
+  hid_t set = -1, stored = -1, from = H5S_ALL, to = H5S_ALL;
   int found;
   size_t count = 1, shape[H5S_MAX_RANK];
   TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
@@ -101,20 +102,52 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
              "%s: %s uses a filter or storage outside this file; store it plain or "
              "with deflate",
              file->path, name);
+  if (rows != SIZE_MAX && rank > 0) {
+    hsize_t start[H5S_MAX_RANK] = {first}, extent[H5S_MAX_RANK];
+    if (first > shape[0] || rows > shape[0] - first)
+      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, %zu are wanted", file->path, name, shape[0],
+               first + rows);
+    shape[0] = rows;
+    for (int i = 0; i < rank; i++) extent[i] = shape[i];
+    from = H5Dget_space(set);
+    to = H5Screate_simple(rank, extent, NULL);
+    H5Sselect_hyperslab(from, H5S_SELECT_SET, start, NULL, extent, NULL);
+  }
   for (int i = 0; i < rank; i++) {
     dims[i] = shape[i];
     if (!size_multiply(count, shape[i], &count))
       TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
   }
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
-  if (count > 0 && H5Dread(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+  if (count > 0 && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
   memcpy(data, &values, sizeof values);
   values = NULL;
 cleanup:
   memory_free(&values);
+  if (from != H5S_ALL) H5Sclose(from);
+  if (to != H5S_ALL) H5Sclose(to);
   if (stored >= 0) H5Tclose(stored);
   if (set >= 0) H5Dclose(set);
+  return status;
+}
+
+enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                    size_t *dims, void *data) {
+  return read_rows(file, name, type, rank, 0, SIZE_MAX, dims, data);
+}
+
+enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                          size_t rows, size_t first, size_t *dims, void *data) {
+  enum status status = STATUS_OK;
+  size_t shape[H5S_MAX_RANK];
+  int found;
+  TRY(h5_shape(file, name, rank, &found, shape));
+  if (found != rank || shape[0] != rows)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, not %zu", file->path, name,
+             found > 0 ? shape[0] : 1, rows);
+  TRY(read_rows(file, name, type, rank, first, dims[0], dims, data));
+cleanup:
   return status;
 }
 

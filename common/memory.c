@@ -5,7 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A header in front of each block holds its size, so that the bytes in use can be counted. */
+/* A header in front of each block holds its size, so that the bytes in use can be counted, and how
+ * far before it the memory begins. */
 #define HEADER 64
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -67,7 +68,8 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
   }
   data = block + HEADER;
   memset(data, 0, bytes);
-  *block_size(data) = bytes;
+  block_size(data)[0] = bytes;
+  block_size(data)[1] = 0;
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
 }
@@ -92,12 +94,30 @@ enum status memory_copy_text(const char *text, size_t length, char **copy) {
   return status;
 }
 
+#ifdef TOSUI_MPI
+enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
+                                   const char *what) {
+  const size_t bytes = count * size;
+  if (used >= count) return memory_allocate(pointer, count, size, what);
+  bool over_limit;
+  char *start = NULL, *data = NULL;
+  if (!reserve(used * size, &over_limit) || (start = calloc(bytes + 2 * HEADER, 1)) == NULL)
+    return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what,
+                (double)(used * size) / 1e6);
+  data = start + (2 * HEADER - (size_t)start % HEADER);
+  block_size(data)[0] = used * size;
+  block_size(data)[1] = (size_t)(data - HEADER - start);
+  memcpy(pointer, &data, sizeof data);
+  return STATUS_OK;
+}
+#endif
+
 void memory_free(void *pointer) {
   void *data, *null = NULL;
   memcpy(&data, pointer, sizeof data);
   if (data == NULL) return;
   release(*block_size(data));
-  free((char *)data - HEADER);
+  free((char *)data - HEADER - block_size(data)[1]);
   memcpy(pointer, &null, sizeof null);
 }
 

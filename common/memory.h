@@ -15,6 +15,19 @@ bool size_multiply(size_t a, size_t b, size_t *product);
  * ("density of 219600 particles"). A count of 0 gives NULL and succeeds. Free with memory_free. */
 enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what);
 
+/* The same, but of which this rank touches only about `used` items: what is never touched takes no
+ * memory and is not counted. */
+#ifdef TOSUI_MPI
+enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
+                                   const char *what);
+#else
+static inline enum status memory_allocate_sparse(void *pointer, size_t count, size_t size,
+                                                 size_t used, const char *what) {
+  (void)used;
+  return memory_allocate(pointer, count, size, what);
+}
+#endif
+
 /* Like realloc for a block of memory_allocate; new bytes are zero. On failure the block stays. */
 enum status memory_resize(void *pointer, size_t count, size_t size, const char *what);
 

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "common/ranks.h"
 
 static size_t type_size(enum h5_type type) {
   return type == H5_F64 || type == H5_U64 || type == H5_I64 ? 8 : type == H5_U8 ? 1 : 4;
@@ -20,31 +21,39 @@ static enum status write_field(struct h5_file *file, const char *name, size_t co
     field->fill(field->context, made);
   }
   const void *data = field->data != NULL ? field->data : made;
-  TRY(h5_write(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
+  TRY(h5_write_share(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
 cleanup:
   memory_free(&made);
   return status;
 }
 
-/* An UnstructuredGrid of one vertex cell (VTK type 1) per particle. */
+/* An UnstructuredGrid of one vertex cell (VTK type 1) per particle, of which this rank has `count`.
+ */
+struct cells {
+  size_t first, count;
+};
 static void fill_numbers(const void *context, void *data) {
+  const struct cells *cells = context;
   int64_t *numbers = data;
-  for (size_t i = 0; i < *(const size_t *)context; i++) numbers[i] = (int64_t)i;
+  for (size_t i = 0; i < cells->count; i++) numbers[i] = (int64_t)(cells->first + i);
 }
 static void fill_types(const void *context, void *data) {
-  if (*(const size_t *)context > 0) memset(data, 1, *(const size_t *)context);
+  const struct cells *cells = context;
+  if (cells->count > 0) memset(data, 1, cells->count);
 }
 
 static enum status write_cells(struct h5_file *file, size_t count) {
   enum status status = STATUS_OK;
-  int64_t total = (int64_t)count;
-  size_t one = 1, next = count + 1;
+  size_t one = 1, all;
+  struct cells own = {ranks_offset(count, &all), count}, ends = own;
+  if (ranks_own() + 1 == ranks_count()) ends.count++;
+  int64_t total = (int64_t)all;
   const struct snapshot_field
-      numbers = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &count},
-      offsets = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &next},
-      types = {.type = H5_U8, .components = 1, .fill = fill_types, .context = &count};
+      numbers = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &own},
+      offsets = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &ends},
+      types = {.type = H5_U8, .components = 1, .fill = fill_types, .context = &own};
   TRY(write_field(file, "/VTKHDF/Connectivity", count, &numbers));
-  TRY(write_field(file, "/VTKHDF/Offsets", next, &offsets));
+  TRY(write_field(file, "/VTKHDF/Offsets", ends.count, &offsets));
   TRY(write_field(file, "/VTKHDF/Types", count, &types));
   TRY(h5_write(file, "/VTKHDF/NumberOfPoints", H5_I64, 1, &one, &total, false));
   TRY(h5_write(file, "/VTKHDF/NumberOfCells", H5_I64, 1, &one, &total, false));
@@ -93,7 +102,7 @@ enum status series_write(const char *path, size_t count, char *const *names, con
     used += (size_t)sprintf(text + used, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n",
                             names[i], times[i], i + 1 < count ? "," : "");
   used += (size_t)sprintf(text + used, "  ]\n}\n");
-  TRY(output_write(path, text, used));
+  if (ranks_own() == 0) TRY(output_write(path, text, used));
 cleanup:
   memory_free(&text);
   return status;

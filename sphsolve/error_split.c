@@ -149,7 +149,7 @@ static double permeability_of(const struct scene *scene, const struct plan *plan
   if (lattice->fluid_count > 0 &&
       stokes_solver_build(lattice, scene, context->support / context->spacing * spacing, wall,
                           context->kinematic_viscosity, scene->driving, &s) == STATUS_OK &&
-      s.grid.active > 0 && stokes_solver_run(&s, TOLERANCE) == STATUS_OK)
+      s.grid.active_all > 0 && stokes_solver_run(&s, TOLERANCE) == STATUS_OK)
     for (int a = 0; a < 3; a++)
       k += s.mean[a] * s.force[a] * s.stencil.unit * s.stencil.unit * volumes;
   stokes_solver_free(&s);

@@ -11,6 +11,7 @@
 
 #include "common/memory.h"
 #include "common/provenance.h"
+#include "common/ranks.h"
 #include "sphsolve/checkpoint_file.h"
 #include "sphsolve/recorder_internal.h"
 
@@ -263,13 +264,13 @@ void recorder_progress(struct recorder *recorder, double done, const char *note)
 
 bool recorder_interrupted(const struct recorder *recorder) {
   (void)recorder;
-  return interrupted != 0;
+  return ranks_any(interrupted != 0);
 }
 
 bool recorder_checkpoint_due(const struct recorder *recorder) {
   double interval = recorder->scene->checkpoint_interval;
-  return interrupted ||
-         (!isnan(interval) && clock_seconds() - recorder->last_checkpoint >= interval);
+  return ranks_any(interrupted ||
+                   (!isnan(interval) && clock_seconds() - recorder->last_checkpoint >= interval));
 }
 
 enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file **file) {

@@ -98,6 +98,9 @@ void recorder_add_time(struct recorder *recorder, const char *name, double secon
 /* A fact for /run as an attribute ("residual", "iterations", ...). Overwrites. */
 void recorder_set_fact(struct recorder *recorder, const char *name, double value);
 
+/* What the ranks sent each other, as facts; nothing in a build without MPI. */
+void recorder_count_traffic(struct recorder *recorder);
+
 /* Completes the ledger from the history and writes the whole PREFIX.hdf (atomically). */
 enum status recorder_finish(struct recorder *recorder, struct run_result *result);
 

@@ -12,6 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
+#include "common/ranks.h"
 #include "common/threads.h"
 #include "sphsolve/cheapest.h"
 #include "sphsolve/explain.h"
@@ -178,6 +179,11 @@ static enum status run(const struct options *options, struct job *job) {
   TRY(prepare(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
+  if (ranks_count() > 1 && job->plan.context.method != METHOD_STOKES)
+    TRY_FAIL(STATUS_USAGE,
+             "method %s runs on one rank only; start it without mpirun, or choose "
+             "method stokes",
+             job->plan.context.method == METHOD_WCSPH ? "wcsph" : "isph");
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
   static enum status (*const methods[])(
@@ -243,15 +249,16 @@ cleanup:
 
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
+  ranks_start(&argc, &argv);
   struct options *options = NULL;
   static struct job job;
   bool done;
   enum status status = options_parse(&table, argc, argv, &options, &done);
+  if (ranks_own() > 0) log_start(log_program(), LOG_QUIET);
   if (status == STATUS_OK && !done)
     status = !strcmp(options_command(options), "run") ? run(options, &job) : explain(options, &job);
   lattice_free(&job.lattice);
   scene_free(&job.scene);
-  if (status != STATUS_OK) log_pending_error();
   options_free(options);
-  return (int)status;
+  return ranks_end(status);
 }

@@ -28,7 +28,10 @@ static enum status write_snapshot(const struct scene *scene, const struct lattic
                                   const struct stokes_solver *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct fields f = {0};
-  const size_t count = lattice->fluid_count, nx = lattice->size[0], n = s->grid.active;
+  const size_t nx = lattice->size[0], n = s->grid.active;
+  const size_t first = s->grid.row_begin * nx, end = s->grid.row_end * nx;
+  size_t count = 0;
+  for (size_t site = first; site < end; site++) count += lattice->kind[site] == SITE_FLUID;
   const size_t axes = (size_t)s->stencil.axis_count;
   const double density = scene->fluid.density;
   const double pressure_unit = density * s->acceleration * s->stencil.unit;
@@ -37,7 +40,7 @@ static enum status write_snapshot(const struct scene *scene, const struct lattic
   TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
   TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
   TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
-  for (size_t site = 0, at = 0, packed = 0; site < lattice->count; site++) {
+  for (size_t site = first, at = 0, packed = 0; site < end; site++) {
     if (lattice->kind[site] != SITE_FLUID) continue;
     const size_t i = site % nx, row = site / nx;
     const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
@@ -106,6 +109,7 @@ static enum status write_row(const struct scene *scene, const struct lattice *la
   double square = 0.0;
   for (size_t a = 0; n > 0 && a < (size_t)s->stencil.axis_count; a++)
     for (size_t i = 0; i < n; i++) square += s->x[a * n + i] * s->x[a * n + i];
+  square = ranks_sum(square);
   row.mass = scene->fluid.density * volume * (double)lattice->fluid_count;
   scale_darcy(lattice, scene, s, darcy, reynolds);
   for (int a = 0; a < 3; a++) {
@@ -129,11 +133,15 @@ static enum status write_checkpoint(const struct stokes_solver *s,
                                     const struct progress_state *state, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  size_t length = (size_t)(s->stencil.axis_count + 1) * s->grid.active, count = 7;
+  size_t count = 7;
+  char name[32];
   const double numbers[] = {s->mean[0],  s->mean[1],     s->mean[2],           s->change,
                             state->best, state->stalled, (double)s->iterations};
   TRY(recorder_checkpoint_begin(recorder, &file));
-  TRY(h5_write(file, "/state/x", H5_F64, 1, &length, s->x, false));
+  for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
+    snprintf(name, sizeof name, "/state/x%zu", c);
+    TRY(h5_write_share(file, name, H5_F64, 1, &s->grid.active, s->x + c * s->grid.active, false));
+  }
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
   file = NULL;
@@ -147,15 +155,20 @@ static enum status read_checkpoint(struct stokes_solver *s, struct progress_stat
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   double *x = NULL, *numbers = NULL;
-  size_t length, count;
+  size_t length = s->grid.active, count;
+  char name[32];
   TRY(recorder_resume(recorder, &file));
   *resumed = file != NULL;
   if (file == NULL) goto cleanup;
-  TRY(h5_read(file, "/state/x", H5_F64, 1, &length, &x));
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
-  if (length != (size_t)(s->stencil.axis_count + 1) * s->grid.active || count != 7)
+  if (count != 7)
     TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
-  memcpy(s->x, x, length * sizeof *x);
+  for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
+    snprintf(name, sizeof name, "/state/x%zu", c);
+    TRY(h5_read_share(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));
+    if (length > 0) memcpy(s->x + c * length, x, length * sizeof *x);
+    memory_free(&x);
+  }
   stokes_solver_measure(s);
   memcpy(s->mean, numbers, sizeof s->mean);
   s->change = numbers[3];
@@ -181,20 +194,20 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
   TRY(stokes_solver_build(lattice, scene, plan->context.support, scene->stokes.wall,
                           plan->context.kinematic_viscosity, scene->driving, &s));
-  result->status = s.grid.active > 0 ? "converged" : "blocked";
-  if (s.grid.active == 0)
+  result->status = s.grid.active_all > 0 ? "converged" : "blocked";
+  if (s.grid.active_all == 0)
     log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
                 "throats with smaller voxels, or look at the threshold",
                 scene->path);
-  if (s.grid.active < lattice->fluid_count)
+  if (s.grid.active_all < lattice->fluid_count)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
-                lattice->fluid_count - s.grid.active, lattice->fluid_count);
-  if (s.grid.active > 0) TRY(read_checkpoint(&s, &state, recorder, &resumed));
+                lattice->fluid_count - s.grid.active_all, lattice->fluid_count);
+  if (s.grid.active_all > 0) TRY(read_checkpoint(&s, &state, recorder, &resumed));
   if (resumed)
     scale_darcy(lattice, scene, &s, darcy, &reynolds);
   else
     TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-  while (s.grid.active > 0 && !stokes_solver_converged(&s, tolerance)) {
+  while (s.grid.active_all > 0 && !stokes_solver_converged(&s, tolerance)) {
     if (recorder_checkpoint_due(recorder)) TRY(write_checkpoint(&s, &state, recorder));
     if (recorder_interrupted(recorder)) {
       result->status = "interrupted";
@@ -221,13 +234,13 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   }
   result_from_darcy(scene, darcy, result);
   /* The last round shrank what was wrong by far more than half, so its step bounds what is left. */
-  result->k_error = s.grid.active > 0 ? fmax(s.change, s.residual_now) : 0.0;
+  result->k_error = s.grid.active_all > 0 ? fmax(s.change, s.residual_now) : 0.0;
   result->error.averaging = 0.0;
   result->error.steadiness = result->k_error;
   result->reynolds = reynolds;
   result->steps = s.iterations;
   result->pair_interactions =
-      (double)s.iterations * (double)s.grid.active * (double)s.stencil.offset_count;
+      (double)s.iterations * (double)s.grid.active_all * (double)s.stencil.offset_count;
   if (solving > 0.0) result->pair_interactions_per_second = result->pair_interactions / solving;
   if (reynolds > 1.0)
     log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
@@ -235,7 +248,9 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   recorder_set_fact(recorder, "residual", s.residual_now);
   recorder_set_fact(recorder, "divergence", s.divergence);
   recorder_set_fact(recorder, "iterations", (double)s.iterations);
-  recorder_set_fact(recorder, "sites_solved", (double)s.grid.active);
+  recorder_set_fact(recorder, "sites_solved", (double)s.grid.active_all);
+  if (RANKS)
+    recorder_set_fact(recorder, "imbalance", s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
   stokes_krylov_free(&s.krylov); /* room for the snapshot */
   stokes_operator_free(&s.operator);
   enum status left = write_snapshot(scene, lattice, &s, recorder);

@@ -152,7 +152,7 @@ static void build_sites(struct stokes_operator *op) {
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
 #pragma omp parallel for schedule(dynamic, 16)
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
@@ -215,8 +215,10 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   if (walls_move(scene))
     TRY(memory_allocate(&op->drag, axes * op->n, sizeof *op->drag, "drag of moving walls"));
   TRY(memory_allocate(&op->row_flux, 3 * grid->rows, sizeof *op->row_flux, "flux of the rows"));
-  TRY(memory_allocate(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
-                      "fields on the lattice"));
+  const size_t ghosts = 2 * (size_t)grid->reach * grid->size[1];
+  TRY(memory_allocate_sparse(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
+                             4 * (grid->row_end - grid->row_begin + ghosts) * grid->stride,
+                             "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
   build_sites(op);
@@ -286,7 +288,7 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
 #pragma omp parallel for schedule(static) num_threads(op->threads)
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
     double *sum = op->row_flux + 3 * row;
     memset(sum, 0, 3 * sizeof *sum);
@@ -309,6 +311,7 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
     }
   }
   memset(flux, 0, 3 * sizeof *flux);
-  for (size_t row = 0; row < grid->rows; row++)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     for (int a = 0; a < axes; a++) flux[op->stencil->axes[a]] += op->row_flux[3 * row + (size_t)a];
+  ranks_sum_all(flux, 3);
 }

@@ -112,14 +112,47 @@ enum status stokes_grid_build(const struct lattice *lattice, const double drivin
       count += (size_t)__builtin_popcount(grid->mask[row * grid->chunks + c]);
     grid->row_start[row + 1] = grid->row_start[row] + count;
   }
-  grid->active = grid->row_start[grid->rows];
+  grid->active = grid->active_all = grid->row_start[grid->rows];
+  grid->row_end = grid->inner_end = grid->rows;
   return STATUS_OK;
 cleanup:
   stokes_grid_free(grid);
   return status;
 }
 
+/* Work of a plane, in units of that of a solved site; docs/scaling.md. */
+#define WORK_SITE 0.2
+
+enum status stokes_grid_share(struct stokes_grid *grid, int reach) {
+  enum status status = STATUS_OK;
+  const size_t planes = grid->size[2], ny = grid->size[1];
+  double *work = NULL;
+  if (ranks_count() == 1) return STATUS_OK;
+  TRY(memory_allocate(&work, planes, sizeof *work, "work of the planes"));
+  for (size_t k = 0; k < planes; k++)
+    work[k] = (double)(grid->row_start[(k + 1) * ny] - grid->row_start[k * ny]) +
+              WORK_SITE * (double)(grid->size[0] * ny);
+  /* A slab is as thick as the ghosts on both sides of it, and whole blocks of the coarse levels. */
+  const size_t blocks = (size_t)1 << STOKES_SHARED_LEVELS;
+  const size_t unit = (2 * (size_t)reach + blocks - 1) / blocks * blocks;
+  TRY(slabs_make(planes, work, unit, &grid->slabs));
+  const struct slabs *s = &grid->slabs;
+  grid->row_begin = s->begin * ny;
+  grid->row_end = s->end * ny;
+  grid->reach = s->count > 1 && s->begin < s->end ? reach : 0;
+  grid->inner_begin = grid->row_begin + (size_t)grid->reach * ny;
+  grid->inner_end = grid->row_end - (size_t)grid->reach * ny;
+  grid->offset = grid->row_start[grid->row_begin];
+  grid->active = grid->row_start[grid->row_end] - grid->offset;
+  for (size_t row = grid->row_begin; row <= grid->row_end; row++)
+    grid->row_start[row] -= grid->offset;
+cleanup:
+  memory_free(&work);
+  return status;
+}
+
 void stokes_grid_free(struct stokes_grid *grid) {
   memory_free(&grid->mask);
   memory_free(&grid->row_start);
+  slabs_free(&grid->slabs);
 }

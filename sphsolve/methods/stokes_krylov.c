@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 
 #define BLOCK 4096
 #define BASIS_MAX 64
@@ -58,7 +59,7 @@ static double dot(struct stokes_krylov *k, const float *x, const float *y) {
   }
   double total = 0.0;
   for (size_t b = 0; b < blocks; b++) total += k->partial[b];
-  return total;
+  return ranks_sum(total);
 }
 
 double stokes_krylov_norm(struct stokes_krylov *k, const float *x) {

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 
 #define SWEEPS 2
 #define SWEEPS_COARSEST 16
@@ -12,7 +13,13 @@
 #define OVERCORRECTION 0.5f
 #define PARALLEL_FROM 20000
 
-enum status stokes_multigrid_build(const size_t size[3], struct stokes_multigrid *m) {
+static enum status allocate(float **values, const struct stokes_multigrid_level *l) {
+  const size_t used = (l->end - l->begin + 2) * l->size[0] * l->size[1];
+  return memory_allocate_sparse(values, l->count, sizeof(float), used, "multigrid");
+}
+
+enum status stokes_multigrid_build(const size_t size[3], const struct slabs *slabs, int shared,
+                                   struct stokes_multigrid *m) {
   enum status status = STATUS_OK;
   memset(m, 0, sizeof *m);
   size_t n[3] = {size[0], size[1], size[2]};
@@ -20,13 +27,23 @@ enum status stokes_multigrid_build(const size_t size[3], struct stokes_multigrid
     struct stokes_multigrid_level *l = &m->levels[m->level_count++];
     memcpy(l->size, n, sizeof l->size);
     l->count = n[0] * n[1] * n[2];
-    for (int a = 0; a < 3; a++)
-      TRY(memory_allocate(&l->face[a], l->count, sizeof(float), "multigrid"));
-    TRY(memory_allocate(&l->mass, l->count, sizeof(float), "multigrid"));
-    TRY(memory_allocate(&l->inverse, l->count, sizeof(float), "multigrid"));
-    TRY(memory_allocate(&l->u, l->count, sizeof(float), "multigrid"));
-    TRY(memory_allocate(&l->b, l->count, sizeof(float), "multigrid"));
-    TRY(memory_allocate(&l->r, l->count, sizeof(float), "multigrid"));
+    l->shift = m->level_count;
+    l->end = n[2];
+    if (RANKS && slabs->start && m->level_count <= shared) {
+      l->slabs = slabs;
+      l->begin = slabs_coarse(slabs->begin, l->shift);
+      l->end = slabs_coarse(slabs->end, l->shift);
+    } else if (RANKS && m->level_count > 1 && m->levels[m->level_count - 2].slabs) {
+      const size_t ranks = (size_t)ranks_count();
+      TRY(memory_allocate(&l->start, ranks + 1, sizeof *l->start, "multigrid"));
+      for (size_t r = 0; r <= ranks; r++) l->start[r] = slabs_coarse(slabs->start[r], l->shift);
+    }
+    for (int a = 0; a < 3; a++) TRY(allocate(&l->face[a], l));
+    TRY(allocate(&l->mass, l));
+    TRY(allocate(&l->inverse, l));
+    TRY(allocate(&l->u, l));
+    TRY(allocate(&l->b, l));
+    TRY(allocate(&l->r, l));
     more = n[0] > 2 || n[1] > 2 || n[2] > 2;
     for (int a = 0; a < 3; a++) n[a] = (n[a] + 1) / 2;
   }
@@ -40,6 +57,7 @@ void stokes_multigrid_free(struct stokes_multigrid *m) {
   for (int i = 0; i < m->level_count; i++) {
     struct stokes_multigrid_level *l = &m->levels[i];
     for (int a = 0; a < 3; a++) memory_free(&l->face[a]);
+    memory_free(&l->start);
     memory_free(&l->mass);
     memory_free(&l->inverse);
     memory_free(&l->u);
@@ -61,11 +79,44 @@ static size_t next_of(const struct stokes_multigrid_level *l, size_t i, size_t j
   return index_of(l, at[0], at[1], at[2]);
 }
 
+/* Sites of this rank. */
+static size_t first_of(const struct stokes_multigrid_level *l) {
+  return RANKS ? l->begin * l->size[0] * l->size[1] : 0;
+}
+static size_t end_of(const struct stokes_multigrid_level *l) {
+  return RANKS ? l->end * l->size[0] * l->size[1] : l->count;
+}
+
+/* The planes beside those of this rank. */
+static void fill_ghosts(const struct stokes_multigrid_level *l, float *values) {
+  if (!RANKS || l->slabs == NULL) return;
+  slabs_post(l->slabs, l->shift, values, l->size[0] * l->size[1] * sizeof *values, 1);
+  ranks_wait();
+}
+
+/* Of a level that every rank has, this one computes what lies over its part of `fine`. */
+static void share_range(const struct stokes_multigrid_level *fine,
+                        const struct stokes_multigrid_level *coarse, size_t *first, size_t *end) {
+  *first = 0, *end = coarse->count;
+  if (!RANKS || fine->slabs == NULL) return;
+  const size_t plane = coarse->size[0] * coarse->size[1];
+  *first = slabs_coarse(fine->slabs->begin, coarse->shift) * plane;
+  *end = slabs_coarse(fine->slabs->end, coarse->shift) * plane;
+}
+
+/* After that all have all of it. */
+static void gather(const struct stokes_multigrid_level *coarse, float *values) {
+  if (!RANKS || coarse->start == NULL) return;
+  ranks_gather(values, coarse->start, coarse->size[0] * coarse->size[1] * sizeof *values);
+}
+
 /* Every coarse site gathers its own: no two threads write to one place. */
 static void coarsen_level(const struct stokes_multigrid_level *fine,
                           struct stokes_multigrid_level *coarse) {
+  size_t first, end;
+  share_range(fine, coarse, &first, &end);
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
-  for (size_t c = 0; c < coarse->count; c++) {
+  for (size_t c = first; c < end; c++) {
     const size_t at[3] = {c % coarse->size[0], c / coarse->size[0] % coarse->size[1],
                           c / coarse->size[0] / coarse->size[1]};
     float face[3] = {0.0f}, mass = 0.0f;
@@ -83,22 +134,38 @@ static void coarsen_level(const struct stokes_multigrid_level *fine,
   }
 }
 
-static void invert_diagonal(struct stokes_multigrid_level *l) {
-  memcpy(l->r, l->mass, l->count * sizeof *l->r);
-  for (size_t s = 0; s < l->count; s++) {
-    const size_t i = s % l->size[0], j = s / l->size[0] % l->size[1];
-    const size_t k = s / l->size[0] / l->size[1];
-    for (int a = 0; a < 3; a++) {
-      l->r[s] += l->face[a][s];
-      l->r[next_of(l, i, j, k, a)] += l->face[a][s];
+/* Adds the couplings of a plane's sites to the diagonals at their ends. */
+static void add_couplings(struct stokes_multigrid_level *l, size_t k) {
+  for (size_t j = 0; j < l->size[1]; j++)
+    for (size_t i = 0; i < l->size[0]; i++) {
+      const size_t s = index_of(l, i, j, k);
+      for (int a = 0; a < 3; a++) {
+        l->r[s] += l->face[a][s];
+        l->r[next_of(l, i, j, k, a)] += l->face[a][s];
+      }
     }
-  }
-  for (size_t s = 0; s < l->count; s++) l->inverse[s] = l->r[s] > 0.0f ? 1.0f / l->r[s] : 0.0f;
+}
+
+static void invert_diagonal(struct stokes_multigrid_level *l) {
+  const size_t first = first_of(l), end = end_of(l), below = l->begin - 1;
+  if (end > first) memcpy(l->r + first, l->mass + first, (end - first) * sizeof *l->r);
+  /* In the order of the whole lattice, so that any number of ranks gives the same bits. */
+  const bool ghost = RANKS && l->slabs != NULL && l->end > l->begin;
+  if (ghost && l->begin > 0) add_couplings(l, below);
+  for (size_t k = l->begin; k < l->end; k++) add_couplings(l, k);
+  if (ghost && l->begin == 0) add_couplings(l, l->size[2] - 1);
+  for (size_t s = first; s < end; s++) l->inverse[s] = l->r[s] > 0.0f ? 1.0f / l->r[s] : 0.0f;
 }
 
 void stokes_multigrid_coarsen(struct stokes_multigrid *m) {
   for (int i = 0; i < m->level_count; i++) {
-    if (i > 0) coarsen_level(&m->levels[i - 1], &m->levels[i]);
+    if (i > 0) {
+      struct stokes_multigrid_level *l = &m->levels[i];
+      coarsen_level(&m->levels[i - 1], l);
+      gather(l, l->mass);
+      for (int a = 0; a < 3; a++) gather(l, l->face[a]);
+    }
+    fill_ghosts(&m->levels[i], m->levels[i].face[2]);
     invert_diagonal(&m->levels[i]);
   }
 }
@@ -125,9 +192,11 @@ static void residual_row(const struct stokes_multigrid_level *l, size_t j, size_
 }
 
 static void residual(struct stokes_multigrid_level *l) {
-  const size_t rows = l->size[1] * l->size[2];
+  const size_t first = RANKS ? l->size[1] * l->begin : 0;
+  const size_t end = RANKS ? l->size[1] * l->end : l->size[1] * l->size[2];
+  fill_ghosts(l, l->u);
 #pragma omp parallel for schedule(static) if (l->count > PARALLEL_FROM)
-  for (size_t row = 0; row < rows; row++) residual_row(l, row % l->size[1], row / l->size[1]);
+  for (size_t row = first; row < end; row++) residual_row(l, row % l->size[1], row / l->size[1]);
 }
 
 static void smooth(struct stokes_multigrid_level *l, int sweeps, bool from_zero) {
@@ -135,16 +204,19 @@ static void smooth(struct stokes_multigrid_level *l, int sweeps, bool from_zero)
     const bool first = s == 0 && from_zero;
     if (!first) residual(l);
     const float *r = first ? l->b : l->r;
+    const size_t begin = first_of(l), end = end_of(l);
 #pragma omp parallel for simd schedule(static) if (l->count > PARALLEL_FROM)
-    for (size_t i = 0; i < l->count; i++)
+    for (size_t i = begin; i < end; i++)
       l->u[i] = (first ? 0.0f : l->u[i]) + DAMPING * l->inverse[i] * r[i];
   }
 }
 
 static void restrict_residual(const struct stokes_multigrid_level *fine,
                               struct stokes_multigrid_level *coarse) {
+  size_t first, end;
+  share_range(fine, coarse, &first, &end);
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
-  for (size_t c = 0; c < coarse->count; c++) {
+  for (size_t c = first; c < end; c++) {
     const size_t I = 2 * (c % coarse->size[0]), J = 2 * (c / coarse->size[0] % coarse->size[1]);
     const size_t K = 2 * (c / coarse->size[0] / coarse->size[1]);
     float sum = 0.0f;
@@ -154,12 +226,15 @@ static void restrict_residual(const struct stokes_multigrid_level *fine,
           sum += fine->r[index_of(fine, i, j, k)];
     coarse->b[c] = sum;
   }
+  gather(coarse, coarse->b);
 }
 
 static void prolong(const struct stokes_multigrid_level *coarse,
                     struct stokes_multigrid_level *fine) {
+  const size_t first = RANKS ? fine->size[1] * fine->begin : 0;
+  const size_t end = RANKS ? fine->size[1] * fine->end : fine->size[1] * fine->size[2];
 #pragma omp parallel for schedule(static) if (fine->count > PARALLEL_FROM)
-  for (size_t row = 0; row < fine->size[1] * fine->size[2]; row++) {
+  for (size_t row = first; row < end; row++) {
     const size_t j = row % fine->size[1], k = row / fine->size[1];
     const float *from = coarse->u + index_of(coarse, 0, j / 2, k / 2);
     float *to = fine->u + index_of(fine, 0, j, k);

@@ -8,14 +8,19 @@
 #include <stddef.h>
 
 #include "common/error.h"
+#include "common/slabs.h"
 
 #define MULTIGRID_LEVELS 12
 
 struct stokes_multigrid_level {
   size_t size[3], count;
-  float *face[3]; /* t to the next site along x, y, z; 0 where there is no way */
-  float *mass;    /* m */
-  float *inverse; /* 1 / diagonal, 0 for a site without any coupling */
+  size_t begin, end;         /* planes of this rank; all where every rank has the whole level */
+  const struct slabs *slabs; /* NULL: so it is */
+  size_t *start;             /* planes of each rank where this is the first level that all have */
+  int shift;                 /* planes of the lattice in one of this level's: 2^shift */
+  float *face[3];            /* t to the next site along x, y, z; 0 where there is no way */
+  float *mass;               /* m */
+  float *inverse;            /* 1 / diagonal, 0 for a site without any coupling */
   float *u, *b, *r;
 };
 
@@ -24,9 +29,11 @@ struct stokes_multigrid {
   struct stokes_multigrid_level levels[MULTIGRID_LEVELS];
 };
 
-/* Allocates all levels, the first of `size`. The caller fills face and mass of levels[0], then
+/* Allocates all levels, the first of `size`, of the lattice that `slabs` (kept) share
+ * out: the first `shared` levels are too. The caller fills face and mass of levels[0], then
  * calls stokes_multigrid_coarsen. */
-enum status stokes_multigrid_build(const size_t size[3], struct stokes_multigrid *multigrid);
+enum status stokes_multigrid_build(const size_t size[3], const struct slabs *slabs, int shared,
+                                   struct stokes_multigrid *multigrid);
 void stokes_multigrid_coarsen(struct stokes_multigrid *multigrid);
 void stokes_multigrid_free(struct stokes_multigrid *multigrid);
 

@@ -14,9 +14,10 @@ static void unpack(struct stokes_operator *op, const float *packed, int componen
   const struct stokes_grid *grid = op->grid;
   float *field = field_of(op, component);
 #pragma omp for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, packed + grid->row_start[row],
                      field + row * grid->stride);
+  stokes_grid_post(grid, field, grid->stride * sizeof *field);
 }
 
 /* Packed values of one convolution of one field on one row; the result lies in the buffers of the
@@ -76,7 +77,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
   float *corrected = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
   const float tau = (float)op->tau;
 #pragma omp for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
     for (int a = 0; a < axes; a++) {
       memset(corrected, 0, count * sizeof *corrected);
@@ -89,6 +90,8 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
                        field_of(op, a) + row * grid->stride);
     }
   }
+  for (int a = 0; a < axes; a++)
+    stokes_grid_post(grid, field_of(op, a), grid->stride * sizeof(float));
 }
 
 /* tau L p on one row. */
@@ -123,21 +126,33 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
 #pragma omp parallel num_threads(op->threads)
   {
     unpack(op, p, axes);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < grid->rows; row++) {
-      if (grid->row_start[row] == grid->row_start[row + 1]) continue;
-      gradient_row(op, row, p, y);
-      stabilisation_row(op, row, p, continuity);
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
+        gradient_row(op, row, p, y);
+        stabilisation_row(op, row, p, continuity);
+      }
     }
     unpack_corrected(op, x, y);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < grid->rows; row++)
-      if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
+      }
+    }
     for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < grid->rows; row++)
-      if (grid->row_start[row] < grid->row_start[row + 1]) {
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
         const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
+        if (start == end) continue;
         correct(op, start, end, y);
         for (int a = 0; a < axes; a++) {
           float *ya = y + (size_t)a * op->n;
@@ -145,29 +160,41 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
           viscous_row(op, a, row, x + (size_t)a * op->n, true, ya);
         }
       }
+    }
   }
 }
 
 void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x,
                                    float *y) {
+  const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
     for (int c = 0; c < count; c++) unpack(op, x + (size_t)c * op->n, c);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < op->grid->rows; row++) {
-      if (op->grid->row_start[row] == op->grid->row_start[row + 1]) continue;
-      for (int c = 0; c < count; c++)
-        viscous_row(op, c, row, x + (size_t)c * op->n, false, y + (size_t)c * op->n);
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
+        for (int c = 0; c < count; c++)
+          viscous_row(op, c, row, x + (size_t)c * op->n, false, y + (size_t)c * op->n);
+      }
     }
   }
 }
 
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y) {
+  const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
     unpack(op, p, op->stencil->axis_count);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < op->grid->rows; row++)
-      if (op->grid->row_start[row] < op->grid->row_start[row + 1]) gradient_row(op, row, p, y);
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] < grid->row_start[row + 1]) gradient_row(op, row, p, y);
+      }
+    }
   }
 }

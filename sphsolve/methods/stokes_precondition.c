@@ -12,7 +12,7 @@
 static double dot(size_t n, const float *x, const float *y) {
   double sum = 0.0;
   for (size_t i = 0; i < n; i++) sum += (double)x[i] * (double)y[i];
-  return sum;
+  return ranks_sum(sum);
 }
 
 /* A kappa = 1 by conjugate gradients with the diagonal; a few per cent are good enough. */
@@ -30,7 +30,7 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
     d[i] = r[i] / op->diagonal[i];
     rho += (double)r[i] * (double)d[i];
   }
-  start = rho;
+  rho = start = ranks_sum(rho);
   for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
     stokes_operator_apply_viscous(op, 1, d, Ad);
     const float alpha = (float)(rho / dot(n, d, Ad));
@@ -40,6 +40,7 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
       r[i] -= alpha * Ad[i];
       next += (double)r[i] * (double)r[i] / (double)op->diagonal[i];
     }
+    next = ranks_sum(next);
     const float beta = (float)(next / rho);
     for (size_t i = 0; i < n; i++) d[i] = r[i] / op->diagonal[i] + beta * d[i];
     rho = next;
@@ -58,7 +59,7 @@ static void restrict_packed(const struct stokes_preconditioner *pc, const float 
   const struct stokes_grid *grid = pc->op->grid;
   const size_t ny = grid->size[1], nz = grid->size[2];
 #pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < coarse->size[1] * coarse->size[2]; c++) {
+  for (size_t c = coarse->size[1] * coarse->begin; c < coarse->size[1] * coarse->end; c++) {
     const size_t J = c % coarse->size[1], K = c / coarse->size[1];
     float *sum = out + c * coarse->size[0];
     memset(sum, 0, coarse->size[0] * sizeof *sum);
@@ -81,7 +82,7 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
                            const struct stokes_multigrid_level *coarse, bool weigh, float *x) {
   const struct stokes_grid *grid = pc->op->grid;
 #pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % grid->size[1], k = row / grid->size[1];
     const float *from = coarse->u + ((k / 2) * coarse->size[1] + j / 2) * coarse->size[0];
     size_t at = grid->row_start[row];
@@ -102,11 +103,13 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
   float *kappa = op->field; /* by lattice site */
 #pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
                      pc->kappa + grid->row_start[row], kappa + row * grid->stride);
+  if (RANKS) slabs_post(&grid->slabs, 0, kappa, size[1] * grid->stride * sizeof *kappa, 1);
+  ranks_wait();
   restrict_packed(pc, pc->kappa, false, v, v->mass);
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % size[1], k = row / size[1];
     for (size_t i = 0; i < nx; i++) {
       const float here = kappa[row * grid->stride + i];
@@ -141,8 +144,9 @@ enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
   for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
   TRY(solve_kappa(pc));
-  TRY(stokes_multigrid_build(coarse, &pc->velocity));
-  TRY(stokes_multigrid_build(coarse, &pc->pressure));
+  const int shared = STOKES_SHARED_LEVELS - 1;
+  TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->velocity));
+  TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->pressure));
   fill_levels(pc);
   return STATUS_OK;
 cleanup:

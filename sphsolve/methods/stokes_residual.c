@@ -8,7 +8,7 @@ static void unpack_double(struct stokes_operator *op, const double *packed) {
   const struct stokes_grid *grid = op->grid;
   double *field = (double *)(void *)op->field;
 #pragma omp for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++) {
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const double *p = packed + grid->row_start[row];
     double *out = field + row * grid->stride;
     memset(out, 0, grid->stride * sizeof *out);
@@ -16,6 +16,8 @@ static void unpack_double(struct stokes_operator *op, const double *packed) {
       for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1)
         out[c * STOKES_LANES + (size_t)__builtin_ctz(bits)] = *p++;
   }
+  stokes_grid_post(grid, field, grid->stride * sizeof *field);
+  stokes_grid_await(grid, 1);
 }
 
 static const double *convolve_field(const struct stokes_operator *op,
@@ -105,7 +107,7 @@ static void average_at_walls(const struct stokes_operator *op) {
   const double *field = (const double *)(const void *)op->field;
   double *average = (double *)(void *)op->field + grid->rows * grid->stride;
 #pragma omp for schedule(static)
-  for (size_t row = 0; row < grid->rows; row++)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     for (size_t i = 0; i < grid->stride; i++) {
       double sum = 0.0, weight = 0.0;
       const bool wall = i < grid->size[0] && !stokes_grid_is_active(grid, row, i) &&
@@ -123,6 +125,8 @@ static void average_at_walls(const struct stokes_operator *op) {
       }
       average[row * grid->stride + i] = weight > 0.0 ? sum / weight : 0.0;
     }
+  stokes_grid_post(grid, average, grid->stride * sizeof *average);
+  stokes_grid_await(grid, 1);
 }
 
 /* What the average differs from the site's own velocity, which the operator takes. */
@@ -163,13 +167,13 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
   {
     unpack_double(op, p);
 #pragma omp for schedule(static)
-    for (size_t row = 0; row < grid->rows; row++)
+    for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
       if (grid->row_start[row] < grid->row_start[row + 1]) pressure_terms(op, row, p, residual);
     for (int a = 0; a < axes; a++) {
       correct(op, a, x, residual, work);
       unpack_double(op, work);
 #pragma omp for schedule(static)
-      for (size_t row = 0; row < grid->rows; row++)
+      for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           divergence_terms(op, a, row, work, continuity);
     }
@@ -183,13 +187,13 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
       const double *v = x + (size_t)a * op->n;
       unpack_double(op, v);
 #pragma omp for schedule(static)
-      for (size_t row = 0; row < grid->rows; row++)
+      for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           viscous_terms(op, a, row, force[op->stencil->axes[a]], v, residual + (size_t)a * op->n);
       if (op->wall != WALL_ADAMI) continue;
       average_at_walls(op);
 #pragma omp for schedule(static)
-      for (size_t row = 0; row < grid->rows; row++)
+      for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           adami_terms(op, row, v, residual + (size_t)a * op->n);
     }

@@ -72,6 +72,9 @@ static void measure(struct stokes_solver *s) {
                            s->residual);
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) square += (double)continuity[i] * (double)continuity[i];
+  double sums[2] = {work, square};
+  ranks_sum_all(sums, 2);
+  work = sums[0], square = sums[1];
   s->divergence = work > 0.0 ? sqrt(square / work) : INFINITY;
   const double norm = stokes_krylov_norm(&s->krylov, s->residual);
   if (s->residual_start == 0.0) s->residual_start = norm;
@@ -111,7 +114,12 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing, support, &s->stencil));
   TRY(set_units(s, scene, nu, driving));
   TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
-  if (s->grid.active == 0) return STATUS_OK;
+  int reach = 0;
+  for (int o = 0; o < s->stencil.offset_count; o++)
+    if (s->stencil.offsets[o].step[2] > reach) reach = s->stencil.offsets[o].step[2];
+  const size_t active = s->grid.active_all;
+  TRY(stokes_grid_share(&s->grid, reach));
+  if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   omp_set_num_threads(threads_for(s->grid.active));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
@@ -119,8 +127,8 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   TRY(memory_allocate(&s->residual, length, sizeof *s->residual, "residual"));
   TRY(stokes_preconditioner_build(&s->operator, s->residual, &s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  TRY(stokes_krylov_build(
-      length, stokes_solver_basis((double)lattice->count, (double)s->grid.active), &s->krylov));
+  TRY(stokes_krylov_build(length, stokes_solver_basis((double)lattice->count, (double)active),
+                          &s->krylov));
   s->krylov.system = s;
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
@@ -166,7 +174,7 @@ bool stokes_solver_converged(const struct stokes_solver *s, double tolerance) {
 
 enum status stokes_solver_run(struct stokes_solver *s, double tolerance) {
   double best = INFINITY;
-  if (s->grid.active == 0) return STATUS_OK;
+  if (s->grid.active_all == 0) return STATUS_OK;
   for (int stalled = 0; stalled < 10;) {
     stokes_solver_round(s);
     if (stokes_solver_converged(s, tolerance)) return STATUS_OK;

@@ -37,8 +37,8 @@ struct stokes_solver {
   size_t bulk_count;
 };
 
-/* With grid.active == 0 there is no path for the fluid and nothing to solve. `scene` (may be NULL)
- * gives walls their velocity and slip, support in m, nu in m^2/s, driving in m/s^2. */
+/* With grid.active_all == 0 there is no path for the fluid and nothing to solve. `scene` (may be
+ * NULL) gives walls their velocity and slip, support in m, nu in m^2/s, driving in m/s^2. */
 enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
                                 double support, enum wall_scheme wall, double nu,
                                 const double driving[3], struct stokes_solver *solver);

@@ -1,0 +1,96 @@
+/* One dataset written by all ranks. The first rank has the file to itself but here, where all open
+ * it together: so every file is laid out the same by any number of ranks. */
+#include <stdint.h>
+#include <unistd.h>
+
+#include "common/hdf5_internal.h"
+#include "common/memory.h"
+#include "common/output_file.h"
+#include "common/ranks.h"
+
+#ifndef TOSUI_MPI
+enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                           const size_t *dims, const void *data, bool compress) {
+  return h5_write(file, name, type, rank, dims, data, compress);
+}
+
+#else
+static hid_t open_together(const char *path) {
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+  H5Pset_fapl_mpio(access, MPI_COMM_WORLD, MPI_INFO_NULL);
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, access);
+  H5Pclose(access);
+  return file;
+}
+
+static hid_t open_alone(const char *path) {
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, access);
+  H5Pclose(access);
+  return file;
+}
+
+static bool write_rows(hid_t set, hid_t whole, enum h5_type type, int rank, const hsize_t *start,
+                       const hsize_t *extent, const void *data) {
+  const char none = 0;
+  hid_t own = H5Screate_simple(rank, extent, NULL), transfer = H5Pcreate(H5P_DATASET_XFER);
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  if (extent[0] > 0) {
+    H5Sselect_hyperslab(whole, H5S_SELECT_SET, start, NULL, extent, NULL);
+  } else {
+    H5Sselect_none(whole);
+    H5Sselect_none(own);
+    data = &none;
+  }
+  herr_t failed = H5Dwrite(set, h5_memory_type(type), own, whole, transfer, data);
+  H5Pclose(transfer);
+  H5Sclose(own);
+  return failed >= 0;
+}
+
+enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                           const size_t *dims, const void *data, bool compress) {
+  enum status status = STATUS_OK;
+  hsize_t start[H5S_MAX_RANK] = {0}, extent[H5S_MAX_RANK], full[H5S_MAX_RANK];
+  size_t total, whole_dims[H5S_MAX_RANK];
+  hid_t together = -1, set = -1, layout = -1, whole = -1;
+  if (ranks_count() == 1) return h5_write(file, name, type, rank, dims, data, compress);
+  start[0] = ranks_offset(dims[0], &total);
+  for (int i = 0; i < rank; i++) {
+    whole_dims[i] = i == 0 ? total : dims[i];
+    full[i] = whole_dims[i];
+    extent[i] = dims[i];
+  }
+  if (total == 0) return h5_write(file, name, type, rank, whole_dims, data, compress);
+  if (ranks_own() == 0) {
+    status = h5_make_groups(file, name, false);
+    if (H5Fclose(file->id) < 0 && status == STATUS_OK)
+      status = FAIL(STATUS_RUN, "%s: cannot be written; is the disk full?", file->path);
+    file->id = -1;
+  }
+  TRY(ranks_agree(status));
+  together = open_together(file->part);
+  if (together < 0) status = FAIL(STATUS_RUN, "%s: cannot be opened by all ranks", file->path);
+  TRY(ranks_agree(status));
+  layout = h5_dataset_layout(type, rank, whole_dims, compress);
+  whole = H5Screate_simple(rank, full, NULL);
+  set = H5Dcreate2(together, name, h5_disk_type(type), whole, H5P_DEFAULT, layout, H5P_DEFAULT);
+  if (set < 0 || output_fails() || !write_rows(set, whole, type, rank, start, extent, data))
+    status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
+cleanup:
+  if (set >= 0) H5Dclose(set);
+  if (whole >= 0) H5Sclose(whole);
+  if (layout >= 0) H5Pclose(layout);
+  if (together >= 0 && H5Fclose(together) < 0 && status == STATUS_OK)
+    status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
+  status = ranks_agree(status);
+  if (ranks_own() == 0 && status == STATUS_OK) {
+    file->id = open_alone(file->part);
+    if (file->id < 0) status = FAIL(STATUS_RUN, "%s: cannot be opened again", file->path);
+  }
+  if (ranks_own() == 0 && status != STATUS_OK) unlink(file->part);
+  return status;
+}
+#endif

@@ -1,0 +1,139 @@
+#include "common/ranks.h"
+
+#include "common/log.h"
+
+#ifndef TOSUI_MPI
+
+int ranks_end(enum status status) {
+  if (status != STATUS_OK) log_pending_error();
+  return (int)status;
+}
+
+#else
+#include <limits.h>
+#include <mpi.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define PATIENCE 2.0 /* s that ranks which failed wait for the others to fail too */
+#define PENDING 64   /* messages under way at once */
+
+static int own, count = 1;
+static struct ranks_traffic traffic;
+static MPI_Request pending[PENDING];
+static int pending_count;
+
+void ranks_start(int *argc, char ***argv) {
+  int provided;
+  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
+  MPI_Comm_rank(MPI_COMM_WORLD, &own);
+  MPI_Comm_size(MPI_COMM_WORLD, &count);
+  /* Results and messages are those of the first. */
+  if (own > 0 && freopen("/dev/null", "w", stdout) == NULL) fclose(stdout);
+}
+
+int ranks_end(enum status status) {
+  MPI_Request all;
+  int here = 0;
+  if (status != STATUS_OK && own == 0) log_pending_error();
+  MPI_Ibarrier(MPI_COMM_WORLD, &all);
+  const double started = clock_seconds();
+  for (MPI_Test(&all, &here, MPI_STATUS_IGNORE); !here; MPI_Test(&all, &here, MPI_STATUS_IGNORE)) {
+    if (status != STATUS_OK && clock_seconds() - started > PATIENCE) {
+      if (own > 0) fprintf(stderr, "%s: rank %d: %s\n", log_program(), own, error_message());
+      MPI_Abort(MPI_COMM_WORLD, (int)status);
+    }
+    usleep(1000);
+  }
+  MPI_Finalize();
+  return (int)status;
+}
+
+int ranks_count(void) {
+  return count;
+}
+int ranks_own(void) {
+  return own;
+}
+
+void ranks_sum_all(double *values, size_t n) {
+  if (count == 1) return;
+  const double start = clock_seconds();
+  MPI_Allreduce(MPI_IN_PLACE, values, (int)n, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  traffic.reductions++;
+  traffic.seconds += clock_seconds() - start;
+}
+
+double ranks_max(double value) {
+  if (count == 1) return value;
+  const double start = clock_seconds();
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  traffic.reductions++;
+  traffic.seconds += clock_seconds() - start;
+  return value;
+}
+
+bool ranks_any(bool value) {
+  return ranks_max(value ? 1 : 0) > 0;
+}
+
+enum status ranks_agree(enum status status) {
+  const int worst = (int)ranks_max((double)status);
+  if (status == STATUS_OK && worst != 0) return FAIL((enum status)worst, "another rank has failed");
+  return status;
+}
+
+size_t ranks_offset(size_t mine, size_t *total) {
+  uint64_t value = mine, before = 0, sum = mine;
+  if (count > 1) {
+    const double start = clock_seconds();
+    MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    traffic.reductions += 2;
+    traffic.seconds += clock_seconds() - start;
+  }
+  *total = sum;
+  return own == 0 ? 0 : before;
+}
+
+void ranks_gather(void *data, const size_t *start, size_t size) {
+  if (count == 1) return;
+  const double began = clock_seconds();
+  /* One after another, in pieces that an int can count. */
+  for (int r = 0; r < count; r++) {
+    char *from = (char *)data + start[r] * size;
+    for (size_t left = (start[r + 1] - start[r]) * size; left > 0;) {
+      const int piece = left < INT_MAX / 2 ? (int)left : INT_MAX / 2;
+      MPI_Bcast(from, piece, MPI_BYTE, r, MPI_COMM_WORLD);
+      if (r != own) traffic.gathered_bytes += (uint64_t)piece;
+      from += piece;
+      left -= (size_t)piece;
+    }
+  }
+  traffic.seconds += clock_seconds() - began;
+}
+
+void ranks_send(const void *from, size_t bytes, int rank, int tag) {
+  if (pending_count == PENDING) ranks_wait();
+  MPI_Isend(from, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, &pending[pending_count++]);
+  traffic.messages++;
+  traffic.bytes += bytes;
+}
+
+void ranks_receive(void *to, size_t bytes, int rank, int tag) {
+  if (pending_count == PENDING) ranks_wait();
+  MPI_Irecv(to, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, &pending[pending_count++]);
+}
+
+void ranks_wait(void) {
+  const double start = clock_seconds();
+  MPI_Waitall(pending_count, pending, MPI_STATUSES_IGNORE);
+  pending_count = 0;
+  traffic.seconds += clock_seconds() - start;
+}
+
+struct ranks_traffic ranks_traffic(void) {
+  return traffic;
+}
+#endif

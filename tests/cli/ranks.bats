@@ -1,0 +1,80 @@
+#!/usr/bin/env bats
+# sphsolve-mpi (make MPI=1): the same answers and the same files on any number of ranks.
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$build/tests:$PATH" AGREE="/usr/bin/python3 $ROOT/tests/cli/ranks.py"
+  # More ranks than cores, and as root, are fine here.
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+  export OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_mpi_yield_when_idle=1 OMP_NUM_THREADS=1
+  [ -x "$build/bin/sphsolve-mpi" ] || return 0
+  cd "$BATS_FILE_TMPDIR"
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 20x20x9 -o dense.hdf --quiet > /dev/null
+  cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
+}
+setup() {
+  command -v sphsolve-mpi > /dev/null || skip "sphsolve-mpi is not built (make check MPI=1)"
+  command -v mpirun > /dev/null || skip "mpirun is not installed"
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  cd "$BATS_FILE_TMPDIR"
+}
+on() { local n=$1; shift; timeout 120 mpirun -np "$n" "$@"; }
+stokes() { # NAME [options]
+  local name=$1; shift
+  echo run s06.cfg --set model.file=dense.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o "$name" --quiet "$@"
+}
+
+@test "stokes: one application of the operator on 1, 2, 3, 4 ranks" {
+  local vectors="" c
+  for c in 0 1 2 3; do vectors="$vectors operator$c residual$c"; done
+  for walls in "" adami; do
+    ranks_stokes one.hdf $walls
+    for n in 1 2 3 4; do
+      on $n ranks_stokes-mpi "on$n.hdf" $walls
+      $AGREE one.hdf "on$n.hdf" 1e-12 $vectors flux
+      # A factor in single precision, found by iteration, stands in the preconditioner.
+      $AGREE one.hdf "on$n.hdf" 1e-5 preconditioner0 preconditioner1 preconditioner2 preconditioner3
+    done
+  done
+}
+
+@test "stokes: k, history and snapshot of a run on 1, 2, 4 ranks" {
+  sphsolve $(stokes serial) > /dev/null
+  for n in 1 2 4; do
+    on $n sphsolve-mpi $(stokes "run$n") > "out$n"
+    [ "$(grep -c '^k ' "out$n")" -eq 1 ]
+    $AGREE serial.hdf "run$n.hdf" 1e-6 run@k history/darcy_velocity history/kinetic_energy
+    $AGREE serial-0000.hdf "run$n-0000.hdf" 1e-5 VTKHDF/PointData/velocity VTKHDF/PointData/pressure
+    $AGREE serial-0000.hdf "run$n-0000.hdf" 0 VTKHDF/Points VTKHDF/PointData/id VTKHDF/Connectivity VTKHDF/Offsets
+  done
+}
+
+@test "stokes: a rank killed on 3, finished on 4 and without MPI" {
+  rm -f cut*
+  on 3 sphsolve-mpi $(stokes cut --set checkpoint.interval=1us) > log 2>&1 &
+  local job=$! rank
+  for _ in $(seq 200); do [ ! -e cut.ckpt.1.hdf ] || break; sleep 0.05; done
+  rank=$(pgrep -f -- '-o cut --quiet' | tail -1)
+  kill -9 "$rank"
+  run wait $job
+  [ "$status" -ne 0 ]
+  [ -e cut.ckpt.hdf ] && [ ! -e cut.hdf ]
+  for f in cut.ckpt*.hdf; do cp "$f" "two${f#cut}"; done
+  sphsolve $(stokes serial) > /dev/null
+  on 4 sphsolve-mpi $(stokes cut --resume) > /dev/null
+  sphsolve $(stokes two --resume) > /dev/null
+  $AGREE serial.hdf cut.hdf 1e-6 run@k
+  $AGREE serial.hdf two.hdf 1e-6 run@k
+}
+
+@test "an error is said once, and ends all ranks" {
+  run on 3 sphsolve-mpi run nowhere.cfg -o none
+  [ "$status" -eq 3 ]
+  [ "$(grep -c 'nowhere.cfg' <<< "$output")" -eq 1 ]
+  run on 2 sphsolve-mpi run s06.cfg --set model.file=dense.hdf -o none
+  [ "$status" -eq 2 ]
+  [[ "$output" == *"one rank"* ]]
+}
