@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/effects/shifting.h"
 #include "sphsolve/methods/wcsph_modes.h"
 #include "sphsolve/plan.h"
 
@@ -100,6 +101,12 @@ static inline bool wcsph_shifting_wanted(const struct effect_context *context,
   WHY_WCSPH(wcsph_frozen(context) ? "summed densities keep particles apart as the paper has it"
                                   : "differences of pressure do not keep particles apart");
   return !wcsph_frozen(context);
+}
+
+/* See shifting.h. */
+static inline double wcsph_shifting_dt(const struct effect_context *context) {
+  return SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * context->velocity_scale *
+                            context->smoothing_length * wcsph_modes_of(context).crowding);
 }
 
 static const struct effect effect_body_force = {
@@ -199,7 +206,8 @@ static const struct effect effect_shifting = {
     .methods = METHOD_BIT_WCSPH,
     .reads = FIELD_BIT(POSITION) | FIELD_BIT(SHIFT),
     .writes = FIELD_BIT(SHIFT) | FIELD_BIT(VELOCITY),
-    .wanted = wcsph_shifting_wanted};
+    .wanted = wcsph_shifting_wanted,
+    .dt_max = wcsph_shifting_dt};
 
 #undef WHY_WCSPH
 #endif

@@ -245,10 +245,11 @@ static void count_pairs(struct engine *engine) {
   engine->pairs_wall = wall;
 }
 
-/* Makes the lists; orders the particles anew where they have gone far since they were last ordered.
+/* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have gone
+ * far since they were last ordered.
  * The order decides the order of sums and so must not depend on when lists are made: a resumed run
  * makes its own. */
-static enum status make_lists(struct engine *engine) {
+static enum status make_lists(struct engine *engine, bool order) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
   struct particles *p = &engine->particles;
@@ -256,7 +257,7 @@ static enum status make_lists(struct engine *engine) {
   struct cluster_bins bins = {0};
   double spacing = engine->pass.spacing, path = PATH * spacing;
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
-  if (engine->moved >= path) {
+  if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* their memory is the keys' */
     TRY(particles_sort(p));
     engine->moved = 0;
@@ -332,12 +333,12 @@ static void update_distance(struct engine *engine) {
   for (size_t i = 0; i < slots; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
 }
 
-/* x += (v + u) dt; finds the largest speed and displacement, and whether a particle has left the
+/* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left the
  * box that the lists were made for. */
-static void drift(struct engine *engine) {
+static void drift(struct engine *engine, double share) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
-  double dt = engine->settings.dt, speed = 0, step = 0;
+  double dt = share * engine->settings.dt, speed = 0, step = 0;
   double per_unit[3];
   bool left = false;
   for (int a = 0; a < 3; a++) per_unit[a] = p->frame.step[a] == 0 ? 0 : dt / p->frame.unit[a];
@@ -365,7 +366,7 @@ static void drift(struct engine *engine) {
   }
   engine->speed_max = sqrt(speed);
   engine->moved += sqrt(step) * dt;
-  if (left || engine->moved >= PATH * engine->pass.spacing) engine->listed = false;
+  if (left) engine->listed = false;
   engine->seconds[PHASE_DRIFT] += clock_seconds() - start;
 }
 
@@ -400,13 +401,24 @@ void engine_set_dt(struct engine *engine, double dt) {
   engine->settings.dt = engine->pass.dt = dt;
 }
 
+static void take_velocities(struct particles *p) {
+  for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
+}
+
+/* Velocities belong to the middle of a step, positions and pressures to its ends (leapfrog). The
+ * pressure is therefore carried on by the divergence half-way: on the places of the step's start it
+ * would lag, and take (dt/2) |grad p|^2 a second from the flow. */
 enum status engine_step(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   const struct engine_settings *s = &engine->settings;
   const struct pair_table *table = engine->table;
-  if (!engine->listed) TRY(make_lists(engine));
+  if (!engine->listed || engine->moved >= PATH * engine->pass.spacing)
+    TRY(make_lists(engine, true));
   engine->pass.shift_speed = engine->speed_max;
+  double moved = engine->speed_max * s->dt * s->smoothing_length * s->crowding;
+  engine->pass.shift_length =
+      s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
   bool has_walls = p->wall_clusters > 0;
   if (s->wall == PASS_FROZEN) {
     run_pass(engine, table->density, p->clusters, PHASE_DENSITY);
@@ -423,16 +435,20 @@ enum status engine_step(struct engine *engine) {
   }
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], p->clusters, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
-  if (s->wall != PASS_FROZEN) {
-    p->state_next = p->v[0]; /* the old velocity is not needed any more */
+  take_velocities(p);
+  if (s->wall == PASS_FROZEN) {
+    drift(engine, 1);
+  } else {
+    drift(engine, 0.5);
+    if (!engine->listed) TRY(make_lists(engine, false));
+    p->state_next = p->v_next[0]; /* the old velocity is not needed any more */
     run_pass(engine, table->continuity[has_walls][s->diffusion][s->shift], p->clusters,
              PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
-    swap(&p->state, &p->v[0]);
+    swap(&p->state, &p->v_next[0]);
+    drift(engine, 0.5);
     if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
   }
-  for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
-  drift(engine);
   engine->steps++;
   for (int t = 0; t < engine->threads; t++)
     if (engine->locals[t].overflow)

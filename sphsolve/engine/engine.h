@@ -17,6 +17,7 @@ struct engine_settings {
   double force[3];                    /* m/s^2 */
   double rest_ratio;                  /* see struct pass */
   double pressure_diffusion;          /* m^2/s */
+  double crowding;                    /* 1/m^2, see struct lattice_modes; for shifting */
   const double (*region_velocity)[3]; /* of lattice->region - 1; NULL: nothing moves */
   size_t region_count;
   bool wall_moves;

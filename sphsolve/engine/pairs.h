@@ -39,6 +39,7 @@ struct pass {
   double force[3];         /* m/s^2 */
   double diffusion;        /* m^2/s, of pressure */
   double shift_speed;      /* m/s */
+  double shift_length;     /* m, A h */
   double spacing;          /* m */
 };
 
@@ -51,7 +52,7 @@ struct pair_table {
   pass_function *density, *density_wall;
   /* v_next from v; [wall][viscosity][shift]. */
   pass_function *force[PASS_WALLS][2][2];
-  /* state_next from state and v_next; [walls][diffusion][shift]. */
+  /* state_next from state and v; [walls][diffusion][shift]. */
   pass_function *continuity[2][2][2];
   pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
   /* Directed pairs within the support, self excluded: of fluid with all, and of wall with fluid. */

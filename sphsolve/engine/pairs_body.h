@@ -229,8 +229,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
         double v = ((double)p->v[a][i] + pass->dt * change) / (1 + stiff);
         p->v_next[a][i] = (float)v;
         if (!shift) continue;
-        u[a] = -SHIFTING_STRENGTH * pass->shift_speed * pass->smoothing_length * gradient *
-               row.crowd[a];
+        u[a] = -pass->shift_length * pass->shift_speed * gradient * row.crowd[a];
         speed += u[a] * u[a];
       }
       if (!shift) continue;
@@ -246,7 +245,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
 SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, size_t begin,
                                  size_t end, bool walls, bool diffusion, bool shift) {
   struct particles *p = pass->particles;
-  const float *fluid[4] = {p->v_next[0], p->v_next[1], p->v_next[2], p->state};
+  const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
   bool given = p->wall_given[0] != NULL;
   const float *wall[3];
   for (int a = 0; a < 3; a++)
@@ -269,7 +268,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       float tile[MAX_SUMS][SIMD_LANES];
       vec at[3], vi[3], u[3], state = vec_set(p->state[i]);
       row_position(pass, &ref, l, at);
-      for (int a = 0; a < 3; a++) vi[a] = vec_set(p->v_next[a][i]);
+      for (int a = 0; a < 3; a++) vi[a] = vec_set(p->v[a][i]);
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
       for (int group = 0; group < SIMD_GROUPS; group++) {

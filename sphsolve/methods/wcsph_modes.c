@@ -62,6 +62,7 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
                                   (curve - slope / length) * r[a] * r[b] / (length * length));
           }
         }
+    modes.crowding = fmax(modes.crowding, 0.5 * largest_eigenvalue(stiffness));
     double square = 0;
     for (int a = 0; a < 3; a++) {
       square += gradient[a] * gradient[a];

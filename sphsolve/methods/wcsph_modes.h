@@ -8,6 +8,7 @@ struct lattice_modes {
   double gradient;  /* 1/m: largest |G(k)| of the gradient; omega = c |G| with the gauge pressure */
   double laplacian; /* 1/m^2: largest eigenvalue of Morris' viscous operator over nu */
   double absolute;  /* 1/m: as gradient, with the absolute pressure c^2 rho */
+  double crowding;  /* 1/m^2: largest eigenvalue of sum V grad W, by displacement */
 };
 
 /* Quintic kernel; anisotropic spacing allowed; dimensions 2 (x, z) or 3. */

@@ -108,6 +108,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   struct lattice_modes modes = lattice_modes_find(
       context->lattice->dimensions, context->lattice->spacing, context->smoothing_length);
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
+  settings->crowding = modes.crowding;
   double c = context->sound_speed, dx = context->spacing;
   settings->pressure_diffusion = DELTA * context->smoothing_length * c;
   if (context->kinematic_viscosity > 0 && context->has_wall)
@@ -127,12 +128,16 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   const struct lattice *lattice = context->lattice;
   /* Sound and viscosity together: (dt/dt_sound)^2 + dt/dt_viscous < 1, the exact condition of
    * the leapfrog with lagged viscosity for one mode. */
-  double sound = INFINITY, viscous = INFINITY, force = INFINITY;
+  double sound = INFINITY, viscous = INFINITY, accurate = INFINITY;
+  const char *accurate_by = NULL;
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
     if (!planned->on) continue;
     if (!strcmp(planned->effect->name, "viscosity_morris")) viscous = planned->dt_max;
-    if (!strcmp(planned->effect->name, "body_force")) force = planned->dt_max;
+    if ((!strcmp(planned->effect->name, "body_force") ||
+         !strcmp(planned->effect->name, "shifting")) &&
+        planned->dt_max < accurate)
+      accurate = planned->dt_max, accurate_by = planned->effect->name;
     if (!strncmp(planned->effect->name, "pressure_", 9)) sound = fmin(sound, planned->dt_max);
   }
   double q = sound / viscous;
@@ -140,8 +145,8 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
   plan->dt = SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;
-  /* The force's limit is one of accuracy: a dt that the scene gives may pass it. */
-  if (force < plan->dt) plan->dt = force, plan->dt_by = "body_force";
+  /* Limits of accuracy: a dt that the scene gives may pass them. */
+  if (accurate < plan->dt) plan->dt = accurate, plan->dt_by = accurate_by;
   if (!isnan(scene->wcsph.dt)) plan->dt = scene->wcsph.dt, plan->dt_by = "scene";
   /* Whole steps to the rows of the history that the scene asks for. */
   if (isnan(scene->wcsph.dt) && scene->history_interval > plan->dt)

@@ -78,7 +78,10 @@ static inline struct engine_settings test_settings(const struct lattice *lattice
                                      .diffusion = wall != PASS_FROZEN,
                                      .support = support,
                                      .smoothing_length = support / 3};
-  settings.rest_ratio = lattice_modes_find(lattice->dimensions, lattice->spacing, support / 3).sum;
+  struct lattice_modes modes =
+      lattice_modes_find(lattice->dimensions, lattice->spacing, support / 3);
+  settings.rest_ratio = modes.sum;
+  settings.crowding = modes.crowding;
   return settings;
 }
 
