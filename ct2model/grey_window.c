@@ -2,12 +2,14 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
-#include "ct2model/connect.h"
+#include "ct2model/specks.h"
 
-enum { UNITS_OF_CONTRAST = 8192 };
+#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+enum { UNITS_OF_CONTRAST = 8192, SPECK_REACH = 12 };
 
 enum status grey_window_start(const struct region *region, double threshold, double contrast,
                               bool mirror, size_t speck_limit, long low, long high, size_t room,
@@ -24,8 +26,10 @@ enum status grey_window_start(const struct region *region, double threshold, dou
                                  .first = low,
                                  .room = room};
   TRY(memory_allocate(&window->field, room * plane, sizeof *window->field, "a window of slices"));
-  TRY(memory_allocate(&window->greys, region_batch(region) * plane, sizeof *window->greys,
-                      "slices"));
+  const size_t threads = (size_t)omp_get_max_threads();
+  window->buffer_size = region_buffer_size(region);
+  TRY(memory_allocate(&window->buffer, threads, window->buffer_size, "slices"));
+  TRY(memory_allocate(&window->row, threads * region->size[0], sizeof *window->row, "rows"));
 cleanup:
   if (status != STATUS_OK) grey_window_end(window);
   return status;
@@ -33,7 +37,8 @@ cleanup:
 
 void grey_window_end(struct grey_window *window) {
   memory_free(&window->field);
-  memory_free(&window->greys);
+  memory_free(&window->buffer);
+  memory_free(&window->row);
 }
 
 static size_t slice_of(const struct grey_window *window, long z) {
@@ -42,65 +47,45 @@ static size_t slice_of(const struct grey_window *window, long z) {
   return (size_t)(((z % n) + n) % n);
 }
 
+/* Greys as distances from the threshold, away from zero, so that the sign is that of the grey
+ * against the threshold: the whole part is taken off first, without rounding. */
+TARGETS static void row_distances(float *restrict grey, size_t n, float whole, float part,
+                                  float scale, int16_t *restrict out) {
+  for (size_t i = 0; i < n; i++) {
+    const float value = (grey[i] - whole - part) * scale;
+    grey[i] = value > 32767.0f ? 32767.0f : value < -32767.0f ? -32767.0f : value;
+  }
+  for (size_t i = 0; i < n; i++) {
+    const int32_t cut = (int32_t)grey[i];
+    out[i] = (int16_t)(cut + (grey[i] > (float)cut) - (grey[i] < (float)cut));
+  }
+}
+
 static enum status read_slices(struct grey_window *window, size_t n) {
   enum status status = STATUS_OK;
-  size_t plane = window->region->size[0] * window->region->size[1];
-  size_t batch = region_batch(window->region), numbers[64];
-  while (n > 0) {
-    size_t some = n < batch ? n : batch;
-    int16_t *target = window->field + window->depth * plane;
-    for (size_t i = 0; i < some; i++)
-      numbers[i] = slice_of(window, window->first + (long)(window->depth + i));
-    TRY(region_read(window->region, numbers, some, window->greys));
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < some * plane; i++) {
-      double value = ((double)window->greys[i] - window->threshold) * window->scale;
-      value = value > 32767.0 ? 32767.0 : value < -32767.0 ? -32767.0 : value;
-      /* Away from zero, so that the sign is that of the grey against the threshold. */
-      int whole = (int)value;
-      target[i] = (int16_t)(whole + (value > whole) - (value < whole));
+  const struct region *region = window->region;
+  const size_t nx = region->size[0], ny = region->size[1];
+  const float whole = (float)floor(window->threshold);
+  const float part = (float)(window->threshold - (double)whole), scale = (float)window->scale;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t i = 0; i < n; i++) {
+    const size_t thread = (size_t)omp_get_thread_num();
+    float *row = window->row + thread * nx;
+    int16_t *target = window->field + (window->depth + i) * nx * ny;
+    struct pixel_rows rows;
+    enum status one =
+        region_read_rows(region, slice_of(window, window->first + (long)(window->depth + i)),
+                         window->buffer + thread * window->buffer_size, &rows);
+    for (size_t y = 0; y < ny && one == STATUS_OK; y++) {
+      pixel_rows_read(&rows, y, nx, row);
+      row_distances(row, nx, whole, part, scale, target + y * nx);
     }
-    window->depth += some;
-    n -= some;
+    if (one != STATUS_OK) {
+#pragma omp critical
+      status = one;
+    }
   }
-cleanup:
-  return status;
-}
-
-static bool is_speck(const struct part *part, const void *context) {
-  return part->voxels < *(const size_t *)context && !part->at_border;
-}
-
-/* Islands far smaller than a model voxel are noise to the model and would spoil the distances
- * around them: they take the phase around them. */
-static enum status remove_specks(struct grey_window *window) {
-  enum status status = STATUS_OK;
-  uint8_t *grain = NULL;
-  struct parts parts = {0};
-  const size_t size[3] = {window->region->size[0], window->region->size[1], window->depth};
-  const bool periodic[3] = {true, true, false};
-  size_t voxels = size[0] * size[1] * size[2];
-  size_t limit = window->speck_limit;
-  if (limit < 2) return STATUS_OK;
-  TRY(memory_allocate(&grain, voxels, 1, "grain voxels"));
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < voxels; i++) grain[i] = window->field[i] > 0;
-  size_t changed = 0;
-  for (uint8_t phase = 0; phase < 2; phase++) {
-    TRY(parts_find(grain, size, periodic, phase, &parts));
-    changed += parts_paint(&parts, is_speck, &limit, phase == 0, grain);
-    parts_end(&parts);
-  }
-  window->specks += changed;
-  if (changed == 0) goto cleanup;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < voxels; i++) {
-    if ((window->field[i] > 0) != (grain[i] != 0))
-      window->field[i] = (int16_t)(window->field[i] == 0 ? 1 : -window->field[i]);
-  }
-cleanup:
-  parts_end(&parts);
-  memory_free(&grain);
+  window->depth += n;
   return status;
 }
 
@@ -118,8 +103,12 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
   }
   long missing = end - window->first - (long)window->depth;
   if (missing <= 0) return STATUS_OK;
+  /* Islands that reach into the new slices. */
+  const size_t from = window->depth > SPECK_REACH ? window->depth - SPECK_REACH : 0;
   enum status status = read_slices(window, (size_t)missing);
-  return status == STATUS_OK ? remove_specks(window) : status;
+  if (status != STATUS_OK || window->speck_limit < 2) return status;
+  const size_t size[3] = {window->region->size[0], window->region->size[1], window->depth - from};
+  return specks_remove(window->field + from * plane, size, window->speck_limit, &window->specks);
 }
 
 /* The six neighbours' rows of row y, layer `deep` of the window; periodic in x and y. */
@@ -138,35 +127,23 @@ static struct neighbours neighbours_of(const struct grey_window *window, size_t 
       .nx = nx};
 }
 
-/* Grain share of a voxel cut by the plane that its grey gradient says. */
-static float voxel_fraction(const struct neighbours *n, size_t x) {
-  double value = (double)n->at[x];
-  double slope =
-      fabs((double)n->at[x + 1 < n->nx ? x + 1 : 0] - (double)n->at[x > 0 ? x - 1 : n->nx - 1]);
-  for (int d = 0; d < 4; d += 2) slope += fabs((double)n->rows[d][x] - (double)n->rows[d + 1][x]);
-  if (slope == 0.0) return value > 0.0 ? 1.0f : 0.0f;
-  double share = 0.5 + 2.0 * value / slope;
-  return (float)(share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share);
-}
-
-/* Grain shares of one row: 0 or 1 where no neighbour is of the other phase. `cut` is scratch. */
-static void row_fractions(const struct neighbours *n, uint8_t *cut, float *shares) {
-  const int16_t *at = n->at;
-  const size_t nx = n->nx;
+/* Grain shares of one row: 0 or 1 where no neighbour is of the other phase, else that of a voxel
+ * cut by the plane that its grey gradient says. The row stands at row[1 .. nx], with what follows
+ * it periodically at both ends. */
+TARGETS static void row_fractions(const int16_t *restrict row, const int16_t *restrict y_next,
+                                  const int16_t *restrict y_last, const int16_t *restrict z_next,
+                                  const int16_t *restrict z_last, size_t nx,
+                                  float *restrict shares) {
   for (size_t x = 0; x < nx; x++) {
-    bool grain = at[x] > 0;
-    cut[x] = (uint8_t)(((n->rows[0][x] > 0) != grain) | ((n->rows[1][x] > 0) != grain) |
-                       ((n->rows[2][x] > 0) != grain) | ((n->rows[3][x] > 0) != grain));
-    shares[x] = grain ? 1.0f : 0.0f;
+    const int at = row[x + 1], a = row[x + 2], b = row[x], c = y_next[x], d = y_last[x],
+              e = z_next[x], f = z_last[x], grain = at > 0;
+    const int cut = ((a > 0) ^ grain) | ((b > 0) ^ grain) | ((c > 0) ^ grain) | ((d > 0) ^ grain) |
+                    ((e > 0) ^ grain) | ((f > 0) ^ grain);
+    const int slope = abs(a - b) + abs(c - d) + abs(e - f);
+    float share = 0.5f + 2.0f * (float)at / (float)(slope > 0 ? slope : 1);
+    share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
+    shares[x] = cut & (slope > 0) ? share : (float)grain;
   }
-  for (size_t x = 0; x + 1 < nx; x++) {
-    uint8_t changes = (at[x] > 0) != (at[x + 1] > 0);
-    cut[x] |= changes;
-    cut[x + 1] |= changes;
-  }
-  if ((at[0] > 0) != (at[nx - 1] > 0)) cut[0] = cut[nx - 1] = 1;
-  for (size_t x = 0; x < nx; x++)
-    if (cut[x] != 0) shares[x] = voxel_fraction(n, x);
 }
 
 void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
@@ -194,11 +171,11 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
                                   struct resampler *area, float *volume) {
   enum status status = STATUS_OK;
   float *shares = NULL;
-  uint8_t *cut = NULL;
+  int16_t *padded = NULL;
   const size_t nx = window->region->size[0], ny = window->region->size[1];
   const size_t threads = (size_t)omp_get_max_threads();
   TRY(memory_allocate(&shares, threads * nx * ny, sizeof *shares, "grain fractions"));
-  TRY(memory_allocate(&cut, threads * nx, 1, "grain fractions"));
+  TRY(memory_allocate(&padded, threads * (nx + 2), sizeof *padded, "grain fractions"));
   for (size_t z = z0; z < z1; z += area->batch) {
     size_t n = z1 - z < area->batch ? z1 - z : area->batch;
 #pragma omp parallel for schedule(dynamic)
@@ -209,7 +186,12 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
       for (size_t y = 0; y < ny; y++) {
         const struct neighbours near =
             neighbours_of(window, y, (size_t)((long)(z + i) - window->first));
-        row_fractions(&near, cut + thread * nx, slice + y * nx);
+        int16_t *row = padded + thread * (nx + 2);
+        memcpy(row + 1, near.at, nx * sizeof *row);
+        row[0] = near.at[nx - 1];
+        row[nx + 1] = near.at[0];
+        row_fractions(row, near.rows[0], near.rows[1], near.rows[2], near.rows[3], nx,
+                      slice + y * nx);
       }
       (void)resampler_reduce(area, &rows, i); /* area: cannot fail */
     }
@@ -217,7 +199,7 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
   }
 cleanup:
   memory_free(&shares);
-  memory_free(&cut);
+  memory_free(&padded);
   return status;
 }
 

@@ -1,112 +1,167 @@
 #include "ct2model/surfels.h"
 
 #include <math.h>
-#include <stdbool.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
 
+#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 enum { BLOCK = 4 };
 static const double DISC_RADIUS = 0.71; /* half the diagonal of a cell's face */
 
-/* Positions to 1/255 and normals to 1/127 of a cell: errors under 0.006 voxels. */
-struct surfel {
-  uint8_t cell; /* x + 4 y + 16 z in its block */
-  uint8_t position[3];
-  int8_t normal[3];
+/* A disc is two words: its place in the block, three times ten bits, to 1/255 of a cell, and its
+ * normal, three times eight bits, to 1/127: errors under 0.006 voxels. */
+enum { LANES = 16 };
+
+/* Cells that the surface crosses, many at a time: corner c of a cell is (c & 1, c >> 1 & 1, c >>
+ * 2). */
+enum { CELLS = 64 };
+struct cells {
+  size_t n;
+  uint32_t item[CELLS];    /* where in the list it goes */
+  int32_t first[3][CELLS]; /* of the cell, in its block */
+  float corner[8][CELLS];
+  uint32_t place[CELLS], normal[CELLS];
 };
 
-/* Eight corners, corner c at (c & 1, c >> 1 & 1, c >> 2). */
-static void cell_corners(const int16_t *field, const size_t size[3], const size_t cell[3],
-                         float corner[8]) {
-  size_t x[2] = {cell[0], cell[0] + 1 < size[0] ? cell[0] + 1 : 0};
-  size_t y[2] = {cell[1], cell[1] + 1 < size[1] ? cell[1] + 1 : 0};
-  for (unsigned c = 0; c < 8; c++)
-    corner[c] = field[((cell[2] + (c >> 2)) * size[1] + y[c >> 1 & 1]) * size[0] + x[c & 1]];
+/* Where an edge from grey a to grey b crosses zero; 0 where it does not. */
+#define CROSSED(a, b) ((a > 0.0f) != (b > 0.0f) ? 1.0f : 0.0f)
+#define CROSSING(a, b) ((a > 0.0f) != (b > 0.0f) ? a / (a - b) : 0.0f)
+#define BILINEAR(u, v, a, b, c, d)                                                                 \
+  ((1.0f - v) * ((1.0f - u) * (a) + u * (b)) + v * ((1.0f - u) * (c) + u * (d)))
+#define ROUNDED(value) ((int)((value) + 128.5f) - 128)
+
+TARGETS static void make_surfels(struct cells *cells, const float stretch[3]) {
+  const float sx = 1.0f / stretch[0], sy = 1.0f / stretch[1], sz = 1.0f / stretch[2];
+  for (size_t i = 0; i < CELLS; i++) {
+    const float a = cells->corner[0][i], b = cells->corner[1][i], c = cells->corner[2][i],
+                d = cells->corner[3][i], e = cells->corner[4][i], f = cells->corner[5][i],
+                g = cells->corner[6][i], h = cells->corner[7][i];
+    /* Edges along x, y, z, each from the corner with fewer ones. */
+    const float x0 = CROSSED(a, b), x1 = CROSSED(c, d), x2 = CROSSED(e, f), x3 = CROSSED(g, h);
+    const float y0 = CROSSED(a, c), y1 = CROSSED(b, d), y2 = CROSSED(e, g), y3 = CROSSED(f, h);
+    const float z0 = CROSSED(a, e), z1 = CROSSED(b, f), z2 = CROSSED(c, g), z3 = CROSSED(d, h);
+    float n = x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3 + z0 + z1 + z2 + z3;
+    n = n > 0.0f ? 1.0f / n : 1.0f;
+    const float x =
+        n * (CROSSING(a, b) + CROSSING(c, d) + CROSSING(e, f) + CROSSING(g, h) + y1 + y3 + z1 + z3);
+    const float y =
+        n * (CROSSING(a, c) + CROSSING(b, d) + CROSSING(e, g) + CROSSING(f, h) + x1 + x3 + z2 + z3);
+    const float z =
+        n * (CROSSING(a, e) + CROSSING(b, f) + CROSSING(c, g) + CROSSING(d, h) + x2 + x3 + y2 + y3);
+    /* The gradient there: along an axis, bilinear between its four edges. */
+    const float dx = sx * BILINEAR(y, z, b - a, d - c, f - e, h - g);
+    const float dy = sy * BILINEAR(x, z, c - a, d - b, g - e, h - f);
+    const float dz = sz * BILINEAR(x, y, e - a, f - b, g - c, h - d);
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float unit = 127.0f / (square > 0.0f ? sqrtf(square) : 1.0f);
+    const int px = 255 * cells->first[0][i] + (int)(255.0f * x + 0.5f);
+    const int py = 255 * cells->first[1][i] + (int)(255.0f * y + 0.5f);
+    const int pz = 255 * cells->first[2][i] + (int)(255.0f * z + 0.5f);
+    const int nx = ROUNDED(unit * dx), ny = ROUNDED(unit * dy), nz = ROUNDED(unit * dz);
+    cells->place[i] = (uint32_t)(px | py << 10 | pz << 20);
+    cells->normal[i] = (uint32_t)((nx & 255) | (ny & 255) << 8 | (nz & 255) << 16);
+  }
 }
 
-/* Without branches, which no processor could foretell here. */
-static struct surfel make_surfel(const float corner[8], const float stretch[3]) {
-  /* The four edges along x, then y, then z: from corner A to corner B. */
-  static const uint8_t A[12] = {0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3};
-  static const uint8_t B[12] = {1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7};
-  /* What corner A of each edge adds to the two other coordinates. */
-  static const float OTHER[3][12] = {{0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1},
-                                     {0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1, 1},
-                                     {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0}};
-  float crossed[12], at[12], rise[12], centre[3] = {0, 0, 0}, gradient[3], count = 0.0f;
-  for (int e = 0; e < 12; e++) {
-    float a = corner[A[e]], b = corner[B[e]];
-    rise[e] = b - a;
-    bool cuts = (a > 0.0f) != (b > 0.0f);
-    crossed[e] = cuts ? 1.0f : 0.0f;
-    at[e] = crossed[e] * a / (cuts ? a - b : 1.0f);
+static void flush_cells(struct cells *cells, struct surfels *surfels) {
+  const float stretch[3] = {(float)surfels->stretch[0], (float)surfels->stretch[1],
+                            (float)surfels->stretch[2]};
+  make_surfels(cells, stretch);
+  for (size_t i = 0; i < cells->n; i++) {
+    surfels->items[cells->item[i]] = cells->place[i];
+    surfels->items[surfels->pitch + cells->item[i]] = cells->normal[i];
   }
-  for (int e = 0; e < 12; e++) {
-    count += crossed[e];
-    for (int d = 0; d < 3; d++) centre[d] += crossed[e] * OTHER[d][e];
-  }
-  for (int e = 0; e < 4; e++)
-    for (int d = 0; d < 3; d++) centre[d] += at[4 * d + e];
-  for (int d = 0; d < 3; d++) centre[d] /= count;
-  float length = 0.0f;
-  for (int d = 0; d < 3; d++) { /* along the axis, bilinear between its four edges */
-    float u = centre[d == 0 ? 1 : 0], v = centre[d == 2 ? 1 : 2];
-    const float *r = rise + 4 * d;
-    gradient[d] =
-        ((1.0f - v) * ((1.0f - u) * r[0] + u * r[1]) + v * ((1.0f - u) * r[2] + u * r[3])) /
-        stretch[d];
-    length += gradient[d] * gradient[d];
-  }
-  length = length > 0.0f ? sqrtf(length) : 1.0f;
-  struct surfel surfel = {0};
-  for (int d = 0; d < 3; d++) {
-    float normal = 127.0f * gradient[d] / length;
-    surfel.position[d] = (uint8_t)(255.0f * centre[d] + 0.5f);
-    surfel.normal[d] = (int8_t)(normal < 0.0f ? normal - 0.5f : normal + 0.5f);
-  }
-  return surfel;
+  cells->n = 0;
 }
 
-/* crossed[x] for the cells of one row: true where the eight corners disagree. */
-static void row_crossings(const int16_t *field, const size_t size[3], size_t y, size_t z,
-                          uint8_t *grains, uint8_t *crossed) {
-  size_t nx = size[0], y1 = (y + 1) % size[1];
-  const int16_t *a = field + (z * size[1] + y) * nx, *b = field + (z * size[1] + y1) * nx;
-  const int16_t *c = a + size[1] * nx, *d = b + size[1] * nx;
+/* crossed[x] for the cells of one row: 1 where the eight corners disagree. */
+TARGETS static void row_crossings(const int16_t *restrict a, const int16_t *restrict b,
+                                  const int16_t *restrict c, const int16_t *restrict d, size_t nx,
+                                  uint8_t *restrict grains, uint8_t *restrict crossed) {
   for (size_t x = 0; x < nx; x++)
     grains[x] = (uint8_t)((a[x] > 0) + (b[x] > 0) + (c[x] > 0) + (d[x] > 0));
   grains[nx] = grains[0];
-  for (size_t x = 0; x < nx; x++) crossed[x] = (uint8_t)(grains[x] + grains[x + 1]) % 8 != 0;
+  for (size_t x = 0; x < nx; x++) {
+    const uint8_t all = (uint8_t)(grains[x] + grains[x + 1]);
+    crossed[x] = (uint8_t)((all != 0) & (all != 8));
+  }
+}
+
+/* What a thread needs for a row. */
+struct row {
+  uint8_t *grains, *crossed; /* nx + 1 and nx + BLOCK */
+  uint32_t *at;              /* the crossed cells' x */
+  struct cells cells;
+};
+
+static void add_row(const int16_t *const rows[4], size_t y, size_t z, size_t block_row,
+                    uint32_t *cursor, struct row *row, struct surfels *surfels) {
+  const size_t nx = surfels->size[0];
+  struct cells *cells = &row->cells;
+  size_t count = 0;
+  for (size_t x = 0; x < nx; x++) {
+    row->at[count] = (uint32_t)x;
+    count += row->crossed[x];
+  }
+  for (size_t k = 0; k < count; k++) {
+    const size_t x = row->at[k], i = cells->n++, next = x + 1 < nx ? x + 1 : 0;
+    cells->item[i] = cursor[block_row + x / BLOCK]++;
+    cells->first[0][i] = (int32_t)(x % BLOCK);
+    cells->first[1][i] = (int32_t)(y % BLOCK);
+    cells->first[2][i] = (int32_t)(z % BLOCK);
+    for (size_t c = 0; c < 4; c++) {
+      cells->corner[2 * c][i] = rows[c][x];
+      cells->corner[2 * c + 1][i] = rows[c][next];
+    }
+    if (cells->n == CELLS) flush_cells(cells, surfels);
+  }
 }
 
 /* All cells of one layer of blocks: counted into first[block + 1], or made if `items`. */
-static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz, uint8_t *row,
+static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz, struct row *row,
                         uint32_t *cursor) {
-  const size_t *size = surfels->size;
-  const float stretch[3] = {(float)surfels->stretch[0], (float)surfels->stretch[1],
-                            (float)surfels->stretch[2]};
-  uint8_t *crossed = row + size[0] + 1;
+  const size_t *size = surfels->size, nx = size[0], plane = nx * size[1];
   for (size_t z = bz * BLOCK; z < (bz + 1) * BLOCK && z + 1 < size[2]; z++) {
     for (size_t y = 0; y < size[1]; y++) {
-      size_t block_row = (bz * surfels->blocks[1] + y / BLOCK) * surfels->blocks[0];
-      row_crossings(field, size, y, z, row, crossed);
-      for (size_t x = 0; x < size[0]; x++) {
-        if (!crossed[x]) continue;
-        size_t block = block_row + x / BLOCK;
-        if (surfels->items == NULL) {
-          surfels->first[block + 1]++;
-          continue;
-        }
-        float corner[8];
-        cell_corners(field, size, (size_t[3]){x, y, z}, corner);
-        struct surfel surfel = make_surfel(corner, stretch);
-        surfel.cell = (uint8_t)(x % BLOCK + BLOCK * (y % BLOCK) + BLOCK * BLOCK * (z % BLOCK));
-        surfels->items[cursor[block]++] = surfel;
+      const int16_t *at = field + z * plane + y * nx,
+                    *next = field + z * plane + (y + 1) % size[1] * nx;
+      const int16_t *const rows[4] = {at, next, at + plane, next + plane};
+      const size_t block_row = (bz * surfels->blocks[1] + y / BLOCK) * surfels->blocks[0];
+      row_crossings(rows[0], rows[1], rows[2], rows[3], nx, row->grains, row->crossed);
+      if (surfels->items != NULL) {
+        add_row(rows, y, z, block_row, cursor, row, surfels);
+        continue;
       }
+      uint32_t *count = surfels->first + block_row + 1;
+      for (size_t b = 0; b < surfels->blocks[0]; b++)
+        for (size_t k = 0; k < BLOCK; k++) count[b] += row->crossed[b * BLOCK + k];
     }
   }
+  if (surfels->items != NULL && row->cells.n > 0) flush_cells(&row->cells, surfels);
+}
+
+static enum status rows_start(size_t nx, size_t threads, struct row **rows) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(rows, threads, sizeof **rows, "surface rows"));
+  for (size_t i = 0; i < threads; i++) {
+    TRY(memory_allocate(&(*rows)[i].grains, nx + 1, 1, "surface rows"));
+    TRY(memory_allocate(&(*rows)[i].crossed, nx + BLOCK, 1, "surface rows"));
+    TRY(memory_allocate(&(*rows)[i].at, nx + 1, sizeof(uint32_t), "surface rows"));
+  }
+cleanup:
+  return status;
+}
+
+static void rows_end(size_t threads, struct row **rows) {
+  for (size_t i = 0; i < threads && *rows != NULL; i++) {
+    memory_free(&(*rows)[i].grains);
+    memory_free(&(*rows)[i].crossed);
+    memory_free(&(*rows)[i].at);
+  }
+  memory_free(rows);
 }
 
 /* Chessboard distance to the nearest block with items, by two passes over 13 neighbours each. */
@@ -136,17 +191,19 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
                           struct surfels *surfels) {
   enum status status = STATUS_OK;
   uint32_t *cursor = NULL;
-  uint8_t *rows = NULL;
+  struct row *rows = NULL;
+  const size_t threads = (size_t)omp_get_max_threads();
   memset(surfels, 0, sizeof *surfels);
   memcpy(surfels->size, size, sizeof surfels->size);
   memcpy(surfels->stretch, stretch, sizeof surfels->stretch);
   for (int d = 0; d < 3; d++) surfels->blocks[d] = (size[d] + BLOCK - 1) / BLOCK;
   size_t blocks = surfels->blocks[0] * surfels->blocks[1] * surfels->blocks[2];
-  size_t row = 2 * size[0] + 1, layers = surfels->blocks[2];
+  size_t layers = surfels->blocks[2];
   TRY(memory_allocate(&surfels->first, blocks + 1, sizeof *surfels->first, "surface blocks"));
-  TRY(memory_allocate(&rows, layers * row, 1, "surface rows"));
+  TRY(rows_start(size[0], threads, &rows));
 #pragma omp parallel for schedule(dynamic)
-  for (size_t bz = 0; bz < layers; bz++) block_layer(field, surfels, bz, rows + bz * row, NULL);
+  for (size_t bz = 0; bz < layers; bz++)
+    block_layer(field, surfels, bz, rows + omp_get_thread_num(), NULL);
   uint64_t total = 0;
   for (size_t b = 0; b <= blocks; b++) {
     total += surfels->first[b];
@@ -157,15 +214,17 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
   if (total == 0) goto cleanup;
   TRY(memory_allocate(&cursor, blocks, sizeof *cursor, "surface blocks"));
   memcpy(cursor, surfels->first, blocks * sizeof *cursor);
-  TRY(memory_allocate(&surfels->items, surfels->count, sizeof *surfels->items,
+  surfels->pitch = surfels->count + LANES; /* whole vectors are read */
+  TRY(memory_allocate(&surfels->items, 2 * surfels->pitch, sizeof *surfels->items,
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
-  for (size_t bz = 0; bz < layers; bz++) block_layer(field, surfels, bz, rows + bz * row, cursor);
+  for (size_t bz = 0; bz < layers; bz++)
+    block_layer(field, surfels, bz, rows + omp_get_thread_num(), cursor);
   TRY(memory_allocate(&surfels->away, blocks, 1, "surface blocks"));
   measure_away(surfels);
 cleanup:
   memory_free(&cursor);
-  memory_free(&rows);
+  rows_end(threads, &rows);
   if (status != STATUS_OK) surfels_end(surfels);
   return status;
 }
@@ -177,28 +236,50 @@ void surfels_end(struct surfels *surfels) {
   surfels->count = 0;
 }
 
+/* Squared distance to the nearest of n discs; `point` from the first cell's first corner. */
+TARGETS static float nearest_disc(const uint32_t *restrict places, const uint32_t *restrict normals,
+                                  int n, const float point[3], const float stretch[3]) {
+  const float x0 = point[0], y0 = point[1], z0 = point[2], radius = (float)DISC_RADIUS;
+  const float sx = stretch[0] / 255.0f, sy = stretch[1] / 255.0f, sz = stretch[2] / 255.0f;
+  float best[LANES];
+  for (int l = 0; l < LANES; l++) best[l] = INFINITY;
+  for (int i = 0; i < n; i += LANES) {
+    for (int l = 0; l < LANES; l++) {
+      const uint32_t place = places[i + l], normal = normals[i + l];
+      const float x = x0 - sx * (float)(int)(place & 1023u);
+      const float y = y0 - sy * (float)(int)(place >> 10 & 1023u);
+      const float z = z0 - sz * (float)(int)(place >> 20 & 1023u);
+      const float height =
+          (x * (float)((int)(normal << 24) >> 24) + y * (float)((int)(normal << 16) >> 24) +
+           z * (float)((int)(normal << 8) >> 24)) *
+          (1.0f / 127.0f);
+      const float aside = x * x + y * y + z * z - height * height;
+      const float over = sqrtf(aside > 0.0f ? aside : 0.0f) - radius;
+      const float beyond = over > 0.0f ? over : 0.0f;
+      const float square = height * height + beyond * beyond;
+      const float here = i + l < n ? square : INFINITY;
+      best[l] = here < best[l] ? here : best[l];
+    }
+  }
+  for (int half = LANES / 2; half > 0; half /= 2)
+    for (int l = 0; l < half; l++) best[l] = best[l + half] < best[l] ? best[l + half] : best[l];
+  return best[0];
+}
+
 /* The nearest disc of one block, if nearer than `best`. */
 static double block_distance(const struct surfels *surfels, const size_t block[3],
                              const double point[3], double best) {
   size_t index = (block[2] * surfels->blocks[1] + block[1]) * surfels->blocks[0] + block[0];
-  for (uint32_t i = surfels->first[index]; i < surfels->first[index + 1]; i++) {
-    const struct surfel *s = &surfels->items[i];
-    double square = 0.0, height = 0.0;
-    for (int d = 0; d < 3; d++) {
-      double cell = (double)(block[d] * BLOCK + (s->cell >> 2 * d & 3u));
-      double q = point[d] - (cell + 0.5 + s->position[d] * (1.0 / 255.0)) * surfels->stretch[d];
-      square += q * q;
-      height += q * s->normal[d] * (1.0 / 127.0);
-    }
-    if (square > (best + DISC_RADIUS) * (best + DISC_RADIUS)) continue;
-    double aside = square - height * height, distance = fabs(height);
-    if (aside > DISC_RADIUS * DISC_RADIUS) {
-      double over = sqrt(aside) - DISC_RADIUS;
-      distance = sqrt(height * height + over * over);
-    }
-    if (distance < best) best = distance;
+  const uint32_t first = surfels->first[index], end = surfels->first[index + 1];
+  float local[3], stretch[3];
+  if (first == end) return best;
+  for (int d = 0; d < 3; d++) {
+    stretch[d] = (float)surfels->stretch[d];
+    local[d] = (float)(point[d] - ((double)(block[d] * BLOCK) + 0.5) * surfels->stretch[d]);
   }
-  return best;
+  const float square = nearest_disc(surfels->items + first, surfels->items + surfels->pitch + first,
+                                    (int)(end - first), local, stretch);
+  return (double)square < best * best ? sqrt((double)square) : best;
 }
 
 /* Distance from a coordinate to block b's cells along one axis. */

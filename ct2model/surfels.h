@@ -20,8 +20,8 @@ struct surfels {
   uint32_t *first; /* of each block of 4x4x4 cells, in items; blocks + 1 values */
   uint8_t *
       away; /* from each block to the nearest with items, in blocks (largest of x, y, z); 255 far */
-  struct surfel *items;
-  size_t count;
+  uint32_t *items; /* a word of each disc's place, then, `pitch` further, one of each's normal */
+  size_t count, pitch;
 };
 
 /* From field[z][y][x], positive in the grain. Free with surfels_end. */

@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "ct2model/grey_window.h"
 #include "ct2model/resample.h"
+#include "ct2model/specks.h"
 #include "ct2model/surfels.h"
 
 enum {
@@ -192,7 +193,7 @@ static enum status walk_start(const struct region *region, const struct wall_req
   /* Islands far smaller than a model voxel are noise to the model and would spoil the distances
    * around them. */
   TRY(grey_window_start(region, request->threshold, request->contrast, request->mirror,
-                        (size_t)fmin(64.0, reduction / 8.0), request->mirror ? -1 : -halo,
+                        (size_t)fmin(SPECK_MOST, reduction / 8.0), request->mirror ? -1 : -halo,
                         request->mirror ? n + 1 : n + halo, (size_t)room, &walk->window));
   if (request->distances)
     TRY(resampler_start(FILTER_AREA, region->size, request->size, AREA_BATCH, &walk->area));

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ct2model/connect.h"
+#include "ct2model/specks.h"
 
 enum { NX = 17, NY = 13, NZ = 11, SITES = NX * NY * NZ };
 
@@ -143,11 +144,49 @@ static void test_painting(void **state) {
   assert_memory_equal(image, expected, 8);
 }
 
+/* Islands by their bits against islands by their labels, in smooth noise of both phases. */
+static void test_specks_are_the_small_parts(void **state) {
+  (void)state;
+  const size_t size[3] = {75, 14, 12}, sites = 75 * 14 * 12;
+  const bool periodic[3] = {true, true, false};
+  int16_t *field = malloc(sites * sizeof *field);
+  uint8_t *grain = malloc(sites);
+  srand(11);
+  for (int round = 0; round < 40; round++) {
+    const size_t limit = (size_t)(2 + rand() % 63);
+    for (size_t i = 0; i < sites; i++) field[i] = (int16_t)(rand() % 201 - 100);
+    for (int smooth = 0; smooth < round % 4; smooth++)
+      for (size_t i = sites - 1; i >= 75; i--)
+        field[i] = (int16_t)((field[i] + field[i - 1] + 2 * field[i - 75]) / 3);
+    for (size_t i = 0; i < sites; i++) grain[i] = field[i] > 0;
+    size_t expected = 0, changed = 0;
+    for (uint8_t phase = 0; phase < 2; phase++) {
+      struct parts parts;
+      assert_int_equal(parts_find(grain, size, periodic, phase, &parts), STATUS_OK);
+      for (size_t row = 0; row < size[1] * size[2]; row++)
+        for (size_t r = parts.row_first[row]; r < parts.row_first[row + 1]; r++) {
+          const struct part *part = &parts.parts[parts.runs[r].part];
+          if (part->voxels >= limit || part->at_border) continue;
+          const size_t length = parts.runs[r].x1 - parts.runs[r].x0;
+          memset(grain + row * size[0] + parts.runs[r].x0, phase == 0, length);
+          expected += length;
+        }
+      parts_end(&parts);
+    }
+    assert_int_equal(specks_remove(field, size, limit, &changed), STATUS_OK);
+    assert_int_equal(changed, expected);
+    for (size_t i = 0; i < sites; i++) assert_int_equal(field[i] > 0, grain[i]);
+  }
+  free(field);
+  free(grain);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_random_images_match_a_flood_fill),
       cmocka_unit_test(test_percolation),
       cmocka_unit_test(test_painting),
+      cmocka_unit_test(test_specks_are_the_small_parts),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

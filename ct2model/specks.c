@@ -1,0 +1,216 @@
+#include "ct2model/specks.h"
+
+#include <omp.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+enum { WORD = 64, SIDE = 4, TABLE = 256 };
+
+/* One phase of the slab as bits. A cube of SIDE^3 voxels is no speck, nor is what hangs together
+ * with one: `large` grows from such cubes over what the phase holds, as far as two passes take it.
+ * Few voxels remain, and of those each is followed until it is clear what it belongs to. */
+struct phase {
+  int16_t *field;
+  size_t size[3], words, limit; /* words a row */
+  uint64_t *bits, *large;
+};
+
+/* 8 bytes of 0 or 1 to 8 bits. */
+static uint64_t gather_bits(const uint8_t *bytes) {
+  uint64_t eight;
+  memcpy(&eight, bytes, 8);
+  return (eight * 0x0102040810204080u) >> 56;
+}
+
+TARGETS static void row_bits(const int16_t *restrict field, size_t n, bool grain,
+                             uint64_t *restrict bits) {
+  for (size_t w = 0; w * WORD < n; w++) {
+    uint8_t bytes[WORD] = {0};
+    const size_t count = n - w * WORD < WORD ? n - w * WORD : WORD;
+    for (size_t i = 0; i < count; i++) bytes[i] = (field[w * WORD + i] > 0) == grain;
+    bits[w] = 0;
+    for (size_t i = 0; i < WORD; i += 8) bits[w] |= gather_bits(bytes + i) << i;
+  }
+}
+
+/* Bit i: bits i to i + SIDE - 1 are set. */
+TARGETS static void erode_row(const uint64_t *restrict bits, size_t words, uint64_t *restrict out) {
+  for (size_t w = 0; w < words; w++) {
+    const uint64_t at = bits[w], next = w + 1 < words ? bits[w + 1] : 0;
+    const uint64_t two = at & (at >> 1 | next << 63), two_next = next & next >> 1;
+    out[w] = two & (two >> 2 | two_next << 62);
+  }
+}
+
+TARGETS static void and_rows(uint64_t *restrict row, const uint64_t *restrict a,
+                             const uint64_t *restrict b, const uint64_t *restrict c, size_t words) {
+  for (size_t w = 0; w < words; w++) row[w] &= a[w] & b[w] & c[w];
+}
+
+static uint64_t *row_of(uint64_t *bits, const struct phase *phase, size_t y, size_t z) {
+  return bits + (z * phase->size[1] + y) * phase->words;
+}
+
+/* The lowest corners of all cubes of the phase. */
+static void find_cubes(const struct phase *phase) {
+  const size_t ny = phase->size[1], nz = phase->size[2], words = phase->words;
+#pragma omp parallel for schedule(static)
+  for (size_t z = 0; z < nz; z++) {
+    for (size_t y = 0; y < ny; y++)
+      erode_row(row_of(phase->bits, phase, y, z), words, row_of(phase->large, phase, y, z));
+    for (size_t y = 0; y < ny; y++) {
+      uint64_t *row = row_of(phase->large, phase, y, z);
+      if (y + SIDE <= ny)
+        and_rows(row, row + words, row + 2 * words, row + 3 * words, words);
+      else
+        memset(row, 0, words * sizeof *row);
+    }
+  }
+#pragma omp parallel for schedule(static)
+  for (size_t y = 0; y < ny; y++) {
+    const size_t slice = ny * words;
+    for (size_t z = 0; z < nz; z++) {
+      uint64_t *row = row_of(phase->large, phase, y, z);
+      if (z + SIDE <= nz)
+        and_rows(row, row + slice, row + 2 * slice, row + 3 * slice, words);
+      else
+        memset(row, 0, words * sizeof *row);
+    }
+  }
+}
+
+/* All of `mask` that hangs together with `seed`, both ways. */
+static uint64_t fill_word(uint64_t seed, uint64_t mask) {
+  uint64_t up = mask, down = mask;
+  for (unsigned step = 1; step < WORD; step *= 2) {
+    seed |= (up & seed << step) | (down & seed >> step);
+    up &= up << step;
+    down &= down >> step;
+  }
+  return seed;
+}
+
+static void grow_row(uint64_t *large, const uint64_t *bits, const uint64_t *beside,
+                     const uint64_t *before, size_t words) {
+  uint64_t carry = 0;
+  for (size_t w = 0; w < words; w++) {
+    const uint64_t more = (beside[w] | before[w] | carry) & bits[w] & ~large[w];
+    if (more != 0) large[w] = fill_word(large[w] | more, bits[w]);
+    carry = large[w] >> 63;
+  }
+}
+
+static void grow_large(const struct phase *phase) {
+  const size_t ny = phase->size[1], nz = phase->size[2], parts = (size_t)omp_get_max_threads();
+#pragma omp parallel for schedule(static, 1)
+  for (size_t part = 0; part < parts; part++) {
+    const size_t first = nz * part / parts, end = nz * (part + 1) / parts;
+    for (size_t i = 0; i < 2 * (end - first); i++) {
+      const bool back = i >= end - first;
+      const size_t z = back ? 2 * end - first - 1 - i : first + i;
+      const size_t last = back ? z + 1 < end ? z + 1 : z : z > first ? z - 1 : z;
+      for (size_t k = 0; k < ny; k++) {
+        const size_t y = back ? ny - 1 - k : k, beside = back ? (y + 1) % ny : (y + ny - 1) % ny;
+        grow_row(row_of(phase->large, phase, y, z), row_of(phase->bits, phase, y, z),
+                 row_of(phase->large, phase, beside, z), row_of(phase->large, phase, y, last),
+                 phase->words);
+      }
+    }
+  }
+}
+
+static bool has(const uint64_t *bits, const struct phase *phase, size_t x, size_t y, size_t z) {
+  return bits[(z * phase->size[1] + y) * phase->words + x / WORD] >> x % WORD & 1;
+}
+
+struct island {
+  size_t n, voxel[SPECK_MOST];
+  size_t seen[TABLE]; /* voxel + 1 by its hash */
+};
+
+static bool is_new(struct island *island, size_t voxel) {
+  size_t slot = voxel * 0x9e3779b97f4a7c15u >> 56;
+  while (island->seen[slot] != 0 && island->seen[slot] != voxel + 1) slot = (slot + 1) % TABLE;
+  const bool found = island->seen[slot] == 0;
+  island->seen[slot] = voxel + 1;
+  return found;
+}
+
+/* Collects the island of voxel `start`; false where it is no speck, or has a voxel before `start`,
+ * from which it will be met. */
+static bool collect_island(const struct phase *phase, size_t start, struct island *island) {
+  const size_t *n = phase->size;
+  island->n = 0;
+  memset(island->seen, 0, sizeof island->seen);
+  (void)is_new(island, start);
+  island->voxel[island->n++] = start;
+  for (size_t i = 0; i < island->n; i++) {
+    const size_t x = island->voxel[i] % n[0], y = island->voxel[i] / n[0] % n[1],
+                 z = island->voxel[i] / n[0] / n[1];
+    if (z == 0 || z + 1 == n[2]) return false;
+    const size_t next[6][3] = {{x > 0 ? x - 1 : n[0] - 1, y, z},
+                               {x + 1 < n[0] ? x + 1 : 0, y, z},
+                               {x, y > 0 ? y - 1 : n[1] - 1, z},
+                               {x, y + 1 < n[1] ? y + 1 : 0, z},
+                               {x, y, z - 1},
+                               {x, y, z + 1}};
+    for (int k = 0; k < 6; k++) {
+      const size_t *p = next[k], voxel = (p[2] * n[1] + p[1]) * n[0] + p[0];
+      if (!has(phase->bits, phase, p[0], p[1], p[2])) continue;
+      if (voxel < start || has(phase->large, phase, p[0], p[1], p[2])) return false;
+      if (!is_new(island, voxel)) continue;
+      if (island->n + 1 >= phase->limit) return false;
+      island->voxel[island->n++] = voxel;
+    }
+  }
+  return true;
+}
+
+static size_t flip_islands(const struct phase *phase, size_t y, size_t z, struct island *island) {
+  const uint64_t *bits = row_of(phase->bits, phase, y, z),
+                 *large = row_of(phase->large, phase, y, z);
+  const size_t row = (z * phase->size[1] + y) * phase->size[0];
+  size_t changed = 0;
+  for (size_t w = 0; w < phase->words; w++) {
+    /* Whoever has a neighbour to the left, in this word, is met from there. */
+    for (uint64_t open = bits[w] & ~large[w] & ~(bits[w] << 1); open != 0; open &= open - 1) {
+      if (!collect_island(phase, row + w * WORD + (size_t)__builtin_ctzll(open), island)) continue;
+      for (size_t i = 0; i < island->n; i++) {
+        int16_t *at = &phase->field[island->voxel[i]];
+        *at = (int16_t)(*at == 0 ? 1 : -*at);
+      }
+      changed += island->n;
+    }
+  }
+  return changed;
+}
+
+enum status specks_remove(int16_t *field, const size_t size[3], size_t limit, size_t *changed) {
+  enum status status = STATUS_OK;
+  struct phase phase = {
+      field, {size[0], size[1], size[2]}, (size[0] + WORD - 1) / WORD, limit, NULL, NULL};
+  const size_t rows = size[1] * size[2];
+  size_t sum = 0;
+  TRY(memory_allocate(&phase.bits, rows * phase.words, sizeof *phase.bits, "phases"));
+  TRY(memory_allocate(&phase.large, rows * phase.words, sizeof *phase.large, "phases"));
+  for (int grain = 0; grain < 2; grain++) {
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < rows; row++)
+      row_bits(field + row * size[0], size[0], grain != 0, phase.bits + row * phase.words);
+    find_cubes(&phase);
+    grow_large(&phase);
+#pragma omp parallel for schedule(dynamic, 16) reduction(+ : sum)
+    for (size_t row = 0; row < rows; row++) {
+      struct island island;
+      sum += flip_islands(&phase, row % size[1], row / size[1], &island);
+    }
+  }
+  *changed += sum;
+cleanup:
+  memory_free(&phase.bits);
+  memory_free(&phase.large);
+  return status;
+}

@@ -1,0 +1,18 @@
+/* Islands of a few voxels in a slab of a scan. */
+#ifndef TOSUI_CT2MODEL_SPECKS_H
+#define TOSUI_CT2MODEL_SPECKS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+
+/* The largest island that may be asked for. */
+enum { SPECK_MOST = 64 };
+
+/* field[z][y][x], grain where it is positive: islands (voxels joined by faces) of under `limit`
+ * voxels, at most SPECK_MOST, change sign; first those of pore, then those of grain. x and y are
+ * periodic; what touches the first or last slice is let be. Adds the voxels changed to *changed. */
+enum status specks_remove(int16_t *field, const size_t size[3], size_t limit, size_t *changed);
+
+#endif
