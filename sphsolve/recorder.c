@@ -125,10 +125,15 @@ void recorder_close(struct recorder *recorder) {
   progress_end(&recorder->progress);
   h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
   memory_free(&recorder->snapshot_times);
+  journal_close(&recorder->journal, false);
   memory_free(&recorder->rows);
   memory_free(&recorder->command_line);
   step_log_free(&recorder->step_log);
   memory_free(&recorder);
+}
+
+static uint64_t scene_hash(const struct recorder *recorder) {
+  return hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
 }
 
 static enum status reserve_row(struct recorder *recorder, size_t count) {
@@ -153,9 +158,32 @@ void recorder_mean_velocity(const struct recorder *recorder, double from, double
   for (int a = 0; a < 3; a++) velocity[a] = n > 0 ? sum[a] / n : NAN;
 }
 
+/* The columns' names, and last what scene and model the rows are of. */
+static enum status open_journal(struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  char path[4096], *header = NULL;
+  size_t n = 0, room = (size_t)recorder->width * sizeof recorder->columns[0].name + 64;
+  TRY(memory_allocate(&header, room, 1, "the history"));
+  for (size_t c = 0; c < recorder->column_count; c++)
+    for (int i = 0; i < recorder->columns[c].components; i++) {
+      const char *axis[] = {"_x,", "_y,", "_z,"};
+      n += (size_t)snprintf(header + n, room - n, "%s%s", recorder->columns[c].name,
+                            recorder->columns[c].components > 1 ? axis[i] : ",");
+    }
+  snprintf(header + n, room - n, "xxh3 (scene %016llx)",
+           (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model_hash));
+  snprintf(path, sizeof path, "%s.history.csv", recorder->prefix);
+  TRY(journal_open(&recorder->journal, path, header, recorder->width, recorder->row_count,
+                   recorder->rows, recorder->resume));
+cleanup:
+  memory_free(&header);
+  return status;
+}
+
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra) {
   enum status status = STATUS_OK;
+  if (recorder->journal.file == 0) TRY(open_journal(recorder));
   TRY(reserve_row(recorder, recorder->row_count + 1));
   double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
   double base[] = {row->time,
@@ -176,6 +204,7 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
   memcpy(to, base, sizeof base);
   if ((size_t)recorder->width > n)
     memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
+  TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
 cleanup:
   return status;
 }
@@ -236,7 +265,7 @@ cleanup:
   return status;
 }
 
-void recorder_go_back(struct recorder *recorder, double time) {
+enum status recorder_go_back(struct recorder *recorder, double time) {
   double after = time * (1 + 1e-12), interval = recorder->scene->output_interval;
   while (recorder->row_count > 0 &&
          recorder->rows[(recorder->row_count - 1) * (size_t)recorder->width] > after)
@@ -246,6 +275,7 @@ void recorder_go_back(struct recorder *recorder, double time) {
     memory_free(&recorder->snapshot_names[--recorder->snapshot_count]);
   while (!isnan(interval) && recorder->next_snapshot - interval > after)
     recorder->next_snapshot -= interval;
+  return journal_cut(&recorder->journal, recorder->row_count);
 }
 
 struct step_log *recorder_step_log(struct recorder *recorder) {
@@ -280,14 +310,14 @@ enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file 
 enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t shape[2] = {recorder->row_count, (size_t)recorder->width};
-  uint64_t scene_hash = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
+  uint64_t hash = scene_hash(recorder);
   TRY(h5_write(file, "/recorder/rows", H5_F64, 2, shape, recorder->rows, true));
   TRY(h5_write_texts(file, "/recorder/snapshot_names", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
   TRY(h5_write(file, "/recorder/snapshot_times", H5_F64, 1, &recorder->snapshot_count,
                recorder->snapshot_times, false));
   TRY(h5_write_attribute(file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
-  TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &scene_hash));
+  TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &hash));
   TRY(h5_write_attribute(file, "/recorder", "model_hash", H5_U64, 1,
                          &recorder->lattice->model_hash));
   TRY(step_log_write(&recorder->step_log, file, "/recorder"));
@@ -304,7 +334,7 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   size_t shape[2], count = 0, times = 0;
   char **names = NULL;
   double *snapshot_times = NULL;
-  uint64_t scene_hash, model_hash;
+  uint64_t hash, model_hash;
   *file = NULL;
   if (!recorder->resume) return STATUS_OK;
   TRY(checkpoint_open(recorder->prefix, file));
@@ -312,11 +342,11 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
     log_info("no checkpoint %s.ckpt.hdf yet: starting anew", recorder->prefix);
     return STATUS_OK;
   }
-  TRY(h5_read_attribute(*file, "/recorder", "scene_hash", H5_U64, 1, &scene_hash));
+  TRY(h5_read_attribute(*file, "/recorder", "scene_hash", H5_U64, 1, &hash));
   TRY(h5_read_attribute(*file, "/recorder", "model_hash", H5_U64, 1, &model_hash));
   if (model_hash != recorder->lattice->model_hash)
     TRY_FAIL(STATUS_INPUT, "%s: belongs to another model; remove it to start anew", h5_path(*file));
-  if (scene_hash != hash_bytes(recorder->scene->text, strlen(recorder->scene->text)))
+  if (hash != scene_hash(recorder))
     log_warning("%s was written by a scene with another text; going on with the new one",
                 h5_path(*file));
   memory_free(&recorder->rows);

@@ -1,6 +1,6 @@
 /* Everything a run leaves behind: history, snapshots, run record, checkpoints, progress line. A
  * method calls it; it knows no method. Output files are PREFIX.hdf, PREFIX-NNNN.hdf,
- * PREFIX.hdf.series, PREFIX.ckpt.hdf. */
+ * PREFIX.hdf.series, PREFIX.ckpt.hdf, and PREFIX.history.csv until PREFIX.hdf is there. */
 #ifndef TOSUI_SPHSOLVE_RECORDER_H
 #define TOSUI_SPHSOLVE_RECORDER_H
 
@@ -56,7 +56,7 @@ void recorder_close(struct recorder *recorder);
 /* Registers a further column of the history before the first row. */
 enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
                                 int components);
-/* Appends a row; `extra` holds the values of the added columns, in the order of registration. */
+/* Appends a row, in memory and in PREFIX.history.csv; `extra` holds the values of the added columns, in the order of registration. */
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra);
 /* Interval of history rows the scene asks for, s; NAN: the method chooses. */
@@ -74,7 +74,7 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
                               const struct snapshot_field *fields);
 
 /* Forgets rows and snapshots after `time`: the march goes back to it. */
-void recorder_go_back(struct recorder *recorder, double time);
+enum status recorder_go_back(struct recorder *recorder, double time);
 struct step_log *recorder_step_log(struct recorder *recorder);
 /* PREFIX.ckpt.hdf, for messages. */
 const char *recorder_checkpoint_name(struct recorder *recorder);

@@ -192,6 +192,7 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
                        hashes));
   status = h5_commit(file);
   file = NULL;
+  if (status == STATUS_OK) journal_close(&recorder->journal, true);
 cleanup:
   h5_close(file);
   return status;

@@ -4,6 +4,7 @@
 #define TOSUI_SPHSOLVE_RECORDER_INTERNAL_H
 
 #include "common/log.h"
+#include "sphsolve/journal.h"
 #include "sphsolve/recorder.h"
 
 #define COLUMN_MAX 256
@@ -31,7 +32,8 @@ struct recorder {
   struct column columns[COLUMN_MAX];
   int width; /* values in a row */
   size_t row_count, row_capacity;
-  double *rows; /* [row_count][width] */
+  double *rows;           /* [row_count][width] */
+  struct journal journal; /* of the rows, opened with the first */
 
   size_t snapshot_count, snapshot_capacity;
   char **snapshot_names;

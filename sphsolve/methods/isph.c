@@ -158,7 +158,7 @@ static enum status step_back(struct isph *s, const struct isph_copy *copy, doubl
   char saved[4200] = "";
   if (s->dog.kept) {
     TRY(isph_go_back(s, copy));
-    recorder_go_back(recorder, copy->time);
+    TRY(recorder_go_back(recorder, copy->time));
   }
   if (go_on) {
     struct step_back back = {.time = time, .back_to = copy->time, .dt = dt / 2};

@@ -59,7 +59,7 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
   bool go_on = watchdog_trip(&state->dog, time), kept = state->dog.kept;
   if (kept) {
     TRY(wcsph_go_back(&run->copy, state));
-    recorder_go_back(run->recorder, run->copy.time);
+    TRY(recorder_go_back(run->recorder, run->copy.time));
   }
   if (go_on) {
     wcsph_halve(state);

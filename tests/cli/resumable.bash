@@ -1,0 +1,58 @@
+# Small runs of the three methods with all that a scene can hold, for resume.bats and scripts/stress-resume. ROOT is the
+# repository; the programs are on PATH.
+resumable_make() {
+  for size in 16x16x7 32x32x14; do
+    ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size $size -o ${size%%x*}.hdf --quiet > /dev/null
+  done
+  cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
+  # water with a surface, two soils of which one moves, a gate that moves, a given head and a given flux
+  cat > all.cfg << 'END'
+scene = { method = "isph"; end_time = "0.3 s"; };
+domain = { size = ["0.6 m","0.3 m"]; spacing = "1 cm"; periodic = [false,false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0","0","0.6 m","0.15 m"]; }, { type = "water"; box = ["0","0.15 m","0.2 m","0.25 m"]; },
+  { type = "porous"; box = ["0.25 m","0","0.35 m","0.2 m"]; porosity = 0.4; grain_size = "5 mm"; velocity = ["0.1 m/s","0"]; },
+  { type = "porous"; box = ["0.45 m","0","0.5 m","0.2 m"]; porosity = 0.5; grain_size = "1 cm"; },
+  { type = "wall"; box = ["0.203 m","0.02 m","0.217 m","0.3 m"]; velocity = ["0","0.2 m/s"]; },
+  { type = "inflow"; box = ["0","0","1 cm","0.1 m"]; flux = "0.2 m/s"; },
+  { type = "inflow"; box = ["0.59 m","0","0.6 m","0.3 m"]; head = "0.12 m"; } );
+force = { gravity = ["0","-9.81 m/s^2"]; };
+gauges = ( { name = "foot"; at = ["0.3 m","0"]; } );
+planes = ( { name = "mid"; x = "0.4 m"; } );
+output = { interval = "0.1 s"; };
+END
+}
+
+# METHOD NAME [options]: becomes the program, so that a signal to a subshell's $! meets it. VOICE may be --verbose.
+resumable_start() {
+  local method=$1 name=$2
+  shift 2
+  case $method in
+    wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.03 s' \
+      --set output.interval='0.01 s' "$@" ;;
+    stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 "$@" ;;
+    isph) set -- all.cfg "$@" ;;
+  esac
+  exec sphsolve run "$@" --set checkpoint.interval="${CHECKPOINT:-0.1 s}" -o "$name" "${VOICE:---quiet}"
+}
+
+# METHOD NAME KILLS: started or resumed and killed at random moments, KILLS times, and then resumed to its end.
+resumable_tear() {
+  local method=$1 name=$2
+  torn=0
+  for ((kill = 0; kill < $3; kill++)); do
+    (resumable_start "$method" "$name" --resume --threads 1 > /dev/null 2>&1) &
+    sleep "0.$(printf %03d $((RANDOM % 900 + 20)))"
+    kill -9 $! 2> /dev/null || true
+    wait $! 2> /dev/null || true
+    compgen -G "$name*.part" > /dev/null || compgen -G "$name*.new.hdf" > /dev/null && torn=$((torn + 1))
+  done
+  (resumable_start "$method" "$name" --resume > /dev/null 2>&1)
+}
+
+# WHOLE NAME: both hold the same bits.
+resumable_same() {
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "$1.hdf" "$2.hdf" || return 1
+  local snapshot
+  for snapshot in "$1"-0*.hdf; do cmp "$snapshot" "$2${snapshot#"$1"}" || return 1; done
+}
