@@ -38,20 +38,23 @@ double isph_dot(size_t n, const double *a, const double *b) {
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
  * images reflect the velocity. */
 void isph_assemble(struct isph *s, double tau) {
-  const double *f = s->force, rho = s->density;
+  const bool again = s->solve.again;
+  static const double none[3] = {0};
+  const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
+  double(*v)[3] = again ? s->velocity : s->predicted;
   double fixed = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i], *vi = s->predicted[i];
+      const double *xi = s->position[i], *vi = v[i];
       double ki = s->mobility[i], vol = s->volume[i];
       double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->slope[p];
         isph_separation(s, xi, s->position, entry, r);
-        const double *vj = s->predicted[j];
+        const double *vj = v[j];
         float a = (float)(vol * s->volume[j] * (ki + s->mobility[j]) * slope);
         chunk->matrix[p] = a;
         diagonal += (double)a;
@@ -67,7 +70,7 @@ void isph_assemble(struct isph *s, double tau) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
           double a = 2 * vol * s->wall_volume * ki * slope * stretch;
           diagonal += a, tied += a;
-          source += a * (s->boundary_pressure[j] +
+          source += a * (held * s->boundary_pressure[j] +
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
           continue;
         }
@@ -123,8 +126,7 @@ enum status isph_solve_pressure(struct isph *s) {
   double tolerance = s->scene->isph.tolerance;
   struct isph_solve *solve = &s->solve;
   enum status status;
-  solve->iterations = 0;
-  solve->solves++;
+  if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
   if (n == 0) return STATUS_OK;
   if (s->closed) {
     for (size_t i = 0; i < n; i++) q[i] = 1;
@@ -141,22 +143,22 @@ enum status isph_solve_pressure(struct isph *s) {
     memset(x, 0, n * sizeof *x);
     return STATUS_OK;
   }
-  status = multigrid_build(s);
-  if (status != STATUS_OK) return status;
+  if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;
   multiply(s, x, q);
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < n; i++) r[i] = b[i] - q[i];
   /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
    * the velocities the pressure makes: one tolerance means the same whatever the number of
    * particles (the plain norm of r asks for more the smoother b is on its scale). */
-  double error = 0, rz = 0;
+  double error = 0, rz = 0, energy = 0;
   int iteration = 0;
   for (;; iteration++) {
     multigrid_apply(s, r, z);
     double rz_new = isph_dot(n, r, z), beta = iteration > 0 ? rz_new / rz : 0;
-    double whole = isph_dot(n, x, b);
+    double whole = fmax(isph_dot(n, x, b), solve->energy);
     rz = rz_new;
     error = rz > 0 ? sqrt(rz / fmax(whole, 1e-300)) : rz;
+    energy = whole;
     if (!(error > tolerance) || iteration == ITERATIONS_MAX) break;
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < n; i++) p[i] = z[i] + beta * p[i];
@@ -165,7 +167,8 @@ enum status isph_solve_pressure(struct isph *s) {
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < n; i++) x[i] += step * p[i], r[i] -= step * q[i];
   }
-  solve->iterations = iteration;
+  solve->energy = energy;
+  solve->iterations += iteration;
   solve->iterations_total += iteration;
   solve->residual = error;
   if (!(error <= 1e3 * tolerance))

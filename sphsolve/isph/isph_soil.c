@@ -4,10 +4,12 @@
 
 #include "sphsolve/isph/isph_kernel.h"
 
-/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel of
- * the support of free water around a point (M15 section 4 with soil markers in the limit of many;
- * for a box the kernel sum is an integral that is known). Boxes that touch a closed side go on
- * beyond it, so that walls see no thinner soil. */
+/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half
+ * as wide as that of the water in the least porous soil (M15 section 4 with soil markers in the
+ * limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
+ * change with eps: an edge steeper than the spacing of the particles in the soil is one that their
+ * sums do not resolve. One width for all soils, so that their shares add up to 1 where they touch.
+ * Boxes that touch a closed side go on beyond it, so that walls see no thinner soil. */
 
 struct box {
   double low[3], high[3];
@@ -36,7 +38,8 @@ static struct box box_of(const struct isph *s, size_t k, double ahead, const dou
 }
 
 static double share_of_box(const struct isph *s, const struct box *box, const double x[3]) {
-  double h = 0.25 * s->scene->isph.support_ratio * s->spacing, share = 1;
+  double spread = pow(s->soil_porosity_least, -1.0 / s->dimensions);
+  double h = 0.25 * s->scene->isph.support_ratio * s->spacing * spread, share = 1;
   for (int a = 0; a < 3; a++)
     share *= kernel_integral((x[a] - box->low[a]) / h) - kernel_integral((x[a] - box->high[a]) / h);
   return share;

@@ -82,7 +82,8 @@ struct isph_cells {
 
 struct isph_solve {
   int iterations, iterations_total, solves;
-  double residual;
+  double residual, energy; /* energy: x.b of the step's first solve */
+  bool again;              /* what is solved is what the first projection left of div v */
 };
 
 struct isph_multigrid;

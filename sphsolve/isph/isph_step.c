@@ -155,7 +155,9 @@ static inline void add_drop(const double f[3], double rho, double weight, double
  * nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
  * gradient corrected to be exact for linear fields is unstable beside walls and surfaces.) */
 static void correct(struct isph *s) {
-  const double *f = s->force, rho = s->density;
+  const bool again = s->solve.again;
+  static const double none[3] = {0};
+  const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
@@ -185,7 +187,7 @@ static void correct(struct isph *s) {
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
         double weight = s->wall_volume * (double)chunk->wall_slope[p] * stretch;
-        double drop = pressure - s->boundary_pressure[j];
+        double drop = pressure - held * s->boundary_pressure[j];
         double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
@@ -193,9 +195,14 @@ static void correct(struct isph *s) {
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       for (int a = 0; a < 3; a++) {
-        double old = s->velocity[i][a];
-        s->velocity[i][a] =
-            s->predicted[i][a] - k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+        double old = s->velocity[i][a],
+               step = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+        if (again) {
+          s->velocity[i][a] -= step;
+          s->predicted[i][a] -= 0.5 * step;
+          continue;
+        }
+        s->velocity[i][a] = s->predicted[i][a] - step;
         s->predicted[i][a] = 0.5 * (old + s->velocity[i][a]);
       }
     }
@@ -264,6 +271,24 @@ static void move(struct isph *s, double dt) {
     }
 }
 
+/* Takes out what the projection, an approximate one, leaves of div v, where there is no surface.
+ * Where the drag jumps it leaves so much in a step of full length that a layer four particles thick
+ * lets 7 % too much through (1 % at a sixth of the step, or with this). */
+static enum status project_again(struct isph *s, double tau) {
+  enum status status = STATUS_OK;
+  double *first = s->scratch;
+  memcpy(first, s->pressure, s->count * sizeof *first);
+  memset(s->pressure, 0, s->count * sizeof *first);
+  s->solve.again = true;
+  isph_assemble(s, tau);
+  TRY(isph_solve_pressure(s));
+  correct(s);
+  for (size_t i = 0; i < s->count; i++) s->pressure[i] += first[i];
+cleanup:
+  s->solve.again = false;
+  return status;
+}
+
 static enum status check_finite(const struct isph *s) {
   for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++)
@@ -305,6 +330,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
   correct(s);
+  if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));
   TRY(check_finite(s));
   TRY(isph_open_measure(s));
   move(s, dt);
