@@ -7,6 +7,7 @@
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/history.h"
+#include "analyze/mixture.h"
 #include "analyze/page.h"
 #include "analyze/pdf.h"
 #include "analyze/product.h"
@@ -19,7 +20,14 @@
 #include "common/threads.h"
 #include "common/units.h"
 
-enum command { COMMAND_DARCY, COMMAND_PDF, COMMAND_HISTORY, COMMAND_SLICE, COMMAND_CONVERGE };
+enum command {
+  COMMAND_DARCY,
+  COMMAND_PDF,
+  COMMAND_HISTORY,
+  COMMAND_SLICE,
+  COMMAND_CONVERGE,
+  COMMAND_REPORT
+};
 #define BIT(command) (1u << (command))
 
 static const struct option_command commands[] = {
@@ -42,6 +50,8 @@ static const struct option_command commands[] = {
 static const struct option_entry entries[] = {
     {"output", 'o', "DIR", OPTION_ALL,
      "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; report: the page"},
+    {"mix", 0, NULL, OPTION_ALL & ~BIT(COMMAND_SLICE),
+     "take runs of different models together (refused without)"},
     {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
      "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
     {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
@@ -168,7 +178,11 @@ static enum status run_command(const struct options *options) {
   size_t n = 0;
   TRY(product_start(command, &product));
   TRY(read_runs(options, &runs, &n));
-  if (strcmp(command, "report") == 0) {
+  bool report = strcmp(command, "report") == 0;
+  /* A study of the resolution has a model for each spacing. */
+  bool levels = report || strcmp(command, "converge") == 0;
+  TRY(mixture_check(runs, n, levels, options_given(options, "mix")));
+  if (report) {
     TRY(report_command(options, runs, n));
     goto cleanup;
   }

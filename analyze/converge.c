@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/error_budget.h"
+#include "analyze/mixture.h"
 #include "analyze/plot.h"
 #include "analyze/steady.h"
 #include "common/convergence.h"
@@ -54,19 +55,15 @@ static bool same_series(const struct run *a, const struct run *b) {
   return strcmp(a->method, b->method) == 0 && strcmp(a->wall, b->wall) == 0 && aligned > 0.999;
 }
 
-/* The runs must show one body: its size may differ by rounding to sites, not more. */
 static enum status check_body(const struct run *a, const struct run *b) {
-  for (int d = 0; d < 3; d++) {
-    if (d == 1 && a->dimensions == 2) continue;
-    double la = (double)a->size[d] * a->spacing[d], lb = (double)b->size[d] * b->spacing[d];
-    double slack = 0.05 * la + 1.01 * (a->spacing[d] + b->spacing[d]);
-    if (fabs(la - lb) > slack)
-      return FAIL(STATUS_INPUT,
-                  "%s and %s do not show the same body (%g and %g m along %c): give runs of one "
-                  "scan or scene at different spacings",
-                  a->path, b->path, la, lb, "xyz"[d]);
-  }
-  return STATUS_OK;
+  int d;
+  if (mixture_same_body(a, b, &d)) return STATUS_OK;
+  return FAIL(
+      STATUS_INPUT,
+      "%s and %s do not show the same body (%g and %g m along %c): give runs of one scan or "
+      "scene at different spacings",
+      a->path, b->path, (double)a->size[d] * a->spacing[d], (double)b->size[d] * b->spacing[d],
+      "xyz"[d]);
 }
 
 /* Insertion sort by group, then spacing. */

@@ -61,7 +61,7 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "k_error", 1, &run->k_error));
   TRY(read_numbers(file, "reynolds", 1, &run->reynolds));
   TRY(read_numbers(file, "predicted_error", 1, &run->predicted_error));
-  TRY(read_numbers(file, "wall_time", 1, &run->wall_time));
+  run->wall_time = h5_attribute_or_nan(file, "/run/timing", "wall_time");
   TRY(read_numbers(file, "steps", 1, &run->steps));
 
   struct {

@@ -31,7 +31,10 @@ cleanup:
   return status;
 }
 
-static enum status write_effects(struct recorder *recorder, struct h5_file *file) {
+/* The effects, and in /run/timing all that a clock measured: nothing else differs between two runs
+ * of the same inputs but the time in /provenance. */
+static enum status write_effects(struct recorder *recorder, const struct run_result *result,
+                                 struct h5_file *file) {
   enum status status = STATUS_OK;
   const struct plan *plan = recorder->plan;
   const char *names[EFFECT_MAX], *states[EFFECT_MAX], *reasons[EFFECT_MAX], *models[EFFECT_MAX],
@@ -55,7 +58,8 @@ static enum status write_effects(struct recorder *recorder, struct h5_file *file
   TRY(h5_write_texts(file, "/run/effects/reason", plan->effect_count, reasons));
   TRY(h5_write_texts(file, "/run/effects/model", plan->effect_count, models));
   TRY(h5_write_texts(file, "/run/effects/citation", plan->effect_count, citations));
-  TRY(h5_write(file, "/run/effects/share", H5_F64, 1, &plan->effect_count, shares, false));
+  TRY(h5_write(file, "/run/timing/share", H5_F64, 1, &plan->effect_count, shares, false));
+  TRY(h5_soft_link(file, "/run/timing/share", "/run/effects/share"));
   const char *passes[NAMED_MAX];
   double seconds[NAMED_MAX];
   for (size_t i = 0; i < recorder->timing_count; i++) {
@@ -64,6 +68,9 @@ static enum status write_effects(struct recorder *recorder, struct h5_file *file
   }
   TRY(h5_write_texts(file, "/run/timing/name", recorder->timing_count, passes));
   TRY(h5_write(file, "/run/timing/seconds", H5_F64, 1, &recorder->timing_count, seconds, false));
+  TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
+  TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,
+                         &result->pair_interactions_per_second));
 cleanup:
   return status;
 }
@@ -114,9 +121,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "smoothing_length", context->smoothing_length));
   TRY(write_number(file, "predicted_error", recorder->plan->error));
   TRY(write_number(file, "predicted_seconds", recorder->plan->seconds));
-  TRY(write_number(file, "wall_time", result->wall_time));
   TRY(write_number(file, "pair_interactions", result->pair_interactions));
-  TRY(write_number(file, "pair_interactions_per_second", result->pair_interactions_per_second));
   TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));
   TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, scene->driving));
   TRY(h5_write_attribute(file, "/run", "spacing", H5_F64, 3, lattice->spacing));
@@ -131,7 +136,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_count(file, "memory_peak_bytes", memory_peak()));
   for (size_t i = 0; i < recorder->fact_count; i++)
     TRY(write_number(file, recorder->facts[i].name, recorder->facts[i].value));
-  TRY(write_effects(recorder, file));
+  TRY(write_effects(recorder, result, file));
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,

@@ -50,11 +50,36 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
   near "$(field f.json k_m_per_s)" 1.5e-3 0.02
 }
 
+@test "runs of different models are refused unless told, and which they are is said" {
+  for command in darcy pdf history report; do
+    run analyze $command d1.hdf l1.hdf d5.hdf -o mixed.html
+    [ "$status" -eq 3 ] && [ "${#lines[@]}" -eq 1 ] && [ ! -e mixed.html ]
+    [[ "$output" == *"2 different models: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"*"--mix"* ]]
+    run analyze $command d1.hdf l1.hdf d5.hdf --mix -o mixed.html
+    [ "$status" -eq 0 ] && [[ "$output" == *"2 models together: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"* ]]
+    rm -r mixed.html
+  done
+  # Two spacings of one body are a study of the resolution; another model at one of them is not part of it.
+  /usr/bin/python3 "$MAKE_RUN" m20.hdf n=20 spacing=4e-5 k=1.04e-3 method=stokes hash=0x20
+  /usr/bin/python3 "$MAKE_RUN" m40.hdf n=40 spacing=2e-5 k=1.01e-3 method=stokes hash=0x40
+  /usr/bin/python3 "$MAKE_RUN" other.hdf n=40 spacing=2e-5 k=2.01e-3 method=wcsph hash=0x41 model=other.hdf
+  analyze converge m20.hdf m40.hdf > /dev/null
+  analyze report m20.hdf m40.hdf -o levels.html > /dev/null
+  for command in darcy pdf history; do
+    run analyze $command m20.hdf m40.hdf
+    [ "$status" -eq 3 ]
+  done
+  for command in converge "report -o levels.html"; do
+    run analyze $command m20.hdf m40.hdf other.hdf
+    [ "$status" -eq 3 ] && [[ "$output" == *"other.hdf (other.hdf)"* ]]
+  done
+}
+
 @test "darcy keeps different models apart, and says so" {
-  run analyze darcy d1.hdf l1.hdf
+  run analyze darcy d1.hdf l1.hdf --mix
   [ "$status" -eq 0 ]
   [[ "$output" == *"2 groups"* ]]
-  analyze darcy d1.hdf l1.hdf --json > two.json
+  analyze darcy d1.hdf l1.hdf --mix --json > two.json
   run field two.json k_m_per_s
   [ "$status" -ne 0 ]
   near "$(field two.json groups.1.k_m_per_s)" 2.25e-3 0.01

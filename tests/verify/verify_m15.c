@@ -76,7 +76,7 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
     run->velocity = column(file, "velocity_rms", 1, &run->rows);
     good = run->time && run->low && run->high && run->soil && run->potential && run->kinetic &&
            run->mass && run->velocity && run->rows > 2 &&
-           h5_read_attribute(file, "/run", "wall_time", H5_F64, 1, &run->seconds) == STATUS_OK &&
+           h5_read_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &run->seconds) == STATUS_OK &&
            h5_read_attribute(file, "/run", "particles_lost", H5_F64, 1, &run->lost) == STATUS_OK;
   }
   if (good)
