@@ -16,13 +16,12 @@ static const char *const wall_names[] = {"frozen", "adami", "subvoxel"};
 /* The least refinement with the wanted error; NAN if none has it. The error falls with it. */
 static double refinement(const struct pore_shape *shape, enum method method, enum wall_scheme wall,
                          double wanted) {
-  char why[EFFECT_WHY];
   double low = REFINED_LEAST, high = REFINED_MOST;
-  if (!(expect_error(shape, method, wall, high, why) <= wanted)) return NAN;
-  if (expect_error(shape, method, wall, low, why) <= wanted) high = low;
+  if (!(expect_error(shape, method, wall, high).error <= wanted)) return NAN;
+  if (expect_error(shape, method, wall, low).error <= wanted) high = low;
   for (int i = 0; i < 60 && high > low; i++) {
     const double middle = sqrt(low * high);
-    if (expect_error(shape, method, wall, middle, why) <= wanted)
+    if (expect_error(shape, method, wall, middle).error <= wanted)
       high = middle;
     else
       low = middle;
@@ -55,7 +54,6 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
   struct scene other = *scene;
   struct plan plan;
   struct candidate *c = &cheapest->candidates[cheapest->count];
-  char why[EFFECT_WHY];
   other.method = method;
   other.wcsph.wall = other.stokes.wall = wall;
   if (plan_make(&other, lattice, method, "", threads, &plan) != STATUS_OK) {
@@ -75,7 +73,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
     c->size[a] = body[a] == 1 ? 1 : (size_t)fmax(1.0, round(refined * (double)body[a]));
   c->spacing = plan.context.spacing / refined;
   c->support = plan.context.support / refined;
-  c->error = expect_error(&plan.shape, method, wall, refined, why);
+  c->error = expect_error(&plan.shape, method, wall, refined).error;
   const double more = pow(refined, lattice->dimensions);
   /* Speed and steps of wcsph at that spacing: viscosity limits dt by the square of the spacing,
    * sound by the spacing itself; a pore takes as long to settle at any. */
@@ -98,9 +96,9 @@ enum status cheapest_find(const struct scene *scene, const struct lattice *latti
                           const struct plan *plan, int threads, struct cheapest *cheapest) {
   enum status status = STATUS_OK;
   cheapest->count = 0;
-  if (plan->context.method == METHOD_ISPH || !isfinite(plan->error))
+  if (plan->context.method == METHOD_ISPH || !isfinite(plan->expected.error))
     TRY_FAIL(STATUS_INPUT, "%s: --error: the error of this scene cannot be predicted: %s",
-             scene->path, *plan->error_why ? plan->error_why : "it has no permeability");
+             scene->path, *plan->expected.why ? plan->expected.why : "it has no permeability");
   for (int wall = WALL_FROZEN; wall <= WALL_SUBVOXEL; wall++) {
     /* stokes where "auto" may choose it, or the scene did */
     if (plan->context.method == METHOD_STOKES)

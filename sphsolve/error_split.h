@@ -25,7 +25,8 @@ struct error_split {
   int levels;              /* spacings that gave a flow, 0: not tried */
   double extrapolated;     /* intrinsic permeability at spacing 0, m^2 */
   double slope_void_ratio; /* d ln k / d e, measured; NAN: not tried */
-  double slope_threshold;  /* d ln k / d T per grey level: the same over dT/de of the model's sweep */
+  double
+      slope_threshold; /* d ln k / d T per grey level: the same over dT/de of the model's sweep */
 };
 
 /* All parts unknown. */
@@ -33,9 +34,9 @@ struct error_split error_split_none(void);
 /* Root of the sum of squares of the known parts; NAN if none is. */
 double error_split_total(const struct error_split *split);
 
-/* Fills resolution, void_ratio, threshold and what stands with them. `permeability` (m^2) is that of
- * the lattice with the run's walls by method stokes; NAN: it is solved for. Nothing is done, and all stays unknown,
- * where nothing drives a flow past resting walls. */
+/* Fills resolution, void_ratio, threshold and what stands with them. `permeability` (m^2) is that
+ * of the lattice with the run's walls by method stokes; NAN: it is solved for. Nothing is done, and
+ * all stays unknown, where nothing drives a flow past resting walls. */
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
                                 const struct lattice *lattice, double permeability,
                                 struct error_split *split);
@@ -44,6 +45,6 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
 enum status error_split_write(const struct error_split *split, struct h5_file *file);
 
 /* Processor seconds of the measuring, predicted; 0 where nothing is done. */
-double error_split_seconds(const struct scene *scene, const struct effect_context *context);
+double error_split_seconds(const struct scene *scene, const struct plan *plan);
 
 #endif

@@ -8,20 +8,30 @@
 #include "sphsolve/lattice.h"
 #include "sphsolve/scene.h"
 
-/* Lengths in spacings; infinite without walls. */
+/* Lengths in spacings; infinite, and slope 0, without walls. */
 struct pore_shape {
-  double width; /* mean pore: 4 V / S of the pores, S the faces less their excess of 3/2 */
-  double bend;  /* sqrt(width 3 V / S of the grains): pore and grain must both be resolved */
-  bool straight; /* walls are those of boxes */
+  double width;  /* mean pore, 4 V / S of the pores */
+  double slope;  /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
+  double outer;  /* the wall sites next to fluid lie so far behind the surface, on the average */
+  double middle; /* and the middle between them and their fluid sites so far (or before it: < 0) */
+  bool sharp;    /* walls are boxes or voxel faces */
+  bool straight; /* and hardly any edge stands out: ducts */
   bool flat;     /* and all of one direction: slits */
-  bool faces;    /* walls lie on voxel faces */
 };
 
 void pore_shape_find(const struct scene *scene, const struct lattice *lattice,
                      struct pore_shape *shape);
 
-/* Relative error of k with the spacing divided by `refined`. */
-double expect_error(const struct pore_shape *shape, enum method method, enum wall_scheme wall,
-                    double refined, char why[EFFECT_WHY]);
+/* |k/k_exact - 1| to expect. Where two parts of unlike sign may cancel, `error` is the root of the
+ * sum of their squares and `least` what may be left of them, 0 where they are of one size: the
+ * error passes through zero there, and only the range says something. Else both are the same. */
+struct expectation {
+  double error, least; /* NAN: no walls */
+  char why[EFFECT_WHY];
+};
+
+/* With the spacing divided by `refined`. */
+struct expectation expect_error(const struct pore_shape *shape, enum method method,
+                                enum wall_scheme wall, double refined);
 
 #endif

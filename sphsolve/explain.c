@@ -36,8 +36,11 @@ void explain_print(const struct plan *plan) {
   quantity_format(context->support, "m", more, sizeof more);
   printf("spacing    %s, support %s (%.2f spacings)\n", text, more,
          context->support / context->spacing);
-  if (context->sound_speed > 0) printf("sound      %.4g m/s\n", context->sound_speed);
-  if (context->reynolds > 0) printf("Reynolds   about %.2g (Kozeny-Carman)\n", context->reynolds);
+  if (context->sound_speed > 0)
+    printf("sound      %.4g m/s: %s\n", context->sound_speed, context->sound_why);
+  if (context->reynolds > 0)
+    printf("Reynolds   about %.2g (%s)\n", context->reynolds,
+           context->inertia > 0.01 ? "Ergun" : "Kozeny-Carman");
   printf("\neffects\n");
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
@@ -66,14 +69,23 @@ void explain_print(const struct plan *plan) {
   duration_format(plan->seconds, text, sizeof text);
   printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
          strncmp(text, "under", 5) ? "about " : "", text);
-  if (isfinite(plan->error))
-    printf("error      about %.2g %%: %s\n", 100 * plan->error, plan->error_why);
+  const struct expectation *e = &plan->expected;
+  if (isfinite(e->error))
+    printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
+           e->why);
   else
-    printf("error      unknown%s%s\n", *plan->error_why ? ": " : "", plan->error_why);
+    printf("error      not foretold%s%s\n", *e->why ? ": " : "", e->why);
 }
 
 static json_t *number_or_null(double value) {
   return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *plan_pores_json(const struct plan *plan) {
+  const struct pore_shape *shape = &plan->shape;
+  if (!(shape->slope > 0)) return json_null();
+  return json_pack("{s:f, s:f, s:f, s:f}", "width", shape->width, "slope", shape->slope,
+                   "frozen_shift", shape->outer, "adami_shift", shape->middle);
 }
 
 enum status explain_print_json(const struct plan *plan, const struct cheapest *cheapest) {
@@ -91,20 +103,21 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
   }
   format_fields(plan->fields, fields, sizeof fields);
   json_t *object = json_pack(
-      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:o, s:s, s:f, s:f, s:f, s:o, s:o, "
-      "s:s?, "
-      "s:o, s:o, s:o, s:s}",
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:o, s:o, "
+      "s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
       "scene", context->scene->name, "method", method_names[context->method], "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
       (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
       "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
-      "effects", effects, "fields", fields, "bytes_per_fluid_site", plan->bytes_fluid,
-      "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total, "dt",
-      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
-      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
-      number_or_null(plan->seconds), "expected_error", number_or_null(plan->error),
-      "expected_error_reason", plan->error_why);
+      "sound_speed_reason", context->sound_why, "effects", effects, "fields", fields,
+      "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
+      "memory_bytes", plan->bytes_total, "dt", number_or_null(plan->dt), "dt_limit",
+      number_or_null(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
+      number_or_null(plan->steps), "seconds", number_or_null(plan->seconds), "expected_error",
+      number_or_null(plan->expected.error), "expected_error_least",
+      number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
+      plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));

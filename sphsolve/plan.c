@@ -41,25 +41,33 @@ static double mean_spacing(const struct lattice *lattice) {
   return cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
 }
 
-/* Velocity and Reynolds number of the seepage before anything is solved. Kozeny (1927), Carman
- * (1937): k = n^3 / (5 S^2), S the wall surface per bulk volume; Re = v_D / (nu S), Carman's, that
- * of the mean pore. The faces of voxels overstate S by about 3/2. */
+/* Velocity and Reynolds number of the seepage before anything is solved. Viscous drag: Kozeny
+ * (1927), Carman (1937), 5 S^2/n^3 nu v; inertia: Ergun (1952), 1.75/6 S/n^3 v^2 with S = 6 (1 -
+ * n)/d, none where no wall stands across the force. S: wall surface per bulk volume; Re = v_D / (nu
+ * S), Carman's, that of the mean pore. The faces of voxels overstate S by about 3/2. */
 static void estimate_seepage(const struct scene *scene, const struct lattice *lattice,
-                             double *velocity, double *reynolds) {
+                             struct effect_context *context) {
   size_t faces[3];
   double surface = 0;
-  *velocity = *reynolds = 0;
+  bool across = false;
+  context->velocity_scale = context->reynolds = 0;
   lattice_count_faces(lattice, faces);
-  for (int a = 0; a < 3; a++) surface += (double)faces[a] / lattice->spacing[a];
+  for (int a = 0; a < 3; a++) {
+    surface += (double)faces[a] / lattice->spacing[a];
+    across = across || (faces[a] > 0 && scene->driving[a] != 0);
+  }
   double s = surface / (double)lattice->bulk_count * 2 / 3;
   double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
-  double nu = scene->fluid.viscosity / scene->fluid.density;
+  double nu = scene->fluid.viscosity / scene->fluid.density, cube = porosity * porosity * porosity;
   double driving =
       sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +
            scene->driving[2] * scene->driving[2]);
   if (!(s > 0 && nu > 0)) return;
-  *velocity = porosity * porosity * porosity / (5 * s * s) * driving / nu;
-  *reynolds = *velocity / (nu * s);
+  const double viscous = 5 * s * s * nu / cube, inertial = across ? 1.75 / 6 * s / cube : 0;
+  context->velocity_scale =
+      2 * driving / (viscous + sqrt(viscous * viscous + 4 * inertial * driving));
+  context->inertia = 1 - context->velocity_scale * viscous / fmax(driving, 1e-300);
+  context->reynolds = context->velocity_scale / (nu * s);
 }
 
 /* What each setting allows alone, but not together. */
@@ -102,8 +110,9 @@ static enum status refuse_contradictions(const struct scene *scene, const struct
 
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
                         enum method *method, char why[EFFECT_WHY]) {
-  double velocity, reynolds;
-  estimate_seepage(scene, lattice, &velocity, &reynolds);
+  struct effect_context context = {0};
+  estimate_seepage(scene, lattice, &context);
+  const double reynolds = context.reynolds;
   bool moving = has_moving_wall(scene);
   *method = scene->method;
   if (*method != METHOD_AUTO) {
@@ -167,7 +176,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
                                                          isph_scales};
   static enum status (*const plans[])(struct plan *, int) = {NULL, wcsph_plan, stokes_plan,
                                                              isph_plan};
-  *plan = (struct plan){.dt = NAN, .dt_limit = INFINITY, .error = NAN};
+  *plan = (struct plan){.dt = NAN, .dt_limit = INFINITY, .expected = {NAN, NAN, ""}};
   snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
   struct effect_context *context = &plan->context;
   context->scene = scene;
@@ -186,8 +195,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
     context->has_wall = context->has_wall || !scene->periodic[a];
   context->has_moving_wall = has_moving_wall(scene);
   /* Pores are resolved by wcsph and stokes only. */
-  if (method != METHOD_ISPH)
-    estimate_seepage(scene, lattice, &context->velocity_scale, &context->reynolds);
+  if (method != METHOD_ISPH) estimate_seepage(scene, lattice, context);
   if (method != METHOD_ISPH) pore_shape_find(scene, lattice, &plan->shape);
   TRY(scales[method](plan));
   for (size_t i = 0; i < effects_count; i++) {

@@ -31,7 +31,9 @@ struct effect_context {
   double kinematic_viscosity; /* m^2/s */
   double driving;             /* |g + a - grad P / rho|, m/s^2 */
   double velocity_scale;      /* m/s, estimated */
-  double reynolds;            /* estimated from Kozeny-Carman; 0 unknown */
+  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
+  double inertia;             /* share of the force that inertia takes up, by the same */
+  char sound_why[EFFECT_WHY]; /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
 };
 
@@ -50,14 +52,13 @@ struct plan {
   double dt;                                 /* s; NAN: chosen each step; 0: steady method */
   double dt_limit;                           /* s */
   const char *dt_limited_by;
-  const char *dt_by; /* what decides a constant dt */
+  const char *dt_by;              /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
-  double bytes_total; /* with what the program itself takes */
+  double bytes_total;             /* with what the program itself takes */
   struct pore_shape shape;
-  double bytes_copy; /* more, while a run keeps a state to go back to */
-  double steps, seconds; /* predicted */
-  double error;          /* predicted relative error of the headline number; NAN: unknown */
-  char error_why[EFFECT_WHY];
+  double bytes_copy;           /* more, while a run keeps a state to go back to */
+  double steps, seconds;       /* predicted */
+  struct expectation expected; /* error of the headline number */
   char method_why[EFFECT_WHY];
 };
 

@@ -119,7 +119,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "sound_speed", context->sound_speed));
   TRY(write_number(file, "support", context->support));
   TRY(write_number(file, "smoothing_length", context->smoothing_length));
-  TRY(write_number(file, "predicted_error", recorder->plan->error));
+  TRY(write_number(file, "predicted_error", recorder->plan->expected.error));
   TRY(write_number(file, "predicted_seconds", recorder->plan->seconds));
   TRY(write_number(file, "pair_interactions", result->pair_interactions));
   TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));

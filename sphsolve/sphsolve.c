@@ -148,7 +148,9 @@ static void print_result(const struct run_result *result, const char *prefix) {
   const double total = error_split_total(&result->error);
   if (isfinite(result->k) && total > 0)
     snprintf(error, sizeof error, " +- %.*g %%%s", total < 1 ? 2 : 3, 100 * total,
-             result->error.levels > 1 ? "" : " (resolution not counted)");
+             result->error.levels > 1             ? ""
+             : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
+                                                  : " (resolution not counted)");
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {

@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #include "common/error.h"
+#include "sphsolve/expectation.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/methods/stokes_grid.h"
 #include "sphsolve/methods/stokes_krylov.h"
@@ -48,8 +49,9 @@ void stokes_solver_free(struct stokes_solver *solver);
  * solved, takes. */
 int stokes_solver_basis(double sites, double active);
 double stokes_solver_bytes(double sites, double active);
-/* Processor seconds such a solve takes, predicted. */
-double stokes_solver_seconds(double sites, double active, enum wall_scheme wall);
+/* Processor seconds a solve takes, predicted, with the spacing divided by `refined`. */
+double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
+                             double refined, enum wall_scheme wall);
 
 /* Recomputes residual, divergence, mean and change from `x`, as a round leaves them: all that a
  * round needs of those before it is x and the mean. */

@@ -1,13 +1,9 @@
 #include "sphsolve/methods/wcsph_modes.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 #include "common/kernel.h"
-
-/* Wave numbers per axis, 0 to pi over the spacing. */
-#define WAVES 9
 
 /* Largest eigenvalue of a symmetric 3 x 3 matrix (Smith 1961). */
 static double largest_eigenvalue(double m[3][3]) {
@@ -29,6 +25,7 @@ static double largest_eigenvalue(double m[3][3]) {
 struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3], double h) {
   const double support = kernel_support_ratio(KERNEL_QUINTIC) * h, small = 1e-4 * h;
   struct lattice_modes modes = {0};
+  int neighbours = 0;
   double volume = 1;
   int reach[3];
   for (int a = 0; a < 3; a++) {
@@ -36,8 +33,8 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
     reach[a] = flat ? 0 : (int)(support / spacing[a]);
     volume *= flat ? 1 : spacing[a];
   }
-  for (int w = 0; w < WAVES * WAVES * WAVES; w++) {
-    int index[3] = {w % WAVES, w / WAVES % WAVES, w / (WAVES * WAVES)};
+  for (int w = 0; w < MODE_WAVES * MODE_WAVES * MODE_WAVES; w++) {
+    int index[3] = {w % MODE_WAVES, w / MODE_WAVES % MODE_WAVES, w / (MODE_WAVES * MODE_WAVES)};
     if (dimensions == 2 && index[1] > 0) continue;
     double gradient[3] = {0}, laplacian = 0, stiffness[3][3] = {{0}}, sum = 0;
     for (int k = -reach[2]; k <= reach[2]; k++)
@@ -47,7 +44,9 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
           double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
           sum += volume * kernel_w(KERNEL_QUINTIC, dimensions, length, h);
           if (length == 0 || length >= support) continue;
-          double phase = M_PI * (i * index[0] + j * index[1] + k * index[2]) / (double)(WAVES - 1);
+          neighbours += w == 0;
+          double phase =
+              M_PI * (i * index[0] + j * index[1] + k * index[2]) / (double)(MODE_WAVES - 1);
           double slope = kernel_dw(KERNEL_QUINTIC, dimensions, length, h);
           double curve = (kernel_dw(KERNEL_QUINTIC, dimensions, length + small, h) -
                           kernel_dw(KERNEL_QUINTIC, dimensions, length - small, h)) /
@@ -71,7 +70,23 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
     modes.sum = sum;
     modes.gradient = fmax(modes.gradient, sqrt(square));
     modes.laplacian = fmax(modes.laplacian, laplacian);
-    modes.absolute = fmax(modes.absolute, sqrt(fmax(0, largest_eigenvalue(stiffness))));
+    const double absolute = sqrt(fmax(0, largest_eigenvalue(stiffness)));
+    modes.absolute = fmax(modes.absolute, absolute);
+    modes.wave[modes.count][0] = sqrt(square);
+    modes.wave[modes.count][1] = absolute;
+    modes.wave[modes.count++][2] = laplacian;
   }
+  modes.neighbours = neighbours;
   return modes;
+}
+
+double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double c, double nu) {
+  double least = INFINITY;
+  for (int w = 0; w < modes->count; w++) {
+    const double sound = 0.5 * c * modes->wave[w][absolute], viscous = 0.5 * nu * modes->wave[w][2];
+    /* (dt sound)^2 + dt viscous < 1 */
+    const double root = viscous + sqrt(viscous * viscous + 4 * sound * sound);
+    if (root > 0) least = fmin(least, 2 / root);
+  }
+  return least;
 }

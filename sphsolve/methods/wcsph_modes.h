@@ -3,16 +3,29 @@
 #ifndef TOSUI_METHODS_WCSPH_MODES_H
 #define TOSUI_METHODS_WCSPH_MODES_H
 
+#include <stdbool.h>
+
+#define MODE_WAVES 9 /* wave numbers per axis, 0 to pi over the spacing */
+
 struct lattice_modes {
   double sum;       /* sum V W: density of the undisturbed lattice over rho_0 */
   double gradient;  /* 1/m: largest |G(k)| of the gradient; omega = c |G| with the gauge pressure */
   double laplacian; /* 1/m^2: largest eigenvalue of Morris' viscous operator over nu */
   double absolute;  /* 1/m: as gradient, with the absolute pressure c^2 rho */
   double crowding;  /* 1/m^2: largest eigenvalue of sum V grad W, by displacement */
+  int neighbours;   /* within reach of a site */
+  int count;
+  double wave[MODE_WAVES * MODE_WAVES * MODE_WAVES][3]; /* gradient, absolute, laplacian of each */
 };
 
 /* Quintic kernel; anisotropic spacing allowed; dimensions 2 (x, z) or 3. */
 struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
                                         double smoothing_length);
+
+/* Largest stable step, s: the exact condition of the leapfrog with lagged viscosity,
+ * (dt/dt_sound)^2 + dt/dt_viscous < 1, for each wave by itself. The wave that sound moves fastest
+ * is not the one that viscosity damps most: their limits joined would be too small. */
+double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double sound_speed,
+                        double kinematic_viscosity);
 
 #endif

@@ -78,8 +78,22 @@ enum status wcsph_scales(struct plan *plan) {
   /* Below this speed sound waves creep behind viscous diffusion and no time step is gained. */
   double creep = 2 * context->kinematic_viscosity / context->smoothing_length;
   if (lattice->wall_count == 0) creep = 0;
-  context->sound_speed = isnan(scene->wcsph.sound_speed) ? fmax(10 * speed, fmax(head, creep))
-                                                         : scene->wcsph.sound_speed;
+  char *why = context->sound_why;
+  if (!isnan(scene->wcsph.sound_speed)) {
+    context->sound_speed = scene->wcsph.sound_speed;
+    snprintf(why, EFFECT_WHY, "the scene says so");
+  } else if (10 * speed > fmax(head, creep)) {
+    context->sound_speed = 10 * speed;
+    snprintf(why, EFFECT_WHY, "ten times the largest velocity expected, %.3g m/s", speed);
+    if (context->inertia > 0.01 && lattice->wall_count > 0)
+      snprintf(why + strlen(why), EFFECT_WHY - strlen(why),
+               " (Ergun: inertia takes %.2g %% of the force)", 100 * context->inertia);
+  } else {
+    context->sound_speed = fmax(head, creep);
+    snprintf(why, EFFECT_WHY,
+             head > creep ? "density within 1 %% under the force over the length of the box"
+                          : "2 nu/h: below it sound creeps behind viscosity");
+  }
   if (!(context->sound_speed > 0))
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow: give a force, a moving wall or an initial velocity, "
@@ -112,10 +126,9 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   double c = context->sound_speed, dx = context->spacing;
   settings->pressure_diffusion = DELTA * context->smoothing_length * c;
   if (context->kinematic_viscosity > 0 && context->has_wall)
-    settings->pressure_diffusion =
-        c * c *
-        fmin(WCSPH_TAU * dx * dx / context->kinematic_viscosity,
-             TAU_FAST * dx / context->velocity_scale);
+    settings->pressure_diffusion = c * c *
+                                   fmin(WCSPH_TAU * dx * dx / context->kinematic_viscosity,
+                                        TAU_FAST * dx / context->velocity_scale);
   for (size_t r = 0; r < scene->region_count; r++)
     memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
   settings->region_velocity = (const double(*)[3])region_velocity;
@@ -126,8 +139,6 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
-  /* Sound and viscosity together: (dt/dt_sound)^2 + dt/dt_viscous < 1, the exact condition of
-   * the leapfrog with lagged viscosity for one mode. */
   double sound = INFINITY, viscous = INFINITY, accurate = INFINITY;
   const char *accurate_by = NULL;
   for (size_t i = 0; i < plan->effect_count; i++) {
@@ -140,8 +151,12 @@ enum status wcsph_plan(struct plan *plan, int threads) {
       accurate = planned->dt_max, accurate_by = planned->effect->name;
     if (!strncmp(planned->effect->name, "pressure_", 9)) sound = fmin(sound, planned->dt_max);
   }
-  double q = sound / viscous;
-  plan->dt_limit = sound * (sqrt(q * q / 4 + 1) - q / 2);
+  const struct lattice_modes modes =
+      lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
+  const bool absolute =
+      scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
+  plan->dt_limit = lattice_modes_dt(&modes, absolute, context->sound_speed,
+                                    isfinite(viscous) ? context->kinematic_viscosity : 0);
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
   plan->dt = SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;
@@ -179,16 +194,14 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->steps = ceil(time / plan->dt);
   if (scene->steady_tolerance > 0)
     plan->steps = fmax(plan->steps, fmin(SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
-  double volume = 4.19;
-  for (int a = 0; a < 3; a++) volume *= context->support / lattice->spacing[a];
-  if (lattice->dimensions == 2) volume *= 0.75 * lattice->spacing[1] / context->support;
   double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
-  plan->seconds =
-      plan->steps * passes * volume * (double)lattice->fluid_count / (PAIRS_PER_SECOND * threads);
-  plan->seconds += error_split_seconds(scene, context) / threads;
-  if (error_split_seconds(scene, context) > 0)
+  plan->seconds = plan->steps * passes * modes.neighbours * (double)lattice->fluid_count /
+                  (PAIRS_PER_SECOND * threads);
+  const double split = error_split_seconds(scene, plan);
+  plan->seconds += split / threads;
+  if (split > 0)
     plan->bytes_total = fmax(plan->bytes_total, stokes_solver_bytes((double)lattice->count,
                                                                     (double)lattice->fluid_count));
-  plan->error = expect_error(&plan->shape, METHOD_WCSPH, scene->wcsph.wall, 1, plan->error_why);
+  plan->expected = expect_error(&plan->shape, METHOD_WCSPH, scene->wcsph.wall, 1);
   return STATUS_OK;
 }
