@@ -58,28 +58,28 @@ static size_t coarse_size(size_t n, double ratio, size_t *copies) {
   return best;
 }
 
-/* Trilinear, periodic. */
+/* Cubic (Lagrange) along each axis, periodic: what is linear between sites would smooth the curved
+ * walls away, and of second order. */
 static double interpolate(const struct lattice *l, const double at[3]) {
-  size_t low[3], high[3];
-  double part[3], sum = 0.0;
+  size_t index[3][4];
+  double weight[3][4], sum = 0.0;
   for (int a = 0; a < 3; a++) {
     const double n = (double)l->size[a], x = at[a] - floor(at[a] / n) * n, whole = floor(x);
-    low[a] = (size_t)whole % l->size[a];
-    high[a] = (low[a] + 1) % l->size[a];
-    part[a] = x - whole;
-  }
-  for (int corner = 0; corner < 8; corner++) {
-    double weight = 1.0;
-    size_t index[3];
-    for (int a = 0; a < 3; a++) {
-      const bool up = corner >> a & 1;
-      index[a] = up ? high[a] : low[a];
-      weight *= up ? part[a] : 1.0 - part[a];
+    const double t = x - whole;
+    const double w[4] = {-t * (t - 1.0) * (t - 2.0) / 6.0, (t * t - 1.0) * (t - 2.0) / 2.0,
+                         -t * (t + 1.0) * (t - 2.0) / 2.0, t * (t * t - 1.0) / 6.0};
+    for (size_t i = 0; i < 4; i++) {
+      index[a][i] = ((size_t)whole + i + l->size[a] - 1) % l->size[a];
+      weight[a][i] = w[i];
     }
-    if (weight > 0.0)
-      sum += weight *
-             (double)l->wall_distance[(index[2] * l->size[1] + index[1]) * l->size[0] + index[0]];
   }
+  for (size_t k = 0; k < 4; k++)
+    for (size_t j = 0; j < 4; j++)
+      for (size_t i = 0; i < 4; i++) {
+        const double w = weight[0][i] * weight[1][j] * weight[2][k];
+        const size_t row = index[2][k] * l->size[1] + index[1][j];
+        if (w != 0.0) sum += w * (double)l->wall_distance[row * l->size[0] + index[0][i]];
+      }
   return sum;
 }
 
@@ -194,23 +194,27 @@ static bool has_creeping_flow(const struct scene *scene, const struct effect_con
          scene->fluid.viscosity > 0.0;
 }
 
-double error_split_seconds(const struct scene *scene, const struct effect_context *context) {
+double error_split_seconds(const struct scene *scene, const struct plan *plan) {
+  const struct effect_context *context = &plan->context;
   const struct lattice *l = context->lattice;
-  const double sites = (double)l->count, fluid = (double)l->fluid_count;
   const bool stokes = context->method == METHOD_STOKES;
   const enum wall_scheme wall = stokes ? scene->stokes.wall : scene->wcsph.wall;
-  double solves = wall == WALL_SUBVOXEL ? 0.0 : 1.0;
   if (!has_creeping_flow(scene, context)) return 0.0;
-  for (int i = 1; i < LEVELS; i++) {
-    const double share = 1.0 / (ratios[i] * ratios[i] * ratios[i]);
-    solves += i == 1 && *scene->model_path ? 2.0 * share : share;
+  double seconds = 0.0;
+  for (int i = wall == WALL_SUBVOXEL ? 1 : 0; i < LEVELS; i++) {
+    double solves = i == 1 && *scene->model_path ? 2.0 : 1.0;
+    for (int a = 0; a < 3; a++) {
+      size_t copies;
+      coarse_size(l->size[a], ratios[i], &copies);
+      solves *= (double)copies;
+    }
+    seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / ratios[i], WALL_SUBVOXEL);
   }
-  return solves * stokes_solver_seconds(sites, fluid, WALL_SUBVOXEL) +
-         (stokes ? 0.0 : stokes_solver_seconds(sites, fluid, wall));
+  return seconds + (stokes ? 0.0 : stokes_solver_seconds(&plan->shape, l, 1.0, wall));
 }
 
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
-                                const struct lattice *lattice, double permeability,
+                                const struct lattice *lattice, double permeability, double found,
                                 struct error_split *split) {
   enum status status = STATUS_OK;
   double h[LEVELS], k[LEVELS], volumes, own = permeability;
@@ -241,9 +245,12 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
     h[levels++] = ratios[i];
   }
   measure_resolution(h, k, levels, own, split);
-  /* Pores too coarse to converge can agree by chance: no less than what explain expected. */
-  if (levels < LEVELS || !split->order_credible)
-    split->resolution = fmax(split->resolution, plan->error);
+  /* Pores too coarse to converge can agree by chance, and walls that stand in the wrong place do
+   * not show it: no less than what explain expected. */
+  if (levels < LEVELS || !split->order_credible || wall != WALL_SUBVOXEL)
+    split->resolution = fmax(split->resolution, plan->expected.error);
+  if (found > 0.0 && split->extrapolated > 0.0)
+    split->resolution = fmax(split->resolution, fabs(found / split->extrapolated - 1.0));
   add_model(scene->model_path, split);
 cleanup:
   lattice_free(&coarse);

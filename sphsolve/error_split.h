@@ -38,7 +38,7 @@ double error_split_total(const struct error_split *split);
  * of the lattice with the run's walls by method stokes; NAN: it is solved for. Nothing is done, and
  * all stays unknown, where nothing drives a flow past resting walls. */
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
-                                const struct lattice *lattice, double permeability,
+                                const struct lattice *lattice, double permeability, double found,
                                 struct error_split *split);
 
 /* As attributes of /run/error. */
