@@ -17,12 +17,11 @@ int ranks_end(enum status status) {
 #include <unistd.h>
 
 #define PATIENCE 2.0 /* s that ranks which failed wait for the others to fail too */
-#define PENDING 64   /* messages under way at once */
 
 static int own, count = 1;
 static struct ranks_traffic traffic;
-static MPI_Request pending[PENDING];
-static int pending_count;
+static MPI_Request *pending;
+static int pending_count, pending_room;
 
 void ranks_start(int *argc, char ***argv) {
   int provided;
@@ -47,6 +46,7 @@ int ranks_end(enum status status) {
     usleep(1000);
   }
   MPI_Finalize();
+  free(pending);
   return (int)status;
 }
 
@@ -65,17 +65,19 @@ void ranks_sum_all(double *values, size_t n) {
   traffic.seconds += clock_seconds() - start;
 }
 
-double ranks_max(double value) {
-  if (count == 1) return value;
+void ranks_max_all(double *values, size_t n) {
+  if (count == 1) return;
   const double start = clock_seconds();
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, values, (int)n, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   traffic.reductions++;
   traffic.seconds += clock_seconds() - start;
-  return value;
 }
 
-bool ranks_any(bool value) {
-  return ranks_max(value ? 1 : 0) > 0;
+void ranks_swap_counts(const size_t *send, size_t *receive) {
+  const double start = clock_seconds();
+  MPI_Alltoall(send, sizeof *send, MPI_BYTE, receive, sizeof *send, MPI_BYTE, MPI_COMM_WORLD);
+  traffic.reductions++;
+  traffic.seconds += clock_seconds() - start;
 }
 
 enum status ranks_agree(enum status status) {
@@ -114,16 +116,25 @@ void ranks_gather(void *data, const size_t *start, size_t size) {
   traffic.seconds += clock_seconds() - began;
 }
 
+/* Where the next message is kept track of. */
+static MPI_Request *next_pending(void) {
+  if (pending_count == pending_room) {
+    pending_room = 2 * pending_room + 64;
+    MPI_Request *more = realloc(pending, (size_t)pending_room * sizeof *pending);
+    if (more == NULL) MPI_Abort(MPI_COMM_WORLD, STATUS_RUN);
+    pending = more;
+  }
+  return &pending[pending_count++];
+}
+
 void ranks_send(const void *from, size_t bytes, int rank, int tag) {
-  if (pending_count == PENDING) ranks_wait();
-  MPI_Isend(from, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, &pending[pending_count++]);
+  MPI_Isend(from, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
   traffic.messages++;
   traffic.bytes += bytes;
 }
 
 void ranks_receive(void *to, size_t bytes, int rank, int tag) {
-  if (pending_count == PENDING) ranks_wait();
-  MPI_Irecv(to, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, &pending[pending_count++]);
+  MPI_Irecv(to, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
 }
 
 void ranks_wait(void) {

@@ -29,8 +29,9 @@ int ranks_count(void);
 int ranks_own(void);
 /* Collective; the same bits on every rank. */
 void ranks_sum_all(double *values, size_t count);
-double ranks_max(double value);
-bool ranks_any(bool value);
+void ranks_max_all(double *values, size_t count);
+/* Collective: send[r] goes to rank r, receive[r] comes from it. */
+void ranks_swap_counts(const size_t *send, size_t *receive);
 /* Collective: a failure of one is a failure of all. */
 enum status ranks_agree(enum status status);
 /* Collective: the sum of `own` over the ranks before this one; *total over all. */
@@ -60,11 +61,11 @@ static inline int ranks_own(void) {
 static inline void ranks_sum_all(double *values, size_t count) {
   (void)values, (void)count;
 }
-static inline double ranks_max(double value) {
-  return value;
+static inline void ranks_max_all(double *values, size_t count) {
+  (void)values, (void)count;
 }
-static inline bool ranks_any(bool value) {
-  return value;
+static inline void ranks_swap_counts(const size_t *send, size_t *receive) {
+  receive[0] = send[0];
 }
 static inline enum status ranks_agree(enum status status) {
   return status;
@@ -91,6 +92,13 @@ static inline struct ranks_traffic ranks_traffic(void) {
 static inline double ranks_sum(double value) {
   ranks_sum_all(&value, 1);
   return value;
+}
+static inline double ranks_max(double value) {
+  ranks_max_all(&value, 1);
+  return value;
+}
+static inline bool ranks_any(bool value) {
+  return ranks_max(value ? 1 : 0) > 0;
 }
 
 #endif

@@ -183,7 +183,7 @@ cleanup:
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra) {
   enum status status = STATUS_OK;
-  if (recorder->journal.file == 0) TRY(open_journal(recorder));
+  if (recorder->journal.file == 0 && ranks_own() == 0) TRY(open_journal(recorder));
   TRY(reserve_row(recorder, recorder->row_count + 1));
   double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
   double base[] = {row->time,
@@ -204,7 +204,8 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
   memcpy(to, base, sizeof base);
   if ((size_t)recorder->width > n)
     memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
-  TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
+  if (ranks_own() == 0)
+    TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
 cleanup:
   return status;
 }

@@ -24,12 +24,12 @@ enum status cluster_boxes_fluid(const struct particles *p, double horizon, doubl
   double per_unit[3];
   for (int a = 0; a < 3; a++) per_unit[a] = p->frame.step[a] == 0 ? 0 : 1 / p->frame.unit[a];
   if (set->clusters != p->clusters) {
-    cluster_set_free(set);
+    memory_free(&set->boxes);
     set->clusters = p->clusters;
     TRY(memory_allocate(&set->boxes, p->clusters, sizeof *set->boxes, "cluster boxes"));
   }
 #pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < p->clusters; c++) {
+  for (size_t c = set->begin; c < set->end; c++) {
     size_t first = c * CLUSTER; /* the first slot of a cluster is never empty */
     int64_t low[3] = {INT64_MAX, INT64_MAX, INT64_MAX}, high[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     uint32_t origin[3] = {p->x[0][first], p->x[1][first], p->x[2][first]};
@@ -56,7 +56,7 @@ cleanup:
 
 enum status cluster_boxes_wall(const struct particles *p, struct cluster_set *set) {
   enum status status = STATUS_OK;
-  set->clusters = p->wall_clusters;
+  set->clusters = set->end = p->wall_clusters;
   TRY(memory_allocate(&set->boxes, p->wall_clusters, sizeof *set->boxes, "cluster boxes"));
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < p->wall_clusters; c++) {

@@ -1,4 +1,4 @@
-#include "sphsolve/engine/engine.h"
+#include "sphsolve/engine/engine_ranks.h"
 
 #include <math.h>
 #include <omp.h>
@@ -32,8 +32,6 @@
 #define LISTS_WALL 7.0
 #define BOXES 3.0
 #define BINS 3.6
-/* Row clusters a thread takes at a time. */
-#define BLOCK 32
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */
 #define WALL_DISTANCE_LEAST 0.02
 
@@ -159,6 +157,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
   TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
   TRY(make_locals(engine));
+  if (RANKS) TRY(engine_share_out(engine));
 
   struct pass *pass = &engine->pass;
   const struct frame *frame = &engine->particles.frame;
@@ -195,6 +194,7 @@ cleanup:
 }
 
 void engine_drop_lists(struct engine *engine) {
+  if (RANKS) engine_settle(engine);
   neighbours_free(&engine->fluid_fluid);
   neighbours_free(&engine->fluid_wall);
   neighbours_free(&engine->wall_fluid);
@@ -208,12 +208,20 @@ void engine_free(struct engine *engine) {
   memory_free(&engine->locals);
   engine_drop_lists(engine);
   cluster_bins_free(&engine->wall_bins);
+  ghosts_free(&engine->ranks.fluid);
+  ghosts_free(&engine->ranks.walls);
+  memory_free(&engine->ranks.blocks);
   particles_free(&engine->particles);
 }
 
-static void run_pass(struct engine *engine, pass_function *function, size_t clusters,
+static void run_pass(struct engine *engine, pass_function *function, bool wall,
                      enum engine_phase phase) {
   double start = clock_seconds();
+  size_t clusters = wall ? engine->particles.wall_clusters : engine->particles.clusters;
+  if (engine_is_shared(engine)) {
+    engine_run_shared(engine, function, wall);
+    clusters = 0;
+  }
 #pragma omp parallel num_threads(engine->threads)
   {
     struct local *local = &engine->locals[omp_get_thread_num()];
@@ -229,26 +237,31 @@ static void run_pass(struct engine *engine, pass_function *function, size_t clus
 static void count_pairs(struct engine *engine) {
   uint64_t fluid = 0, wall = 0;
   const struct particles *p = &engine->particles;
+  const struct ghosts *walls = &engine->ranks.walls;
+  size_t first = engine_first_slot(engine) / CLUSTER, end = engine_end_slot(engine) / CLUSTER;
+  size_t first_wall = walls->cut != NULL ? walls->begin : 0;
+  size_t end_wall = walls->cut != NULL ? walls->end : p->wall_clusters;
 #pragma omp parallel num_threads(engine->threads) reduction(+ : fluid, wall)
   {
     struct local *local = &engine->locals[omp_get_thread_num()];
 #pragma omp for schedule(dynamic, BLOCK)
-    for (size_t c = 0; c < p->clusters; c++)
+    for (size_t c = first; c < end; c++)
       engine->table->count(&engine->pass, local, c, c + 1, &fluid);
     if (engine->wall_fluid.rows > 0) {
 #pragma omp for schedule(dynamic, BLOCK)
-      for (size_t c = 0; c < p->wall_clusters; c++)
+      for (size_t c = first_wall; c < end_wall; c++)
         engine->table->count_wall(&engine->pass, local, c, c + 1, &wall);
     }
   }
-  engine->pairs_fluid = fluid;
-  engine->pairs_wall = wall;
+  double sums[2] = {(double)fluid, (double)wall};
+  ranks_sum_all(sums, 2);
+  engine->pairs_fluid = (uint64_t)sums[0];
+  engine->pairs_wall = (uint64_t)sums[1];
 }
 
-/* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have gone
- * far since they were last ordered.
- * The order decides the order of sums and so must not depend on when lists are made: a resumed run
- * makes its own. */
+/* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have
+ * gone far since they were last ordered. The order decides the order of sums and so must not depend
+ * on when lists are made: a resumed run makes its own. */
 static enum status make_lists(struct engine *engine, bool order) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
@@ -259,22 +272,38 @@ static enum status make_lists(struct engine *engine, bool order) {
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* their memory is the keys' */
+    if (RANKS) TRY(engine_gather(engine));
     TRY(particles_sort(p));
+    if (RANKS) TRY(engine_share_out(engine));
     engine->moved = 0;
   }
   /* Until the next ordering, if particles keep their speed. */
   double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
   double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
+  if (RANKS) engine_settle(engine);
+  engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
+  engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
+  if (RANKS)
+    TRY(ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes));
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (engine->fields.wall_state) {
     TRY(cluster_boxes_wall(p, &wall_boxes));
+    if (engine_is_shared(engine)) {
+      wall_boxes.begin = engine->ranks.walls.begin;
+      wall_boxes.end = engine->ranks.walls.end;
+    }
     TRY(neighbours_build(&p->frame, &wall_boxes, &bins, range, widest, &engine->wall_fluid));
   }
   cluster_bins_free(&bins);
   TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
                        &engine->fluid_wall));
+  if (engine_is_shared(engine)) {
+    TRY(engine_find_ghosts(engine));
+    engine_send(engine, SENT_ALL);
+    engine_settle(engine);
+  }
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;
@@ -328,25 +357,26 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
 
 static void update_distance(struct engine *engine) {
   struct particles *p = &engine->particles;
-  const size_t slots = particles_slots(p);
+  const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t i = 0; i < slots; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
+  for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
 }
 
-/* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left the
- * box that the lists were made for. */
+/* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left
+ * the box that the lists were made for. */
 static void drift(struct engine *engine, double share) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
   double dt = share * engine->settings.dt, speed = 0, step = 0;
   double per_unit[3];
   bool left = false;
+  const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
   for (int a = 0; a < 3; a++) per_unit[a] = p->frame.step[a] == 0 ? 0 : dt / p->frame.unit[a];
 #pragma omp parallel for schedule(static) num_threads(engine->threads) reduction(max               \
                                                                                  : speed, step)    \
     reduction(||                                                                                   \
               : left)
-  for (size_t i = 0; i < particles_slots(p); i++) {
+  for (size_t i = first; i < end; i++) {
     const struct cluster_box *box = &engine->boxes.boxes[i / CLUSTER];
     double own = 0, moving = 0;
     bool out = false;
@@ -364,6 +394,13 @@ static void drift(struct engine *engine, double share) {
     speed = fmax(speed, own);
     step = fmax(step, moving);
   }
+  if (engine_is_shared(engine)) {
+    double most[] = {speed, step, left, engine->locals[0].overflow};
+    for (int t = 1; t < engine->threads; t++) most[3] = fmax(most[3], engine->locals[t].overflow);
+    ranks_max_all(most, 4);
+    speed = most[0], step = most[1], left = most[2] > 0;
+    engine->locals[0].overflow = most[3] > 0;
+  }
   engine->speed_max = sqrt(speed);
   engine->moved += sqrt(step) * dt;
   if (left) engine->listed = false;
@@ -371,21 +408,23 @@ static void drift(struct engine *engine, double share) {
 }
 
 /* Differences leave the mean pressure free, and rounding and disorder let it walk: it is taken out
- * now and then. Sums over fixed blocks, so that threads change no bit. */
+ * now and then. Sums over fixed blocks, so that neither threads nor ranks change a bit. */
 static enum status remove_mean_pressure(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   size_t slots = particles_slots(p), blocks = (slots + MEAN_BLOCK - 1) / MEAN_BLOCK;
+  const size_t first = engine_first_slot(engine), last = engine_end_slot(engine);
   double *sums = NULL, sum = 0;
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t b = 0; b < blocks; b++)
+  for (size_t b = first / MEAN_BLOCK; b < (last + MEAN_BLOCK - 1) / MEAN_BLOCK; b++)
     for (size_t i = b * MEAN_BLOCK; i < (b + 1) * MEAN_BLOCK && i < slots; i++)
       if (p->id[i] != NO_PARTICLE) sums[b] += (double)p->state[i];
+  TRY(engine_gather_blocks(engine, MEAN_BLOCK, sums, sizeof *sums));
   for (size_t b = 0; b < blocks; b++) sum += sums[b];
   float mean = (float)(sum / (double)p->count);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t i = 0; i < slots; i++) p->state[i] -= mean;
+  for (size_t i = first; i < last; i++) p->state[i] -= mean;
 cleanup:
   memory_free(&sums);
   return status;
@@ -421,11 +460,14 @@ enum status engine_step(struct engine *engine) {
       s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
   bool has_walls = p->wall_clusters > 0;
   if (s->wall == PASS_FROZEN) {
-    run_pass(engine, table->density, p->clusters, PHASE_DENSITY);
-    run_pass(engine, table->density_wall, p->wall_clusters, PHASE_DENSITY);
+    run_pass(engine, table->density, false, PHASE_DENSITY);
+    if (RANKS) engine_send(engine, SENT_DENSITY);
+    run_pass(engine, table->density_wall, true, PHASE_DENSITY);
+    if (RANKS) engine_send(engine, SENT_WALL);
     engine->pair_interactions += (double)(engine->pairs_fluid + engine->pairs_wall);
   } else if (s->wall == PASS_ADAMI) {
-    run_pass(engine, table->image_velocity, p->wall_clusters, PHASE_WALL);
+    run_pass(engine, table->image_velocity, true, PHASE_WALL);
+    if (RANKS) engine_send(engine, SENT_WALL);
     engine->pair_interactions += (double)engine->pairs_wall;
   } else if (s->wall == PASS_SUBVOXEL) {
     double start = clock_seconds();
@@ -433,21 +475,25 @@ enum status engine_step(struct engine *engine) {
     update_distance(engine);
     engine->seconds[PHASE_WALL] += clock_seconds() - start;
   }
-  run_pass(engine, table->force[s->wall][s->viscosity][s->shift], p->clusters, PHASE_FORCE);
+  run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
   take_velocities(p);
   if (s->wall == PASS_FROZEN) {
     drift(engine, 1);
+    if (RANKS) engine_send(engine, SENT_MOTION);
   } else {
     drift(engine, 0.5);
-    if (!engine->listed) TRY(make_lists(engine, false));
+    if (!engine->listed)
+      TRY(make_lists(engine, false));
+    else if (RANKS)
+      engine_send(engine, SENT_MOTION);
     p->state_next = p->v_next[0]; /* the old velocity is not needed any more */
-    run_pass(engine, table->continuity[has_walls][s->diffusion][s->shift], p->clusters,
-             PHASE_CONTINUITY);
+    run_pass(engine, table->continuity[has_walls][s->diffusion][s->shift], false, PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
     swap(&p->state, &p->v_next[0]);
     drift(engine, 0.5);
     if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
+    if (RANKS) engine_send(engine, SENT_PLACE);
   }
   engine->steps++;
   for (int t = 0; t < engine->threads; t++)

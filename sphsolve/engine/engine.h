@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sphsolve/engine/ghosts.h"
 #include "sphsolve/engine/pairs.h"
 
 struct engine_settings {
@@ -34,6 +35,14 @@ enum engine_phase {
   PHASE_COUNT
 };
 
+/* What a rank has to know of the others; empty where there are none. */
+struct engine_ranks {
+  struct ghosts fluid, walls;
+  uint32_t *blocks; /* of own rows: first those that read no ghost */
+  size_t inner, count;
+  double work; /* of own rows, 1 and more; 0: not known */
+};
+
 struct engine {
   struct engine_settings settings;
   const struct lattice *lattice;
@@ -53,6 +62,7 @@ struct engine {
   double pair_interactions;         /* evaluated so far */
   double seconds[PHASE_COUNT];
   uint64_t rebuilds, steps;
+  struct engine_ranks ranks;
 };
 
 struct particle_fields engine_fields(const struct engine_settings *settings);
@@ -61,6 +71,24 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
                         struct engine *engine);
 void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
+/* Collective (common/ranks.h): waits for ghosts under way. */
+void engine_settle(struct engine *engine);
+/* Collective: every rank then has what all particles are, not its own and their ghosts alone. */
+enum status engine_gather(struct engine *engine);
+/* Collective, where clusters were put in place by hand. */
+enum status engine_share_out(struct engine *engine);
+/* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;
+ * then it has all. */
+enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,
+                                 size_t size);
+/* Slots that this rank computes. */
+static inline size_t engine_first_slot(const struct engine *engine) {
+  return RANKS && engine->ranks.fluid.cut != NULL ? engine->ranks.fluid.begin * CLUSTER : 0;
+}
+static inline size_t engine_end_slot(const struct engine *engine) {
+  return RANKS && engine->ranks.fluid.cut != NULL ? engine->ranks.fluid.end * CLUSTER
+                                                  : particles_slots(&engine->particles);
+}
 void engine_set_dt(struct engine *engine, double dt);
 /* Gives back what the next step makes anew: lists and their boxes. No bit depends on it. */
 void engine_drop_lists(struct engine *engine);

@@ -317,8 +317,10 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
     struct list_chunk *to = &list->chunks[chunk];
     enum status failed = STATUS_OK;
     to->used = 0;
-    size_t end = list_chunk_begin(list, chunk + 1);
-    for (size_t r = list_chunk_begin(list, chunk); r < end && failed == STATUS_OK;) {
+    size_t r = list_chunk_begin(list, chunk), last_row = list_chunk_begin(list, chunk + 1);
+    size_t end = last_row < rows->end ? last_row : rows->end;
+    for (; r < rows->begin && r < last_row; r++) list->start[r] = 0;
+    while (r < end && failed == STATUS_OK) {
       struct group group = group_make(frame, rows, r, end, widest);
       failed = search_box(frame, columns, &group.box, range, &found);
       found_sort(&found);
@@ -329,6 +331,7 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
         failed = encode_row(&found, to);
       }
     }
+    for (; r < last_row; r++) list->start[r] = (uint32_t)to->used;
     if (failed == STATUS_OK && to->capacity > to->used + to->used / 8 + 64) {
       failed = memory_resize(&to->words, to->used, sizeof *to->words, "neighbour lists");
       to->capacity = to->used;

@@ -33,8 +33,9 @@ struct neighbour_list {
   } chunks[LIST_CHUNKS];
 };
 
-/* Replaces the list. `widest`: extent that rows may have when they are searched together, m; half
- * of it, `range` and the half extents of two clusters stay below half of the box's images. */
+/* Replaces the list; rows of other ranks stay empty. `widest`: extent that rows may have when they
+ * are searched together, m; half of it, `range` and the half extents of two clusters stay below
+ * half of the box's images. */
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
                              const struct cluster_bins *columns, double range, double widest,
                              struct neighbour_list *list);

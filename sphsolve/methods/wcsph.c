@@ -96,7 +96,9 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
       monitor_judge(&state->monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
   result->status = "end_time";
   while (state->step < run->last_step) {
-    if (recorder_interrupted(run->recorder) || recorder_checkpoint_due(run->recorder)) {
+    /* Ranks ask each other, and so not at every step. */
+    bool asked = ranks_count() == 1 || state->step % WATCH_STEPS == 0;
+    if (asked && recorder_checkpoint_due(run->recorder)) {
       bool stop = recorder_interrupted(run->recorder);
       TRY(wcsph_write_checkpoint(run));
       if (stop) {
@@ -177,6 +179,12 @@ static void add_force_times(const struct wcsph_run *run, double seconds) {
       recorder_add_time(run->recorder, terms[i].name, seconds * terms[i].operations / all);
 }
 
+/* Work of the busiest rank over the mean, with the last lists. */
+static double imbalance_of(const struct engine *engine) {
+  const double work = engine->ranks.work, total = ranks_sum(work);
+  return total > 0 ? ranks_max(work) * ranks_count() / total : 1;
+}
+
 static void finish(struct wcsph_run *run, struct run_result *result) {
   const struct engine *engine = &run->state.engine;
   const double *s = engine->seconds;
@@ -203,6 +211,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   add_force_times(run, s[PHASE_FORCE]);
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
+  if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
   recorder_set_fact(run->recorder, "method_peak_bytes", (double)memory_peak());
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);

@@ -30,18 +30,20 @@ enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *to
 /* Fields of a snapshot, one at a time: a run's memory is the engine's. */
 static void fill_points(const void *context, void *data) {
   const struct wcsph_run *run = context;
-  const struct particles *p = &run->state.engine.particles;
+  const struct engine *engine = &run->state.engine;
+  const struct particles *p = &engine->particles;
   double *point = data;
-  for (size_t i = 0; i < particles_slots(p); i++) {
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++) {
     if (p->id[i] == NO_PARTICLE) continue;
     particles_position(p, run->lattice, i, point);
     point += 3;
   }
 }
 static void fill_velocity(const void *context, void *data) {
-  const struct particles *p = &((const struct wcsph_run *)context)->state.engine.particles;
+  const struct engine *engine = &((const struct wcsph_run *)context)->state.engine;
+  const struct particles *p = &engine->particles;
   float *velocity = data;
-  for (size_t i = 0; i < particles_slots(p); i++)
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     for (int a = 0; a < 3 && p->id[i] != NO_PARTICLE; a++) *velocity++ = p->v[a][i];
 }
 static void fill_pressure(const void *context, void *data) {
@@ -49,7 +51,7 @@ static void fill_pressure(const void *context, void *data) {
   const struct engine *engine = &run->state.engine;
   double c = engine->settings.sound_speed, unit = run->scene->fluid.density * c * c;
   float *pressure = data;
-  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (engine->particles.id[i] != NO_PARTICLE)
       *pressure++ = (float)(unit * engine_pressure(engine, i));
 }
@@ -57,14 +59,15 @@ static void fill_density(const void *context, void *data) {
   const struct wcsph_run *run = context;
   const struct engine *engine = &run->state.engine;
   float *density = data;
-  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (engine->particles.id[i] != NO_PARTICLE)
       *density++ = (float)(run->scene->fluid.density * engine_density(engine, i));
 }
 static void fill_id(const void *context, void *data) {
-  const struct particles *p = &((const struct wcsph_run *)context)->state.engine.particles;
+  const struct engine *engine = &((const struct wcsph_run *)context)->state.engine;
+  const struct particles *p = &engine->particles;
   uint32_t *id = data;
-  for (size_t i = 0; i < particles_slots(p); i++)
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (p->id[i] != NO_PARTICLE) *id++ = p->id[i];
 }
 
@@ -78,9 +81,12 @@ enum status wcsph_write_snapshot(struct wcsph_run *run) {
       {"density", "kg/m^3", "density", H5_F32, 1, NULL, fill_density, run},
       {"id", "1", "site the particle started from", H5_U32, 1, NULL, fill_id, run},
   };
+  const struct engine *engine = &run->state.engine;
+  size_t count = 0;
   engine_drop_lists(&run->state.engine);
-  return recorder_snapshot(run->recorder, wcsph_run_time(run), run->state.step,
-                           run->state.engine.particles.count, &points,
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
+    count += engine->particles.id[i] != NO_PARTICLE;
+  return recorder_snapshot(run->recorder, wcsph_run_time(run), run->state.step, count, &points,
                            sizeof fields / sizeof *fields, fields);
 }
 

@@ -50,8 +50,10 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
   struct wcsph_totals *part = NULL;
   const bool ends = engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
+  const size_t first = engine_first_slot(engine) / SUM_BLOCK;
+  const size_t last = (engine_end_slot(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
 #pragma omp parallel for schedule(static)
-  for (size_t b = 0; b < blocks; b++) {
+  for (size_t b = first; b < last; b++) {
     struct wcsph_totals *t = &part[b];
     t->density_min = INFINITY;
     size_t end = (b + 1) * SUM_BLOCK < slots ? (b + 1) * SUM_BLOCK : slots;
@@ -82,6 +84,7 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
       }
     }
   }
+  TRY(engine_gather_blocks(engine, SUM_BLOCK, part, sizeof *part));
   memset(totals, 0, sizeof *totals);
   totals->density_min = INFINITY;
   for (size_t b = 0; b < blocks; b++) {
@@ -166,8 +169,9 @@ size_t wcsph_copy_bytes(const struct particle_fields *fields) {
   return (size_t)(fields->shift ? 11 : 8) * sizeof(float);
 }
 
-enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy) {
+enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   enum status status = STATUS_OK;
+  TRY(engine_gather(&state->engine));
   struct particles p = state->engine.particles; /* pointers only */
   struct stored list[16];
   size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
@@ -191,11 +195,13 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   enum status status = STATUS_OK;
   struct engine *engine = &state->engine;
   struct particles *p = &engine->particles;
+  engine_settle(engine);
   TRY(particles_resize(p, copy->clusters));
   struct stored list[16];
   size_t n = stored_arrays(p, list), slots = particles_slots(p);
   for (size_t i = 0; i < n; i++)
     memcpy(*list[i].array, copy->arrays + i * slots, slots * sizeof *copy->arrays);
+  TRY(engine_share_out(engine));
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;
   engine->listed = false;
@@ -221,9 +227,11 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
   struct particles p = state->engine.particles; /* pointers only */
   const struct engine *engine = &state->engine;
   struct stored list[16];
-  size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
-  for (size_t i = 0; i < n; i++)
-    TRY(h5_write(file, list[i].name, list[i].type, 1, &slots, *list[i].array, false));
+  size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
+  size_t slots = engine_end_slot(engine) - first;
+  for (size_t i = 0; i < n; i++) /* all are of 4 bytes */
+    TRY(h5_write_share(file, list[i].name, list[i].type, 1, &slots,
+                       *(float **)list[i].array + first, false));
   double numbers[] = {engine->moved,
                       engine->speed_max,
                       engine->pair_interactions,
@@ -280,6 +288,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
              h5_path(file), numbers[6], engine->settings.dt);
+  TRY(engine_share_out(engine));
   engine->moved = numbers[0];
   engine->speed_max = numbers[1];
   engine->pair_interactions = numbers[2];

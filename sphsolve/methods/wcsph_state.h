@@ -33,7 +33,7 @@ struct wcsph_copy {
   double time, moved, speed_max, next_row;
   int halvings;
 };
-enum status wcsph_keep(const struct wcsph_state *state, struct wcsph_copy *copy);
+enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* The step stays as it is now, unless it was shorter then. */
 enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
 size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */

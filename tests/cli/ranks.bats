@@ -74,7 +74,61 @@ stokes() { # NAME [options]
   run on 3 sphsolve-mpi run nowhere.cfg -o none
   [ "$status" -eq 3 ]
   [ "$(grep -c 'nowhere.cfg' <<< "$output")" -eq 1 ]
-  run on 2 sphsolve-mpi run s06.cfg --set model.file=dense.hdf -o none
+  run on 2 sphsolve-mpi run "$ROOT/data-samples/scenes/still-tank.cfg" -o none
   [ "$status" -eq 2 ]
   [[ "$output" == *"one rank"* ]]
+}
+
+wcsph() { # NAME [options]
+  local name=$1; shift
+  echo run s06.cfg --set model.file=dense.hdf --set scene.steady_tolerance=0.0 --set scene.end_time=0.01s \
+    --set force.body_acceleration="[\"0\",\"0\",\"-${pull:-9.8}m/s^2\"]" --set output.interval=0.005s -o "$name" --quiet "$@"
+}
+same() { # SERIAL OTHER: bit for bit, snapshots too
+  local snapshot
+  for snapshot in "$1".hdf "$1"-0*.hdf; do
+    /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "$snapshot" "$2${snapshot#"$1"}"
+  done
+}
+
+@test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {
+  for walls in subvoxel adami frozen; do
+    local pull=9.8 # as much as the walls bear; the more, the more often particles are ordered anew
+    [ $walls != frozen ] || pull=98
+    sphsolve $(wcsph "w$walls" --set wcsph.wall=$walls) > /dev/null
+    for n in 2 4; do
+      on $n sphsolve-mpi $(wcsph "w$walls$n" --set wcsph.wall=$walls) > /dev/null
+      same "w$walls" "w$walls$n"
+    done
+  done
+  for n in 1 3; do
+    on $n sphsolve-mpi $(wcsph "wfrozen$n" --set wcsph.wall=frozen) > /dev/null
+    same wfrozen "wfrozen$n"
+  done
+}
+
+@test "wcsph: a step too long is halved on all ranks at once" {
+  local pull=98
+  sphsolve $(wcsph long --set wcsph.force_dt=true --set wcsph.dt=1.6e-4s) > /dev/null
+  on 3 sphsolve-mpi $(wcsph long3 --set wcsph.force_dt=true --set wcsph.dt=1.6e-4s) > /dev/null
+  /usr/bin/python3 -c 'import h5py; assert len(h5py.File("long.hdf")["run/watchdog/time"]) > 0'
+  same long long3
+}
+
+@test "wcsph: stopped on 2 ranks, taken up by 3 and by one, bit for bit" {
+  local pull=98
+  [ -e wfrozen.hdf ] || sphsolve $(wcsph wfrozen --set wcsph.wall=frozen) > /dev/null
+  rm -f stop*
+  on 2 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --set checkpoint.interval=1us) > log 2>&1 &
+  local job=$! rank
+  for _ in $(seq 400); do [ ! -e stop.ckpt.1.hdf ] || break; sleep 0.02; done
+  rank=$(pgrep -f -- '-o stop --quiet' | tail -1)
+  kill -9 "$rank"
+  run wait $job
+  [ ! -e stop.hdf ]
+  mkdir -p alone && cp stop* s06.cfg dense.hdf alone
+  on 3 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --resume) > /dev/null
+  same wfrozen stop
+  (cd alone && sphsolve $(wcsph stop --set wcsph.wall=frozen --resume) > /dev/null)
+  same wfrozen alone/stop
 }

@@ -1,0 +1,27 @@
+/* The part of the engine that knows of other ranks. In a build without MPI none of it is called. */
+#ifndef TOSUI_ENGINE_ENGINE_RANKS_H
+#define TOSUI_ENGINE_ENGINE_RANKS_H
+
+#include "sphsolve/engine/engine.h"
+
+/* Row clusters a thread takes at a time. */
+#define BLOCK 32
+
+static inline bool engine_is_shared(const struct engine *engine) {
+  return RANKS && engine->ranks.fluid.cut != NULL;
+}
+/* Collective, after lists were made: finds the ghosts, and which blocks of rows read none. */
+enum status engine_find_ghosts(struct engine *engine);
+/* Collective: sends what the step has just made to the ranks that read it. */
+enum engine_sent {
+  SENT_MOTION,  /* place and velocity */
+  SENT_DENSITY, /* of frozen walls' fluid */
+  SENT_WALL,
+  SENT_PLACE, /* and pressure */
+  SENT_ALL
+};
+void engine_send(struct engine *engine, enum engine_sent what);
+/* Blocks of rows: those that read no ghost while ghosts are on their way, then the others. */
+void engine_run_shared(struct engine *engine, pass_function *function, bool wall);
+
+#endif
