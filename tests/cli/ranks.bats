@@ -94,6 +94,7 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
 @test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {
   for walls in subvoxel adami frozen; do
     local pull=9.8 # as much as the walls bear; the more, the more often particles are ordered anew
+    [ $walls != adami ] || pull=3
     [ $walls != frozen ] || pull=98
     sphsolve $(wcsph "w$walls" --set wcsph.wall=$walls) > /dev/null
     for n in 2 4; do
