@@ -145,22 +145,6 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
   return found;
 }
 
-/* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`, left alone where m is
- * too flat to be trusted. */
-static void invert(int dimensions, const double m[6], double least, double inverse[9]) {
-  double yy = dimensions == 2 ? 1 : m[3];
-  double c00 = yy * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
-         c02 = m[1] * m[4] - m[2] * yy;
-  double determinant = m[0] * c00 + m[1] * c01 + m[2] * c02;
-  if (!(determinant > least)) return;
-  double scale = 1 / determinant;
-  inverse[0] = c00 * scale, inverse[1] = inverse[3] = c01 * scale;
-  inverse[2] = inverse[6] = c02 * scale;
-  inverse[4] = (m[0] * m[5] - m[2] * m[2]) * scale;
-  inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[4]) * scale;
-  inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
-}
-
 static enum status grow(struct isph_chunk *chunk, size_t pairs, size_t walls) {
   enum status status = STATUS_OK;
   if (pairs > chunk->pair_capacity) {
@@ -261,8 +245,9 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    invert(dimensions, moment, 0.02, inverse);
+    isph_moment_inverse(dimensions, moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
+    if (s->on.soil) isph_moment_lack(s, i, moment, wall_moment);
   }
   return STATUS_OK;
 }
@@ -318,6 +303,7 @@ enum status isph_find_neighbours(struct isph *s) {
       status = here;
     }
   }
+  if (s->on.soil) isph_moment_even(s);
   for (size_t c = 0; c < s->chunk_count; c++)
     s->pair_interactions += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
   return status;

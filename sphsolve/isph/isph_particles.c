@@ -53,6 +53,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
     TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
+    TRY(memory_resize(&s->moment_lack, n, sizeof *s->moment_lack, what));
     if (s->on.moving_soil) {
       TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
       TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
@@ -212,6 +213,7 @@ void isph_free(struct isph *s) {
                     &s->filling,
                     &s->imbalance,
                     &s->correction,
+                    &s->moment_lack,
                     &s->surface,
                     &s->filling_walls,
                     &s->gradient,

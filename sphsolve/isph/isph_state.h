@@ -120,6 +120,7 @@ struct isph {
   double *filling;                  /* sum V W with walls: 1 in the bulk */
   double (*imbalance)[3];           /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];           /* L, gradient correction */
+  float (*moment_lack)[6];          /* C of isph_moment.c; NULL without soil */
   double *surface;                  /* 0 bulk .. 1 surface; NULL without */
   double *filling_walls;            /* the walls' part of it; NULL without a surface */
   float (*gradient)[9];             /* dv_a/dx_b; NULL if nobody asks */
@@ -233,6 +234,14 @@ void isph_wall_guard(const struct isph *s, const double x[3], double scale, doub
 enum status isph_sort(struct isph *s);
 enum status isph_sort_walls(struct isph *s);
 enum status isph_find_neighbours(struct isph *s);
+
+/* isph_moment.c: operators exact for linear fields in soil. */
+void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
+/* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
+void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
+                      const double wall_moment[6]);
+/* Evens the slopes of all pairs by it. */
+void isph_moment_even(struct isph *s);
 
 /* isph_pressure.c */
 void isph_assemble(struct isph *s, double tau);

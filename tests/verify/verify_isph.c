@@ -5,23 +5,24 @@
 
 /* Water over soil at rest: rho g H at the bottom whatever the porosity; the level too. */
 static void hydrostatic(void) {
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; k < 6; k++) {
     struct run run = {0};
     static const double eps[] = {.3, .5, .8};
     char name[96];
-    double started = clock_seconds(), foot[3] = {.1, 0, 0};
+    double started = clock_seconds(), foot[3] = {.1, 0, 0}, dx = k < 3 ? .01 : .02;
     start(&run,
           "scene = { method = \"isph\"; end_time = \"3 s\"; };\n"
-          "domain = { size = [\"0.2 m\", \"0.3 m\"]; spacing = \"1 cm\"; periodic = [false, "
+          "domain = { size = [\"0.2 m\", \"0.3 m\"]; spacing = \"%g m\"; periodic = [false, "
           "false]; };\n"
           "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.2 m\"]; },\n"
           "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; porosity = %g; "
           "grain_size = \"1 cm\"; } );\n"
           "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { dt = \"1 ms\"; };\n",
-          eps[k]);
+          dx, eps[k % 3]);
     advance(&run, 2);
     double reference = 1000 * 9.81 * .2;
-    snprintf(name, sizeof name, "hydrostatic over soil: bottom pressure, eps %g", eps[k]);
+    snprintf(name, sizeof name, "hydrostatic over soil: bottom pressure, eps %g, %g cm", eps[k % 3],
+             100 * dx);
     report(name, reference, isph_pressure_at(&run.s, foot), .01 * reference, started);
     finish(&run);
   }
@@ -36,17 +37,23 @@ static double rms_velocity(const struct isph *s) {
 
 /* A tank set sloshing at 5 cm/s comes to rest. */
 static void rest(void) {
-  struct run run = {0};
-  double started = clock_seconds();
-  start(&run, "scene = { method = \"isph\"; end_time = \"15 s\"; };\n"
-              "domain = { size = [\"0.2 m\", \"0.3 m\"]; spacing = \"1 cm\"; periodic = [false, "
-              "false]; };\n"
-              "regions = ( { type = \"water\"; velocity = [\"0.05 m/s\", \"0\"]; box = [\"0\", "
-              "\"0\", \"0.2 m\", \"0.2 m\"]; } );\n"
-              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { dt = \"2 ms\"; };\n");
-  advance(&run, 15);
-  report("rest: velocity rms after 15 s, m/s", 0, rms_velocity(&run.s), 1e-3, started);
-  finish(&run);
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    double started = clock_seconds(), dx = fine ? .01 : .02;
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"15 s\"; };\n"
+          "domain = { size = [\"0.2 m\", \"0.3 m\"]; spacing = \"%g m\"; periodic = [false, "
+          "false]; };\n"
+          "regions = ( { type = \"water\"; velocity = [\"0.05 m/s\", \"0\"]; box = [\"0\", "
+          "\"0\", \"0.2 m\", \"0.2 m\"]; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { dt = \"%g s\"; };\n",
+          dx, .2 * dx);
+    advance(&run, 15);
+    snprintf(name, sizeof name, "rest: velocity rms after 15 s, m/s, %g cm", 100 * dx);
+    report(name, 0, rms_velocity(&run.s), 1e-3, started);
+    finish(&run);
+  }
 }
 
 static double taylor_green(int n, double re) {
@@ -88,23 +95,27 @@ static void taylor_green_decay(void) {
 static void dam_break(void) {
   static const double t[] = {.381, .769, 1.153, 1.537, 1.935, 2.323, 2.719, 3.096};
   static const double x[] = {1.111, 1.252, 1.505, 1.892, 2.241, 2.615, 3.003, 3.624};
-  struct run run = {0};
-  double started = clock_seconds();
-  start(&run,
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    double started = clock_seconds(), dx = fine ? .00365 : .0073;
+    start(
+        &run,
         "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-        "domain = { size = [\"0.73 m\", \"0.4 m\"]; spacing = \"7.3 mm\"; periodic = [false, "
+        "domain = { size = [\"0.73 m\", \"0.4 m\"]; spacing = \"%g m\"; periodic = [false, "
         "false]; };\n"
         "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.146 m\", \"0.292 m\"]; } );\n"
-        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
-  for (int k = 0; k < 8; k++) {
-    char name[96];
-    double front = 0;
-    advance(&run, t[k] / sqrt(2 * 9.81 / .146));
-    for (size_t i = 0; i < run.s.count; i++) front = fmax(front, run.s.position[i][0]);
-    snprintf(name, sizeof name, "dam break: front x/L at t* = %g", t[k]);
-    report(name, x[k], (front + .5 * run.scene.spacing) / .146, .05 * x[k], started);
+        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+        dx);
+    for (int k = 0; k < 8; k++) {
+      char name[96];
+      double front = 0;
+      advance(&run, t[k] / sqrt(2 * 9.81 / .146));
+      for (size_t i = 0; i < run.s.count; i++) front = fmax(front, run.s.position[i][0]);
+      snprintf(name, sizeof name, "dam break: front x/L at t* = %g, %g mm", t[k], 1e3 * dx);
+      report(name, x[k], (front + .5 * run.scene.spacing) / .146, .05 * x[k], started);
+    }
+    finish(&run);
   }
-  finish(&run);
 }
 
 /* Lin 1998, Liu et al. 1999: surface through the crushed rock. */
@@ -181,32 +192,37 @@ static void crushed_rock(void) {
                                           {72.6, 8.4},
                                           {80.7, 8.8},
                                           {88.7, 9.5}}};
-  struct run run = {0};
-  double started = clock_seconds();
-  start(&run, "scene = { method = \"isph\"; end_time = \"2 s\"; };\n"
-              "domain = { size = [\"0.892 m\", \"0.58 m\"]; spacing = \"1 cm\"; periodic = [false, "
-              "false]; };\n"
-              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.28 m\", \"0.35 m\"]; },\n"
-              "{ type = \"water\"; box = [\"0.28 m\", \"0\", \"0.892 m\", \"0.025 m\"]; },\n"
-              "{ type = \"porous\"; box = [\"0.3 m\", \"0\", \"0.59 m\", \"0.37 m\"]; porosity = "
-              "0.49; grain_size = \"1.59 cm\"; } );\n"
-              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
-  for (int k = 0; k < 5; k++) {
-    advance(&run, t[k]);
-    double squares = 0;
-    int points = 0;
-    for (; points < 16 && table[k][points][1] > 0; points++) {
-      double top = 0, x = fmin(.01 * table[k][points][0], .882);
-      for (size_t i = 0; i < run.s.count; i++)
-        if (fabs(run.s.position[i][0] - x) < .012 && run.s.filling[i] > .6)
-          top = fmax(top, run.s.position[i][2] + .5 * sqrt(run.s.volume[i]));
-      squares += pow(100 * top - table[k][points][1], 2);
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    double started = clock_seconds(), dx = fine ? .005 : .01;
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"2 s\"; };\n"
+          "domain = { size = [\"0.892 m\", \"0.58 m\"]; spacing = \"%g m\"; periodic = [false, "
+          "false]; };\n"
+          "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.28 m\", \"0.35 m\"]; },\n"
+          "{ type = \"water\"; box = [\"0.28 m\", \"0\", \"0.892 m\", \"0.025 m\"]; },\n"
+          "{ type = \"porous\"; box = [\"0.3 m\", \"0\", \"0.59 m\", \"0.37 m\"]; porosity = "
+          "0.49; grain_size = \"1.59 cm\"; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+          dx);
+    for (int k = 0; k < 5; k++) {
+      advance(&run, t[k]);
+      double squares = 0;
+      int points = 0;
+      for (; points < 16 && table[k][points][1] > 0; points++) {
+        double top = 0, x = fmin(.01 * table[k][points][0], .882);
+        for (size_t i = 0; i < run.s.count; i++)
+          if (fabs(run.s.position[i][0] - x) < .012 && run.s.filling[i] > .6)
+            top = fmax(top, run.s.position[i][2] + .5 * sqrt(run.s.volume[i]));
+        squares += pow(100 * top - table[k][points][1], 2);
+      }
+      char name[96];
+      snprintf(name, sizeof name, "crushed rock: surface rms error at %g s, cm, %g mm", t[k],
+               1e3 * dx);
+      report(name, 0, sqrt(squares / points), k == 0 ? 3 : 1.5, started);
     }
-    char name[96];
-    snprintf(name, sizeof name, "crushed rock: surface rms error at %g s, cm", t[k]);
-    report(name, 0, sqrt(squares / points), k == 0 ? 3 : 1.5, started);
+    finish(&run);
   }
-  finish(&run);
 }
 
 /* Linear standing wave, d = 1, L = 2: omega = 5.541131 rad/s, from the times between the minima of
@@ -267,10 +283,10 @@ static double plug(double eps, bool paper, double depth, double head, double unt
 }
 
 static void free_fall(void) {
-  for (int k = 0; k < 8; k++) {
-    static const double eps[] = {.3, .5, .8, .4}, depth = .2, head = .2;
-    bool paper = k < 4;
-    double h = k % 4 == 3 ? .005 : .01, e = eps[k % 4], pass[2] = {0}, before = depth, last = 0;
+  for (int k = 0; k < 14; k++) {
+    static const double eps[] = {.3, .5, .8, .3, .5, .8, .4}, depth = .2, head = .2;
+    bool paper = k < 7;
+    double h = k % 7 < 3 ? .01 : .005, e = eps[k % 7], pass[2] = {0}, before = depth, last = 0;
     struct run run = {0};
     char name[96];
     double started = clock_seconds();

@@ -64,7 +64,11 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
   snprintf(run->form, sizeof run->form, "%s", form);
   snprintf(path, sizeof path, "%s/%s.hdf", folder, run->name);
   run->eps = eps, run->spacing = SIDE / side;
-  bool good = h5_open(path, &file) == STATUS_OK;
+  char *status = NULL;
+  bool good = h5_open(path, &file) == STATUS_OK &&
+              h5_read_attribute_text(file, "/run", "status", &status) == STATUS_OK;
+  if (good && strcmp(status, "end_time") != 0) good = false, FAIL(STATUS_INPUT, "%s", status);
+  memory_free(&status);
   if (good) {
     run->time = column(file, "time", 1, &run->rows);
     run->low = column(file, "front_low", 3, &run->rows);
@@ -169,15 +173,18 @@ static size_t read_snapshot(const struct run *run, double time, double (**points
   return good ? dims[0] : 0;
 }
 
-/* Largest distance from rho g (level - z), a spacing and more below the surface. */
-static double pressure_error(const struct run *run, double level) {
-  double(*points)[3], *pressure, *density, sum = 0;
+/* At the end, a spacing and more below the surface: the rms distance of the pressure from rho g
+ * (level - z), over rho g level, and the mean of 1 / filling, the bulk volume over the exact one. */
+static double at_rest(const struct run *run, double level, double *bulk) {
+  double(*points)[3], *pressure, *density, sum = 0, space = 0;
   size_t n = read_snapshot(run, 1e9, &points, &pressure, &density), counted = 0;
   for (size_t i = 0; i < n; i++) {
     double depth = level - points[i][2];
     if (depth < run->spacing) continue;
     sum += pow(pressure[i] - 1000 * GRAVITY * depth, 2), counted++;
+    space += 1000 / density[i];
   }
+  *bulk = space / (double)counted;
   memory_free(&points);
   memory_free(&pressure);
   memory_free(&density);
@@ -202,13 +209,15 @@ static void judge(const struct run *run) {
            run->name, share, exact, potential[last] / rest);
     return;
   }
+  double bulk, pressure = at_rest(run, level, &bulk);
   double arrived = arrival_of_run(run), expected = arrival_by_balance(run);
   if (!strcmp(run->form, "m15") && fabs(run->spacing - 0.01) < 1e-9)
     report(run, "front at the bottom, s (paper)", published, arrived, 0.05 * published);
   report(run, "front at the bottom, s (1-D balance)", expected, arrived, 0.05 * expected);
   report(run, "share of the water in the soil", exact, share, 0.02);
   report(run, "centre of gravity at rest over exact", 1, potential[last] / rest, 0.01);
-  report(run, "pressure at rest, rms error over rho g H", 0, pressure_error(run, level), 0.02);
+  report(run, "pressure at rest, rms error over rho g H", 0, pressure, 0.02);
+  report(run, "bulk volume at rest over exact", 1, bulk, 0.01);
   report(run, "velocity rms at the end, m/s", 0, run->velocity[last], 0.01);
   report(run, "particles lost", 0, run->lost, 0);
   report(run, "mass kept", 1, run->mass[last] / run->mass[0], 1e-12);
