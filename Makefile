@@ -143,7 +143,7 @@ tests: $(UNIT_TESTS) $(LONG_TESTS)
 
 # Each fuzz target over its corpus, as a test.
 REPLAYS = $(patsubst tests/fuzz/fuzz_%.c,$(BUILD)/tests/replay_%,$(wildcard tests/fuzz/fuzz_*.c))
-replay_libraries = $(call library,$(if $(filter run,$(1)),analyze,ct2model)) $(if $(filter run,$(1)),,$(call library,sphsolve)) $(call library,common)
+replay_libraries = $(call library,$(if $(filter run hdf5,$(1)),analyze,ct2model)) $(if $(filter run hdf5,$(1)),,$(call library,sphsolve)) $(call library,common)
 define replay_rule
 $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/replay.c) $(call replay_libraries,$(1))
 	$$(call say,LINK,$$@)
@@ -207,7 +207,7 @@ $(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o) $(call objec
 $(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
 	$(call say,LINK,$@)
 	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_OPENCV) $(DEP_LIBS)
-$(BUILD)/fuzz/run: $(BUILD)/fuzz/obj/analyze/run_file.o
+$(BUILD)/fuzz/run $(BUILD)/fuzz/hdf5: $(BUILD)/fuzz/obj/analyze/run_file.o
 fuzz: $(FUZZ:%=$(BUILD)/fuzz/%)
 	$(Q)for n in $(FUZZ); do scripts/fuzz $(BUILD)/fuzz $$n $(FUZZ_SECONDS) || exit 1; done
 .SECONDARY: $(FUZZ:%=$(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o)

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "common/output_file.h"
 
 static bool write_layer(TIFF *tiff, const struct voxel_model *model, size_t z, uint8_t *row) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
@@ -31,9 +32,9 @@ static bool write_layer(TIFF *tiff, const struct voxel_model *model, size_t z, u
   const uint8_t *solid = model->solid + z * nx * ny;
   for (size_t y = 0; y < ny; y++) {
     for (size_t x = 0; x < nx; x++) row[x] = solid[y * nx + x] ? 255 : 0;
-    if (TIFFWriteScanline(tiff, row, (uint32_t)y, 0) != 1) return false;
+    if (output_fails() || TIFFWriteScanline(tiff, row, (uint32_t)y, 0) != 1) return false;
   }
-  return TIFFWriteDirectory(tiff) == 1;
+  return !output_fails() && TIFFWriteDirectory(tiff) == 1;
 }
 
 enum status export_tiff(const char *path, const struct voxel_model *model) {
@@ -46,7 +47,8 @@ enum status export_tiff(const char *path, const struct voxel_model *model) {
   TRY(memory_allocate(&row, model->size[0], 1, "image row"));
   TIFFSetErrorHandler(NULL);
   errno = 0;
-  tiff = TIFFOpen(part, model_site_count(model) > (size_t)INT_MAX ? "w8" : "w");
+  tiff = output_fails() ? NULL
+                        : TIFFOpen(part, model_site_count(model) > (size_t)INT_MAX ? "w8" : "w");
   if (tiff == NULL) TRY_FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
   for (size_t z = 0; z < model->size[2]; z++)
     if (!write_layer(tiff, model, z, row))
@@ -54,8 +56,7 @@ enum status export_tiff(const char *path, const struct voxel_model *model) {
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   memory_free(&row);
-  if (status == STATUS_OK && rename(part, path) != 0)
-    status = FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
+  if (status == STATUS_OK) status = output_rename(part, path);
   if (status != STATUS_OK && tiff != NULL) unlink(part);
   return status;
 }

@@ -1,8 +1,8 @@
-/* libFuzzer: any bytes, under a seal that holds, as the checkpoint of a small wcsph run. */
+/* libFuzzer: edits of the checkpoint of a small wcsph run, under a seal that holds. */
 #include <string.h>
 
 #include "common/provenance.h"
-#include "fuzz_hdf5.h"
+#include "fuzz_edits.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/methods/wcsph_plan.h"
 #include "sphsolve/methods/wcsph_state.h"
@@ -51,18 +51,53 @@ static void resume(const char *prefix) {
   engine_free(&state.engine);
 }
 
+/* The checkpoint that the scene's run would write at its start. */
+static void make_base(struct edit_base *base) {
+  struct recorder *recorder = NULL;
+  struct h5_file *file = NULL;
+  struct wcsph_state state = {0};
+  struct engine_settings settings;
+  double region_velocity[2][3] = {{0}}, row[MONITOR_COMPONENTS] = {1};
+  const struct history_row history = {.time = 1, .step = 1};
+  char prefix[96], path[128];
+  snprintf(prefix, sizeof prefix, "%.*s", 80, fuzz_file("-base", (const uint8_t *)"", 0));
+  unlink(prefix);
+  wcsph_settings(&scene, &plan, region_velocity, &settings);
+  if (engine_make(&lattice, &settings, &state.engine) != STATUS_OK ||
+      monitor_add(&state.monitor, row) != STATUS_OK ||
+      recorder_open(prefix, &scene, &plan, &lattice, "fuzz", false, &recorder) != STATUS_OK ||
+      recorder_row(recorder, &history, NULL) != STATUS_OK ||
+      recorder_checkpoint_begin(recorder, &file) != STATUS_OK ||
+      wcsph_write_state(&state, file) != STATUS_OK ||
+      recorder_checkpoint_commit(recorder, file) != STATUS_OK) {
+    fprintf(stderr, "%s\n", error_message());
+    abort();
+  }
+  recorder_close(recorder);
+  monitor_free(&state.monitor);
+  engine_free(&state.engine);
+  snprintf(path, sizeof path, "%s.ckpt.hdf", prefix);
+  edit_base_read(path, 16, base);
+  unlink(path);
+  snprintf(path, sizeof path, "%s.history.csv", prefix);
+  unlink(path);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   static const char ending[] = ".ckpt.hdf";
+  static struct edit_base base;
   char prefix[96];
-  if (held == 0) start();
-  uint8_t *sealed = malloc(size + 16);
-  uint64_t hash = hash_bytes(data, size);
-  if (sealed == NULL) abort();
-  if (size > 0) memcpy(sealed, data, size);
-  memcpy(sealed + size, "TOSUICK1", 8);
-  memcpy(sealed + size + 8, &hash, 8);
-  const char *path = fuzz_file(ending, sealed, size + 16);
-  free(sealed);
+  uint64_t hash;
+  if (base.size == 0) {
+    start();
+    make_base(&base);
+  }
+  const char *path = edit_file(&base, ending, data, size);
+  if (hash_file(path, &hash) != STATUS_OK) abort();
+  FILE *file = fopen(path, "ab");
+  if (file == NULL || fwrite("TOSUICK1", 8, 1, file) != 1 || fwrite(&hash, 8, 1, file) != 1 ||
+      fclose(file) != 0)
+    abort();
   snprintf(prefix, sizeof prefix, "%.*s", (int)(strlen(path) - strlen(ending)), path);
   resume(prefix);
   return fuzz_end(path, held);

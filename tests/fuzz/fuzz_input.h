@@ -22,7 +22,8 @@ const char *__asan_default_options(void) {
 }
 
 /* Writes the bytes to a file of this process in memory, whose name ends in `ending`. */
-__attribute__((unused)) static inline const char *fuzz_file(const char *ending, const uint8_t *data, size_t size) {
+__attribute__((unused)) static inline const char *fuzz_file(const char *ending, const uint8_t *data,
+                                                            size_t size) {
   static char path[96];
   log_start("fuzz", LOG_QUIET);
   memory_set_limit((size_t)1 << 26);

@@ -1,9 +1,11 @@
-/* libFuzzer: any bytes as a model file. */
+/* libFuzzer: edits of a model file. */
 #include "common/model_file.h"
-#include "fuzz_hdf5.h"
+#include "fuzz_edits.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  const char *path = fuzz_file(".hdf", data, size);
+  static struct edit_base base;
+  if (base.size == 0) edit_base_read("tests/fuzz/corpus/hdf5/model-user.hdf", 0, &base);
+  const char *path = edit_file(&base, ".hdf", data, size);
   struct voxel_model model;
   if (model_read(path, &model) == STATUS_OK) model_free(&model);
   return fuzz_end(path, 0);

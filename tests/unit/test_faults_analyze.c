@@ -48,18 +48,20 @@ static void write_snapshot(const char *path) {
   assert_int_equal(snapshot_write(path, 1, 10, COUNT, &place, 1, &field), STATUS_OK);
 }
 
-static void write_run(const char *name, double gradient) {
+/* A body of 60 um, n sites a side. */
+static void write_run(const char *name, double gradient, int n) {
   struct h5_file *file;
   char path[64], snapshot[64];
   double time[ROWS], v[ROWS][3], density[ROWS];
   const char *snapshots[] = {snapshot};
   size_t one = 1;
-  double last = 1;
+  double last = 1, spacing = N * 1e-5 / n, count = n * n * n;
   snprintf(path, sizeof path, "%s.hdf", name);
   snprintf(snapshot, sizeof snapshot, "%s-0000.hdf", name);
   for (int i = 0; i < ROWS; i++) {
     time[i] = i / (ROWS - 1.0), density[i] = 1000 + i % 3;
-    v[i][0] = v[i][1] = 0, v[i][2] = -3e-4 * gradient * (1 - exp(-9 * time[i]));
+    v[i][0] = v[i][1] = 0,
+    v[i][2] = -3e-4 * (1 + 1.0 / (n * n)) * gradient * (1 - exp(-9 * time[i]));
   }
   assert_int_equal(h5_create(path, &file), STATUS_OK);
   assert_int_equal(h5_make_group(file, "/run"), STATUS_OK);
@@ -70,19 +72,19 @@ static void write_run(const char *name, double gradient) {
   write_text(file, "status", "steady");
   write_text(file, "wall", "subvoxel");
   write_text(file, "scene_name", name);
-  write_text(file, "model_hash", "0123");
+  write_text(file, "model_hash", n == N ? "0123" : "4567");
   write_numbers(file, "density", 1, 1000, 0, 0);
   write_numbers(file, "viscosity", 1, 1e-3, 0, 0);
-  write_numbers(file, "spacing", 3, 1e-5, 1e-5, 1e-5);
-  write_numbers(file, "origin", 3, 5e-6, 5e-6, 5e-6);
-  write_numbers(file, "size", 3, N, N, N);
+  write_numbers(file, "spacing", 3, spacing, spacing, spacing);
+  write_numbers(file, "origin", 3, spacing / 2, spacing / 2, spacing / 2);
+  write_numbers(file, "size", 3, n, n, n);
   write_numbers(file, "driving", 3, 0, 0, -9.80665 * gradient);
   write_numbers(file, "hydraulic_gradient", 1, gradient, 0, 0);
   write_numbers(file, "darcy_velocity", 3, 0, 0, -3e-4 * gradient);
   write_numbers(file, "k", 1, 3e-4, 0, 0);
   write_numbers(file, "k_error", 1, 0.01, 0, 0);
-  write_numbers(file, "bulk_count", 1, N * N * N, 0, 0);
-  write_numbers(file, "fluid_count", 1, N * N * N, 0, 0);
+  write_numbers(file, "bulk_count", 1, count, 0, 0);
+  write_numbers(file, "fluid_count", 1, count, 0, 0);
   assert_int_equal(h5_write_texts(file, "/run/snapshots/name", 1, snapshots), STATUS_OK);
   assert_int_equal(h5_write(file, "/run/snapshots/time", H5_F64, 1, &one, &last, false), STATUS_OK);
   assert_int_equal(h5_commit(file), STATUS_OK);
@@ -91,8 +93,9 @@ static void write_run(const char *name, double gradient) {
 
 static int write_runs(void **state) {
   if (faults_start(state) != 0) return 1;
-  write_run("a", 1);
-  write_run("b", 5);
+  write_run("a", 1, N);
+  write_run("b", 5, N);
+  write_run("c", 1, N / 2);
   return 0;
 }
 
@@ -105,11 +108,14 @@ CASE(test_darcy, "analyze darcy a.hdf b.hdf -o out-darcy --quiet")
 CASE(test_pdf, "analyze pdf a.hdf b.hdf -o out-pdf --quiet")
 CASE(test_history, "analyze history a.hdf -o out-history --json --quiet")
 CASE(test_slice, "analyze slice a.hdf --plane y=30um --thickness 10um -o out-slice --quiet")
+CASE(test_converge, "analyze converge a.hdf c.hdf -o out-converge --quiet")
+CASE(test_mix, "analyze pdf a.hdf c.hdf --mix -o out-mix")
 CASE(test_report, "analyze report a.hdf b.hdf -o out.html --quiet")
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_darcy), cmocka_unit_test(test_pdf),
-                                     cmocka_unit_test(test_history), cmocka_unit_test(test_slice),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_darcy),    cmocka_unit_test(test_pdf),
+                                     cmocka_unit_test(test_history),  cmocka_unit_test(test_slice),
+                                     cmocka_unit_test(test_converge), cmocka_unit_test(test_mix),
                                      cmocka_unit_test(test_report)};
   return cmocka_run_group_tests(tests, write_runs, faults_end);
 }

@@ -27,7 +27,9 @@ static int write_stack(void **state) {
   fclose(file);
   snprintf(slices, sizeof slices,
            "stack.mhd --void-ratio 0.8 --voxel-size 5um --threads 1 --quiet");
-  return 0;
+  char command[600];
+  snprintf(command, sizeof command, "ct2model build %s --size 12x12x4 -o m.hdf", slices);
+  return faults_run(ct2model_main, command);
 }
 
 static void test_build(void **state) {
@@ -47,8 +49,27 @@ static void test_info(void **state) {
   faults_both(ct2model_main, NULL, "ct2model info stack.mhd --json");
 }
 
+static void test_levels(void **state) {
+  (void)state;
+  char command[600];
+  snprintf(command, sizeof command,
+           "ct2model build %s --size 12x12x4 --levels 2 --denoise median --grain bright -o out.hdf",
+           slices);
+  faults_both(ct2model_main, NULL, command);
+}
+static void test_export(void **state) {
+  (void)state;
+  faults_both(ct2model_main, NULL, "ct2model export m.hdf -o out.tif --quiet");
+}
+static void test_info_model(void **state) {
+  (void)state;
+  faults_both(ct2model_main, NULL, "ct2model info m.hdf");
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_build), cmocka_unit_test(test_sweep),
-                                     cmocka_unit_test(test_info)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_build),  cmocka_unit_test(test_sweep),
+      cmocka_unit_test(test_info),   cmocka_unit_test(test_levels),
+      cmocka_unit_test(test_export), cmocka_unit_test(test_info_model)};
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }

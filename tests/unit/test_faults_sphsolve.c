@@ -54,6 +54,7 @@ static void test_isph(void **state) {
 static void test_explain(void **state) {
   (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve explain isph.cfg --json");
+  faults_both(sphsolve_main, NULL, "sphsolve explain wcsph.cfg --error 5%");
 }
 
 int main(void) {
