@@ -236,11 +236,9 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     }
 
     s->filling[i] = filling;
-    if (s->on.surface) {
-      s->filling_walls[i] = filling - water;
+    if (s->on.surface)
       s->surface[i] =
           surface_weight(s, hi, filling, filling - water, imbalance, moment, wall_moment);
-    }
     memcpy(s->imbalance[i], imbalance, sizeof imbalance);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */

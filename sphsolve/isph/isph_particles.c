@@ -10,7 +10,7 @@
 /* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
  * with a support of a few spacings misses 1 are taken out of every operator. */
 static void normalise_kernel(struct isph *s) {
-  double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0, alone = 0;
+  double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0;
   double top = 0, trace = 0; /* of a level surface's outermost layer */
   int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
   for (int k = -reach; k <= reach; k++)
@@ -21,15 +21,11 @@ static void normalise_kernel(struct isph *s) {
         isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), ratio, &w, &slope);
         sum_w += w, sum_m += slope * i * i;
         if (k <= 0) top -= slope * k, trace += slope * r2;
-        if (r2 > 0)
-          sum_s += slope;
-        else
-          alone = w;
+        if (r2 > 0) sum_s += slope;
       }
   s->kernel_w = 1 / sum_w;
   s->kernel_slope = 1 / sum_m;
   s->slope_sum = sum_s / sum_m;
-  s->filling_alone = alone / sum_w;
   s->lopsided_top = top * ratio / trace;
 }
 
@@ -62,10 +58,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
   TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
-  if (s->on.surface) {
-    TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
-    TRY(memory_resize(&s->filling_walls, n, sizeof *s->filling_walls, what));
-  }
+  if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
   if (s->on.turbulence || s->on.shifting || s->on.calming)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -215,7 +208,6 @@ void isph_free(struct isph *s) {
                     &s->correction,
                     &s->moment_lack,
                     &s->surface,
-                    &s->filling_walls,
                     &s->gradient,
                     &s->mobility,
                     &s->eddy,

@@ -98,7 +98,6 @@ struct isph {
   double shift[27][3];           /* of the periodic images */
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
-  double filling_alone;          /* V W(0): the filling of a particle without neighbours */
   double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
@@ -122,7 +121,6 @@ struct isph {
   float (*correction)[9];           /* L, gradient correction */
   float (*moment_lack)[6];          /* C of isph_moment.c; NULL without soil */
   double *surface;                  /* 0 bulk .. 1 surface; NULL without */
-  double *filling_walls;            /* the walls' part of it; NULL without a surface */
   float (*gradient)[9];             /* dv_a/dx_b; NULL if nobody asks */
   double *drag_left;                /* B: share of v_D left by the drag; NULL without */
   double *mobility;                 /* k = B T G / rho_w */

@@ -1,6 +1,6 @@
 """Hard cases of seepage and free surfaces: method isph."""
 import numpy as np
-from suite import G, Run, case, engine, force_power, row, whole
+from suite import G, Run, case, engine, force_power, holds, row, whole
 
 NO_SLIP, SLIP = "isph = { %s };\n", 'isph = { wall = { slip = true; }; %s };\n'
 
@@ -130,6 +130,21 @@ def drop_in_free_flight():
     dt = run.history["dt"].max()
     yield row("x after 0.2 s, m", "exact", s["position"][0, 0], 0.105 + 0.5 * t, 1e-6)
     yield row("z after 0.2 s, m", "first order in time: g t dt/2", s["position"][0, 2], 0.305 - G * t * t / 2, G * t * dt / 2 * 1.01)
+
+
+@case("Free flight of more than a drop: gravity that comes by the gradient of a pressure is felt as far as there are neighbours", fast=True)
+def sheets_and_blocks_in_free_flight():
+    t = 0.15
+    for name, box in (("two particles", (0.2, 0.3, 0.22, 0.31)), ("level sheet one thick", (0.1, 0.3, 0.3, 0.31)), ("upright sheet one thick", (0.2, 0.25, 0.21, 0.38)),
+                      ("three by three", (0.2, 0.3, 0.23, 0.33)), ("ten by ten", (0.15, 0.25, 0.25, 0.35)), ("two drops side by side, one apart", None)):
+        regions = [("water", box, "")] if box else [("water", (0.2, 0.3, 0.21, 0.31), ""), ("water", (0.22, 0.3, 0.23, 0.31), "")]
+        run = Run(scene((0.4, 0.4), 0.01, regions, t))
+        yield holds(f"{name}: the run ends, none lost", "", run.code == 0 and not run.facts.get("particles_lost", 0), run.message.strip()[-150:])
+        h, s = run.history, run.snapshot()
+        yield row(f"{name}: fall, m", "g t^2/2; first order in time, g t dt/2", (h["potential_energy"][0] - h["potential_energy"][-1]) / (h["mass"][0] * G), G * t * t / 2, G * t * h["dt"].max() / 2 * 1.01)
+        ends = np.array(box or (0.2, 0.3, 0.23, 0.31))
+        stretched = np.ptp(s["position"][:, [0, 2]], axis=0) - (ends[2:] - ends[:2] - 0.01)
+        yield row(f"{name}: its extent, change, m", "nothing pulls: the fall of neighbours may differ by 1 % of g", abs(stretched).max(), 0, 0.01 * G * t * t / 2)
 
 
 @case("A jet against a wall: impact pressure, thin sheets along it")
