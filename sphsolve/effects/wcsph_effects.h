@@ -8,6 +8,7 @@
 
 #include "sphsolve/effects/shifting.h"
 #include "sphsolve/methods/wcsph_modes.h"
+#include "sphsolve/methods/wcsph_plan.h"
 #include "sphsolve/plan.h"
 
 #define WHY_WCSPH(...) snprintf(why, EFFECT_WHY, __VA_ARGS__)
@@ -42,9 +43,8 @@ static inline bool wcsph_frozen_wanted(const struct effect_context *context, cha
 
 static inline bool wcsph_continuity_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
-  WHY_WCSPH(wcsph_frozen(context)
-                ? "wall = \"frozen\": densities are summed"
-                : "walls are not frozen: nothing may pin particles to them");
+  WHY_WCSPH(wcsph_frozen(context) ? "wall = \"frozen\": densities are summed"
+                                  : "walls are not frozen: nothing may pin particles to them");
   return !wcsph_frozen(context);
 }
 
@@ -61,7 +61,7 @@ static inline double wcsph_viscosity_dt(const struct effect_context *context) {
 static inline double wcsph_pressure_dt(const struct effect_context *context) {
   struct lattice_modes modes = wcsph_modes_of(context);
   bool absolute = wcsph_frozen(context) && context->scene->wcsph.equation_of_state == EOS_ABSOLUTE;
-  return 2 / (context->sound_speed * (absolute ? modes.absolute : modes.gradient));
+  return lattice_modes_dt(&modes, absolute, context->sound_speed, 0, wcsph_diffusion(context));
 }
 
 static inline bool wcsph_wall_wanted(const struct effect_context *context, enum wall_scheme scheme,

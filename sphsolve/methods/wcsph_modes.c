@@ -25,6 +25,7 @@ static double largest_eigenvalue(double m[3][3]) {
 struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3], double h) {
   const double support = kernel_support_ratio(KERNEL_QUINTIC) * h, small = 1e-4 * h;
   struct lattice_modes modes = {0};
+  double weights = 0;
   int neighbours = 0;
   double volume = 1;
   int reach[3];
@@ -44,7 +45,6 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
           double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
           sum += volume * kernel_w(KERNEL_QUINTIC, dimensions, length, h);
           if (length == 0 || length >= support) continue;
-          neighbours += w == 0;
           double phase =
               M_PI * (i * index[0] + j * index[1] + k * index[2]) / (double)(MODE_WAVES - 1);
           double slope = kernel_dw(KERNEL_QUINTIC, dimensions, length, h);
@@ -52,6 +52,8 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
                           kernel_dw(KERNEL_QUINTIC, dimensions, length - small, h)) /
                          (2 * small);
           double still = 1 - cos(phase);
+          neighbours += w == 0;
+          weights += w == 0 ? 2 * volume * (-slope / length) : 0;
           laplacian += 2 * volume * (-slope / length) * still;
           for (int a = 0; a < 3; a++) {
             gradient[a] += volume * slope * r[a] / length * sin(phase);
@@ -77,16 +79,32 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
     modes.wave[modes.count++][2] = laplacian;
   }
   modes.neighbours = neighbours;
+  modes.weights = weights;
   return modes;
 }
 
-double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double c, double nu) {
-  double least = INFINITY;
+double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double c, double nu,
+                        double diffusion) {
+  double low = 0, high = INFINITY;
   for (int w = 0; w < modes->count; w++) {
     const double sound = 0.5 * c * modes->wave[w][absolute], viscous = 0.5 * nu * modes->wave[w][2];
-    /* (dt sound)^2 + dt viscous < 1 */
+    if (viscous > 0) high = fmin(high, 1 / viscous);
+    /* What it is without diffusion, and with its weights alone. */
     const double root = viscous + sqrt(viscous * viscous + 4 * sound * sound);
-    if (root > 0) least = fmin(least, 2 / root);
+    if (root > 0) low = low > 0 ? fmin(low, 2 / root) : 2 / root;
   }
-  return least;
+  if (!(diffusion > 0)) return low > 0 ? low : INFINITY;
+  for (high = fmin(high, 8 * low); high > 1.0001 * low;) {
+    const double dt = sqrt(low * high), gamma = 1 / (1 + dt * diffusion * modes->weights);
+    bool stable = true;
+    for (int w = 0; w < modes->count && stable; w++) {
+      const double s = dt * c * modes->wave[w][absolute], l = modes->wave[w][2];
+      stable = gamma * s * s < (2 - dt * nu * l) * (2 - gamma * dt * diffusion * l);
+    }
+    if (stable)
+      low = dt;
+    else
+      high = dt;
+  }
+  return low;
 }

@@ -101,6 +101,13 @@ enum status wcsph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
+double wcsph_diffusion(const struct effect_context *context) {
+  const double c = context->sound_speed, dx = context->spacing, nu = context->kinematic_viscosity;
+  if (context->scene->wcsph.wall == WALL_FROZEN) return 0;
+  if (!(nu > 0 && context->has_wall)) return DELTA * context->smoothing_length * c;
+  return c * c * fmin(WCSPH_TAU * dx * dx / nu, TAU_FAST * dx / context->velocity_scale);
+}
+
 void wcsph_settings(const struct scene *scene, const struct plan *plan,
                     double (*region_velocity)[3], struct engine_settings *settings) {
   const struct effect_context *context = &plan->context;
@@ -123,12 +130,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
       context->lattice->dimensions, context->lattice->spacing, context->smoothing_length);
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
   settings->crowding = modes.crowding;
-  double c = context->sound_speed, dx = context->spacing;
-  settings->pressure_diffusion = DELTA * context->smoothing_length * c;
-  if (context->kinematic_viscosity > 0 && context->has_wall)
-    settings->pressure_diffusion = c * c *
-                                   fmin(WCSPH_TAU * dx * dx / context->kinematic_viscosity,
-                                        TAU_FAST * dx / context->velocity_scale);
+  settings->pressure_diffusion = wcsph_diffusion(context);
   for (size_t r = 0; r < scene->region_count; r++)
     memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
   settings->region_velocity = (const double(*)[3])region_velocity;
@@ -156,7 +158,8 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   const bool absolute =
       scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
   plan->dt_limit = lattice_modes_dt(&modes, absolute, context->sound_speed,
-                                    isfinite(viscous) ? context->kinematic_viscosity : 0);
+                                    isfinite(viscous) ? context->kinematic_viscosity : 0,
+                                    wcsph_diffusion(context));
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
   plan->dt = SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;

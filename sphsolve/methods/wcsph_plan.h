@@ -10,6 +10,8 @@
  * (+30 % at .02). */
 #define WCSPH_TAU 0.005
 
+/* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls tau c^2; 0 with frozen walls. */
+double wcsph_diffusion(const struct effect_context *context);
 /* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */
 void wcsph_settings(const struct scene *scene, const struct plan *plan,
                     double (*region_velocity)[3], struct engine_settings *settings);
