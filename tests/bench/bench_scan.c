@@ -1,6 +1,7 @@
-/* bench_scan BIN FOLDER JSON [SIDE]: ct2model on a stack of SIDE^3 16-bit voxels (1000): memory,
- * and pixels a second beside libtiff's plain decoding on as many threads, in the same run. The
- * stack is the sample sand, repeated by reflection so that no seam shows. Also info on 2000 slices.
+/* bench_scan BIN FOLDER JSON [SIDE [CODEC]]: ct2model on a stack of SIDE^3 16-bit voxels (1000):
+ * memory, and pixels a second beside libtiff's plain decoding, on one thread and on as many, in the
+ * same run. The stack is the sample sand, repeated by reflection so that no seam shows. Also info
+ * on 2000 slices.
  */
 #include <math.h>
 #include <omp.h>
@@ -110,9 +111,9 @@ static void make_stack(const char *base, const char *folder, size_t side, uint16
   free(tile);
 }
 
-static double decode_stack(const char *folder, size_t side) {
+static double decode_stack(const char *folder, size_t side, int threads) {
   double started = clock_seconds();
-#pragma omp parallel
+#pragma omp parallel num_threads(threads)
   {
     void *pixels = malloc(2 * side * side);
 #pragma omp for schedule(dynamic)
@@ -126,43 +127,67 @@ static double decode_stack(const char *folder, size_t side) {
   return clock_seconds() - started;
 }
 
+struct work {
+  const char *command, *name;
+  size_t size; /* of the model, a side; 0: that of the scan */
+};
+
+static void bench_work(char *program, const char *out, char *folder, const struct work *work,
+                       const char *codec, const double decode[2], double pixels) {
+  char model[520], size[80], name[120], threads[8];
+  double megabytes;
+  snprintf(model, sizeof model, "%s/model.hdf", out);
+  snprintf(size, sizeof size, "%zux%zux%zu", work->size, work->size, work->size);
+  snprintf(threads, sizeof threads, "%d", omp_get_max_threads());
+  char *words[20] = {program,  (char *)(uintptr_t)work->command,
+                     folder,   "--void-ratio",
+                     "0.725",  "--voxel-size",
+                     "5.83um", "--threads",
+                     threads,  "--quiet",
+                     "--json"};
+  int n = 11;
+  if (work->size > 0) {
+    words[n++] = "--size";
+    words[n++] = size;
+  }
+  if (strcmp(work->command, "build") == 0) {
+    words[n++] = "-o";
+    words[n++] = model;
+  }
+  fflush(stdout);
+  int keep = dup(1);
+  if (freopen("/dev/null", "w", stdout) == NULL) exit(1);
+  double seconds = run(words, &megabytes);
+  fflush(stdout);
+  dup2(keep, 1);
+  close(keep);
+  snprintf(name, sizeof name, "%s %s: memory, MB", codec, work->name);
+  record(name, 400.0, megabytes, 400.0, false, seconds);
+  for (int t = 0; t < 2; t++) {
+    snprintf(name, sizeof name, "%s %s: speed / libtiff's on %s", codec, work->name,
+             t == 0 ? "one thread" : "as many threads");
+    record(name, pixels / decode[t], decode[t] / seconds, 0.7, true, seconds);
+  }
+}
+
 static void bench_codec(char *program, const char *out, size_t side, const char *codec,
                         uint16_t compression) {
-  char base[500], folder[500], model[520], size[80], name[80], threads[8];
-  double pixels = (double)side * (double)side * (double)side, megabytes, rate[3];
+  char base[500], folder[500];
+  double pixels = (double)side * (double)side * (double)side, megabytes, decode[2];
+  const struct work works[] = {{"sweep", "sweep", side / 8},
+                               {"sweep", "sweep, full size", 0},
+                               {"build", "build, an eighth", side / 8},
+                               {"build", "build, 240 a side", 240 * side / 1000}};
   snprintf(base, sizeof base, "%s/tile", out);
   snprintf(folder, sizeof folder, "%s/%s", out, codec);
-  snprintf(model, sizeof model, "%s/model.hdf", out);
-  snprintf(size, sizeof size, "%zux%zux%zu", side / 8, side / 8, side / 8);
-  snprintf(threads, sizeof threads, "%d", omp_get_max_threads());
   make_stack(base, folder, side, compression);
-  (void)decode_stack(folder, side); /* into the page cache */
-  double decode = decode_stack(folder, side);
-  rate[0] = pixels / decode;
-  printf("%s: libtiff decodes %.0f million pixels a second on %s threads\n", codec, rate[0] * 1e-6,
-         threads);
-  for (int build = 0; build < 2; build++) {
-    char *const words[] = {program,  build ? "build" : "sweep",
-                           folder,   "--void-ratio",
-                           "0.725",  "--voxel-size",
-                           "5.83um", "--size",
-                           size,     "--threads",
-                           threads,  "--quiet",
-                           "--json", build ? "-o" : NULL,
-                           model,    NULL};
-    fflush(stdout);
-    int keep = dup(1);
-    if (freopen("/dev/null", "w", stdout) == NULL) exit(1);
-    double seconds = run(words, &megabytes);
-    fflush(stdout);
-    dup2(keep, 1);
-    close(keep);
-    rate[1] = pixels / seconds;
-    snprintf(name, sizeof name, "%s %s: memory, MB", codec, words[1]);
-    record(name, 400.0, megabytes, 400.0, false, seconds);
-    snprintf(name, sizeof name, "%s %s: speed / libtiff's", codec, words[1]);
-    record(name, rate[0], rate[1] / rate[0], 0.7, true, seconds);
-  }
+  (void)decode_stack(folder, side, 1); /* into the page cache */
+  decode[0] = decode_stack(folder, side, 1);
+  decode[1] = decode_stack(folder, side, omp_get_max_threads());
+  printf("%s: libtiff decodes %.0f million pixels a second on one thread, %.0f on %d\n", codec,
+         pixels / decode[0] * 1e-6, pixels / decode[1] * 1e-6, omp_get_max_threads());
+  for (size_t i = 0; i < sizeof works / sizeof *works; i++)
+    bench_work(program, out, folder, &works[i], codec, decode, pixels);
   char *const rm[] = {"/bin/rm", "-rf", folder, NULL};
   (void)run(rm, &megabytes);
 }
@@ -198,10 +223,16 @@ int main(int argc, char **argv) {
                          "--seed",  "2006",     "--quiet", NULL};
   if (access(tile, R_OK) != 0) (void)run(words, &megabytes);
   TIFFSetWarningHandler(NULL);
+  static const struct {
+    const char *name;
+    uint16_t compression;
+  } CODECS[] = {{"uncompressed", COMPRESSION_NONE},
+                {"lzw", COMPRESSION_LZW},
+                {"deflate", COMPRESSION_ADOBE_DEFLATE}};
   bench_info(program, argv[2]);
-  bench_codec(program, argv[2], side, "uncompressed", COMPRESSION_NONE);
-  bench_codec(program, argv[2], side, "lzw", COMPRESSION_LZW);
-  bench_codec(program, argv[2], side, "deflate", COMPRESSION_ADOBE_DEFLATE);
+  for (size_t i = 0; i < sizeof CODECS / sizeof *CODECS; i++)
+    if (argc < 6 || strcmp(argv[5], CODECS[i].name) == 0)
+      bench_codec(program, argv[2], side, CODECS[i].name, CODECS[i].compression);
   fputs("]\n", json);
   fclose(json);
   return failures > 0;
