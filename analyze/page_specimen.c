@@ -46,6 +46,43 @@ static void row(FILE *stream, const char *name, double value, const char *unit) 
   fprintf(stream, "<tr><th>%s</th><td>%.5g%s%s</td></tr>\n", name, value, unit[0] ? " " : "", unit);
 }
 
+static void write_percolation(FILE *stream, struct h5_file *file) {
+  int32_t percolates[3]; /* z, y, x */
+  if (!h5_attribute_exists(file, "/model", "percolates")) return;
+  if (h5_read_attribute(file, "/model", "percolates", H5_I32, 3, percolates) != STATUS_OK) {
+    error_clear();
+    return;
+  }
+  fputs("<tr><th>A pore path leads through</th><td>", stream);
+  for (int a = 2; a >= 0; a--)
+    fprintf(stream, "%c %s%s", "zyx"[a], percolates[a] != 0 ? "yes" : "no", a > 0 ? ", " : "");
+  fputs("</td></tr>\n", stream);
+}
+
+/* Spread of the void ratio between windows, the largest of which there are several. */
+static void write_windows(FILE *stream, struct h5_file *file) {
+  static const char *const NAMES[] = {"window", "windows", "void_ratio", "void_ratio_deviation"};
+  double *values[4] = {NULL};
+  size_t count = 0, least = SIZE_MAX, last = SIZE_MAX;
+  for (int i = 0; i < 4 && h5_exists(file, "/quality"); i++) {
+    char name[64];
+    snprintf(name, sizeof name, "/quality/%s", NAMES[i]);
+    if (!h5_exists(file, name) || h5_read(file, name, H5_F64, 1, &count, &values[i]) != STATUS_OK)
+      goto cleanup;
+    least = count < least ? count : least;
+  }
+  for (size_t i = 0; least != SIZE_MAX && i < least; i++)
+    if (values[1][i] > 1.0) last = i;
+  if (last == SIZE_MAX) goto cleanup;
+  fprintf(
+      stream,
+      "<tr><th>Void ratio between windows of %.4g &micro;m</th><td>&plusmn; %.2g %%</td></tr>\n",
+      1e6 * values[0][last], 100.0 * values[3][last] / values[2][last]);
+cleanup:
+  error_clear();
+  for (int i = 0; i < 4; i++) memory_free(&values[i]);
+}
+
 static void write_table(FILE *stream, struct h5_file *file, const struct voxel_model *model,
                         const char *path) {
   fputs("<table class=\"facts\"><tbody>\n<tr><th>Model file</th><td>", stream);
@@ -63,9 +100,22 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
       h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio"), "");
   row(stream, "Porosity", h5_attribute_or_nan(file, "/model", "porosity"), "");
   row(stream, "Connected porosity", h5_attribute_or_nan(file, "/model", "connected_porosity"), "");
-  row(stream, "Isolated pores", h5_attribute_or_nan(file, "/model", "isolated_pores"), "");
+  row(stream, "Isolated pores (on no path along z)",
+      h5_attribute_or_nan(file, "/model", "isolated_pores"), "");
+  row(stream, "Floating grains (touch no other)",
+      h5_attribute_or_nan(file, "/model", "floating_grains"), "");
+  write_percolation(stream, file);
   row(stream, "Specific surface", 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface"),
       "1/mm of bulk volume");
+  row(stream, "Pore voxels that touch a grain",
+      100.0 * h5_attribute_or_nan(file, "/model", "pore_voxels_touching_grain"), "%");
+  row(stream, "Median pore width", h5_attribute_or_nan(file, "/model", "local_thickness_median"),
+      "voxels");
+  row(stream, "Error of k that this width stands for",
+      100.0 * h5_attribute_or_nan(file, "/model", "expected_error_of_k"), "%");
+  row(stream, "Correlation length", 1e6 * h5_attribute_or_nan(file, "/model", "correlation_length"),
+      "&micro;m");
+  write_windows(stream, file);
   fputs("</tbody></table>\n", stream);
 }
 

@@ -52,6 +52,29 @@ cleanup:
   return status;
 }
 
+/* Pore widths, and the void ratio against the size of the window. */
+static enum status write_curves(struct h5_file *file, const struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct morphology *m = &pipeline->morphology;
+  const size_t bins = THICKNESS_BINS, count = m->window_count;
+  double sizes[WINDOW_SIZES], places[WINDOW_SIZES];
+  for (size_t i = 0; i < count; i++) {
+    sizes[i] = (double)m->window[i] * pipeline->model.spacing[0];
+    places[i] = (double)m->window_places[i];
+  }
+  if (isfinite(m->thickness_median))
+    TRY(h5_write(file, "/quality/local_thickness", H5_F64, 1, &bins, m->thickness_histogram,
+                 false));
+  if (count == 0) goto cleanup;
+  TRY(h5_write(file, "/quality/window", H5_F64, 1, &count, sizes, false));
+  TRY(h5_write(file, "/quality/windows", H5_F64, 1, &count, places, false));
+  TRY(h5_write(file, "/quality/void_ratio", H5_F64, 1, &count, m->window_mean, false));
+  TRY(h5_write(file, "/quality/void_ratio_deviation", H5_F64, 1, &count, m->window_deviation,
+               false));
+cleanup:
+  return status;
+}
+
 static enum status write_quality(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct quality *quality = &pipeline->quality;
@@ -65,8 +88,13 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "isolated_pore_voxels", (double)quality->isolated_voxels));
   TRY(write_number(file, "/model", "specific_surface", quality->surface_original));
   TRY(write_number(file, "/model", "specific_surface_model", quality->surface_model));
+  TRY(write_number(file, "/model", "floating_grains", (double)quality->floating_grains));
+  TRY(write_number(file, "/model", "floating_grain_voxels", (double)quality->floating_voxels));
   TRY(write_number(file, "/model", "correlation_length", morphology->correlation_length));
+  TRY(write_number(file, "/model", "pore_voxels_touching_grain", morphology->touching));
   TRY(write_number(file, "/model", "local_thickness_median", morphology->thickness_median));
+  TRY(write_number(file, "/model", "expected_error_of_k", morphology->expected_error));
+  TRY(write_curves(file, pipeline));
   static const char *const SCAN_AXES[] = {"yzx", "zxy", "xyz"};
   TRY(h5_write_attribute_text(file, "/model", "scan_axes",
                               SCAN_AXES[pipeline->request->flow_axis]));

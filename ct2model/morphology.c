@@ -158,8 +158,8 @@ static enum status summed_volume(const struct voxel_model *model, size_t layers,
   return STATUS_OK;
 }
 
-static void window_statistics(const struct voxel_model *model, size_t layers, const uint32_t *s,
-                              size_t window, double *mean, double *deviation) {
+static size_t window_statistics(const struct voxel_model *model, size_t layers, const uint32_t *s,
+                                size_t window, double *mean, double *deviation) {
   size_t nx = model->size[0] + 1, ny = model->size[1] + 1;
   size_t half = window > 1 ? window / 2 : 1, count = 0;
   double sum = 0.0, squares = 0.0, volume = (double)window * (double)window * (double)window;
@@ -179,6 +179,7 @@ static void window_statistics(const struct voxel_model *model, size_t layers, co
   double n = sum / (double)count, sd = sqrt(fmax(0.0, squares / (double)count - n * n));
   *mean = n / (1.0 - n);
   *deviation = sd / ((1.0 - n) * (1.0 - n)); /* de = dn / (1 - n)^2 */
+  return count;
 }
 
 static enum status measure_windows(const struct voxel_model *model, size_t layers,
@@ -192,8 +193,8 @@ static enum status measure_windows(const struct voxel_model *model, size_t layer
   for (size_t window = 4; window <= least && morphology->window_count < WINDOW_SIZES;) {
     size_t i = morphology->window_count++;
     morphology->window[i] = window;
-    window_statistics(model, layers, sums, window, &morphology->window_mean[i],
-                      &morphology->window_deviation[i]);
+    morphology->window_places[i] = window_statistics(
+        model, layers, sums, window, &morphology->window_mean[i], &morphology->window_deviation[i]);
     size_t next = window * 2 <= least ? window * 2 : least;
     if (next == window) break;
     window = next;

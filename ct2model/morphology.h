@@ -20,7 +20,7 @@ struct morphology {
   double expected_error; /* of k by the resolution, relative: 1 / (2 N^2), N the median */
   /* Void ratio in cubic windows: mean and standard deviation over those that fit. */
   size_t window_count;
-  size_t window[WINDOW_SIZES]; /* voxels */
+  size_t window[WINDOW_SIZES], window_places[WINDOW_SIZES]; /* voxels; how many windows */
   double window_mean[WINDOW_SIZES], window_deviation[WINDOW_SIZES];
 };
 

@@ -20,6 +20,20 @@ double pipeline_threshold_error(const struct pipeline *pipeline) {
          pipeline->request->void_ratio_error;
 }
 
+bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3],
+                         bool *enough) {
+  const double error = pipeline->morphology.expected_error; /* of second order */
+  *enough = true;
+  if (!(error > aim)) return false;
+  for (int a = 0; a < 3; a++) {
+    const size_t most = pipeline->region.size[pipeline->place[a]];
+    size[a] = (size_t)ceil(sqrt(error / aim) * (double)pipeline->size[pipeline->place[a]]);
+    *enough &= size[a] <= most;
+    if (size[a] > most) size[a] = most;
+  }
+  return true;
+}
+
 /* ---- region: crop, voxel size, size after resampling ---- */
 
 static enum status choose_voxel(struct pipeline *pipeline) {

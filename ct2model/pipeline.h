@@ -67,4 +67,9 @@ double pipeline_grey(const struct pipeline *pipeline, double internal);
 /* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
 double pipeline_threshold_error(const struct pipeline *pipeline);
 
+/* The --size (model's axes) at which the expected error of k would be `aim`, no finer than the
+ * scan; false where the model is fine enough or nothing is known. *enough: whether the scan can
+ * give it. */
+bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3], bool *enough);
+
 #endif

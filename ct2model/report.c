@@ -83,14 +83,20 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   const struct morphology *m = &pipeline->morphology;
   json_t *windows = json_array();
   for (size_t i = 0; i < m->window_count; i++)
-    json_array_append_new(windows, json_pack("{s:f,s:o,s:o}", "size_m",
+    json_array_append_new(windows, json_pack("{s:f,s:o,s:o,s:I}", "size_m",
                                              (double)m->window[i] * pipeline->model.spacing[0],
                                              "void_ratio", number(m->window_mean[i]), "deviation",
-                                             number(m->window_deviation[i])));
+                                             number(m->window_deviation[i]), "windows",
+                                             (json_int_t)m->window_places[i]));
   put(root, "correlation_length_m", m->correlation_length);
   put(root, "pore_voxels_touching_grain", m->touching);
   put(root, "local_thickness_median_voxels", m->thickness_median);
   put(root, "expected_error_of_k", m->expected_error);
+  size_t finer[3];
+  bool enough;
+  json_object_set_new(root, "size_for_5_percent",
+                      pipeline_finer_size(pipeline, 0.05, finer, &enough) && enough ? sizes(finer)
+                                                                                    : json_null());
   json_object_set_new(root, "local_thickness_histogram",
                       numbers(m->thickness_histogram, THICKNESS_BINS));
   json_object_set_new(root, "representative_volume", windows);
@@ -154,60 +160,75 @@ static void print_model(const struct pipeline *pipeline) {
   if (!isnan(pipeline->request->void_ratio))
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
            model->void_ratio - pipeline->request->void_ratio);
-  printf("\nporosity          %.4f, on a path along z %.4f\n", quality->porosity,
-         quality->connected_porosity);
-  printf("percolates        x %s, y %s, z %s\n", quality->percolates[0] ? "yes" : "no",
-         quality->percolates[1] ? "yes" : "no", quality->percolates[2] ? "yes" : "no");
-  printf("isolated pores    %zu (%zu voxels)\n", quality->isolated_pores, quality->isolated_voxels);
-  printf("floating grains   %zu (%zu voxels)\n", quality->floating_grains,
-         quality->floating_voxels);
+  printf("\nporosity          %.4f, on a path along z %.4f: only the latter conducts\n",
+         quality->porosity, quality->connected_porosity);
+  printf("percolates        x %s, y %s, z %s: whether a pore path leads through, so that there is "
+         "a k along it\n",
+         quality->percolates[0] ? "yes" : "no", quality->percolates[1] ? "yes" : "no",
+         quality->percolates[2] ? "yes" : "no");
+  printf("isolated pores    %zu (%zu voxels): on no path along z; noise, or throats too narrow for "
+         "the voxels\n",
+         quality->isolated_pores, quality->isolated_voxels);
+  printf("floating grains   %zu (%zu voxels): touch no other grain, which no real one can; noise, "
+         "or a contact lost\n",
+         quality->floating_grains, quality->floating_voxels);
+}
+
+/* The share of pore voxels by the width of the pore, until all but 1 % are told. */
+static void print_widths(const struct morphology *m) {
+  double told = 0.0;
+  printf("width histogram   ");
+  for (int b = 0; b < THICKNESS_BINS && told < 0.99; b++) {
+    told += m->thickness_histogram[b];
+    if (m->thickness_histogram[b] >= 0.005)
+      printf("%d-%d: %.0f %%, ", b, b + 1, 100.0 * m->thickness_histogram[b]);
+  }
+  printf("share of the pores by the ball, in voxels, that fits there\n");
 }
 
 /* The pores against the voxels, and what would be fine enough: the error of a second-order wall
  * across N voxels is about 1 / (2 N^2). */
-static void print_advice(const struct pipeline *pipeline) {
+static void print_pores(const struct pipeline *pipeline) {
   const struct morphology *m = &pipeline->morphology;
-  const double aim = 0.05;
-  if (!(m->expected_error > aim)) return;
-  double finer = sqrt(m->expected_error / aim);
   size_t size[3];
-  bool beyond = false;
-  for (int d = 0; d < 3; d++) {
-    size_t most = pipeline->region.size[pipeline->place[d]];
-    size[d] = (size_t)ceil(finer * (double)pipeline->size[pipeline->place[d]]);
-    if (size[d] > most) {
-      size[d] = most;
-      beyond = true;
-    }
+  bool enough;
+  printf("pore widths       %.0f %% of the pore voxels touch a grain", 100.0 * m->touching);
+  if (!isfinite(m->thickness_median)) {
+    printf("; the model is too large to measure widths\n");
+    return;
   }
-  if (pipeline->size[0] == pipeline->region.size[0])
-    printf("                  too coarse for 5 %%, and the scan holds no more: a finer scan is "
-           "needed\n");
+  if (!pipeline_finer_size(pipeline, 0.05, size, &enough))
+    printf(": fine enough for 5 %%\n");
+  else if (pipeline->size[0] == pipeline->region.size[0])
+    printf(": too coarse for 5 %%, and the scan holds no more: a finer scan is needed\n");
   else
-    printf("                  too coarse for 5 %%: --size %zux%zux%zu %s\n", size[0], size[1],
-           size[2], beyond ? "is the best this scan can give" : "would do");
+    printf(": too coarse for 5 %%; --size %zux%zux%zu %s\n", size[0], size[1], size[2],
+           enough ? "would do" : "is the best this scan can give");
+  printf("median width      %.1f voxels: so few across a pore make k uncertain by about %.2g %%\n",
+         m->thickness_median, 100.0 * m->expected_error);
+  print_widths(m);
 }
 
 static void print_morphology(const struct pipeline *pipeline) {
   const struct morphology *m = &pipeline->morphology;
+  const double spacing = pipeline->model.spacing[0];
   char length[40];
-  printf("pore widths       %.0f %% of the pore voxels touch a grain", 100.0 * m->touching);
-  if (isfinite(m->thickness_median))
-    printf("; median width %.1f voxels, so k is good to about %.2g %%", m->thickness_median,
-           100.0 * m->expected_error);
-  putchar('\n');
-  print_advice(pipeline);
+  print_pores(pipeline);
   if (isfinite(m->correlation_length)) {
     quantity_format(m->correlation_length, "m", length, sizeof length);
-    printf("correlation       over %s; the model is %.0f times as wide\n", length,
-           (double)pipeline->model.size[0] * pipeline->model.spacing[0] / m->correlation_length);
+    printf(
+        "correlation       over %s: what is farther apart is independent; the model is %.0f times "
+        "as wide\n",
+        length, (double)pipeline->model.size[0] * spacing / m->correlation_length);
   }
-  if (m->window_count >= 2) {
-    size_t i = m->window_count - 2;
-    quantity_format((double)m->window[i] * pipeline->model.spacing[0], "m", length, sizeof length);
-    printf("representative    void ratio varies by +-%.2g %% between windows of %s\n",
-           100.0 * m->window_deviation[i] / m->window_mean[i], length);
+  if (m->window_count == 0) return;
+  printf("representative    ");
+  for (size_t i = 0; i < m->window_count; i++) {
+    quantity_format((double)m->window[i] * spacing, "m", length, sizeof length);
+    if (m->window_places[i] > 1)
+      printf("%s +-%.2g %%, ", length, 100.0 * m->window_deviation[i] / m->window_mean[i]);
   }
+  printf("void ratio from one window of this size to the next\n");
 }
 
 /* What the survey found, and what was done about it. */
@@ -254,7 +275,7 @@ static void print_text(const struct pipeline *pipeline) {
   if (isfinite(quality->surface_error)) printf(" +- %.2g", quality->surface_error * 1e-3);
   printf(" 1/mm of bulk volume");
   if (pipeline->volume != NULL) printf(" (model %.4g)", quality->surface_model * 1e-3);
-  putchar('\n');
+  printf(": grain surface, the larger the slower the flow\n");
   if (pipeline->model.wall_distance != NULL) print_morphology(pipeline);
   if (request->output != NULL) printf("written           %s\n", request->output);
 }

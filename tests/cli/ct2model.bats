@@ -113,6 +113,37 @@ bats_require_minimum_version 1.5.0
   near "$(echo "$output" | value files.0.void_ratio 2> /dev/null || echo 3.959)" 3.959 0.01
 }
 
+@test "what is printed about the quality of a model is stored, with its meaning" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 --json -o q.hdf
+  [ "$status" -eq 0 ]
+  echo "$output" > q.json
+  /usr/bin/python3 - <<'P'
+import h5py, json
+said, file = json.load(open("q.json")), h5py.File("q.hdf")
+stored = dict(file["model"].attrs)
+for name, key in {"porosity": 0, "connected_porosity": 0, "isolated_pores": 0, "isolated_pore_voxels": 0, "floating_grains": 0,
+                  "floating_grain_voxels": 0, "pore_voxels_touching_grain": 0, "expected_error_of_k": 0,
+                  "specific_surface": "specific_surface_per_m", "specific_surface_model": "specific_surface_model_per_m",
+                  "correlation_length": "correlation_length_m", "local_thickness_median": "local_thickness_median_voxels"}.items():
+    assert abs(stored[name] - said[key or name]) <= 1e-12 * abs(stored[name]), name
+assert [said["percolates"][a] for a in "zyx"] == [bool(v) for v in stored["percolates"]]
+assert list(file["quality/local_thickness"]) == said["local_thickness_histogram"]
+for name, key in (("window", "size_m"), ("windows", "windows"), ("void_ratio", "void_ratio"), ("void_ratio_deviation", "deviation")):
+    assert list(file["quality/" + name]) == [w[key] for w in said["representative_volume"]], name
+# Four spheres and their images; the one at z = 36.4 reaches over the mirror plane (47) to its own.
+assert said["floating_grains"] == 6 and said["isolated_pores"] == 0
+assert abs(sum(said["local_thickness_histogram"]) - 1) < 1e-9
+P
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 12x12x12 -o q.hdf
+  for line in "on a path along z"*"only the latter conducts" "percolates "*"leads through" "isolated pores "*"on no path" \
+    "floating grains "*"touch no other" "specific surface "*"grain surface" "% of the pore voxels touch a grain" "median width " \
+    "width histogram "*"share of the pores" "correlation "*"is independent" "representative "*"from one window"; do
+    [[ "$output" == *$line* ]] || { echo "missing: $line"; false; }
+  done
+}
+
 @test "the uncertainty of the void ratio becomes one of the threshold" {
   cd "$WORK"
   for e in 3.959+-0.04 3.959±0.04; do
