@@ -41,12 +41,12 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: package fuzz all check demo deps s06 m15 verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
 NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 verify tradeoff hard bench,$(MAKECMDGOALS))
+INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk
@@ -163,6 +163,10 @@ s06: all
 	$(Q)BUILD=$(BUILD) scripts/s06
 m15: all $(BUILD)/tests/verify_m15
 	$(Q)BUILD=$(BUILD) scripts/m15
+# ct2model against true geometries, by noise: the sample sand and one it was not looked at with.
+scans: all
+	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/scan-study --output $(BUILD)/scans
+	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/scan-study --output $(BUILD)/scans/other --seed 77 --void-ratio 0.942 --voxel-size 8.745um
 
 verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
 	$(Q)BUILD=$(BUILD) scripts/verify

@@ -51,17 +51,14 @@ static enum status run_level(const struct options *options, const struct request
                              const char *const *paths, struct pipeline *pipeline, json_t **said) {
   enum status status = STATUS_OK;
   const bool build = strcmp(options_command(options), "build") == 0;
-  struct sweep_table table = {0};
   TRY(check_output(request->output));
   TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
-  TRY(sweep_table_make(pipeline, &table));
   if (build)
-    TRY(model_output_write(pipeline, options, &table));
+    TRY(model_output_write(pipeline, options));
   else if (request->output != NULL)
-    TRY(sweep_table_write(&table, request->output));
-  TRY(report_print(pipeline, options, build ? NULL : &table, said));
+    TRY(sweep_table_write(&pipeline->table, request->output));
+  TRY(report_print(pipeline, options, said));
 cleanup:
-  sweep_table_end(&table);
   return status;
 }
 

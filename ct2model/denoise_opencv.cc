@@ -1,13 +1,26 @@
 #include "ct2model/denoise.h"
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
 namespace {
 
-/* OpenCV's non-local means takes whole numbers: pore at 8192, grain at 16384. */
+/* Non-local means (Buades, Coll, Morel 2005) over patches of 5x5 pixels: a patch at distance d, the mean
+ * of |a - b|, counts exp(-d^2 / h^2). Two patches that differ by noise of deviation s alone have d of
+ * mean 2 s / sqrt(pi) and, over 25 pixels, deviation s sqrt(2 - 4 / pi) / 5. h is chosen so that a
+ * patch as far away as one in twenty of those weighs 1/e of the mean one: what is farther is
+ * another thing. */
+double strength_in_noise() {
+  const double patch = 5.0, one_in_twenty = 1.645;
+  const double mean = 2.0 / std::sqrt(M_PI), deviation = std::sqrt(2.0 - mean * mean) / patch;
+  const double far = mean + one_in_twenty * deviation;
+  return std::sqrt(far * far - mean * mean); /* 0.84 */
+}
+
+/* OpenCV's takes whole numbers: pore at 8192, grain at 16384. */
 void nlm(const grey_phases &phases, cv::Mat &slice) {
-  const double strength = 0.8; /* times the noise; more rounds edges off */
+  const double strength = strength_in_noise();
   const double scale = 8192.0 / (phases.grain_peak - phases.pore_peak);
   const double shift = 8192.0 - scale * phases.pore_peak;
   cv::Mat whole, clean;

@@ -19,10 +19,10 @@ static enum status write_slice(struct h5_file *file, const struct pipeline *pipe
   return h5_write(file, "/calibration/slice", H5_F32, 2, dims, pipeline->middle, true);
 }
 
-static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline,
-                                     const struct sweep_table *table) {
+static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const char *group = "/calibration";
+  const struct sweep_table *table = &pipeline->table;
   TRY(h5_write(file, "/calibration/threshold", H5_F64, 1, &table->count, table->threshold, false));
   TRY(h5_write(file, "/calibration/void_ratio", H5_F64, 1, &table->count,
                table->void_ratio_resampled, false));
@@ -134,15 +134,14 @@ cleanup:
   return status;
 }
 
-enum status model_output_write(const struct pipeline *pipeline, const struct options *options,
-                               const struct sweep_table *table) {
+enum status model_output_write(const struct pipeline *pipeline, const struct options *options) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   struct voxel_model model = pipeline->model;
   if (pipeline->request->mirror_axis != 2) model.mirror_plane = -1; /* it is a layer of z */
   TRY(h5_create(pipeline->request->output, &file));
   TRY(model_write(file, &model));
-  TRY(write_calibration(file, pipeline, table));
+  TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;

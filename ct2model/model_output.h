@@ -5,9 +5,7 @@
 #include "common/error.h"
 #include "common/options.h"
 #include "ct2model/pipeline.h"
-#include "ct2model/sweep_table.h"
 
-enum status model_output_write(const struct pipeline *pipeline, const struct options *options,
-                               const struct sweep_table *table);
+enum status model_output_write(const struct pipeline *pipeline, const struct options *options);
 
 #endif

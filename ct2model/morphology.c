@@ -68,8 +68,10 @@ static double correlation_length(const struct voxel_model *model) {
  * wider. */
 static const float MISSED = 0.25f;
 
-/* Raises width[] to `diameter` in the ball around one voxel; lengths in voxels, periodic. */
-static void paint_ball(const struct voxel_model *model, size_t site, float diameter, float *width) {
+/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel; periodic. */
+static void paint_ball(const struct voxel_model *model, size_t site, float diameter,
+                       uint8_t *width) {
+  const uint8_t quarters = (uint8_t)fminf(4.0f * diameter, 4 * THICKNESS_BINS - 1);
   const size_t *n = model->size;
   const size_t at[3] = {site % n[0], site / n[0] % n[1], site / n[0] / n[1]};
   double radius = 0.5 * (double)diameter, unit = model->spacing[0];
@@ -85,10 +87,10 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
       if (left < 0.0) continue;
       long half = (long)sqrt(left);
       if (half > reach[0]) half = reach[0];
-      float *row = width + (wrap(at[2], dz, n[2]) * n[1] + wrap(at[1], dy, n[1])) * n[0];
+      uint8_t *row = width + (wrap(at[2], dz, n[2]) * n[1] + wrap(at[1], dy, n[1])) * n[0];
       for (long dx = -half; dx <= half; dx++) {
-        float *value = row + wrap(at[0], dx, n[0]);
-        if (*value < diameter) *value = diameter;
+        uint8_t *value = row + wrap(at[0], dx, n[0]);
+        if (*value < quarters) *value = quarters;
       }
     }
   }
@@ -99,7 +101,7 @@ static enum status measure_thickness(const struct voxel_model *model, size_t lay
   enum status status = STATUS_OK;
   size_t sites = model_site_count(model), pores = 0,
          used = model->size[0] * model->size[1] * layers;
-  float *width = NULL;
+  uint8_t *width = NULL;
   double work = 0.0;
   double counts[4 * THICKNESS_BINS] = {0};
   morphology->thickness_median = morphology->expected_error = NAN;
@@ -116,9 +118,8 @@ static enum status measure_thickness(const struct voxel_model *model, size_t lay
   }
   for (size_t i = 0; i < used; i++) {
     if (model->solid[i] != 0) continue;
-    size_t bin = (size_t)fmin((double)width[i] * 4.0, 4.0 * THICKNESS_BINS - 1.0);
-    counts[bin] += 1.0;
-    morphology->thickness_histogram[bin / 4] += 1.0;
+    counts[width[i]] += 1.0;
+    morphology->thickness_histogram[width[i] / 4] += 1.0;
     pores++;
   }
   double below = 0.0;

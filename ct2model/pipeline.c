@@ -311,13 +311,15 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
-  bool resample = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
+  pipeline->resampled = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
   if (!distances) TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
-  TRY(scan_take(pipeline, resample));
+  TRY(scan_take(pipeline));
   TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
   memory_free(&pipeline->survey.sample); /* room for the surface */
-  if (resample) TRY(make_solid(pipeline));
+  if (pipeline->resampled) TRY(make_solid(pipeline));
+  TRY(sweep_table_make(pipeline, &pipeline->table));
+  memory_free(&pipeline->volume);
   TRY(find_walls(pipeline, distances));
   if (distances)
     TRY(morphology_measure(&pipeline->model, pipeline->size[2], &pipeline->morphology));
@@ -330,6 +332,7 @@ void pipeline_end(struct pipeline *pipeline) {
   model_free(&pipeline->model);
   grey_histogram_end(&pipeline->histogram);
   grey_histogram_end(&pipeline->calibration);
+  sweep_table_end(&pipeline->table);
   memory_free(&pipeline->volume);
   memory_free(&pipeline->middle);
   memory_free(&pipeline->turned);

@@ -16,6 +16,7 @@
 #include "ct2model/stack.h"
 #include "ct2model/surface_sample.h"
 #include "ct2model/survey.h"
+#include "ct2model/sweep_table.h"
 
 struct quality {
   bool percolates[3];
@@ -41,11 +42,13 @@ struct pipeline {
    * itself is turned last. */
   int place[3];
   size_t size[3];    /* after resampling, before mirroring */
-  float *volume;     /* greys after resampling; NULL where a sweep leaves a huge scan alone */
+  bool resampled;    /* false where a sweep leaves a huge scan alone */
+  float *volume;     /* greys after resampling, until the model and the table are made of them */
   float *middle;     /* the middle slice of the region, full resolution */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */
-  struct surface_sample sample;                     /* of a sweep */
+  struct surface_sample sample; /* of a sweep */
+  struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
   double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
   double void_ratio_original;                       /* of the region at threshold_original */

@@ -102,8 +102,7 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "representative_volume", windows);
 }
 
-static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options,
-                           const struct sweep_table *table) {
+static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
   put(root, "void_ratio_measured", pipeline->request->void_ratio);
@@ -136,12 +135,12 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   }
   json_object_set_new(root, "size_original", sizes(original));
   json_object_set_new(root, "voxel_size_m", numbers(voxel, 3));
-  if (pipeline->volume != NULL) json_of_model(pipeline, root);
+  if (pipeline->resampled) json_of_model(pipeline, root);
   if (build) {
     put_count(root, "sign_adjusted", pipeline->disagreeing);
     json_of_morphology(pipeline, root);
   }
-  if (table != NULL) json_object_set_new(root, "sweep", json_of_table(table));
+  if (!build) json_object_set_new(root, "sweep", json_of_table(&pipeline->table));
   if (pipeline->request->output != NULL)
     json_object_set_new(root, "output", json_string(pipeline->request->output));
   return root;
@@ -270,23 +269,23 @@ static void print_text(const struct pipeline *pipeline) {
   if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2 ||
       request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);
-  if (pipeline->volume != NULL) print_model(pipeline);
+  if (pipeline->resampled) print_model(pipeline);
   printf("specific surface  %.4g", quality->surface_original * 1e-3);
   if (isfinite(quality->surface_error)) printf(" +- %.2g", quality->surface_error * 1e-3);
   printf(" 1/mm of bulk volume");
-  if (pipeline->volume != NULL) printf(" (model %.4g)", quality->surface_model * 1e-3);
+  if (pipeline->resampled) printf(" (model %.4g)", quality->surface_model * 1e-3);
   printf(": grain surface, the larger the slower the flow\n");
   if (pipeline->model.wall_distance != NULL) print_morphology(pipeline);
   if (request->output != NULL) printf("written           %s\n", request->output);
 }
 
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
-                         const struct sweep_table *table, json_t **first) {
+                         json_t **first) {
   if (!options_json(options)) {
     print_text(pipeline);
     return STATUS_OK;
   }
-  json_t *object = json_of_all(pipeline, options, table);
+  json_t *object = json_of_all(pipeline, options);
   if (*first == NULL) {
     *first = object;
     return STATUS_OK;

@@ -7,12 +7,11 @@
 #include "common/error.h"
 #include "common/options.h"
 #include "ct2model/pipeline.h"
-#include "ct2model/sweep_table.h"
 
-/* To stdout, or with --json as one object: `table` is NULL for build. A coarser model's object goes
+/* To stdout, or with --json as one object, a sweep's with its table. A coarser model's object goes
  * into the array "coarser" of *first, the finest's; the caller prints *first with report_end. */
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
-                         const struct sweep_table *table, json_t **first);
+                         json_t **first);
 /* Prints and frees *first, if there is one. */
 enum status report_end(json_t **first);
 

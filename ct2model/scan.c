@@ -23,7 +23,7 @@ struct scan {
   const struct region *region;
   struct pipeline *pipeline;
   struct resampler resampler;
-  bool resample, has_levels;
+  bool has_levels;
   double low, high; /* levels */
   size_t batch, worker_count;
   struct worker *workers;
@@ -53,13 +53,13 @@ cleanup:
   return status;
 }
 
-static enum status scan_start(struct pipeline *pipeline, bool resample, struct scan *scan) {
+static enum status scan_start(struct pipeline *pipeline, struct scan *scan) {
   enum status status = STATUS_OK;
   const struct region *region = &pipeline->region;
   const size_t plane = region->size[0] * region->size[1];
   const double reduced = (double)pipeline->size[0] * (double)pipeline->size[1] * sizeof(float);
   struct grey_histogram *histogram = &pipeline->histogram;
-  *scan = (struct scan){.region = region, .pipeline = pipeline, .resample = resample};
+  *scan = (struct scan){.region = region, .pipeline = pipeline};
   scan->batch = (size_t)fmin(BATCH_MOST, fmax(BATCH_LEAST, floor(BATCH_BYTES / reduced)));
   scan->has_levels = region_has_levels(region);
   if (pixel_levels(pipeline->stack.type, &scan->low, &scan->high)) {
@@ -69,7 +69,7 @@ static enum status scan_start(struct pipeline *pipeline, bool resample, struct s
     TRY(start_bins(scan));
   }
   TRY(memory_allocate(&pipeline->middle, plane, sizeof *pipeline->middle, "the middle slice"));
-  if (resample) {
+  if (pipeline->resampled) {
     size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
     TRY(memory_allocate(&pipeline->volume, sites, sizeof *pipeline->volume, "the resampled model"));
     TRY(resampler_start(pipeline->request->filter, region->size, pipeline->size, scan->batch,
@@ -137,7 +137,7 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
       grey_histogram_add(&worker->greys, worker->row, nx);
     }
   }
-  if (scan->resample && resampler_wants(&scan->resampler, z))
+  if (scan->pipeline->resampled && resampler_wants(&scan->resampler, z))
     TRY(resampler_reduce(&scan->resampler, &rows, place));
   surface_sample_keep(&scan->pipeline->sample, z, &rows);
   for (size_t y = 0; y < ny && z == region->size[2] / 2; y++)
@@ -146,12 +146,12 @@ cleanup:
   return status;
 }
 
-enum status scan_take(struct pipeline *pipeline, bool resample) {
+enum status scan_take(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct scan scan;
   struct progress progress;
   const size_t slices = pipeline->region.size[2];
-  TRY(scan_start(pipeline, resample, &scan));
+  TRY(scan_start(pipeline, &scan));
   progress_start(&progress, "reading", "slices", (double)slices);
   for (size_t z = 0; z < slices; z += scan.batch) {
     size_t n = slices - z < scan.batch ? slices - z : scan.batch;
@@ -164,7 +164,7 @@ enum status scan_take(struct pipeline *pipeline, bool resample) {
       }
     }
     if (status != STATUS_OK) goto cleanup;
-    if (resample) resampler_add(&scan.resampler, z, n, pipeline->volume);
+    if (pipeline->resampled) resampler_add(&scan.resampler, z, n, pipeline->volume);
     progress_update(&progress, (double)(z + n), NULL);
   }
   for (size_t i = 0; i < scan.worker_count; i++) gather_counts(&scan, &scan.workers[i]);

@@ -4,8 +4,8 @@
 
 #include "ct2model/pipeline.h"
 
-/* Fills the pipeline's histogram, middle slice and, with `resample`, volume. The result does not
+/* Fills the pipeline's histogram, middle slice and, if it is resampled, volume. The result does not
  * depend on the number of threads. */
-enum status scan_take(struct pipeline *pipeline, bool resample);
+enum status scan_take(struct pipeline *pipeline);
 
 #endif

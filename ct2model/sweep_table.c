@@ -7,6 +7,7 @@
 
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "ct2model/pipeline.h"
 
 enum { ROWS = 256 };
 

@@ -5,7 +5,8 @@
 #include <stddef.h>
 
 #include "common/error.h"
-#include "ct2model/pipeline.h"
+
+struct pipeline;
 
 /* Rows rise in the reported grey. Solid is the grain side of the threshold. Of an integer scan the
  * thresholds lie half-way between levels, where "above" and "at or above" are the same. The

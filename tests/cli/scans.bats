@@ -172,7 +172,8 @@ P
     --noise 4 --ways bicubic,bicubic-point,nlm --output study
   python3 - <<'P'
 import json
-rows = {(r["noise_ratio"], r["way"]): r for r in json.load(open("study/results.json"))["rows"]}
+rows = {(r["noise_ratio"], r["way"]): r for r in json.load(open("study/rows.json"))}
+assert [r["status"] for r in json.load(open("study/results.json"))] == ["pass"]
 ours, paper = rows[4, "bicubic"], rows[4, "bicubic-point"]
 assert ours["wrong"] < paper["wrong"] and abs(ours["surface_model"]) < abs(paper["surface_model"])
 for row in rows.values():

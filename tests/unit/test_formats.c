@@ -58,6 +58,24 @@ static void check_voxel(const char *name, const char *axis, double found, double
   fail_msg("%s: voxel size along %s is %g m, not %g um", name, axis, found, micrometres);
 }
 
+/* Where a stack has levels its slices come as stored as well, and are the same. */
+static void check_stored(const char *name, const struct stack *stack) {
+  float slice[NX * NY], again[NX * NY];
+  unsigned char stored[NX * NY * 2];
+  double low, high;
+  if (strncmp(name, "grey_alpha", 10) != 0 && strncmp(name, "rgb", 3) != 0 &&
+      strncmp(name, "palette", 7) != 0 && !stack->files[0].invert && strstr(name, "bits") == NULL &&
+      stack->has_levels != pixel_levels(stack->type, &low, &high))
+    fail_msg("%s: comes as float alone", name);
+  for (size_t z = 0; z < stack->size[2] && stack->has_levels; z++) {
+    assert_int_equal(stack_read(stack, z, slice), STATUS_OK);
+    assert_int_equal(stack_read_stored(stack, z, stored), STATUS_OK);
+    pixels_to_float(again, stored, NX * NY, stack->type, false);
+    if (memcmp(slice, again, sizeof slice) != 0)
+      fail_msg("%s: slice %zu as stored is another", name, z);
+  }
+}
+
 /* The pattern may be told apart from its like by all 200 values: scaled, they must be exact. */
 static void check_file(const char *name, const char *type, double factor, double offset,
                        const double voxel[2]) {
@@ -83,6 +101,7 @@ static void check_file(const char *name, const char *type, double factor, double
                  wanted);
     }
   }
+  check_stored(name, &stack);
   bool colour = strncmp(name, "rgb", 3) == 0 || strncmp(name, "palette", 7) == 0;
   if (colour != (strstr(stack.files[0].note, "colour") != NULL))
     fail_msg("%s: note '%s'", name, stack.files[0].note);

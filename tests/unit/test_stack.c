@@ -183,6 +183,12 @@ static void test_tiff_layouts(void **state) {
           if (fabs((double)slice[y * NX + x] - expected(layout, x, y, z)) > bound)
             fail_msg("%s: %g at %zu,%zu,%zu, not %g", layout->name, (double)slice[y * NX + x], x, y,
                      z, expected(layout, x, y, z));
+      if (!stack.has_levels) continue;
+      unsigned char stored[NX * NY * 2];
+      float again[NX * NY];
+      assert_int_equal(stack_read_stored(&stack, z, stored), STATUS_OK);
+      pixels_to_float(again, stored, NX * NY, stack.type, false);
+      assert_memory_equal(slice, again, sizeof slice);
     }
     stack_close(&stack);
   }
@@ -423,14 +429,10 @@ static void test_natural_order(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tiff_layouts),
-      cmocka_unit_test(test_png),
-      cmocka_unit_test(test_raw_meta_nrrd),
-      cmocka_unit_test(test_compressed_meta_and_nrrd),
-      cmocka_unit_test(test_raw_layout_words),
-      cmocka_unit_test(test_broken_files),
-      cmocka_unit_test(test_folders),
-      cmocka_unit_test(test_natural_order),
+      cmocka_unit_test(test_tiff_layouts),     cmocka_unit_test(test_png),
+      cmocka_unit_test(test_raw_meta_nrrd),    cmocka_unit_test(test_compressed_meta_and_nrrd),
+      cmocka_unit_test(test_raw_layout_words), cmocka_unit_test(test_broken_files),
+      cmocka_unit_test(test_folders),          cmocka_unit_test(test_natural_order),
   };
   return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }
