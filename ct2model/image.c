@@ -109,7 +109,7 @@ static enum status read_head(const char *path, unsigned char *head, size_t size,
   int failed = ferror(file);
   fclose(file);
   if (failed) return FAIL(STATUS_INPUT, "%s: cannot be read", path);
-  if (*got == 0) return FAIL(STATUS_INPUT, "%s: empty file", path);
+  if (*got == 0) return FAIL(STATUS_INPUT, "%s: empty file; leave it out or export it again", path);
   return STATUS_OK;
 }
 
@@ -131,14 +131,15 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
     if (READERS[i]->claims(path, head, got)) image->reader = READERS[i];
   }
   if (image->reader == NULL)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: not a TIFF, PNG, MetaImage or NRRD file; for headerless pixels give --raw "
-             "NXxNYxNZ:u8|u16le|...",
-             path);
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: not a TIFF, PNG, MetaImage or NRRD file; convert it to one of them, or for headerless "
+        "pixels give --raw NXxNYxNZ:u8|u16le|...",
+        path);
   TRY(image->reader->open(path, image));
   size_t pixels;
   if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0)
-    TRY_FAIL(STATUS_INPUT, "%s: an image without pixels", path);
+    TRY_FAIL(STATUS_INPUT, "%s: an image without pixels" EXPORT_AGAIN, path);
   if (!size_multiply(image->size[0], image->size[1], &pixels) || pixels > ((size_t)1 << 32))
     TRY_FAIL(STATUS_INPUT, "%s: slices of %zux%zu are too large", path, image->size[0],
              image->size[1]);
@@ -226,8 +227,8 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
     return status;
   }
   if ((double)bytes - (double)image->data_offset >= wanted) return STATUS_OK;
-  return FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f", path,
-              (double)bytes - (double)image->data_offset, wanted);
+  return FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f" EXPORT_AGAIN,
+              path, (double)bytes - (double)image->data_offset, wanted);
 }
 
 /* One page at `offset` of a file as it is. */

@@ -42,7 +42,8 @@ static enum status meta_open(const char *path, struct image *image) {
     if (strcmp(key, "NDims") == 0) {
       dimensions = atoi(value);
       if (dimensions != 2 && dimensions != 3)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: NDims = %s; 2 or 3 are read", path, number, value);
+        TRY_FAIL(STATUS_INPUT, "%s:%d: NDims = %s; 2 or 3 are read: save one volume", path, number,
+                 value);
     } else if (strcmp(key, "DimSize") == 0) {
       image->pages = 1;
       if (value[0] == '-' || sscanf(value, "%zu %zu %zu", &image->size[0], &image->size[1],
@@ -57,18 +58,21 @@ static enum status meta_open(const char *path, struct image *image) {
     } else if (strcmp(key, "ElementType") == 0) {
       typed = element_type(value, &image->type);
       if (!typed)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: ElementType = %s is not read", path, number, value);
+        TRY_FAIL(STATUS_INPUT,
+                 "%s:%d: ElementType = %s is not read; save integers of 8 to 32 bits or floats",
+                 path, number, value);
     } else if (strcmp(key, "CompressedData") == 0) {
       compressed = strcasecmp(value, "True") == 0;
     } else if (strcmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
-      TRY_FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read", path, number, value);
+      TRY_FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read: save as grey", path, number, value);
     } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
                strcmp(key, "ElementByteOrderMSB") == 0) {
       image->swap = strcasecmp(value, "True") == 0;
     } else if (strcmp(key, "HeaderSize") == 0) {
       long long header = atoll(value);
       if (header < -1)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read", path, number, value);
+        TRY_FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read; it counts bytes, or is -1",
+                 path, number, value);
       image->data_offset = header < 0 ? PIXELS_AT_END : (uint64_t)header;
     } else if (strcmp(key, "ElementDataFile") == 0) {
       placed = true;
@@ -81,7 +85,7 @@ static enum status meta_open(const char *path, struct image *image) {
     }
   }
   if (!sized || !typed || !placed)
-    TRY_FAIL(STATUS_INPUT, "%s: %s is missing", path,
+    TRY_FAIL(STATUS_INPUT, "%s: %s is missing" EXPORT_AGAIN, path,
              !sized   ? "DimSize"
              : !typed ? "ElementType"
                       : "ElementDataFile");

@@ -93,10 +93,14 @@ static enum status nrrd_open(const char *path, struct image *image) {
     value += 2;
     if (strcmp(line, "type") == 0) {
       typed = nrrd_type(value, &image->type);
-      if (!typed) TRY_FAIL(STATUS_INPUT, "%s:%d: type %s is not read", path, number, value);
+      if (!typed)
+        TRY_FAIL(STATUS_INPUT,
+                 "%s:%d: type %s is not read; save integers of 8 to 32 bits or floats", path,
+                 number, value);
     } else if (strcmp(line, "dimension") == 0) {
       if (strcmp(value, "3") != 0 && strcmp(value, "2") != 0)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: dimension %s; 2 or 3 are read", path, number, value);
+        TRY_FAIL(STATUS_INPUT, "%s:%d: dimension %s; 2 or 3 are read: save one volume", path,
+                 number, value);
     } else if (strcmp(line, "sizes") == 0) {
       image->pages = 1;
       sized = value[0] != '-' &&
@@ -114,7 +118,9 @@ static enum status nrrd_open(const char *path, struct image *image) {
       snprintf(units, sizeof units, "%s", value);
     } else if (strcmp(line, "byte skip") == 0) {
       long long skip = atoll(value);
-      if (skip < -1) TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read", path, number, value);
+      if (skip < -1)
+        TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read; it counts bytes, or is -1", path,
+                 number, value);
       image->data_offset = skip < 0 ? PIXELS_AT_END : (uint64_t)skip;
     } else if (strcmp(line, "data file") == 0 || strcmp(line, "datafile") == 0) {
       if (strncmp(value, "LIST", 4) == 0 || strchr(value, '%') != NULL)
@@ -123,7 +129,7 @@ static enum status nrrd_open(const char *path, struct image *image) {
     }
   }
   if (!typed || !sized)
-    TRY_FAIL(STATUS_INPUT, "%s: %s is missing", path, !typed ? "type" : "sizes");
+    TRY_FAIL(STATUS_INPUT, "%s: %s is missing" EXPORT_AGAIN, path, !typed ? "type" : "sizes");
   if (image->data_path == NULL && image->data_offset != PIXELS_AT_END)
     image->data_offset += (uint64_t)ftell(file);
   read_spacing(image, spacing, units);

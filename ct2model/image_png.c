@@ -68,7 +68,7 @@ static enum status png_open(const char *path, struct image *image) {
   enum status status = session_start(&session, path);
   if (status != STATUS_OK) goto cleanup;
   if (setjmp(png_jmpbuf(session.png))) {
-    status = FAIL(STATUS_INPUT, "%s: not a readable PNG: %s", path, session.message);
+    status = FAIL(STATUS_INPUT, "%s: not a readable PNG: %s" EXPORT_AGAIN, path, session.message);
     goto cleanup;
   }
   png_init_io(session.png, session.file);
@@ -116,7 +116,8 @@ static enum status png_read(const struct image *image, size_t page, float *out) 
   (void)page;
   if (status != STATUS_OK) goto cleanup;
   if (setjmp(png_jmpbuf(session.png))) {
-    status = FAIL(STATUS_INPUT, "%s: cannot be decoded: %s", image->path, session.message);
+    status =
+        FAIL(STATUS_INPUT, "%s: cannot be decoded: %s" EXPORT_AGAIN, image->path, session.message);
     goto cleanup;
   }
   png_init_io(session.png, session.file);
@@ -132,7 +133,7 @@ static enum status png_read(const struct image *image, size_t page, float *out) 
   if (png_get_image_width(session.png, session.info) != image->size[0] ||
       png_get_image_height(session.png, session.info) != image->size[1] ||
       row != image->size[0] * channels * pixel_size(image->type)) {
-    status = FAIL(STATUS_INPUT, "%s: changed while it was being read", image->path);
+    status = FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
     goto cleanup;
   }
   status = memory_allocate(&session.pixels, image->size[1], row, "a PNG slice");

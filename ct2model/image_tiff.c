@@ -205,12 +205,15 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
     if ((kind & FILETYPE_REDUCEDIMAGE) != 0) continue;
     layout_read(tiff, &layout);
     if (layout.width != first->width || layout.height != first->height)
-      TRY_FAIL(STATUS_INPUT, "%s: page %zu: %ux%u, but the first page is %ux%u", image->path,
-               image->pages, layout.width, layout.height, first->width, first->height);
+      TRY_FAIL(STATUS_INPUT,
+               "%s: page %zu: %ux%u, but the first page is %ux%u; save pages of one size",
+               image->path, image->pages, layout.width, layout.height, first->width, first->height);
     if (layout.bits != first->bits || layout.format != first->format ||
         layout.samples != first->samples)
-      TRY_FAIL(STATUS_INPUT, "%s: page %zu: %u bits, but the first page has %u bits a sample",
-               image->path, image->pages, layout.bits, first->bits);
+      TRY_FAIL(
+          STATUS_INPUT,
+          "%s: page %zu: %u bits, but the first page has %u bits a sample; save pages of one type",
+          image->path, image->pages, layout.bits, first->bits);
     if (image->pages == room) {
       room = room == 0 ? 64 : 2 * room;
       TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
@@ -220,7 +223,7 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   } while (TIFFReadDirectory(tiff));
   /* A clean end leaves no message; a broken chain of directories does. */
   if (tiff_message[0] != '\0')
-    TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s", image->path, image->pages,
+    TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
 cleanup:
   return status;
@@ -232,13 +235,14 @@ static enum status tiff_open(const char *path, struct image *image) {
   char *description = NULL;
   TIFF *tiff = tiff_start(path);
   if (tiff == NULL)
-    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s", path,
+    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s" EXPORT_AGAIN, path,
              tiff_message[0] != '\0' ? tiff_message : "its first directory is damaged");
   layout_read(tiff, &layout);
   if (layout.width == 0 || layout.height == 0)
-    TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height", path);
+    TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height" EXPORT_AGAIN, path);
   if (!TIFFIsCODECConfigured(layout.compression))
-    TRY_FAIL(STATUS_INPUT, "%s: compression %u is not supported by libtiff here", path,
+    TRY_FAIL(STATUS_INPUT,
+             "%s: compression %u is not supported by libtiff here; save it uncompressed", path,
              layout.compression);
   TRY(layout_type(path, &layout, &image->type));
   image->size[0] = layout.width;
@@ -306,8 +310,8 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
       size_t entry = (size_t)out[x];
       if (decoder->palette[0][entry] != decoder->palette[1][entry] ||
           decoder->palette[0][entry] != decoder->palette[2][entry])
-        return FAIL(STATUS_INPUT, "%s: palette entry %zu is a colour, not grey", image->path,
-                    entry);
+        return FAIL(STATUS_INPUT, "%s: palette entry %zu is a colour, not grey; save as grey",
+                    image->path, entry);
       out[x] = (float)(decoder->palette[0][entry] / decoder->palette_scale);
     }
   }
@@ -325,15 +329,16 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
   if (rows == 0 || rows > height) rows = (uint32_t)height;
   size_t strip_bytes;
   if (!size_multiply(row, rows, &strip_bytes) || (tmsize_t)strip_bytes != TIFFStripSize(tiff))
-    TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout", image->path);
+    TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout; save it uncompressed",
+             image->path);
   if (!decoder->stored) TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
   for (size_t y0 = 0; y0 < height; y0 += rows) {
     size_t n = height - y0 < rows ? height - y0 : rows;
     unsigned char *to = decoder->stored ? (unsigned char *)out + y0 * row : buffer;
     tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), to, (tmsize_t)(n * row));
     if (got < (tmsize_t)(n * row))
-      TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s", image->path, y0,
-               y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
+      TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s" EXPORT_AGAIN, image->path,
+               y0, y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
     for (size_t y = 0; y < n && !decoder->stored; y++)
       TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out));
   }
@@ -352,13 +357,13 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, voi
   TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile[1]);
   size_t bytes = (size_t)TIFFTileSize(tiff), row = (size_t)TIFFTileRowSize(tiff);
   if (tile[0] == 0 || tile[1] == 0 || bytes < row * tile[1])
-    TRY_FAIL(STATUS_INPUT, "%s: tiles of an unsupported layout", image->path);
+    TRY_FAIL(STATUS_INPUT, "%s: tiles of an unsupported layout; save it uncompressed", image->path);
   TRY(memory_allocate(&buffer, bytes, 1, "a TIFF tile"));
   for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
     for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
       if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
-        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s", image->path, x0, y0,
-                 tiff_message);
+        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s" EXPORT_AGAIN,
+                 image->path, x0, y0, tiff_message);
       size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
       size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
       for (size_t y = 0; y < ny; y++)
@@ -378,10 +383,11 @@ static enum status page_open(const struct image *image, size_t page, struct row_
   decoder->image = image;
   TIFF *tiff = *handle = tiff_start(image->path);
   if (tiff == NULL || !TIFFSetSubDirectory(tiff, image->page_offsets[page]))
-    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s", image->path, page, tiff_message);
+    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s" EXPORT_AGAIN, image->path, page,
+             tiff_message);
   layout_read(tiff, layout);
   if (layout->width != image->size[0] || layout->height != image->size[1])
-    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read", image->path);
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
   if (layout->samples > 1 && layout->planar != PLANARCONFIG_CONTIG)
     TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
   if (layout->compression == COMPRESSION_JPEG)
@@ -392,7 +398,7 @@ static enum status page_open(const struct image *image, size_t page, struct row_
                pixel_name(image->type));
     if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
                       &decoder->palette[2]))
-      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette", image->path);
+      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
     decoder->palette_scale = image->type == PIXEL_U8 ? 257.0 : 1.0;
   }
 cleanup:

@@ -61,7 +61,8 @@ static enum status unpack_stream(struct inflated *inflated, FILE *packed, z_stre
     stream->avail_out = (unsigned)CHUNK;
     code = inflate(stream, Z_NO_FLUSH);
     if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR)
-      TRY_FAIL(STATUS_INPUT, "%s: the compressed pixels are damaged after %llu bytes",
+      TRY_FAIL(STATUS_INPUT,
+               "%s: the compressed pixels are damaged after %llu bytes; export it again",
                inflated->path, (unsigned long long)done);
     size_t got = CHUNK - stream->avail_out;
     if (fwrite(out, 1, got, inflated->unpacked) != got)
@@ -70,8 +71,9 @@ static enum status unpack_stream(struct inflated *inflated, FILE *packed, z_stre
     done += got;
   }
   if (done < inflated->size)
-    TRY_FAIL(STATUS_INPUT, "%s: %llu bytes of pixels, but the header promises %llu", inflated->path,
-             (unsigned long long)done, (unsigned long long)inflated->size);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: %llu bytes of pixels, but the header promises %llu; export it again",
+             inflated->path, (unsigned long long)done, (unsigned long long)inflated->size);
   if (fflush(inflated->unpacked) != 0)
     TRY_FAIL(STATUS_RUN, "%s: no room to unpack it in the temporary folder: %s", inflated->path,
              strerror(errno));

@@ -53,7 +53,8 @@ static const struct option_entry ENTRIES[] = {
      "auto (match the void ratio, default), otsu, or a grey value"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
     {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
-     "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local means)"},
+     "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local "
+     "means)"},
     {"correct", 0, "LIST", SWEEP | BUILD,
      "level what the radius does to the greys: beam (hardening), rings, or beam,rings"},
     {"axis", 0, "X,Y", SWEEP | BUILD, "pixel about which rings lie (default the middle)"},

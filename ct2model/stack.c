@@ -112,7 +112,7 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
   if (count > 1) qsort(list->names, list->count, sizeof *list->names, by_natural_order);
   for (size_t i = 1; i < list->count; i++) {
     if (strcmp(list->names[i - 1], list->names[i]) == 0)
-      TRY_FAIL(STATUS_INPUT, "%s: given twice", list->names[i]);
+      TRY_FAIL(STATUS_INPUT, "%s: given twice; name it once", list->names[i]);
   }
 cleanup:
   return status;
@@ -176,11 +176,12 @@ static enum status check_agreement(const struct image *first, const struct image
     return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; name one kind, e.g. FOLDER/*.tif",
                 image->path, image->reader->name, first->reader->name);
   if (image->size[0] != first->size[0] || image->size[1] != first->size[1])
-    return FAIL(STATUS_INPUT, "%s: %zux%zu, but the first slice is %zux%zu", image->path,
-                image->size[0], image->size[1], first->size[0], first->size[1]);
+    return FAIL(STATUS_INPUT,
+                "%s: %zux%zu, but the first slice is %zux%zu; leave it out or crop all alike",
+                image->path, image->size[0], image->size[1], first->size[0], first->size[1]);
   if (image->type != first->type)
-    return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s", image->path,
-                pixel_name(image->type), pixel_name(first->type));
+    return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; save all as one type",
+                image->path, pixel_name(image->type), pixel_name(first->type));
   return STATUS_OK;
 }
 
@@ -210,7 +211,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
   stack->voxel_source = first->voxel_source;
   look_for_levels(stack);
   if (raw != NULL && raw->given && stack->size[2] != raw->size[2])
-    TRY_FAIL(STATUS_INPUT, "%s: %zu slices of %zux%zu, but --raw says %zu", first->path,
+    TRY_FAIL(STATUS_INPUT, "%s: %zu slices of %zux%zu, but --raw says %zu; correct it", first->path,
              stack->size[2], raw->size[0], raw->size[1], raw->size[2]);
 cleanup:
   return status;
