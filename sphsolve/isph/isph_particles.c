@@ -46,6 +46,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   if (s->on.soil) {
     TRY(memory_resize(&s->porosity, n, sizeof *s->porosity, what));
     TRY(memory_resize(&s->soil_share, n, sizeof *s->soil_share, what));
+    TRY(memory_resize(&s->inertia, n, sizeof *s->inertia, what));
     TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
     TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
@@ -198,6 +199,7 @@ void isph_free(struct isph *s) {
                     &s->support,
                     &s->porosity,
                     &s->soil_share,
+                    &s->inertia,
                     &s->drag_a,
                     &s->drag_b,
                     &s->drag_left,

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "sphsolve/effects/isph_drag.h"
 #include "sphsolve/isph/isph_kernel.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half
@@ -73,7 +74,8 @@ static double forchheimer_of(double eps) {
 void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil) {
   const struct scene *scene = s->scene;
-  double solid = 0, share = 0, a = 0, b = 0, velocity[3] = {0}, paper = 1;
+  const bool over_eps = scene->isph.form == FORM_M15;
+  double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
@@ -81,11 +83,13 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     if (share_of_box(s, &box, position) <= 0) continue;
     /* A later soil takes the place of an earlier one. */
     double w = share_left(s, &box, k + 1, ahead, position), d = region->grain_size;
+    double scale = over_eps ? region->porosity : 1; /* 1/G */
     if (w <= 0) continue;
     solid += w * (1 - region->porosity);
     share += w;
-    a += w * region->alpha * s->viscosity / (d * d) * linear_of(region->porosity);
-    b += w * region->beta / d * forchheimer_of(region->porosity);
+    a += w * scale * region->alpha * s->viscosity / (d * d) * linear_of(region->porosity);
+    b += w * scale * region->beta / d * forchheimer_of(region->porosity);
+    inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
     paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
   }
@@ -93,12 +97,17 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
   soil->solid = share;
-  /* Drag counts by the share of the soil, whose own it is: a layer then loses as much head as with
-   * sharp faces, next to free water and to another soil. The drag of the smoothed porosity, which
-   * M15 takes, loses less, for it is steeper than a line. */
-  bool smoothed = scene->isph.porosity_paper && own < 1;
-  soil->a = smoothed ? a * weight * linear_of(eps) / linear_of(own) : a;
-  soil->b = smoothed ? b * weight * forchheimer_of(eps) / forchheimer_of(own) : b;
+  /* Inertia and drag, as multiples of the pressure gradient, count by the share of the soil, whose
+   * own they are: a layer then weighs and loses as much as with sharp faces, next to free water and
+   * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in it:
+   * too small for the forces over rho_w, the drag too large for M15's forces over eps. */
+  soil->a = a, soil->b = b, soil->inertia = 1 - share + inertia;
+  if (scene->isph.porosity_paper && own < 1) {
+    double scale = over_eps ? eps / own : 1;
+    soil->a = a * weight * scale * linear_of(eps) / linear_of(own);
+    soil->b = b * weight * scale * forchheimer_of(eps) / forchheimer_of(own);
+    soil->inertia = inertia_coefficient(eps) / (over_eps ? 1 : eps);
+  }
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 

@@ -113,7 +113,7 @@ struct isph {
   /* found anew each step */
   double *volume, *support;
   double *porosity, *soil_share;    /* NULL without soil */
-  double *drag_a, *drag_b;          /* NULL without soil */
+  double *inertia, *drag_a, *drag_b; /* NULL without soil */
   double (*soil_velocity)[3];       /* NULL unless soil moves */
   double *porosity_rate;            /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *filling;                  /* sum V W with walls: 1 in the bulk */
@@ -205,7 +205,8 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
 /* isph_soil.c */
 struct soil_point {
   double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
-  double a, b;            /* drag coefficients, 1/s and 1/m */
+  double inertia;         /* C_r / (eps G) */
+  double a, b;            /* drag coefficients over G, 1/s and 1/m */
   double velocity[3];
 };
 /* At a place, where moving soil stands a time `ahead` from now. */

@@ -28,6 +28,7 @@ static void update_volumes(struct isph *s) {
       eps = soil.porosity;
       s->porosity[i] = eps;
       s->soil_share[i] = soil.solid;
+      s->inertia[i] = soil.inertia;
       s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
       s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
       if (s->on.moving_soil) {
@@ -109,7 +110,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
   }
 }
 
-/* v* without the driving force, and the mobility k = B T G / rho_w. */
+/* v* without the driving force, and the mobility k = B T / rho_w; all of the equation over G. */
 static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
 #pragma omp parallel for schedule(dynamic, 1)
@@ -117,12 +118,13 @@ static void predict(struct isph *s, double dt) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *v = s->velocity[i];
-      double force[3] = {0}, t = dt, left = 1, g = 1, own[3] = {0};
+      double force[3] = {0}, t = dt, left = 1, own[3] = {0};
       if (s->on.viscosity) viscous(s, chunk, i, force);
       if (s->on.soil) {
         double eps = s->porosity[i], b = s->drag_b[i];
-        t = eps * dt / inertia_coefficient(eps);
-        g = paper ? 1 / eps : 1;
+        t = dt / s->inertia[i];
+        if (paper)
+          for (int a = 0; a < 3; a++) force[a] *= eps;
         if (s->on.moving_soil)
           for (int a = 0; a < 3; a++) own[a] = eps * s->soil_velocity[i][a];
         double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
@@ -131,7 +133,7 @@ static void predict(struct isph *s, double dt) {
         s->drag_left[i] = left;
         for (int a = 0; a < 3; a++) force[a] += b * speed * u[a];
       }
-      s->mobility[i] = left * t * g / s->density;
+      s->mobility[i] = left * t / s->density;
       for (int a = 0; a < 3; a++)
         s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
     }
