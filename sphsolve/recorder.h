@@ -43,7 +43,7 @@ struct run_result {
   double reynolds;
   int64_t steps;
   double wall_time;
-  double pair_interactions;            /* directed pairs evaluated, all passes */
+  double pair_interactions;            /* directed pairs, once for each equation they enter */
   double pair_interactions_per_second; /* over the time in pair loops */
   struct ledger ledger;
 };

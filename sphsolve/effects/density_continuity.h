@@ -8,9 +8,17 @@
 
 #include "sphsolve/engine/simd.h"
 
-SIMD_INLINE void density_continuity_pair(vec slope, vec x, vec y, vec z, vec dvx, vec dvy, vec dvz,
-                                         vec *sum) {
-  *sum += slope * (x * dvx + y * dvy + z * dvz);
+/* Factor of slope in the divergence. */
+SIMD_INLINE vec density_continuity_pair(vec x, vec y, vec z, vec dvx, vec dvy, vec dvz) {
+  return x * dvx + y * dvy + z * dvz;
+}
+
+/* The pairs with walls need one sum for all velocities, S = sum_w slope x, for walls that move
+ * T = sum_w slope x . v_w as well: their part of the divergence is 2 (T - v_i . S). */
+SIMD_INLINE void density_continuity_wall(vec slope, vec x, vec y, vec z, vec sum[3]) {
+  sum[0] += slope * x;
+  sum[1] += slope * y;
+  sum[2] += slope * z;
 }
 
 #endif

@@ -9,8 +9,8 @@
 
 #include "sphsolve/engine/simd.h"
 
-SIMD_INLINE void pressure_diffusion_pair(vec slope, vec p_i, vec p_j, vec *sum, vec *weights) {
-  *sum += slope * (p_j - p_i);
+/* The weight of (p_j - p_i) is slope times a constant; their sum. */
+SIMD_INLINE void pressure_diffusion_pair(vec slope, vec *weights) {
   *weights += slope;
 }
 

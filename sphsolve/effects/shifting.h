@@ -22,9 +22,9 @@ SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
   sum[2] += slope * z;
 }
 
-/* Weight of (f_j - f_i) in (u_i . grad) f. */
-SIMD_INLINE vec shifting_weight(vec slope, vec x, vec y, vec z, const vec u[3]) {
-  return slope * (u[0] * x + u[1] * y + u[2] * z);
+/* Factor of slope (f_j - f_i) in (u_i . grad) f, on top of another. */
+SIMD_INLINE vec shifting_carry(vec factor, vec x, vec y, vec z, const vec u[3]) {
+  return factor + u[0] * x + u[1] * y + u[2] * z;
 }
 
 #endif

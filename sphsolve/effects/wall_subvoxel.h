@@ -22,7 +22,7 @@ SIMD_INLINE void wall_subvoxel_pair(vec slope, vec s, vec d_a, vec inverse_d_a, 
                                     vec *weight, vec *beta, vec *rough) {
   vec zero = vec_set(0.0f);
   *rough += vec_max(d_a + d_b - 1.1f * s, zero);
-  d_b = vec_max(-vec_max(-d_b, d_a - s), zero);
+  d_b = vec_max(vec_min(d_b, s - d_a), zero);
   *weight = slope * (1.0f + d_b * inverse_d_a);
   *beta += slope * d_b * (d_a + d_b);
 }

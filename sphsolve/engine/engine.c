@@ -39,6 +39,7 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
   return (struct particle_fields){
       .shift = s->shift,
+      .rate = s->wall == PASS_SUBVOXEL,
       .wall_state = frozen || adami,
       .wall_base = frozen,
       .wall_depth = s->wall == PASS_SUBVOXEL,
@@ -48,7 +49,8 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
 }
 
 /* The part of a frozen wall's density that never changes: itself and the walls around it. */
-static void wall_base_sum(struct engine *engine) {
+static enum status wall_base_sum(struct engine *engine) {
+  enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   const struct lattice *lattice = engine->lattice;
   const struct engine_settings *s = &engine->settings;
@@ -59,29 +61,44 @@ static void wall_base_sum(struct engine *engine) {
     volume *= flat ? 1 : lattice->spacing[a];
     reach[a] = flat ? 0 : (int)floor(s->support / lattice->spacing[a]);
   }
+  /* W depends on the offset of two sites alone. */
+  int span[3] = {2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1};
+  size_t count = (size_t)span[0] * (size_t)span[1] * (size_t)span[2];
+  double *weight = NULL;
+  TRY(memory_allocate(&weight, count, sizeof *weight, "kernel values"));
+  for (size_t t = 0; t < count; t++) {
+    int offset[3] = {(int)(t % (size_t)span[0]) - reach[0],
+                     (int)(t / (size_t)span[0] % (size_t)span[1]) - reach[1],
+                     (int)(t / (size_t)span[0] / (size_t)span[1]) - reach[2]};
+    double square = 0;
+    for (int a = 0; a < 3; a++) square += pow(offset[a] * lattice->spacing[a], 2);
+    weight[t] = kernel_w(KERNEL_QUINTIC, lattice->dimensions, sqrt(square), s->smoothing_length);
+  }
   size_t slots = particles_wall_slots(p);
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < slots; w++) {
     if (p->site[w] == NO_SITE) continue;
     double sum = 0;
+    const double *next = weight;
     for (int k = -reach[2]; k <= reach[2]; k++)
       for (int j = -reach[1]; j <= reach[1]; j++)
-        for (int i = -reach[0]; i <= reach[0]; i++) {
-          int offset[3] = {i, j, k};
+        for (int i = -reach[0]; i <= reach[0]; i++, next++) {
+          if (*next == 0) continue;
+          const int offset[3] = {i, j, k};
           size_t at[3];
-          double square = 0;
           for (int a = 0; a < 3; a++) {
             long n = (long)lattice->size[a];
             long own = (long)frame_wall_index(&p->frame, a, p->site[w]);
             at[a] = (size_t)(((own + offset[a]) % n + n) % n);
-            square += offset[a] * lattice->spacing[a] * offset[a] * lattice->spacing[a];
           }
           size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
-          if (lattice->kind[site] == SITE_WALL)
-            sum += kernel_w(KERNEL_QUINTIC, lattice->dimensions, sqrt(square), s->smoothing_length);
+          if (lattice->kind[site] == SITE_WALL) sum += *next;
         }
     p->wall_base[w] = (float)(volume * sum);
   }
+cleanup:
+  memory_free(&weight);
+  return status;
 }
 
 static void set_velocities(struct engine *engine) {
@@ -152,7 +169,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
-  if (engine->fields.wall_base) wall_base_sum(engine);
+  if (engine->fields.wall_base) TRY(wall_base_sum(engine));
   set_velocities(engine);
   TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
   TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
@@ -167,11 +184,12 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->fluid_wall = &engine->fluid_wall;
   pass->wall_fluid = &engine->wall_fluid;
   double h = s->smoothing_length, alpha = kernel_w(KERNEL_QUINTIC, lattice->dimensions, 0, h) / 66;
-  for (int a = 0; a < 3; a++) pass->scale[a] = (float)(frame->unit[a] / h);
-  pass->radius = (float)(s->support / h);
+  for (int a = 0; a < 3; a++) pass->scale[a] = (float)(frame->unit[a] / (2 * h));
+  pass->radius = (float)(s->support / (2 * h));
   pass->dt = s->dt;
   pass->w_scale = volume * alpha;
-  pass->g_scale = 5 * volume * alpha / h;
+  pass->g_scale = 5 * volume * alpha / (2 * h);
+  pass->l_scale = 5 * volume * alpha / (4 * h * h);
   pass->smoothing_length = h;
   pass->sound_speed = s->sound_speed;
   pass->rest_ratio = s->rest_ratio;
@@ -235,28 +253,29 @@ static void run_pass(struct engine *engine, pass_function *function, bool wall,
 }
 
 static void count_pairs(struct engine *engine) {
-  uint64_t fluid = 0, wall = 0;
+  uint64_t fluid = 0, alone = 0, wall = 0;
   const struct particles *p = &engine->particles;
   const struct ghosts *walls = &engine->ranks.walls;
   size_t first = engine_first_slot(engine) / CLUSTER, end = engine_end_slot(engine) / CLUSTER;
   size_t first_wall = walls->cut != NULL ? walls->begin : 0;
   size_t end_wall = walls->cut != NULL ? walls->end : p->wall_clusters;
-#pragma omp parallel num_threads(engine->threads) reduction(+ : fluid, wall)
+#pragma omp parallel num_threads(engine->threads) reduction(+ : fluid, alone, wall)
   {
     struct local *local = &engine->locals[omp_get_thread_num()];
 #pragma omp for schedule(dynamic, BLOCK)
     for (size_t c = first; c < end; c++)
-      engine->table->count(&engine->pass, local, c, c + 1, &fluid);
+      engine->table->count(&engine->pass, local, c, c + 1, &fluid, &alone);
     if (engine->wall_fluid.rows > 0) {
 #pragma omp for schedule(dynamic, BLOCK)
       for (size_t c = first_wall; c < end_wall; c++)
         engine->table->count_wall(&engine->pass, local, c, c + 1, &wall);
     }
   }
-  double sums[2] = {(double)fluid, (double)wall};
-  ranks_sum_all(sums, 2);
+  double sums[3] = {(double)fluid, (double)alone, (double)wall};
+  ranks_sum_all(sums, 3);
   engine->pairs_fluid = (uint64_t)sums[0];
-  engine->pairs_wall = (uint64_t)sums[1];
+  engine->pairs_alone = (uint64_t)sums[1];
+  engine->pairs_wall = (uint64_t)sums[2];
 }
 
 /* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have
@@ -317,10 +336,12 @@ cleanup:
 
 /* Difference of the distance along one axis, away from the wall: one-sided, for in the middle of a
  * pore two sites wide, between two walls, a central difference would be none. */
-static double slope_from_wall(double low, double here, double high) {
+static inline double slope_from_wall(double low, double here, double high) {
   double back = here - low, fore = high - here;
-  if (here < 0) return fore > -back ? fmax(fore, 0) : fmin(back, 0);
-  return back > -fore ? fmax(back, 0) : fmin(fore, 0);
+  double up = here < 0 ? fore : back, down = here < 0 ? back : fore;
+  up = up > 0 ? up : 0;
+  down = down < 0 ? down : 0;
+  return up > -down ? up : down;
 }
 
 double engine_wall_distance(const struct engine *engine, size_t i) {
@@ -331,12 +352,11 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
   size_t near[3], site = 0;
   double offset[3]; /* spacings from the nearest site */
   for (int a = 0; a < 3; a++) {
-    double t = ldexp((double)frame_fold(&p->frame, a, p->x[a][i]), p->frame.image_bits[a] - 32) *
-               (double)lattice->size[a];
-    if (p->frame.step[a] == 0) t = 0.5;
-    near[a] = (size_t)t;
-    if (near[a] >= lattice->size[a]) near[a] = 0;
-    offset[a] = t - (double)(size_t)t - 0.5;
+    /* Sites from the edge of the box, with 32 bits behind the point. */
+    uint64_t t = (uint64_t)(p->x[a][i] << p->frame.image_bits[a]) * lattice->size[a];
+    if (p->frame.step[a] == 0) t = 0x80000000u;
+    near[a] = t >> 32;
+    offset[a] = ((double)(uint32_t)t - 0x1p31) * 0x1p-32;
     site += near[a] * stride[a];
   }
   double here = (double)field[site], along = 0, square = 0;
@@ -346,12 +366,15 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
     size_t last = lattice->size[a] - 1, back = last * stride[a];
     double high = (double)field[near[a] < last ? site + stride[a] : site - back];
     double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
-    double most = 1.15 * lattice->spacing[a], slope = slope_from_wall(low, here, high);
+    double spacing = lattice->spacing[a], most = 1.15 * spacing;
+    double slope = slope_from_wall(low, here, high), steep = slope / spacing;
     smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
     along += slope * offset[a];
-    square += slope * slope / (lattice->spacing[a] * lattice->spacing[a]);
+    square += steep * steep;
   }
-  double d = fmax(here + along / fmax(sqrt(square), 1), WALL_DISTANCE_LEAST * engine->pass.spacing);
+  double d = here + (square > 1 ? along / sqrt(square) : along);
+  double least = WALL_DISTANCE_LEAST * engine->pass.spacing;
+  d = d > least ? d : least;
   return smooth ? d : -d;
 }
 
@@ -488,7 +511,10 @@ enum status engine_step(struct engine *engine) {
     else if (RANKS)
       engine_send(engine, SENT_MOTION);
     p->state_next = p->v_next[0]; /* the old velocity is not needed any more */
-    run_pass(engine, table->continuity[has_walls][s->diffusion][s->shift], false, PHASE_CONTINUITY);
+    /* Beside sub-voxel walls the force pass has done all but the pairs of fluid. */
+    bool done = s->wall == PASS_SUBVOXEL;
+    run_pass(engine, table->continuity[has_walls && !done][s->diffusion][s->shift && !done], false,
+             PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
     swap(&p->state, &p->v_next[0]);
     drift(engine, 0.5);

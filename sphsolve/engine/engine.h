@@ -58,8 +58,9 @@ struct engine {
   double moved;     /* m: longest path of any particle since they were ordered; INFINITY: never */
   double speed_max; /* m/s */
   bool listed;      /* the lists hold: no particle has left its box */
-  uint64_t pairs_fluid, pairs_wall; /* directed, when last counted */
-  double pair_interactions;         /* evaluated so far */
+  /* Directed, when last counted: of fluid with all, with fluid alone, of walls with fluid. */
+  uint64_t pairs_fluid, pairs_alone, pairs_wall;
+  double pair_interactions; /* evaluated so far: pairs, once for each equation they enter */
   double seconds[PHASE_COUNT];
   uint64_t rebuilds, steps;
   struct engine_ranks ranks;

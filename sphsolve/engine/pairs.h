@@ -1,7 +1,7 @@
 /* The passes over pairs of particles, one table per instruction set.
  *
  * A pass walks row clusters [begin, end); rows are independent, so that threads change no bit.
- * Lengths inside are in units of h; `scale` turns fixed-point differences into them. */
+ * Lengths inside are in units of 2 h; `scale` turns fixed-point differences into them. */
 #ifndef TOSUI_ENGINE_PAIRS_H
 #define TOSUI_ENGINE_PAIRS_H
 
@@ -26,12 +26,12 @@ struct local {
 struct pass {
   struct particles *particles;
   const struct neighbour_list *fluid_fluid, *fluid_wall, *wall_fluid;
-  float scale[3]; /* h per fixed-point unit */
-  float radius;   /* support in h */
+  float scale[3]; /* 2 h per fixed-point unit */
+  float radius;   /* support in 2 h */
   double dt;      /* s */
-  /* W = w_scale * kernel_vector_w; grad_i W = g_scale * slope / s * (x_j - x_i) / h; both times
-   * the particle volume. g_scale is per metre. */
-  double w_scale, g_scale;
+  /* W = w_scale * kernel_vector_w; grad_i W = g_scale * (4 slope/s) * (x_j - x_i)/(2 h); both times
+   * the particle volume. g_scale is per metre. -(1/r) dW/dr = l_scale * (4 slope/s). */
+  double w_scale, g_scale, l_scale;
   double smoothing_length; /* m */
   double sound_speed;      /* m/s */
   double rest_ratio;       /* gauge: lattice sum / rho_0; absolute: 0 */
@@ -52,12 +52,14 @@ struct pair_table {
   pass_function *density, *density_wall;
   /* v_next from v; [wall][viscosity][shift]. */
   pass_function *force[PASS_WALLS][2][2];
-  /* state_next from state and v; [walls][diffusion][shift]. */
+  /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls and
+   * shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
   pass_function *continuity[2][2][2];
   pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
-  /* Directed pairs within the support, self excluded: of fluid with all, and of wall with fluid. */
+  /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and of
+   * wall with fluid. */
   void (*count)(const struct pass *pass, struct local *local, size_t begin, size_t end,
-                uint64_t *pairs);
+                uint64_t *pairs, uint64_t *alone);
   void (*count_wall)(const struct pass *pass, struct local *local, size_t begin, size_t end,
                      uint64_t *pairs);
 };

@@ -69,23 +69,28 @@ static void density_wall(const struct pass *pass, struct local *local, size_t be
 }
 
 /* ---- forces: v_next ---- */
+/* Sums over the columns of a row: of the pressure, of differences of velocity with the weights of
+ * viscosity and shift, and of the offsets, which tell where particles crowd. */
 struct row_force {
-  double pressure[3], viscous[3], carried[3], crowd[3];
+  double pressure[3], velocity[3], crowd[3];
 };
 
-/* Over columns [begin, end) that act as fluid does (frozen and adami walls among them). */
+/* Over columns [0, n) that act as fluid does (frozen and adami walls among them). `carry`: the
+ * drift of the particle beyond the fluid, in units in which the weight of viscosity is 1 (where
+ * there is viscosity). */
 SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *local, size_t n,
-                                 const vec at[3], size_t i, bool symmetric, bool viscosity,
-                                 bool shift, struct row_force *row) {
+                                 const vec at[3], size_t i, const float carry[3], bool symmetric,
+                                 bool viscosity, bool shift, struct row_force *row) {
   const struct particles *p = pass->particles;
   float tile[MAX_SUMS][SIMD_LANES];
-  vec vi[3], u[3], state = vec_set(p->state[i]);
-  for (int a = 0; a < 3; a++) vi[a] = vec_set(p->v[a][i]);
-  if (shift)
-    for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
+  vec vi[3], u[3], state = vec_set(p->state[i]), zero = vec_set(0.0f);
+  for (int a = 0; a < 3; a++) {
+    vi[a] = vec_set(p->v[a][i]);
+    u[a] = vec_set(carry[a]);
+  }
   vec term = symmetric ? pressure_symmetric_term(state, vec_set((float)pass->rest_ratio)) : state;
   for (int group = 0; group < SIMD_GROUPS; group++) {
-    vec pressure[3] = {{0}}, viscous[3] = {{0}}, carried[3] = {{0}}, crowd[3] = {{0}};
+    vec pressure[3] = {{0}}, velocity[3] = {{0}}, crowd[3] = {{0}};
     for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {
       struct geometry g = pair_geometry(local, k, at);
       vec slope = kernel_vector_slope(g.s) * g.inverse;
@@ -96,44 +101,33 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
       pressure[1] -= weight * g.y;
       pressure[2] -= weight * g.z;
       if (viscosity || shift) {
-        vec dvx = vec_load(local->field[LVX] + k) - vi[0];
-        vec dvy = vec_load(local->field[LVY] + k) - vi[1];
-        vec dvz = vec_load(local->field[LVZ] + k) - vi[2];
-        if (viscosity)
-          viscosity_morris_pair(symmetric ? slope * vec_load(local->field[LSTATE] + k) : slope, dvx,
-                                dvy, dvz, viscous);
-        if (shift)
-          viscosity_morris_pair(shifting_weight(slope, g.x, g.y, g.z, u), dvx, dvy, dvz, carried);
+        vec share = !viscosity  ? zero
+                    : symmetric ? vec_load(local->field[LSTATE] + k)
+                                : vec_set(1.0f);
+        if (shift) share = shifting_carry(share, g.x, g.y, g.z, u);
+        viscosity_morris_pair(shift || symmetric ? slope * share : slope,
+                              vec_load(local->field[LVX] + k) - vi[0],
+                              vec_load(local->field[LVY] + k) - vi[1],
+                              vec_load(local->field[LVZ] + k) - vi[2], velocity);
       }
       if (shift) shifting_pair(slope, g.x, g.y, g.z, crowd);
     }
     for (int a = 0; a < 3; a++) {
       vec_store(tile[a] + group * SIMD_WIDTH, pressure[a]);
-      if (viscosity) vec_store(tile[3 + a] + group * SIMD_WIDTH, viscous[a]);
-      if (shift) {
-        vec_store(tile[6 + a] + group * SIMD_WIDTH, carried[a]);
-        vec_store(tile[9 + a] + group * SIMD_WIDTH, crowd[a]);
-      }
+      vec_store(tile[3 + a] + group * SIMD_WIDTH, velocity[a]);
+      vec_store(tile[6 + a] + group * SIMD_WIDTH, crowd[a]);
     }
   }
-  memset(row, 0, sizeof *row);
-  tile_sums(tile, 3, row->pressure);
-  if (viscosity) tile_sums(tile + 3, 3, row->viscous);
-  if (viscosity && symmetric)
-    for (int a = 0; a < 3; a++) row->viscous[a] *= (double)p->state[i];
-  if (shift) {
-    tile_sums(tile + 6, 3, row->carried);
-    tile_sums(tile + 9, 3, row->crowd);
-  }
+  lanes_sums(tile, shift ? 9 : viscosity ? 6 : 3, row->pressure);
 }
 
 /* Sub-voxel walls in columns [begin, end). */
 struct row_wall {
-  double weight, beta, drag[3], crowd[3];
+  double weight, beta, rough, offsets[3], drag[3], inflow;
 };
 SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local *local,
                                     size_t begin, size_t end, const vec at[3], size_t i,
-                                    bool moving, bool shift, struct row_wall *row) {
+                                    bool moving, struct row_wall *row) {
   float distance = pass->particles->distance[i];
   float floor_h = (float)(WALL_SUBVOXEL_FLOOR * pass->spacing / pass->smoothing_length);
   float d_row = fabsf(distance) * (float)(1.0 / pass->smoothing_length);
@@ -141,35 +135,32 @@ SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local 
   vec d_a = vec_set(d_row), inverse_d_a = vec_set(1.0f / d_row);
   float tile[MAX_SUMS][SIMD_LANES];
   for (int group = 0; group < SIMD_GROUPS; group++) {
-    vec sum = {0}, beta = {0}, rough = {0}, drag[3] = {{0}}, crowd[3] = {{0}};
+    vec sum = {0}, beta = {0}, rough = {0}, inflow = {0}, drag[3] = {{0}}, offsets[3] = {{0}};
     for (size_t k = begin + (size_t)group * SIMD_WIDTH; k < end; k += SIMD_LANES) {
       struct geometry g = pair_geometry(local, k, at);
       vec slope = kernel_vector_slope(g.s) * g.inverse, weight;
       wall_subvoxel_pair(slope, g.s, d_a, inverse_d_a, vec_load(local->field[LSTATE] + k), &weight,
                          &beta, &rough);
       sum += weight;
-      if (moving)
-        viscosity_morris_pair(weight, vec_load(local->field[LVX] + k),
-                              vec_load(local->field[LVY] + k), vec_load(local->field[LVZ] + k),
-                              drag);
-      if (shift) shifting_pair(slope, g.x, g.y, g.z, crowd);
+      density_continuity_wall(slope, g.x, g.y, g.z, offsets);
+      if (!moving) continue;
+      vec vx = vec_load(local->field[LVX] + k), vy = vec_load(local->field[LVY] + k),
+          vz = vec_load(local->field[LVZ] + k);
+      viscosity_morris_pair(weight, vx, vy, vz, drag);
+      inflow += slope * density_continuity_pair(g.x, g.y, g.z, vx, vy, vz);
     }
     vec_store(tile[0] + group * SIMD_WIDTH, sum);
     vec_store(tile[1] + group * SIMD_WIDTH, beta);
-    vec_store(tile[8] + group * SIMD_WIDTH, rough);
+    vec_store(tile[2] + group * SIMD_WIDTH, rough);
     for (int a = 0; a < 3; a++) {
-      vec_store(tile[2 + a] + group * SIMD_WIDTH, drag[a]);
-      vec_store(tile[5 + a] + group * SIMD_WIDTH, crowd[a]);
+      vec_store(tile[3 + a] + group * SIMD_WIDTH, offsets[a]);
+      if (moving) vec_store(tile[6 + a] + group * SIMD_WIDTH, drag[a]);
     }
+    if (moving) vec_store(tile[9] + group * SIMD_WIDTH, inflow);
   }
-  tile_sums(tile, 1, &row->weight);
-  tile_sums(tile + 1, 1, &row->beta);
-  tile_sums(tile + 2, 3, row->drag);
-  tile_sums(tile + 5, 3, row->crowd);
-  double rough;
-  tile_sums(tile + 8, 1, &rough);
-  row->beta *= pass->g_scale * pass->smoothing_length;
-  if (distance < 0 || rough > 0 || row->beta < 0) row->beta = 0;
+  lanes_sums(tile, moving ? 10 : 6, &row->weight);
+  row->beta *= pass->l_scale * pass->smoothing_length * pass->smoothing_length;
+  if (distance < 0 || row->rough > 0 || row->beta < 0) row->beta = 0;
   if (row->beta > WALL_SUBVOXEL_BETA_MAX) row->beta = WALL_SUBVOXEL_BETA_MAX;
 }
 
@@ -181,7 +172,6 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   const float *walls[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
   const bool moving = p->wall_v[0] != NULL;
   double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
-  double drag = 2 * pass->viscosity * pass->g_scale / pass->smoothing_length;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
@@ -200,43 +190,59 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
                            true);
       all = pad_columns(local, all, 4);
     }
+    /* All walls first: what a row needs of them is then there when its fluid's turn comes. */
+    struct row_wall walls_of[CLUSTER] = {{0}};
+    for (int l = 0; l < CLUSTER && all > n; l++) {
+      if (!ref.live[l]) continue;
+      size_t i = c * CLUSTER + (size_t)l;
+      vec at[3];
+      row_position(pass, &ref, l, at);
+      if (moving) /* two instances: resting walls have no velocity to load */
+        row_force_subvoxel(pass, local, n, all, at, i, true, &walls_of[l]);
+      else
+        row_force_subvoxel(pass, local, n, all, at, i, false, &walls_of[l]);
+    }
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
       size_t i = c * CLUSTER + (size_t)l;
       vec at[3];
       row_position(pass, &ref, l, at);
+      const struct row_wall *near = &walls_of[l];
       struct row_force row;
-      row_force_fluid(pass, local, n, at, i, symmetric, viscosity, shift, &row);
-      double stiff = 0, curve = 1;
-      if (subvoxel && all > n && (viscosity || shift)) {
-        struct row_wall near;
-        if (moving) /* two instances: resting walls have no velocity to load */
-          row_force_subvoxel(pass, local, n, all, at, i, true, shift, &near);
-        else
-          row_force_subvoxel(pass, local, n, all, at, i, false, shift, &near);
-        curve = 1 / (1 - near.beta);
-        stiff = pass->dt * drag * near.weight * curve;
-        for (int a = 0; a < 3; a++) {
-          row.viscous[a] += near.drag[a];
-          row.crowd[a] += near.crowd[a];
-        }
+      double drag = viscosity ? 2 * pass->viscosity * pass->l_scale : gradient, stiff = 0;
+      if (subvoxel && viscosity) {
+        drag /= 1 - near->beta;
+        stiff = pass->dt * drag * near->weight;
       }
-      double u[3], speed = 0;
+      if (viscosity && symmetric) drag *= (double)p->state[i];
+      float carry[3] = {0};
+      for (int a = 0; a < 3 && shift; a++)
+        carry[a] = (float)(gradient / drag * (double)p->shift[a][i]);
+      row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, &row);
+      double u[3], speed = 0, rate = -2 * near->inflow;
       for (int a = 0; a < 3; a++) {
         double change = pass->force[a] + gradient * square * row.pressure[a];
-        if (viscosity) change += drag * curve * row.viscous[a];
-        if (shift) change += gradient * row.carried[a];
+        if (viscosity || shift)
+          change +=
+              drag * (row.velocity[a] + (subvoxel && viscosity && moving ? near->drag[a] : 0));
         double v = ((double)p->v[a][i] + pass->dt * change) / (1 + stiff);
         p->v_next[a][i] = (float)v;
+        if (subvoxel) rate += 2 * (double)p->v_next[a][i] * near->offsets[a];
         if (!shift) continue;
-        u[a] = -pass->shift_length * pass->shift_speed * gradient * row.crowd[a];
+        u[a] = -pass->shift_length * pass->shift_speed * gradient *
+               (row.crowd[a] + (subvoxel ? near->offsets[a] : 0));
         speed += u[a] * u[a];
       }
-      if (!shift) continue;
-      speed = sqrt(speed);
-      double most = SHIFTING_LIMIT * pass->shift_speed;
-      for (int a = 0; a < 3; a++)
-        p->shift[a][i] = (float)(speed > most ? u[a] * (most / speed) : u[a]);
+      if (shift) {
+        speed = sqrt(speed);
+        double most = SHIFTING_LIMIT * pass->shift_speed, share = speed > most ? most / speed : 1;
+        for (int a = 0; a < 3; a++) {
+          p->shift[a][i] = (float)(u[a] * share);
+          /* (u . grad) p is u . the gradient of p. */
+          if (subvoxel) rate -= (double)p->shift[a][i] * row.pressure[a];
+        }
+      }
+      if (subvoxel) p->rate[i] = (float)rate;
     }
   }
 }
@@ -246,12 +252,9 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
                                  size_t end, bool walls, bool diffusion, bool shift) {
   struct particles *p = pass->particles;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
-  bool given = p->wall_given[0] != NULL;
-  const float *wall[3];
-  for (int a = 0; a < 3; a++)
-    wall[a] = given ? p->wall_given[a] : p->wall_state == NULL ? p->wall_v[a] : NULL;
-  double diffuse = 2 * pass->diffusion * pass->g_scale / pass->smoothing_length;
-  const vec mirror = vec_set(p->wall_state == NULL ? 2.0f : 1.0f);
+  /* In units of g_scale: what the pressure's differences and their weights count. */
+  double diffuse = 2 * pass->diffusion * pass->l_scale;
+  const vec share = vec_set((float)(diffusion ? diffuse / pass->g_scale : 0));
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
@@ -259,7 +262,8 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
                               diffusion || shift ? 4 : 3, fluid, false);
     size_t all = n = pad_columns(local, n, 4);
     if (walls) {
-      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3, wall, false);
+      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3,
+                           (const float *const *)p->wall_given, false);
       all = pad_columns(local, all, 3);
     }
     for (int l = 0; l < CLUSTER; l++) {
@@ -272,41 +276,37 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
       for (int group = 0; group < SIMD_GROUPS; group++) {
-        vec divergence = {0}, laplacian = {0}, weights = {0}, carried = {0}, mirrored = {0};
-        for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {
+        vec change = {0}, weights = {0};
+        size_t first = (size_t)group * SIMD_WIDTH;
+        for (size_t k = first; k < n; k += SIMD_LANES) {
           struct geometry g = pair_geometry(local, k, at);
           vec slope = kernel_vector_slope(g.s) * g.inverse;
-          density_continuity_pair(slope, g.x, g.y, g.z, vec_load(local->field[LVX] + k) - vi[0],
-                                  vec_load(local->field[LVY] + k) - vi[1],
-                                  vec_load(local->field[LVZ] + k) - vi[2], &divergence);
-          if (diffusion)
-            pressure_diffusion_pair(slope, state, vec_load(local->field[LSTATE] + k), &laplacian,
-                                    &weights);
-          if (shift)
-            carried += shifting_weight(slope, g.x, g.y, g.z, u) *
-                       (vec_load(local->field[LSTATE] + k) - state);
-        }
-        if (walls)
-          for (size_t k = n + (size_t)group * SIMD_WIDTH; k < all; k += SIMD_LANES) {
-            struct geometry g = pair_geometry(local, k, at);
-            vec slope = kernel_vector_slope(g.s) * g.inverse;
-            density_continuity_pair(slope, g.x, g.y, g.z, vec_load(local->field[LVX] + k) - vi[0],
-                                    vec_load(local->field[LVY] + k) - vi[1],
-                                    vec_load(local->field[LVZ] + k) - vi[2], &mirrored);
+          vec term = -density_continuity_pair(
+              g.x, g.y, g.z, vec_load(local->field[LVX] + k) - vi[0],
+              vec_load(local->field[LVY] + k) - vi[1], vec_load(local->field[LVZ] + k) - vi[2]);
+          if (diffusion || shift) {
+            vec factor = shift ? shifting_carry(share, g.x, g.y, g.z, u) : share;
+            term += factor * (vec_load(local->field[LSTATE] + k) - state);
           }
-        vec_store(tile[0] + group * SIMD_WIDTH, divergence + mirror * mirrored);
-        vec_store(tile[1] + group * SIMD_WIDTH, laplacian);
-        vec_store(tile[2] + group * SIMD_WIDTH, carried);
-        vec_store(tile[3] + group * SIMD_WIDTH, weights);
+          change += slope * term;
+          if (diffusion) pressure_diffusion_pair(slope, &weights);
+        }
+        for (size_t k = n + first; k < all; k += SIMD_LANES) { /* adami's: p is their own */
+          struct geometry g = pair_geometry(local, k, at);
+          change -= kernel_vector_slope(g.s) * g.inverse *
+                    density_continuity_pair(g.x, g.y, g.z, vec_load(local->field[LVX] + k) - vi[0],
+                                            vec_load(local->field[LVY] + k) - vi[1],
+                                            vec_load(local->field[LVZ] + k) - vi[2]);
+        }
+        vec_store(tile[0] + group * SIMD_WIDTH, change);
+        vec_store(tile[1] + group * SIMD_WIDTH, weights);
       }
-      double sum[4] = {0};
-      tile_sums(tile, 1, sum);
-      if (diffusion) tile_sums(tile + 1, 1, sum + 1);
-      if (shift) tile_sums(tile + 2, 1, sum + 2);
-      if (diffusion) tile_sums(tile + 3, 1, sum + 3);
-      double rate = pass->g_scale * (sum[2] - sum[0]) + diffuse * sum[1];
-      double stiff = pass->dt * diffuse * sum[3];
-      p->state_next[i] = (float)((double)p->state[i] + pass->dt * rate / (1 + stiff));
+      double sum[2];
+      lanes_sums(tile, diffusion ? 2 : 1, sum);
+      double stiff = diffusion ? pass->dt * diffuse * sum[1] : 0;
+      double rate = sum[0] + (p->rate != NULL ? (double)p->rate[i] : 0);
+      p->state_next[i] =
+          (float)((double)p->state[i] + pass->dt * pass->g_scale * rate / (1 + stiff));
     }
   }
 }
@@ -315,7 +315,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
 static void image_velocity(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   struct particles *p = pass->particles;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
-  double head = pass->smoothing_length / (pass->sound_speed * pass->sound_speed);
+  double head = 2 * pass->smoothing_length / (pass->sound_speed * pass->sound_speed);
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, true, &ref);
@@ -338,7 +338,7 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
         }
         for (int s = 0; s < 8; s++) vec_store(tile[s] + group * SIMD_WIDTH, sums[s]);
       }
-      tile_sums(tile, 8, sum);
+      lanes_sums(tile, 8, sum);
       bool reached = sum[0] > 1e-6;
       double hydrostatic = 0;
       for (int a = 0; a < 3; a++) {
@@ -352,31 +352,41 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
 }
 
 /* ---- counting ---- */
-SIMD_INLINE uint64_t count_rows(const struct pass *pass, struct local *local, size_t c, bool wall) {
-  struct reference ref;
+SIMD_INLINE uint64_t count_columns(const struct pass *pass, struct local *local,
+                                   const struct reference *ref, size_t n) {
   uint64_t pairs = 0;
-  reference_make(pass, c, wall, &ref);
-  size_t n = gather_columns(pass, local, 0, wall ? pass->wall_fluid : pass->fluid_fluid, c, false,
-                            &ref, 0, NULL, false);
-  if (!wall) n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL, false);
   n = pad_columns(local, n, 0);
   for (int l = 0; l < CLUSTER; l++) {
-    if (!ref.live[l]) continue;
-    vec at[3], radius = vec_set(pass->radius);
-    row_position(pass, &ref, l, at);
+    if (!ref->live[l]) continue;
+    vec at[3], radius = vec_set(2 * pass->radius);
+    row_position(pass, ref, l, at);
     for (size_t k = 0; k < n; k += SIMD_WIDTH)
       pairs += (uint64_t)__builtin_popcount(vec_below(pair_geometry(local, k, at).s, radius));
-    if (!wall) pairs--;
   }
   return pairs;
 }
 static void count(const struct pass *pass, struct local *local, size_t begin, size_t end,
-                  uint64_t *pairs) {
-  for (size_t c = begin; c < end; c++) *pairs += count_rows(pass, local, c, false);
+                  uint64_t *pairs, uint64_t *alone) {
+  for (size_t c = begin; c < end; c++) {
+    struct reference ref;
+    uint64_t self = 0, fluid;
+    reference_make(pass, c, false, &ref);
+    for (int l = 0; l < CLUSTER; l++) self += ref.live[l];
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, false);
+    fluid = count_columns(pass, local, &ref, n) - self;
+    n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, false);
+    *alone += fluid;
+    *pairs += fluid + count_columns(pass, local, &ref, n);
+  }
 }
 static void count_wall(const struct pass *pass, struct local *local, size_t begin, size_t end,
                        uint64_t *pairs) {
-  for (size_t c = begin; c < end; c++) *pairs += count_rows(pass, local, c, true);
+  for (size_t c = begin; c < end; c++) {
+    struct reference ref;
+    reference_make(pass, c, true, &ref);
+    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL, false);
+    *pairs += count_columns(pass, local, &ref, n);
+  }
 }
 
 /* ---- instances ---- */

@@ -7,16 +7,18 @@
 #include "sphsolve/engine/pairs.h"
 #include "sphsolve/engine/simd.h"
 
+/* Lengths in the buffer are in units of 2 h: the square root comes out doubled (simd.h), and so r/h
+ * without a further operation. */
 #define FAR_AWAY 1e6f
-/* Keeps 1/r finite for a particle and itself; in units of h^2. */
-#define TINY 1e-8f
+/* Keeps 1/r finite for a particle and itself. */
+#define TINY 2.5e-9f
 
 enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM };
 
 /* Where a row cluster stands now. */
 struct reference {
   uint32_t centre[3];
-  float half[3]; /* h */
+  float half[3]; /* 2 h */
   uint32_t x[CLUSTER][3];
   bool live[CLUSTER];
 };
@@ -59,6 +61,16 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   reader.end = reader.word + words;
   float *field[LOCAL_FIELDS];
   for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
+  /* What is stored below must not make the compiler load these again. */
+  const uint32_t *const *x_of = (const uint32_t *const *)p->x;
+  const uint32_t *places[3] = {x_of[0], x_of[1], x_of[2]}, *ids = p->id, *sites = p->site;
+  const uint32_t step[3] = {p->frame.step[0], p->frame.step[1], p->frame.step[2]};
+  const uint32_t site_mask[3] = {p->frame.site_mask[0], p->frame.site_mask[1],
+                                 p->frame.site_mask[2]};
+  const uint32_t site_shift[3] = {(uint32_t)p->frame.site_shift[0],
+                                  (uint32_t)p->frame.site_shift[1],
+                                  (uint32_t)p->frame.site_shift[2]};
+  const size_t capacity = local->capacity;
   uvec origin[3];
   vec scale[3], half[3], limit = vec_set(pass->radius * pass->radius), zero = vec_set(0.0f);
   vec depth_unit = vec_set((float)(p->depth_unit / pass->smoothing_length));
@@ -75,7 +87,7 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
         uint32_t offset = bits == 0 ? 0 : image << (32 - bits);
         origin[a] = uvec_set(ref->centre[a] - offset - (wall ? p->frame.step[a] / 2 : 0));
       }
-    if (n + 2 * SIMD_LANES > local->capacity) {
+    if (n + 2 * SIMD_LANES > capacity) {
       local->overflow = true;
       break;
     }
@@ -87,19 +99,17 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
       uint32_t mask = lanes >> k;
       if (SIMD_WIDTH < SIMD_LANES && mask == 0) break;
       if (wall) {
-        uvec site = uvec_load(p->site + slot);
+        uvec site = uvec_load(sites + slot);
         mask &= uvec_differ(site, uvec_set(NO_SITE));
         for (int a = 0; a < 3; a++)
-          x[a] = vec_from((site >> (uint32_t)p->frame.site_shift[a] & p->frame.site_mask[a]) *
-                              p->frame.step[a] -
-                          origin[a]);
+          x[a] = vec_from((site >> site_shift[a] & site_mask[a]) * step[a] - origin[a]);
       } else {
-        mask &= uvec_differ(uvec_load(p->id + slot), uvec_set(NO_PARTICLE));
-        for (int a = 0; a < 3; a++) x[a] = vec_from(uvec_load(p->x[a] + slot) - origin[a]);
+        mask &= uvec_differ(uvec_load(ids + slot), uvec_set(NO_PARTICLE));
+        for (int a = 0; a < 3; a++) x[a] = vec_from(uvec_load(places[a] + slot) - origin[a]);
       }
       for (int a = 0; a < 3; a++) {
         x[a] *= scale[a];
-        vec gap = vec_max(vec_abs(x[a]) - half[a], zero);
+        vec gap = vec_beyond(x[a], half[a]);
         sum += gap * gap;
       }
       mask &= vec_below(sum, limit);
@@ -126,7 +136,7 @@ SIMD_INLINE size_t pad_columns(struct local *local, size_t n, int fields) {
   return full;
 }
 
-/* Offset of column vector k from the row, distance and slope, all in h. */
+/* Offset of column vector k from the row, in 2 h; s = r/h; inverse = 4/s. */
 struct geometry {
   vec x, y, z, s, inverse;
 };
@@ -136,8 +146,7 @@ SIMD_INLINE struct geometry pair_geometry(const struct local *local, size_t k, c
   g.y = vec_load(local->field[LY] + k) - at[1];
   g.z = vec_load(local->field[LZ] + k) - at[2];
   vec square = g.x * g.x + (g.y * g.y + (g.z * g.z + TINY));
-  g.inverse = vec_rsqrt(square);
-  g.s = square * g.inverse;
+  g.s = vec_twice_sqrt(square, &g.inverse);
   return g;
 }
 
@@ -145,11 +154,6 @@ SIMD_INLINE void row_position(const struct pass *pass, const struct reference *r
                               vec at[3]) {
   for (int a = 0; a < 3; a++)
     at[a] = vec_set((float)(int32_t)(ref->x[l][a] - ref->centre[a]) * pass->scale[a]);
-}
-
-/* Sums in `tile`, one line of lanes each, to scalars. */
-SIMD_INLINE void tile_sums(float (*tile)[SIMD_LANES], int n, double *sum) {
-  for (int i = 0; i < n; i++) sum[i] = (double)lanes_sum(tile[i]);
 }
 
 #endif

@@ -124,6 +124,7 @@ static size_t fluid_arrays(struct particles *p, const struct particle_fields *fi
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->shift[a], fields->shift};
   *kept = n;
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v_next[a], true};
+  list[n++] = (struct each){(void **)&p->rate, fields->rate};
   return n;
 }
 
@@ -161,7 +162,7 @@ size_t particles_bytes_wall(const struct particle_fields *fields) {
 
 /* The fields a set of particles has, seen from what is allocated. */
 static struct particle_fields fields_of(const struct particles *p) {
-  return (struct particle_fields){.shift = p->shift[0] != NULL};
+  return (struct particle_fields){.shift = p->shift[0] != NULL, .rate = p->rate != NULL};
 }
 
 static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,

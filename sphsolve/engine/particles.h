@@ -44,6 +44,7 @@ struct particles {
   /* Frozen walls: rho_0 / rho. Else: the pressure p / (rho_0 c^2). */
   float *state;
   float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
+  float *rate;     /* beside sub-voxel walls, from the force pass to the next: see struct pass */
   uint32_t *id;    /* site the particle started from */
   /* What a step makes: the new velocity, and in memory that lies idle (see engine_step) the
    * distance to the wall, m, negated where its field is not smooth, and the new state. Free between
@@ -63,7 +64,7 @@ struct particles {
 
 /* What the effects of a run need; the rest stays NULL. */
 struct particle_fields {
-  bool shift;
+  bool shift, rate;
   bool wall_state, wall_base, wall_depth, wall_v, wall_given;
 };
 
