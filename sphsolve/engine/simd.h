@@ -64,8 +64,11 @@ SIMD_INLINE vec vec_beyond(vec a, vec half) {
   /* The smaller of the two sizes, with the sign of a. */
   return a - (vec)_mm512_range_ps((__m512)a, (__m512)half, 2);
 }
+/* The estimate of AVX2 (AVX-512 has a better one of its own): so that both give the same bits. */
 SIMD_INLINE vec vec_rsqrt_estimate(vec a) {
-  return (vec)_mm512_rsqrt14_ps((__m512)a);
+  __m256 low = _mm256_rsqrt_ps(_mm512_castps512_ps256((__m512)a)),
+         high = _mm256_rsqrt_ps(_mm512_extractf32x8_ps((__m512)a, 1));
+  return (vec)_mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
 SIMD_INLINE uint32_t vec_below(vec a, vec b) {
   return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);

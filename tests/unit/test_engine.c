@@ -177,7 +177,7 @@ static void test_threads_change_no_bit(void **state) {
   }
 }
 
-/* Estimates of 1/sqrt and fused operations differ between instruction sets; nothing else does. */
+/* AVX2 and AVX-512 give the same bits; the baseline has no fused operations. */
 static void test_instruction_sets_agree(void **state) {
   (void)state;
   static float v[2][SITES][3];
@@ -191,6 +191,11 @@ static void test_instruction_sets_agree(void **state) {
     for (int n = 0; n < 2; n++) {
       if (strcmp(widest->name, "baseline") == 0 && n == 0) continue;
       march(walls[w], 1, names[n], 20, SIDE, v[1], x[1]);
+      if (n == 0) {
+        assert_memory_equal(v[0], v[1], sizeof v[0]);
+        assert_memory_equal(x[0], x[1], sizeof x[0]);
+        continue;
+      }
       double square = 0, differ = 0;
       for (size_t i = 0; i < SITES; i++)
         for (int a = 0; a < 3; a++) {
