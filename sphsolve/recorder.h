@@ -98,7 +98,7 @@ void recorder_add_time(struct recorder *recorder, const char *name, double secon
 /* A fact for /run as an attribute ("residual", "iterations", ...). Overwrites. */
 void recorder_set_fact(struct recorder *recorder, const char *name, double value);
 
-/* What the ranks sent each other, as facts; nothing in a build without MPI. */
+/* What the ranks have sent each other so far, as facts; nothing in a build without MPI. */
 void recorder_count_traffic(struct recorder *recorder);
 
 /* Completes the ledger from the history and writes the whole PREFIX.hdf (atomically). */

@@ -186,7 +186,6 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   hashes[1] = recorder->lattice->model_hash;
   TRY(account(recorder, &result->ledger));
   snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
-  recorder_count_traffic(recorder);
   TRY(h5_create(path, &file));
   TRY(write_history(recorder, file));
   TRY(write_run(recorder, result, file));

@@ -249,6 +249,7 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
   recorder_set_fact(recorder, "divergence", s.divergence);
   recorder_set_fact(recorder, "iterations", (double)s.iterations);
   recorder_set_fact(recorder, "sites_solved", (double)s.grid.active_all);
+  recorder_count_traffic(recorder);
   if (RANKS)
     recorder_set_fact(recorder, "imbalance", s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
   stokes_krylov_free(&s.krylov); /* room for the snapshot */

@@ -211,6 +211,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   add_force_times(run, s[PHASE_FORCE]);
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
+  recorder_count_traffic(run->recorder);
   if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
   recorder_set_fact(run->recorder, "method_peak_bytes", (double)memory_peak());
