@@ -1,7 +1,7 @@
 # Tosui: one Makefile, no recursion but for the set-up.
 #   make demo    install what is missing, build, and go from CT slices to k with plots
 #   make check   install what is missing, build, and run all fast tests
-#   make         build the three programs into build/bin
+#   make         build the three programs into build/bin; MPI=1: sphsolve-mpi too
 BUILD ?= build
 PREFIX ?= /usr/local
 MPI ?= 0
@@ -49,17 +49,24 @@ NEEDS_NOTHING = clean format deps dist uninstall package
 INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
--include $(BUILD)/config.mk
+-include $(BUILD)/config.mk $(if $(filter 1,$(MPI)),$(BUILD)/config-mpi.mk)
 endif
 $(BUILD)/config.mk: Makefile scripts/install-deps
-	$(Q)scripts/install-deps $(if $(INSTALLS),,--check) $(if $(filter 1,$(MPI)),--mpi)
+	$(Q)scripts/install-deps $(if $(INSTALLS),,--check)
 	$(Q)mkdir -p $(@D)
 	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" "$$(pkg-config --libs $(PACKAGES))" > $@
+# sphsolve-mpi takes parallel HDF5 instead; the headers of libraries are not ours to be warned about.
+MPI_PACKAGES = hdf5-openmpi ompi-c $(filter-out hdf5-serial,$(PACKAGES))
+$(BUILD)/config-mpi.mk: Makefile scripts/install-deps
+	$(Q)scripts/install-deps $(if $(INSTALLS),,--check) --mpi
+	$(Q)mkdir -p $(@D)
+	$(Q)printf 'MPI_CFLAGS = %s\nMPI_LIBS = %s -lm -lz -lpthread\n' \
+	  "$$(pkg-config --cflags $(MPI_PACKAGES) | sed 's/-I/-isystem /g')" "$$(pkg-config --libs $(MPI_PACKAGES))" > $@
 deps:
 	scripts/install-deps $(if $(filter 1,$(MPI)),--mpi)
 
 # ---- a changed flag rebuilds what it concerns ----
-FLAGS_NOW = $(CC) $(CXX) $(CFLAGS_ALL) $(CXXFLAGS_ALL) $(LDFLAGS_ALL) $(DEP_LIBS) MPI=$(MPI)
+FLAGS_NOW = $(CC) $(CXX) $(CFLAGS_ALL) $(CXXFLAGS_ALL) $(LDFLAGS_ALL) $(DEP_LIBS)
 $(BUILD)/flags: FORCE
 	@mkdir -p $(@D); echo '$(FLAGS_NOW)' | cmp -s - $@ || echo '$(FLAGS_NOW)' > $@
 FORCE:
@@ -87,10 +94,6 @@ endef
 $(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
 
 # ---- MPI=1: sphsolve once more, from the same source, beside the other ----
-# The headers of libraries are not ours to be warned about.
-MPI_PACKAGES = hdf5-openmpi ompi-c $(filter-out hdf5-serial,$(PACKAGES))
-MPI_CFLAGS = $(patsubst -I/%,-isystem /%,$(shell pkg-config --cflags $(MPI_PACKAGES)))
-MPI_LIBS = $(shell pkg-config --libs $(MPI_PACKAGES)) -lm -lz -lpthread
 mpi_object = $(patsubst %,$(BUILD)/obj-mpi/%.o,$(1))
 MPI_LIBRARY = $(BUILD)/lib/libsphsolve-mpi.a
 $(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/flags
@@ -223,10 +226,10 @@ $(BUILD)/man/%.1: $(BUILD)/bin/%
 COMPLETIONS = $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 install: all $(MAN)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(COMPLETIONS)
-	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(DESTDIR)$(PREFIX)/bin
+	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sphsolve-mpi) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(MAN) $(DESTDIR)$(PREFIX)/share/man/man1
 	for p in $(PROGRAMS); do install -m 644 scripts/tosui-completion.bash $(COMPLETIONS)/$$p; done
 uninstall:
-	rm -f $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
+	rm -f $(DESTDIR)$(PREFIX)/bin/sphsolve-mpi $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
 dist:
 	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD
