@@ -358,7 +358,7 @@ enum status config_choice(struct config *config, config_node *group, const char 
   bool found;
   enum status status = config_string(config, group, name, &text, &found);
   if (given != NULL) *given = found;
-  if (status != STATUS_OK || !found) return status;
+  if (status != STATUS_OK || text == NULL) return status;
   char list[256] = "";
   for (int i = 0; choices[i]; i++) {
     if (!strcmp(choices[i], text)) {

@@ -29,8 +29,8 @@ static double fit_power(const double *h, const double *f, size_t n, double p, do
 static double best_order(const double *h, const double *f, size_t n) {
   const double step = 0.05, golden = 0.6180339887498949;
   double value, slope, best = step, least = INFINITY;
-  for (double p = step; p <= 10.0; p += step) {
-    double left = fit_power(h, f, n, p, &value, &slope);
+  for (int i = 1; i <= 200; i++) {
+    double p = i * step, left = fit_power(h, f, n, p, &value, &slope);
     if (left < least) {
       least = left;
       best = p;

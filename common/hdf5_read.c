@@ -140,8 +140,8 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
 enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
                           size_t rows, size_t first, size_t *dims, void *data) {
   enum status status = STATUS_OK;
-  size_t shape[H5S_MAX_RANK];
-  int found;
+  size_t shape[H5S_MAX_RANK] = {0};
+  int found = 0;
   TRY(h5_shape(file, name, rank, &found, shape));
   if (found != rank || shape[0] != rows)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, not %zu", file->path, name,
@@ -262,8 +262,8 @@ cleanup:
 }
 
 enum status h5_read_text(struct h5_file *file, const char *name, char **text) {
-  char **texts;
-  size_t count;
+  char **texts = NULL;
+  size_t count = 0;
   enum status status = h5_read_texts(file, name, &count, &texts);
   if (status != STATUS_OK) return status;
   if (count != 1) {

@@ -90,7 +90,7 @@ enum status memory_resize(void *pointer, size_t count, size_t size, const char *
 
 enum status memory_copy_text(const char *text, size_t length, char **copy) {
   enum status status = memory_allocate(copy, length + 1, 1, "a text");
-  if (status == STATUS_OK) memcpy(*copy, text, length);
+  if (status == STATUS_OK && *copy != NULL) memcpy(*copy, text, length);
   return status;
 }
 

@@ -56,7 +56,7 @@ static double surrounding_grey(const struct blocks *blocks, double *middle) {
 static void clear_outside(const struct blocks *blocks, double outside, double middle,
                           bool *inside) {
   size_t n = blocks->n;
-  bool like[BLOCKS * BLOCKS], reached[BLOCKS * BLOCKS], grows = true;
+  bool like[BLOCKS * BLOCKS] = {false}, reached[BLOCKS * BLOCKS] = {false}, grows = true;
   for (size_t b = 0; b < n * n; b++) {
     like[b] = fabs(blocks->mean[b] - outside) < 0.6 * fabs(middle - outside);
     size_t x = b % n, y = b / n;

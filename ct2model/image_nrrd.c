@@ -78,15 +78,12 @@ static void read_spacing(struct image *image, const char *value, const char *uni
 static enum status nrrd_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char line[1024], spacing[256] = "", units[128] = "";
-  bool typed = false, sized = false, ended = false, compressed = false;
+  bool typed = false, sized = false, compressed = false;
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  for (int number = 1; !ended && fgets(line, sizeof line, file) != NULL; number++) {
+  for (int number = 1; fgets(line, sizeof line, file) != NULL; number++) {
     line[strcspn(line, "\r\n")] = '\0';
-    if (line[0] == '\0') {
-      ended = true;
-      break;
-    }
+    if (line[0] == '\0') break;
     char *value = strstr(line, ": ");
     if (line[0] == '#' || value == NULL) continue;
     *value = '\0';

@@ -334,12 +334,12 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
   if (!decoder->stored) TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
   for (size_t y0 = 0; y0 < height; y0 += rows) {
     size_t n = height - y0 < rows ? height - y0 : rows;
-    unsigned char *to = decoder->stored ? (unsigned char *)out + y0 * row : buffer;
+    unsigned char *to = buffer == NULL ? (unsigned char *)out + y0 * row : buffer;
     tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), to, (tmsize_t)(n * row));
     if (got < (tmsize_t)(n * row))
       TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s" EXPORT_AGAIN, image->path,
                y0, y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
-    for (size_t y = 0; y < n && !decoder->stored; y++)
+    for (size_t y = 0; y < n && buffer != NULL; y++)
       TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out));
   }
 cleanup:

@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#include "common/variants.h"
+
 
 static const struct {
   size_t size;

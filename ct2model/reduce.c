@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#include "common/variants.h"
+
 enum { LANES = RESAMPLE_LANES };
 
 /* Rows are summed while they are in the nearest cache: each input row goes into the few output rows
@@ -59,13 +60,14 @@ void reduce_slice(const struct pixel_rows *rows, const struct resample_axis *x,
     pixel_rows_read(rows, at, n, row);
     for (size_t i = done; i < y->out && y->first[i] <= at; i++) {
       const float weight = y->weight[i * y->taps + at - y->first[i]];
-      float *sum = sums + i % open * pitch;
+      float *sum = sums + i % open * pitch; // NOLINT: one row at least is open
       if (at == y->first[i])
         start_row(sum, row, weight, n);
       else
         add_row(sum, row, weight, n);
     }
     for (; done < y->out && y->first[done] + y->count[done] == at + 1; done++)
+      // NOLINTNEXTLINE: one row at least is open
       weigh_columns(sums + done % open * pitch, x, out + done * x->out);
   }
 }

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 
-#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 enum { WORD = 64, SIDE = 4, TABLE = 256 };
 
 /* One phase of the slab as bits. A cube of SIDE^3 voxels is no speck, nor is what hangs together

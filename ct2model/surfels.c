@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 
-#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 enum { BLOCK = 4 };
 static const double DISC_RADIUS = 0.71; /* half the diagonal of a cell's face */
 

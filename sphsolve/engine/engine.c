@@ -85,7 +85,7 @@ static enum status wall_base_sum(struct engine *engine) {
         for (int i = -reach[0]; i <= reach[0]; i++, next++) {
           if (*next == 0) continue;
           const int offset[3] = {i, j, k};
-          size_t at[3];
+          size_t at[3] = {0};
           for (int a = 0; a < 3; a++) {
             long n = (long)lattice->size[a];
             long own = (long)frame_wall_index(&p->frame, a, p->site[w]);
@@ -113,7 +113,7 @@ static void set_velocities(struct engine *engine) {
   float **to = p->wall_given[0] != NULL ? p->wall_given : p->wall_v;
   for (size_t w = 0; w < particles_wall_slots(p) && s->wall_moves; w++) {
     if (p->site[w] == NO_SITE) continue;
-    size_t at[3];
+    size_t at[3] = {0};
     for (int a = 0; a < 3; a++) at[a] = frame_wall_index(&p->frame, a, p->site[w]);
     size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
     size_t region = lattice->region[site];

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 
 /* Integers and comparisons of unfused floats: every variant gives the same lists. */
-#define TARGETS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 
 struct found {
   uint64_t *key, *sorted;           /* image << 32 | cluster */
