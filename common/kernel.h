@@ -4,11 +4,13 @@
  *     W = alpha [ (3-s)^5 - 6 (2-s)^5 + 15 (1-s)^5 ],  each term only while positive
  *     alpha = 1/(120 h), 7/(478 pi h^2), 1/(120 pi h^3)
  *   cubic (Monaghan, Lattanzio 1985), support 2h:
- *     W = alpha [ (2-s)^3 - 4 (1-s)^3 ] / 4,  alpha = 2/(3 h), 10/(7 pi h^2), 1/(pi h^3) */
+ *     W = alpha [ (2-s)^3 - 4 (1-s)^3 ] / 4,  alpha = 2/(3 h), 10/(7 pi h^2), 1/(pi h^3)
+ *   wendland (Wendland 1995, C2; Dehnen, Aly 2012), support 2h, 2 and 3 dimensions:
+ *     W = alpha (1 - s/2)^4 (1 + 2 s),  alpha = 7/(4 pi h^2), 21/(16 pi h^3) */
 #ifndef TOSUI_COMMON_KERNEL_H
 #define TOSUI_COMMON_KERNEL_H
 
-enum kernel { KERNEL_QUINTIC, KERNEL_CUBIC };
+enum kernel { KERNEL_QUINTIC, KERNEL_CUBIC, KERNEL_WENDLAND };
 
 /* Support radius over smoothing length: 3 or 2. */
 double kernel_support_ratio(enum kernel kernel);

@@ -107,6 +107,7 @@ struct scene {
     enum wall_scheme wall;
   } wcsph;
   struct {
+    enum kernel kernel;
     double support; /* m; NAN: auto */
     enum wall_scheme wall;
     double tolerance; /* relative residual */

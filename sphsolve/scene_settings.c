@@ -10,6 +10,7 @@
 static const char *const wall_names[] = {"frozen", "adami", "subvoxel", NULL};
 static const char *const eos_names[] = {"gauge", "absolute", NULL};
 static const char *const kernel_names[] = {"quintic", "cubic", NULL};
+static const char *const stokes_kernel_names[] = {"quintic", "cubic", "wendland", NULL};
 static const char *const form_names[] = {"akbari", "m15", NULL};
 static const char *const switch_names[] = {"auto", "on", "off", NULL};
 static const char *const porosity_names[] = {"clamp", "m15", NULL};
@@ -35,6 +36,9 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   group = config_child(config, root, "stokes");
   wall = WALL_SUBVOXEL;
   scene->stokes.tolerance = 1e-6;
+  kernel = KERNEL_QUINTIC;
+  TRY(config_choice(config, group, "kernel", stokes_kernel_names, &kernel, NULL));
+  scene->stokes.kernel = (enum kernel)kernel;
   TRY(scene_positive(config, group, "support", DIM_LENGTH, &scene->stokes.support));
   TRY(config_choice(config, group, "wall", wall_names, &wall, NULL));
   TRY(config_number(config, group, "tolerance", &scene->stokes.tolerance, NULL));

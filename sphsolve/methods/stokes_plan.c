@@ -43,7 +43,8 @@ enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   const double support = context->scene->stokes.support;
   context->support = isnan(support) ? 2.9 * context->spacing : support;
-  context->smoothing_length = context->support / 3.0;
+  context->smoothing_length =
+      context->support / kernel_support_ratio(context->scene->stokes.kernel);
   for (int a = 0; a < 3; a++) {
     const double spacings = context->support / context->lattice->spacing[a];
     if (context->lattice->dimensions == 2 && a == 1) continue;

@@ -111,7 +111,8 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   if (lattice->fluid_count == lattice->count)
     TRY_FAIL(STATUS_INPUT, "scene: no wall holds the fluid back, so a steady flow does not exist; "
                            "add a wall, or choose method wcsph and an end_time");
-  TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing, support, &s->stencil));
+  TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing,
+                           scene ? scene->stokes.kernel : KERNEL_QUINTIC, support, &s->stencil));
   TRY(set_units(s, scene, nu, driving));
   TRY(stokes_grid_build(lattice, driving, s->walls_move, &s->grid));
   int reach = 0;

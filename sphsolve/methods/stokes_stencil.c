@@ -82,8 +82,8 @@ static void build_convolution(const struct stokes_stencil *s, int axis,
   }
 }
 
-enum status stokes_stencil_build(int dimensions, const double spacing[3], double support,
-                                 struct stokes_stencil *s) {
+enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
+                                 double support, struct stokes_stencil *s) {
   memset(s, 0, sizeof *s);
   s->axis_count = dimensions;
   s->axes[0] = 0, s->axes[1] = dimensions == 2 ? 2 : 1, s->axes[2] = 2;
@@ -100,7 +100,7 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], double
                   support, support / spacing[x], "xyz"[x], STOKES_REACH);
     reach[x] = (int)(support / spacing[x]);
   }
-  const double radius = support / s->unit, h = radius / kernel_support_ratio(KERNEL_QUINTIC);
+  const double radius = support / s->unit, h = radius / kernel_support_ratio(kernel);
   s->smoothing_length = h;
   for (int k = -reach[2]; k <= reach[2]; k++)
     for (int j = -reach[1]; j <= reach[1]; j++)
@@ -109,10 +109,10 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], double
         const double r = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         if (r == 0.0 || r >= radius) continue;
         struct stokes_offset *offset = &s->offsets[s->offset_count++];
-        const double dw = kernel_dw(KERNEL_QUINTIC, dimensions, r, h);
+        const double dw = kernel_dw(kernel, dimensions, r, h);
         offset->step[0] = i, offset->step[1] = j, offset->step[2] = k;
         offset->r = r;
-        offset->weight = kernel_w(KERNEL_QUINTIC, dimensions, r, h);
+        offset->weight = kernel_w(kernel, dimensions, r, h);
         offset->viscous = stokes_viscosity_pair(r, dw);
         for (int a = 0; a < 3; a++) offset->gradient[a] = stokes_pressure_pair(r, dw) * x[a];
       }

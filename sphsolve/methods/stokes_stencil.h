@@ -28,9 +28,9 @@ struct stokes_stencil {
   struct stokes_convolution gradient[3]; /* sum_b g_ab u_b, by axis */
 };
 
-/* Builds the stencil of the quintic kernel with that support (m). A support of more than
+/* Builds the stencil of a kernel with that support (m). A support of more than
  * STOKES_REACH sites along an axis is an input error. */
-enum status stokes_stencil_build(int dimensions, const double spacing[3], double support,
-                                 struct stokes_stencil *stencil);
+enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
+                                 double support, struct stokes_stencil *stencil);
 
 #endif

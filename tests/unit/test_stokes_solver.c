@@ -247,7 +247,7 @@ static void test_row_loops(void **state) {
   static struct stokes_stencil stencil;
   static float field[25][64] __attribute__((aligned(64)));
   static float scratch[2048] __attribute__((aligned(64))), out[64] __attribute__((aligned(64)));
-  assert_int_equal(stokes_stencil_build(3, spacing, 2.7, &stencil), STATUS_OK);
+  assert_int_equal(stokes_stencil_build(3, spacing, KERNEL_QUINTIC, 2.7, &stencil), STATUS_OK);
   const struct stokes_convolution *all[] = {&stencil.laplace, &stencil.gradient[0],
                                             &stencil.gradient[1], &stencil.gradient[2]};
   assert_true(stokes_rows_scratch(64) <= sizeof scratch / sizeof *scratch);
