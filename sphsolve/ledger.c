@@ -32,8 +32,13 @@ double ledger_mass_open(const struct ledger *l) {
 
 enum status ledger_write(const struct ledger *l, struct h5_file *file) {
   enum status status = STATUS_OK;
-  if (!l->known) return STATUS_OK;
   const char *group = "/run/ledger";
+  if (l->steady) {
+    TRY(h5_make_group(file, group));
+    TRY(h5_write_attribute(file, group, "flux_open", H5_F64, 1, &l->flux_open));
+    TRY(h5_write_attribute(file, group, "force_open", H5_F64, 1, &l->force_open));
+  }
+  if (!l->known) return STATUS_OK;
   const struct {
     const char *name;
     uint64_t value;
@@ -83,6 +88,10 @@ cleanup:
 }
 
 void ledger_print(const struct ledger *l) {
+  if (l->steady)
+    printf("ledger     flux: the same through all planes across the flow to %.2g %%\n"
+           "           force: walls and pressure balance what drives the flow to %.2g\n",
+           100 * l->flux_open, l->force_open);
   if (!l->known) return;
   int64_t open = ledger_particles_open(l);
   double mass_open = ledger_mass_open(l);

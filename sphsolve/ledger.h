@@ -12,9 +12,12 @@
 
 #define LEDGER_LOSSES 256 /* kept one by one; all are counted */
 
-/* Filled by a method; mass in kg. `known` is false where particles do not move (stokes). */
+/* Filled by a method; mass in kg. `known` is false where particles do not move (stokes); `steady`
+ * is true there, and the balance is that of a flow that does not change. */
 struct ledger {
-  bool known;
+  bool known, steady;
+  double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
+  double force_open; /* steady: what walls and pressure leave of the driving force, relative */
   uint64_t start, entered, left, lost, end;  /* particles */
   double entered_mass, left_mass, lost_mass; /* kg */
   /* Each of the first losses: particle, time (s), x, y, z (m), mass (kg). */

@@ -181,6 +181,50 @@ cleanup:
   return status;
 }
 
+/* What the solution itself says, apart from the solver's own measures: whether the flux through
+ * each plane across the force is the same (plain sums over its sites, without the shares of walls
+ * within a site), and the sum of all that acts on the water. */
+static enum status balance(const struct stokes_solver *s, struct ledger *ledger) {
+  enum status status = STATUS_OK;
+  const struct stokes_grid *grid = &s->grid;
+  const size_t n = grid->active, first[3] = {0, grid->size[0], grid->size[0] + grid->size[1]};
+  const size_t planes = first[2] + grid->size[2];
+  double *flux = NULL, sums[3] = {0}, open = 0, driving = 0;
+  int main_axis = 0;
+  TRY(memory_allocate(&flux, planes, sizeof *flux, "the ledger"));
+  for (int c = 0; c < s->stencil.axis_count; c++) {
+    const int a = s->stencil.axes[c];
+    const double *u = s->x + (size_t)c * n;
+    if (fabs(s->force[a]) > fabs(s->force[main_axis])) main_axis = a;
+    for (size_t row = stokes_grid_begin(grid), p = 0; row < stokes_grid_end(grid); row++)
+      for (size_t i = 0; i < grid->size[0]; i++) {
+        if (!stokes_grid_is_active(grid, row, i)) continue;
+        const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
+        flux[first[a] + at[a]] += u[p++];
+      }
+    for (size_t i = 0; i < n; i++) sums[a] += (double)s->residual[(size_t)c * n + i];
+  }
+  ranks_sum_all(flux, planes);
+  ranks_sum_all(sums, 3);
+  const size_t count = grid->size[main_axis];
+  double mean = 0, square = 0;
+  for (size_t i = 0; i < count; i++) mean += flux[first[main_axis] + i] / (double)count;
+  for (size_t i = 0; i < count; i++) {
+    const double off = flux[first[main_axis] + i] / mean - 1;
+    square += off * off / (double)count;
+  }
+  for (int a = 0; a < 3; a++) {
+    open = hypot(open, sums[a]);
+    driving = hypot(driving, s->force[a] * (double)grid->active_all);
+  }
+  ledger->steady = true;
+  ledger->flux_open = sqrt(square);
+  ledger->force_open = open / driving;
+cleanup:
+  memory_free(&flux);
+  return status;
+}
+
 enum status stokes_run(const struct scene *scene, const struct plan *plan,
                        const struct lattice *lattice, struct recorder *recorder,
                        struct run_result *result) {
@@ -231,6 +275,10 @@ enum status stokes_run(const struct scene *scene, const struct plan *plan,
                "%s: no progress after %ld iterations at a residual of %.1e; stokes.tolerance = "
                "%.1g accepts it",
                scene->path, s.iterations, s.residual_now, 2.0 * s.residual_now);
+  }
+  if (s.grid.active_all > 0 && !s.walls_move) {
+    enum status told = balance(&s, &result->ledger);
+    if (status == STATUS_OK) TRY(told);
   }
   result_from_darcy(scene, darcy, result);
   /* The last round shrank what was wrong by far more than half, so its step bounds what is left. */

@@ -38,6 +38,16 @@ END
   run --separate-stderr sphsolve run flow.cfg -o flow --quiet
   [ "$status" -eq 0 ] && [[ "$output" == *"ledger     particles: 400 + "* ]] && [[ "$output" != *unaccounted* ]]
   sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.end_time='1 ms' -o pore --quiet > /dev/null
+  cat > slit.cfg << 'END'
+scene = { method = "stokes"; };
+domain = { size = ["6 cm", "6 cm"]; spacing = "1 cm"; periodic = [true, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "6 cm", "6 cm"]; } );
+force = { body_acceleration = ["1 mm/s^2", "0"]; };
+END
+  run --separate-stderr sphsolve run slit.cfg -o slit --quiet
+  [ "$status" -eq 0 ] && [[ "$output" == *"ledger     flux: the same through all planes"* ]]
+  sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o creep --quiet > /dev/null
   python - << 'END'
 import h5py
 for name in "flow", "pore":
@@ -47,6 +57,10 @@ for name in "flow", "pore":
     assert abs(l["mass_open"]) <= 1e-12 * l["mass_start"], l["mass_open"]
     assert all(k in l for k in ("momentum_start", "momentum_end", "impulse_of_force", "work_of_force", "energy_taken"))
 assert h5py.File("flow.hdf")["run/ledger"].attrs["particles_left"] > 0
+# A straight slit passes the same through each plane; a sand of few sites nearly so.
+for name, flux, force in ("slit", 1e-6, 1e-6), ("creep", 0.1, 1e-6):
+    l = h5py.File(name + ".hdf")["run/ledger"].attrs
+    assert 0 <= l["flux_open"] < flux and 0 <= l["force_open"] < force, (name, l["flux_open"], l["force_open"])
 END
 }
 
