@@ -54,10 +54,14 @@ void explain_print(const struct plan *plan) {
   }
   format_fields(plan->fields, text, sizeof text);
   printf("\nfields     %s\n", text);
-  printf("memory     %.1f MB: %.0f bytes per fluid site, %.0f per wall site\n",
-         plan->bytes_total / 1e6, plan->bytes_fluid, plan->bytes_wall);
+  printf("memory     %.1f MB at most: the method %.1f MB, %.0f bytes per fluid site, %.0f per wall "
+         "site\n",
+         plan->bytes_total / 1e6, plan->bytes_method / 1e6, plan->bytes_fluid, plan->bytes_wall);
   if (plan->bytes_copy > 0)
-    printf("           %.1f MB more while a state to go back to is kept\n", plan->bytes_copy / 1e6);
+    printf("           %.1f MB beside it while a state to go back to is kept\n",
+           plan->bytes_copy / 1e6);
+  if (plan->bytes_split > 0)
+    printf("           %.1f MB after it to split the error of k\n", plan->bytes_split / 1e6);
   if (plan->dt > 0) {
     quantity_format(plan->dt, "s", text, sizeof text);
     quantity_format(plan->dt_limit, "s", more, sizeof more);
@@ -103,8 +107,8 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
   }
   format_fields(plan->fields, fields, sizeof fields);
   json_t *object = json_pack(
-      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:o, s:o, "
-      "s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:f, s:f, "
+      "s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
       "scene", context->scene->name, "method", method_names[context->method], "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
@@ -112,12 +116,13 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
       "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
       "sound_speed_reason", context->sound_why, "effects", effects, "fields", fields,
       "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
-      "memory_bytes", plan->bytes_total, "dt", number_or_null(plan->dt), "dt_limit",
-      number_or_null(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
-      number_or_null(plan->steps), "seconds", number_or_null(plan->seconds), "expected_error",
-      number_or_null(plan->expected.error), "expected_error_least",
-      number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
-      plan_pores_json(plan));
+      "memory_bytes", plan->bytes_total, "memory_method_bytes", plan->bytes_method,
+      "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split, "dt",
+      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
+      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
+      number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),
+      "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
+      plan->expected.why, "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));

@@ -215,7 +215,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
     }
   }
   TRY(plans[method](plan, threads));
-  plan->bytes_total += PROGRAM_BYTES;
+  plan->bytes_total = PROGRAM_BYTES + fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split);
   plan->seconds += PROGRAM_SECONDS;
 cleanup:
   return status;

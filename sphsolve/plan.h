@@ -54,9 +54,11 @@ struct plan {
   const char *dt_limited_by;
   const char *dt_by;              /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
-  double bytes_total;             /* with what the program itself takes */
+  double bytes_total;             /* at most, at any time, with what the program itself takes */
+  /* The method's own; what a state to go back to takes beside it while one is kept; and, when the
+   * method has given back all it held, what splits the error of k. */
+  double bytes_method, bytes_copy, bytes_split;
   struct pore_shape shape;
-  double bytes_copy;           /* more, while a run keeps a state to go back to */
   double steps, seconds;       /* predicted */
   struct expectation expected; /* error of the headline number */
   char method_why[EFFECT_WHY];

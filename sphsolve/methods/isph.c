@@ -93,7 +93,7 @@ enum status isph_plan(struct plan *plan, int threads) {
   if (!isnan(plan->dt)) guess = plan->dt;
   plan->bytes_fluid = 420 + 1.3 * neighbours * 12;
   plan->bytes_wall = 0;
-  plan->bytes_total = n * plan->bytes_fluid;
+  plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
   plan->steps = isfinite(scene->end_time) ? ceil(scene->end_time / guess) : NAN;
   plan->seconds = plan->steps * n * SECONDS_PER_STEP / fmin(threads, 8);

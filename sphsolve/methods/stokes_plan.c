@@ -61,9 +61,9 @@ enum status stokes_plan(struct plan *plan, int threads) {
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
   plan->dt = 0.0;
   if (l->wall_count == 0) return STATUS_OK; /* the run says what is wrong */
-  plan->bytes_total = fluid > 0.0 ? stokes_solver_bytes(sites, fluid) : 5.0 * sites;
+  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid) : 5.0 * sites;
   plan->bytes_wall = 31.0;
-  plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_total - 31.0 * (sites - fluid)) / fluid : 31.0;
+  plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_method - 31.0 * (sites - fluid)) / fluid : 31.0;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;
   plan->steps = round(iterations(&plan->shape, sites, l->dimensions, 1.0, wall));
   plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, wall) +

@@ -186,7 +186,7 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
   struct particle_fields fields = engine_fields(&settings);
   plan->bytes_copy = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
-  plan->bytes_total = plan->bytes_fluid * (double)lattice->fluid_count +
+  plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +
                       plan->bytes_wall * (double)lattice->wall_count +
                       threads * engine_bytes_thread(lattice, context->support);
 
@@ -203,8 +203,7 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   const double split = error_split_seconds(scene, plan);
   plan->seconds += split / threads;
   if (split > 0)
-    plan->bytes_total = fmax(plan->bytes_total, stokes_solver_bytes((double)lattice->count,
-                                                                    (double)lattice->fluid_count));
+    plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
   plan->expected = expect_error(&plan->shape, METHOD_WCSPH, scene->wcsph.wall, 1);
   return STATUS_OK;
 }

@@ -47,8 +47,13 @@ static void test_full_scan_fits(void **state) {
   lattice.wall_count = lattice.count - lattice.fluid_count;
   struct plan plan;
   assert_int_equal(plan_make(&scene, &lattice, METHOD_WCSPH, "test", 2, &plan), STATUS_OK);
-  print_message("%zu sites: %.2f GB, %.1f and %.1f bytes a site\n", lattice.count,
-                1e-9 * plan.bytes_total, plan.bytes_fluid, plan.bytes_wall);
+  print_message(
+      "%zu sites: %.2f GB: %.2f GB with a copy, then %.2f GB; %.1f and %.1f bytes a site\n",
+      lattice.count, 1e-9 * plan.bytes_total, 1e-9 * (plan.bytes_method + plan.bytes_copy),
+      1e-9 * plan.bytes_split, plan.bytes_fluid, plan.bytes_wall);
+  assert_true(plan.bytes_copy > 0 && plan.bytes_split > 0);
+  assert_true(plan.bytes_total >= plan.bytes_method + plan.bytes_copy);
+  assert_true(plan.bytes_total >= plan.bytes_split);
   assert_true(plan.bytes_fluid <= 100 && plan.bytes_wall <= 16);
   assert_true(plan.bytes_total >= 5.0 * (double)lattice.count && plan.bytes_total < 20e9);
   free(lattice.kind);
