@@ -59,6 +59,8 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   TRY(h5_write_texts(file, "/run/effects/model", plan->effect_count, models));
   TRY(h5_write_texts(file, "/run/effects/citation", plan->effect_count, citations));
   TRY(h5_write(file, "/run/timing/share", H5_F64, 1, &plan->effect_count, shares, false));
+  TRY(h5_write_attribute_text(file, "/run/timing/share", "measured",
+                              "passes by the clock, the terms of one loop by counted operations"));
   TRY(h5_soft_link(file, "/run/timing/share", "/run/effects/share"));
   const char *passes[NAMED_MAX];
   double seconds[NAMED_MAX];

@@ -160,21 +160,27 @@ cleanup:
   return status;
 }
 
-/* The terms of the force share one loop: its time goes to them by their vector operations. That of
- * the offset, distance and slope, which each would need alone, is the pressure's. */
+/* The terms of the force share one loop: its time goes to them by their vector operations and the
+ * pairs that have them. That of the offset, distance and slope, which each would need alone, is the
+ * pressure's; pairs with sub-voxel walls are the wall's. */
 static void add_force_times(const struct wcsph_run *run, double seconds) {
-  const struct engine_settings *s = &run->state.engine.settings;
+  const struct engine *engine = &run->state.engine;
+  const struct engine_settings *s = &engine->settings;
+  const bool subvoxel = s->wall == PASS_SUBVOXEL && engine->pairs_fluid > 0;
+  const double fluid = subvoxel ? (double)engine->pairs_alone / (double)engine->pairs_fluid : 1;
   const struct {
     const char *name;
     bool on;
     double operations;
-  } terms[] = {{"pressure_symmetric", s->wall == PASS_FROZEN, 32},
-               {"pressure_difference", s->wall != PASS_FROZEN, 32},
-               {"viscosity_morris", s->viscosity, 6},
-               {"shifting", s->shift, 10}};
+  } terms[] = {{"pressure_symmetric", s->wall == PASS_FROZEN, 29},
+               {"pressure_difference", s->wall != PASS_FROZEN, 29 * fluid},
+               {"viscosity_morris", s->viscosity, 6 * fluid},
+               {"shifting", s->shift, 7 * fluid},
+               {"wall_subvoxel", subvoxel, 42 * (1 - fluid)}};
+  const int count = sizeof terms / sizeof *terms;
   double all = 0;
-  for (int i = 0; i < 4; i++) all += terms[i].on ? terms[i].operations : 0;
-  for (int i = 0; i < 4; i++)
+  for (int i = 0; i < count; i++) all += terms[i].on ? terms[i].operations : 0;
+  for (int i = 0; i < count; i++)
     if (terms[i].on)
       recorder_add_time(run->recorder, terms[i].name, seconds * terms[i].operations / all);
 }

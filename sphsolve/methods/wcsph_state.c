@@ -175,7 +175,11 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   struct particles p = state->engine.particles; /* pointers only */
   struct stored list[16];
   size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
-  TRY(memory_resize(&copy->arrays, n * slots, sizeof *copy->arrays, "a state to go back to"));
+  if (copy->clusters != p.clusters) { /* never two at a time */
+    memory_free(&copy->arrays);
+    copy->clusters = 0;
+    TRY(memory_allocate(&copy->arrays, n * slots, sizeof *copy->arrays, "a state to go back to"));
+  }
   for (size_t i = 0; i < n; i++)
     memcpy(copy->arrays + i * slots, *list[i].array, slots * sizeof *copy->arrays);
   copy->clusters = p.clusters;
@@ -245,7 +249,8 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       (double)state->step_from,
                       (double)state->sample_from,
                       state->dog.halvings,
-                      state->dog.trip_time};
+                      state->dog.trip_time,
+                      (double)engine->pairs_alone};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   count = 1;
@@ -283,7 +288,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   }
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
-  if (count != 14 || dims[0] != 1)
+  if (count != 15 || dims[0] != 1)
     TRY_FAIL(STATUS_INPUT, "%s: /state/numbers is not of this version", h5_path(file));
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
@@ -303,6 +308,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   state->sample_from = (int64_t)numbers[11];
   state->dog.halvings = (int)numbers[12];
   state->dog.trip_time = numbers[13];
+  engine->pairs_alone = (uint64_t)numbers[14];
   engine_set_dt(engine, ldexp(engine->settings.dt, -state->halvings));
   if (h5_exists(file, "/state/monitor")) {
     TRY(h5_read(file, "/state/monitor", H5_F64, 2, dims, &rows));
