@@ -258,13 +258,14 @@ static void write_plot(const struct level *levels, const struct series *series, 
     fprintf(stream, "fit%zu(h) = %.8g + %.8g*(h*1e-6)**%.6g\n", g, k,
             100.0 * s->result.slope * conductivity(&levels[s->first]), s->result.order_used);
   }
+  const size_t lines = (count + 1) / 2;
   fprintf(stream,
           "set multiplot layout 1,2 margins 0.085,0.985,%.3f,0.97 spacing 0.11,0\n"
           "set samples 400\nset xlabel 'Spacing (µm)'\nset ylabel 'k (cm/s)'\n"
           "set xrange [%.6g:%.6g]\nset key at screen 0.5,0.012 center bottom vertical maxcols 2 "
           "samplen 2 reverse Left\nplot ",
-          (double)(75 + 26 * ((count + 1) / 2)) / (double)(460 + 26 * ((count + 1) / 2)),
-          -0.03e6 * widest, 1.06e6 * widest);
+          (75.0 + 26.0 * (double)lines) / (460.0 + 26.0 * (double)lines), -0.03e6 * widest,
+          1.06e6 * widest);
   for (size_t g = 0; g < count; g++) {
     const struct series *s = &series[g];
     const struct run *run = levels[s->first].run;

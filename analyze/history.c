@@ -64,7 +64,7 @@ static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
   size_t step = (rows + SERIES_ROWS - 1) / SERIES_ROWS;
   for (size_t i = 0; i < rows; i += step)
     json_array_append_new(array, json_number(values[i * stride]));
-  if ((rows - 1) % step != 0)
+  if (rows > 0 && (rows - 1) % step != 0)
     json_array_append_new(array, json_number(values[(rows - 1) * stride]));
   return array;
 }

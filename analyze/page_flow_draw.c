@@ -101,7 +101,7 @@ static void still_palette(uint32_t palette[256]) {
 /* Marches one ray to the first grain; brightness by the face it meets and by depth. */
 static void shade(const struct flow *flow, const struct camera *camera, double u, double v,
                   double reach, uint8_t *pixel, float *depth) {
-  for (double t = -reach; t < reach; t += 0.5) {
+  for (double t = -reach; t < reach; t += 0.5) { // NOLINT: halves are exact
     double p[3];
     for (int d = 0; d < 3; d++)
       p[d] = camera->middle[d] + u * camera->right[d] + v * camera->up[d] + t * camera->forward[d];

@@ -93,7 +93,7 @@ enum status html_picture(FILE *stream, const uint8_t *pixels, size_t width, size
   uint8_t *file = NULL;
   const size_t head = 54 + 1024, row = (width + 3) / 4 * 4, size = head + row * height;
   TRY(memory_allocate(&file, size, 1, "a picture"));
-  memcpy(file, "BM", 2);
+  file[0] = 'B', file[1] = 'M';
   put32(file + 2, size);
   put32(file + 10, head);
   put32(file + 14, 40);

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* posix_spawn_file_actions_addchdir_np */
+#define _GNU_SOURCE // NOLINT: the name glibc wants, for posix_spawn_file_actions_addchdir_np
 #include "analyze/plot.h"
 
 #include <errno.h>

@@ -31,9 +31,10 @@ static enum status choose_window(const struct run *run, const struct slice_reque
   double low = extent_low(run, w->axis), high = extent_high(run, w->axis);
   /* Unasked, the layer of sites at the middle: a plane between two layers shows the grains of one
    * under the particles of the other. */
+  const size_t layer = run->size[w->axis] / 2;
   w->middle = isfinite(request->position)
                   ? request->position
-                  : run->origin[w->axis] + (double)(run->size[w->axis] / 2) * run->spacing[w->axis];
+                  : run->origin[w->axis] + (double)layer * run->spacing[w->axis];
   w->thickness = isfinite(request->thickness) ? request->thickness : run->spacing[w->axis];
   if (w->middle < low || w->middle > high)
     return FAIL(STATUS_USAGE, "--plane: %c = %g m lies outside the run, which spans %g to %g m",
