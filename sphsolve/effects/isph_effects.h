@@ -124,7 +124,8 @@ static inline bool isph_shifting_wanted(const struct effect_context *context,
                                         char why[EFFECT_WHY]) {
   enum switch_state state = context->scene->shifting;
   if (state != SWITCH_AUTO) {
-    WHY("the scene says so");
+    WHY(state == SWITCH_ON ? "the scene says so"
+                           : "the scene says so; particles may clump where the water strains");
     return state == SWITCH_ON;
   }
   WHY("keeps particles evenly spread");
