@@ -5,7 +5,7 @@ import os
 
 STYLE = """body{font:15px/1.35 sans-serif;margin:2em auto;max-width:110em;padding:0 1em}table{border-collapse:collapse}
 th{text-align:left;position:sticky;top:0;background:#fff}td,th{padding:.15em .8em .15em 0;vertical-align:top;border-top:1px solid #ddd}
-.fail td{color:#b00;font-weight:bold}.skip td{color:#777}.threat{color:#555;font-weight:normal;max-width:34em}img{max-width:100%}"""
+.group td{padding-top:1.2em;font-weight:bold}.fail td{color:#b00;font-weight:bold}.skip td{color:#777}.threat{color:#555;font-weight:normal;max-width:34em}img{max-width:100%}"""
 
 
 def show(value):
@@ -24,8 +24,13 @@ def write(folder, title, results, columns, note=""):
     with open(os.path.join(folder, "results.json"), "w") as file:
         json.dump(results, file, indent=1)
     n = count(results)
-    rows = "".join(f"<tr class={r['status']}>" + "".join(
-        f"<td{' class=threat' if key in ('threat', 'why') else ''}>{show(r.get(key))}</td>" for key, _ in columns) + "</tr>\n" for r in results)
+    rows, last = "", None
+    for r in results:
+        if r.get("group", last) != last:  # a line of its own for what rows share
+            last = r["group"]
+            rows += f"<tr class=group><td colspan={len(columns)}>{html.escape(last)}</td></tr>\n"
+        rows += f"<tr class={r['status']}>" + "".join(
+            f"<td{' class=threat' if key in ('threat', 'why') else ''}>{show(r.get(key))}</td>" for key, _ in columns) + "</tr>\n"
     plots = "".join(f"<p><img src='{name}'></p>" for name in sorted(os.listdir(folder)) if name.endswith(".svg"))
     with open(os.path.join(folder, "index.html"), "w") as file:
         file.write(f"<!doctype html><meta charset=utf-8><title>Tosui: {title}</title><style>{STYLE}</style><h1>{title}</h1>{note}"

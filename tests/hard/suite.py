@@ -200,4 +200,5 @@ def measure(entry):
     except Exception as problem:  # a case that cannot be carried out has failed
         rows.append(holds("the case can be carried out", "", False, f"{type(problem).__name__}: {problem}"[:200]))
     seconds = time.time() - started
-    return [{"case": f"{name}: {r['check']}", "threat": threat, "fast": fast, "seconds": seconds / len(rows), **r} for r in rows]
+    group = f"{name}. {threat}. {seconds:.1f} s" + (", fast" if fast else "")
+    return [{"case": f"{name}: {r['check']}", "group": group, "threat": threat, "fast": fast, "seconds": seconds / len(rows), **r} for r in rows]
