@@ -82,6 +82,23 @@ cleanup:
   return status;
 }
 
+/* Share of the processor's time in a flow from rest that goes to the lists and to each pass. */
+static enum status measure_shares(const struct lattice *lattice, enum pass_wall wall,
+                                  double gravity, int steps, double share[PHASE_COUNT]) {
+  enum status status = STATUS_OK;
+  struct engine engine = {0};
+  struct engine_settings settings = settings_of(lattice, wall);
+  double all = 0;
+  settings.force[2] = -gravity;
+  TRY(engine_make(lattice, &settings, &engine));
+  for (int s = 0; s < steps; s++) TRY(engine_step(&engine));
+  for (int p = 0; p < PHASE_COUNT; p++) all += engine.seconds[p];
+  for (int p = 0; p < PHASE_COUNT; p++) share[p] = engine.seconds[p] / all;
+cleanup:
+  engine_free(&engine);
+  return status;
+}
+
 /* Peaks of this machine, one core: fused operations in registers, and copying beyond the cache. */
 __attribute__((target("avx512f"))) static double fused_avx512(size_t n) {
   __m512 a[12], m = _mm512_set1_ps(0.999f), c = _mm512_set1_ps(1e-3f);
@@ -155,7 +172,9 @@ static enum status suite(const char *path, double largest) {
   struct lattice lattice = {0};
   struct measure m = {0}, two = {0};
   const struct pair_table *table;
-  double first = NAN, worst = 1, start = clock_seconds();
+  double first = NAN, worst = 1, start = clock_seconds(), shares[PHASE_COUNT];
+  static const char *const phases[PHASE_COUNT] = {"density",    "wall distance", "forces",
+                                                  "continuity", "drift",         "lists"};
   omp_set_num_threads(1);
   TRY(pair_table_choose(&table));
   double flops = peak_flops(table->name), bytes = peak_bytes();
@@ -169,9 +188,23 @@ static enum status suite(const char *path, double largest) {
   add(results, "S06 size, frozen: step on one core", "s", m.step, 0.055, false, m.step);
   add(results, "S06 size, frozen: making the lists", "s", m.lists, NAN, false, m.lists);
   add(results, "S06 size, frozen: share of peak flops", "1", m.flops / flops, NAN, true, m.step);
+  for (int g = 1; g <= 10; g += 9) {
+    char name[64];
+    TRY(measure_shares(&lattice, PASS_FROZEN, 9.8 * g, 100, shares));
+    snprintf(name, sizeof name, "S06 size, frozen, %d G: share of time of lists", g);
+    add(results, name, "1", shares[PHASE_LISTS], g == 1 ? 0.1 : NAN, false, 0);
+  }
+  TRY(measure_shares(&lattice, PASS_SUBVOXEL, 9.8, 30, shares));
+  for (int p = 0; p < PHASE_COUNT; p++) {
+    char name[64];
+    if (shares[p] == 0) continue;
+    snprintf(name, sizeof name, "S06 size, subvoxel, 1 G: share of time of %s", phases[p]);
+    add(results, name, "1", shares[p], NAN, false, 0);
+  }
   TRY(measure_run(&lattice, PASS_SUBVOXEL, 12, &m));
-  add(results, "S06 size, subvoxel: pairs per second and core", "1/s", m.pairs, NAN, true, m.step);
-  add(results, "S06 size, subvoxel: step on one core", "s", m.step, NAN, false, m.step);
+  add(results, "S06 size, subvoxel: pairs per second and core", "1/s", m.pairs, 400e6, true,
+      m.step);
+  add(results, "S06 size, subvoxel: step on one core", "s", m.step, 0.055, false, m.step);
   add(results, "S06 size, subvoxel: share of peak flops", "1", m.flops / flops, NAN, true, m.step);
   add(results, "S06 size, subvoxel: bytes per fluid particle", "B", m.bytes, 100, false, 0);
   /* Arithmetic intensity: each pass reads the particles once from memory, the rest is cache. */
