@@ -41,7 +41,7 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan coverage dist tests
+.PHONY: package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
@@ -196,6 +196,10 @@ ubsan:
 ARCHER = $(firstword $(wildcard /usr/lib/llvm-*/lib/libarcher.so))
 tsan:
 	OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS=ignore_noninstrumented_modules=1 $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
+# Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
+valgrind: $(UNIT_TESTS)
+	$(Q)for t in $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t))); do echo $$t; OMP_NUM_THREADS=1 TOSUI_ISA=avx2 \
+	  valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite $$t > $(BUILD)/valgrind.log 2>&1 || { cat $(BUILD)/valgrind.log; exit 1; }; done
 coverage:
 	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage"
 	scripts/coverage $(BUILD)-coverage
