@@ -14,6 +14,7 @@ int ranks_end(enum status status) {
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 #define PATIENCE 2.0 /* s that ranks which failed wait for the others to fail too */
@@ -22,6 +23,23 @@ static int own, count = 1;
 static struct ranks_traffic traffic;
 static MPI_Request *pending;
 static int pending_count, pending_room;
+
+static double processor_seconds(clockid_t clock) {
+  struct timespec now;
+  clock_gettime(clock, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Around all that waits for others; waiting may spin, and is no work. */
+static struct { double wall, processor; } began;
+static void wait_begin(void) {
+  began.wall = clock_seconds();
+  began.processor = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
+}
+static void wait_end(void) {
+  traffic.seconds += clock_seconds() - began.wall;
+  traffic.spun += processor_seconds(CLOCK_THREAD_CPUTIME_ID) - began.processor;
+}
 
 void ranks_start(int *argc, char ***argv) {
   int provided;
@@ -59,25 +77,25 @@ int ranks_own(void) {
 
 void ranks_sum_all(double *values, size_t n) {
   if (count == 1) return;
-  const double start = clock_seconds();
+  wait_begin();
   MPI_Allreduce(MPI_IN_PLACE, values, (int)n, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   traffic.reductions++;
-  traffic.seconds += clock_seconds() - start;
+  wait_end();
 }
 
 void ranks_max_all(double *values, size_t n) {
   if (count == 1) return;
-  const double start = clock_seconds();
+  wait_begin();
   MPI_Allreduce(MPI_IN_PLACE, values, (int)n, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   traffic.reductions++;
-  traffic.seconds += clock_seconds() - start;
+  wait_end();
 }
 
 void ranks_swap_counts(const size_t *send, size_t *receive) {
-  const double start = clock_seconds();
+  wait_begin();
   MPI_Alltoall(send, sizeof *send, MPI_BYTE, receive, sizeof *send, MPI_BYTE, MPI_COMM_WORLD);
   traffic.reductions++;
-  traffic.seconds += clock_seconds() - start;
+  wait_end();
 }
 
 enum status ranks_agree(enum status status) {
@@ -89,11 +107,11 @@ enum status ranks_agree(enum status status) {
 size_t ranks_offset(size_t mine, size_t *total) {
   uint64_t value = mine, before = 0, sum = mine;
   if (count > 1) {
-    const double start = clock_seconds();
+    wait_begin();
     MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     MPI_Allreduce(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     traffic.reductions += 2;
-    traffic.seconds += clock_seconds() - start;
+    wait_end();
   }
   *total = sum;
   return own == 0 ? 0 : before;
@@ -101,7 +119,7 @@ size_t ranks_offset(size_t mine, size_t *total) {
 
 void ranks_gather(void *data, const size_t *start, size_t size) {
   if (count == 1) return;
-  const double began = clock_seconds();
+  wait_begin();
   /* One after another, in pieces that an int can count. */
   for (int r = 0; r < count; r++) {
     char *from = (char *)data + start[r] * size;
@@ -113,7 +131,7 @@ void ranks_gather(void *data, const size_t *start, size_t size) {
       left -= (size_t)piece;
     }
   }
-  traffic.seconds += clock_seconds() - began;
+  wait_end();
 }
 
 /* Where the next message is kept track of. */
@@ -138,13 +156,14 @@ void ranks_receive(void *to, size_t bytes, int rank, int tag) {
 }
 
 void ranks_wait(void) {
-  const double start = clock_seconds();
+  wait_begin();
   MPI_Waitall(pending_count, pending, MPI_STATUSES_IGNORE);
   pending_count = 0;
-  traffic.seconds += clock_seconds() - start;
+  wait_end();
 }
 
 struct ranks_traffic ranks_traffic(void) {
+  traffic.busy = processor_seconds(CLOCK_PROCESS_CPUTIME_ID) - traffic.spun;
   return traffic;
 }
 #endif

@@ -16,6 +16,7 @@ struct ranks_traffic {
   uint64_t reductions;      /* sums, maxima and agreements of all */
   uint64_t gathered_bytes;  /* received by ranks_gather */
   double seconds;           /* spent in waiting for any of it */
+  double spun, busy;        /* processor seconds in waiting, and out of it */
 };
 
 #ifdef TOSUI_MPI
