@@ -65,8 +65,10 @@ void explain_print(const struct plan *plan) {
   if (plan->dt > 0) {
     quantity_format(plan->dt, "s", text, sizeof text);
     quantity_format(plan->dt_limit, "s", more, sizeof more);
-    printf("time step  %s (limit %s by %s)\n", text, more,
-           plan->dt_limited_by ? plan->dt_limited_by : "nothing");
+    const char *limit = plan->dt_limited_by ? plan->dt_limited_by : "nothing";
+    printf("time step  %s (limit %s by %s", text, more, limit);
+    if (plan->dt_by && strcmp(plan->dt_by, limit)) printf("; decided by %s", plan->dt_by);
+    printf(")\n");
   } else if (isnan(plan->dt)) {
     printf("time step  chosen each step from the effects' limits\n");
   }
