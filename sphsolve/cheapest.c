@@ -36,7 +36,7 @@ static double whole_sites(const struct scene *scene, const size_t body[3], doubl
   for (int a = 0; a < 3; a++)
     if (body[a] > longest) longest = body[a];
   const double least = ceil(refined * (double)longest - 1e-6);
-  for (double n = least; n <= 2.0 * least; n++) {
+  for (double n = least; n <= 2.0 * least; n++) { // NOLINT: whole numbers are exact
     bool whole = true;
     for (int a = 0; a < 3 && !*scene->model_path; a++) {
       const double sites = (double)body[a] * n / (double)longest;

@@ -166,9 +166,9 @@ static enum status open_journal(struct recorder *recorder) {
   TRY(memory_allocate(&header, room, 1, "the history"));
   for (size_t c = 0; c < recorder->column_count; c++)
     for (int i = 0; i < recorder->columns[c].components; i++) {
-      const char *axis[] = {"_x,", "_y,", "_z,"};
+      static const char *const axis[] = {"_x,", "_y,", "_z,"};
       n += (size_t)snprintf(header + n, room - n, "%s%s", recorder->columns[c].name,
-                            recorder->columns[c].components > 1 ? axis[i] : ",");
+                            recorder->columns[c].components > 1 ? axis[i % 3] : ",");
     }
   snprintf(header + n, room - n, "xxh3 (scene %016llx)",
            (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model_hash));
@@ -204,8 +204,7 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
   memcpy(to, base, sizeof base);
   if ((size_t)recorder->width > n)
     memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
-  if (ranks_own() == 0)
-    TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
+  if (ranks_own() == 0) TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
 cleanup:
   return status;
 }
