@@ -103,8 +103,11 @@ static enum status read_model(struct config *config, struct scene *scene) {
   const char *file = NULL;
   if (group == NULL) return STATUS_OK;
   TRY(config_string(config, group, "file", &file, NULL));
-  if (file == NULL || !*file)
-    TRY(config_error(config, group, "file is missing; write model = { file = \"dense.hdf\"; };"));
+  if (file == NULL || !*file) {
+    status =
+        config_error(config, group, "file is missing; write model = { file = \"dense.hdf\"; };");
+    goto cleanup;
+  }
   /* Beside the scene first, then from where the program runs. */
   const char *folder = file[0] == '/' ? "" : config_folder(config);
   if ((size_t)snprintf(scene->model_path, sizeof scene->model_path, "%s%s", folder, file) >=

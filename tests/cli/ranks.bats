@@ -57,7 +57,7 @@ stokes() { # NAME [options]
   on 3 sphsolve-mpi $(stokes cut --set checkpoint.interval=1us) > log 2>&1 &
   local job=$! rank
   for _ in $(seq 200); do [ ! -e cut.ckpt.1.hdf ] || break; sleep 0.05; done
-  rank=$(pgrep -f -- '-o cut --quiet' | tail -1)
+  rank=$(pgrep -f -- 'sphsolve-mpi.* -o cut --quiet' | tail -1)
   kill -9 "$rank"
   run wait $job
   [ "$status" -ne 0 ]
@@ -123,7 +123,7 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
   on 2 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --set checkpoint.interval=1us) > log 2>&1 &
   local job=$! rank
   for _ in $(seq 400); do [ ! -e stop.ckpt.1.hdf ] || break; sleep 0.02; done
-  rank=$(pgrep -f -- '-o stop --quiet' | tail -1)
+  rank=$(pgrep -f -- 'sphsolve-mpi.* -o stop --quiet' | tail -1)
   kill -9 "$rank"
   run wait $job
   [ ! -e stop.hdf ]

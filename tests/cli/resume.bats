@@ -22,9 +22,9 @@ setup() {
 torn() {
   for seed in 1 2; do
     RANDOM=$seed
-    rm -f cut*
-    resumable_tear $1 cut 3
-    resumable_same whole-$1 cut
+    rm -f rent*
+    resumable_tear $1 rent 3
+    resumable_same whole-$1 rent
   done
 }
 @test "wcsph: killed by SIGKILL at random moments, and resumed" { torn wcsph; }
