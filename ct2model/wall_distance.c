@@ -16,7 +16,7 @@ enum {
   AREA_BATCH = 8,
   STEP_LEAST = 8 /* new slices at a time, at least */
 };
-static const double WINDOW_VOXELS = 28e6; /* held at a time */
+static const double WINDOW_VOXELS = 24e6; /* held at a time */
 
 /* The surface between slices first and first + surfels.size[2] - 1. */
 struct piece {

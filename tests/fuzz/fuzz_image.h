@@ -16,7 +16,8 @@ static inline int fuzz_image(const char *ending, const struct raw_layout *raw, c
     stack_slice_name(&stack, stack.size[2] - 1, name, sizeof name);
     if (pixels <= (size_t)1 << 20 && stack_keep_labels(&stack, 0) == STATUS_OK &&
         memory_allocate(&slice, pixels, sizeof *slice, "a slice") == STATUS_OK)
-      while (first < stack.size[2] && first < 4 && stack_read(&stack, first, slice) == STATUS_OK)
+      while (first < stack.size[2] && first < 4 && stack_read(&stack, first, slice) == STATUS_OK &&
+             (!stack.has_levels || stack_read_stored(&stack, first, slice) == STATUS_OK))
         first++;
     memory_free(&slice);
     stack_close(&stack);

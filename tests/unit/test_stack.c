@@ -370,6 +370,14 @@ static void test_broken_files(void **state) {
     }
     assert_int_equal(status, STATUS_INPUT);
     error_clear();
+    status = stack_open(paths, 1, NULL, &stack);
+    if (status == STATUS_OK) {
+      for (size_t z = 0; z < stack.size[2] && status == STATUS_OK; z++)
+        status = stack_read_stored(&stack, z, slice);
+      stack_close(&stack);
+    }
+    assert_int_equal(status, STATUS_INPUT);
+    error_clear();
   }
   FILE *file = fopen(in_folder("empty.png"), "w");
   fclose(file);
