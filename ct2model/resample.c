@@ -150,22 +150,3 @@ void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float
     }
   }
 }
-
-enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
-                           float *volume) {
-  enum status status = STATUS_OK;
-  const size_t *in = resampler->in;
-#pragma omp parallel for schedule(dynamic)
-  for (size_t i = 0; i < n; i++) {
-    const struct pixel_rows slice = {slices + i * in[0] * in[1], in[0] * sizeof *slices, PIXEL_F32,
-                                     1.0f};
-    if (!resampler_wants(resampler, z0 + i)) continue;
-    enum status one = resampler_reduce(resampler, &slice, i);
-    if (one != STATUS_OK) {
-#pragma omp critical
-      status = one;
-    }
-  }
-  if (status == STATUS_OK) resampler_add(resampler, z0, n, volume);
-  return status;
-}

@@ -49,8 +49,5 @@ enum status resampler_reduce(struct resampler *resampler, const struct pixel_row
 /* Adds the reduced slices z0 .. z0 + n - 1 to volume[out z][out y][out x], which starts as zeros,
  * in an order that does not depend on the number of threads. */
 void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float *volume);
-/* Both, for slices[n][in y][in x]. */
-enum status resampler_feed(struct resampler *resampler, size_t z0, size_t n, const float *slices,
-                           float *volume);
 
 #endif

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ct2model/reduce.h"
 #include "ct2model/resample.h"
 
 /* Keys (1981), eq. 4 with a = -3/4, written out. */
@@ -48,10 +49,16 @@ static float *resample(enum filter filter, const float *in, const size_t n[3], c
   struct resampler resampler;
   float *out = calloc(m[0] * m[1] * m[2], sizeof *out);
   assert_int_equal(resampler_start(filter, n, m, batch, &resampler), STATUS_OK);
-  for (size_t z = 0; z < n[2]; z += batch)
-    assert_int_equal(resampler_feed(&resampler, z, n[2] - z < batch ? n[2] - z : batch,
-                                    in + z * n[0] * n[1], out),
-                     STATUS_OK);
+  for (size_t z = 0; z < n[2]; z += batch) {
+    const size_t count = n[2] - z < batch ? n[2] - z : batch;
+    for (size_t i = 0; i < count; i++) {
+      const struct pixel_rows slice = {in + (z + i) * n[0] * n[1], n[0] * sizeof *in, PIXEL_F32,
+                                       1.0f};
+      if (!resampler_wants(&resampler, z + i)) continue;
+      assert_int_equal(resampler_reduce(&resampler, &slice, i), STATUS_OK);
+    }
+    resampler_add(&resampler, z, count, out);
+  }
   resampler_end(&resampler);
   return out;
 }
