@@ -190,6 +190,10 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->w_scale = volume * alpha;
   pass->g_scale = 5 * volume * alpha / (2 * h);
   pass->l_scale = 5 * volume * alpha / (4 * h * h);
+  if (s->wall != PASS_FROZEN) { /* exact on the lattice */
+    pass->g_scale /= s->moment;
+    pass->l_scale /= s->moment;
+  }
   pass->smoothing_length = h;
   pass->sound_speed = s->sound_speed;
   pass->rest_ratio = s->rest_ratio;
@@ -379,10 +383,13 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
 }
 
 static void update_distance(struct engine *engine) {
+  double start = clock_seconds();
   struct particles *p = &engine->particles;
+  p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
   const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
   for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
+  engine->seconds[PHASE_WALL] += clock_seconds() - start;
 }
 
 /* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left
@@ -493,10 +500,7 @@ enum status engine_step(struct engine *engine) {
     if (RANKS) engine_send(engine, SENT_WALL);
     engine->pair_interactions += (double)engine->pairs_wall;
   } else if (s->wall == PASS_SUBVOXEL) {
-    double start = clock_seconds();
-    p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
     update_distance(engine);
-    engine->seconds[PHASE_WALL] += clock_seconds() - start;
   }
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
@@ -513,8 +517,10 @@ enum status engine_step(struct engine *engine) {
     p->state_next = p->v_next[0]; /* the old velocity is not needed any more */
     /* Beside sub-voxel walls the force pass has done all but the pairs of fluid. */
     bool done = s->wall == PASS_SUBVOXEL;
-    run_pass(engine, table->continuity[has_walls && !done][s->diffusion][s->shift && !done], false,
-             PHASE_CONTINUITY);
+    pass_function *continuity =
+        s->wall == PASS_OPEN ? table->continuity_exact[s->diffusion][s->shift]
+                             : table->continuity[has_walls && !done][s->diffusion][s->shift && !done];
+    run_pass(engine, continuity, false, PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
     swap(&p->state, &p->v_next[0]);
     drift(engine, 0.5);
@@ -527,6 +533,20 @@ enum status engine_step(struct engine *engine) {
       TRY_FAIL(STATUS_NUMERIC,
                "more than %zu particles within reach of one cluster: particles have clumped",
                engine->locals[t].capacity);
+cleanup:
+  return status;
+}
+
+enum status engine_pull(struct engine *engine) {
+  enum status status = STATUS_OK;
+  const struct engine_settings *s = &engine->settings;
+  /* As the next step would. */
+  if (!engine->listed || engine->moved >= PATH * engine->pass.spacing)
+    TRY(make_lists(engine, true));
+  if (s->wall == PASS_SUBVOXEL) update_distance(engine);
+  engine->pass.dt = 1;
+  run_pass(engine, engine->table->force[s->wall][0][0], false, PHASE_FORCE);
+  engine->pass.dt = s->dt;
 cleanup:
   return status;
 }

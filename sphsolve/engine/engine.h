@@ -18,7 +18,7 @@ struct engine_settings {
   double force[3];                    /* m/s^2 */
   double rest_ratio;                  /* see struct pass */
   double pressure_diffusion;          /* m^2/s */
-  double crowding;                    /* 1/m^2, see struct lattice_modes; for shifting */
+  double moment, crowding;            /* 1, 1/m^2, see struct lattice_modes */
   const double (*region_velocity)[3]; /* of lattice->region - 1; NULL: nothing moves */
   size_t region_count;
   bool wall_moves;
@@ -102,6 +102,9 @@ double engine_pressure(const struct engine *engine, size_t slot);
  * where the field at the nearest site changes faster than a distance can (noise): the curvature of
  * the velocity is then left out. */
 double engine_wall_distance(const struct engine *engine, size_t slot);
+/* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v until
+ * the next step. Changes no bit of what comes. */
+enum status engine_pull(struct engine *engine);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
  * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);

@@ -55,6 +55,7 @@ struct pair_table {
   /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls and
    * shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
   pass_function *continuity[2][2][2];
+  pass_function *continuity_exact[2][2]; /* without walls, see pairs_exact.h */
   pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
   /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and of
    * wall with fluid. */

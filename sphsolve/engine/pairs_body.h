@@ -75,6 +75,8 @@ struct row_force {
   double pressure[3], velocity[3], crowd[3];
 };
 
+#include "sphsolve/engine/pairs_exact.h"
+
 /* Over columns [0, n) that act as fluid does (frozen and adami walls among them). `carry`: the
  * drift of the particle beyond the fluid, in units in which the weight of viscosity is 1 (where
  * there is viscosity). */
@@ -218,7 +220,10 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
       float carry[3] = {0};
       for (int a = 0; a < 3 && shift; a++)
         carry[a] = (float)(gradient / drag * (double)p->shift[a][i]);
-      row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, &row);
+      if (wall == PASS_OPEN)
+        row_force_exact(pass, local, n, at, i, carry, viscosity, shift, &row);
+      else
+        row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, &row);
       double u[3], speed = 0, rate = -2 * near->inflow;
       for (int a = 0; a < 3; a++) {
         double change = pass->force[a] + gradient * square * row.pressure[a];
@@ -307,6 +312,29 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       double rate = sum[0] + (p->rate != NULL ? (double)p->rate[i] : 0);
       p->state_next[i] =
           (float)((double)p->state[i] + pass->dt * pass->g_scale * rate / (1 + stiff));
+    }
+  }
+}
+
+SIMD_INLINE void continuity_exact_rows(const struct pass *pass, struct local *local, size_t begin,
+                                       size_t end, bool diffusion, bool shift) {
+  struct particles *p = pass->particles;
+  const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
+  const double diffuse = diffusion ? 2 * pass->diffusion * pass->l_scale : 0;
+  for (size_t c = begin; c < end; c++) {
+    struct reference ref;
+    reference_make(pass, c, false, &ref);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, false);
+    n = pad_columns(local, n, 4);
+    for (int l = 0; l < CLUSTER; l++) {
+      if (!ref.live[l]) continue;
+      size_t i = c * CLUSTER + (size_t)l;
+      double sum[2];
+      vec at[3];
+      row_position(pass, &ref, l, at);
+      row_continuity_exact(pass, local, n, at, i, diffuse / pass->g_scale, shift, sum);
+      p->state_next[i] = (float)((double)p->state[i] + pass->dt * pass->g_scale * sum[0] /
+                                                           (1 + pass->dt * diffuse * sum[1]));
     }
   }
 }
@@ -409,6 +437,12 @@ FORCES(SUBVOXEL)
   CONTINUITY(walls, 0, 0) CONTINUITY(walls, 0, 1) CONTINUITY(walls, 1, 0) CONTINUITY(walls, 1, 1)
 CONTINUITIES(0)
 CONTINUITIES(1)
+#define CONTINUITY_EXACT(diffusion, shift)                                                         \
+  static void continuity_exact_##diffusion##_##shift(                                              \
+      const struct pass *pass, struct local *local, size_t begin, size_t end) {                    \
+    continuity_exact_rows(pass, local, begin, end, diffusion, shift);                              \
+  }
+CONTINUITY_EXACT(0, 0) CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
 
 #define TABLE_FORCE(wall)                                                                          \
   {                                                                                                \
@@ -432,6 +466,7 @@ const struct pair_table TABLE_NAME(SIMD_ISA) = {
     .density_wall = density_wall,
     .force = {TABLE_FORCE(FROZEN), TABLE_FORCE(OPEN), TABLE_FORCE(ADAMI), TABLE_FORCE(SUBVOXEL)},
     .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
+    .continuity_exact = TABLE_CONTINUITY(exact),
     .image_velocity = image_velocity,
     .count = count,
     .count_wall = count_wall,

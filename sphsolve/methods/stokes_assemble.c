@@ -7,6 +7,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
+#include "sphsolve/engine/moment.h"
 
 /* What the walls around one site do to its momentum equation, and its sums over pore sites. */
 struct site_sums {
@@ -105,49 +106,6 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
 }
 
-/* Along the wall's normal n the missing sites mirror the inner ones (equal pressure, opposite
- * velocity) and need no correction: m = (1 - n n) m (1 - n n) + n n. */
-static void free_normal(int axes, const double n[3], double m[3][3]) {
-  double along[3] = {0.0}, twice = 0.0;
-  if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) return;
-  for (int a = 0; a < axes; a++)
-    for (int c = 0; c < axes; c++) along[a] += m[a][c] * n[c];
-  for (int a = 0; a < axes; a++) twice += n[a] * along[a];
-  for (int a = 0; a < axes; a++)
-    for (int c = 0; c < axes; c++)
-      m[a][c] += (twice + 1.0) * n[a] * n[c] - n[a] * along[c] - along[a] * n[c];
-}
-
-/* Inverse of the symmetric moment matrix: gradient and flux are then exact for linear fields along
- * a wall too, where sites are missing (Bonet, Lok 1999). Directions with hardly any site get the
- * weight of a bound. By Jacobi's rotations. */
-static void invert_moment(int n, double m[3][3], double inverse[3][3]) {
-  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (int sweep = 0; sweep < 8; sweep++)
-    for (int p = 0; p < n; p++)
-      for (int q = p + 1; q < n; q++) {
-        if (fabs(m[p][q]) < 1e-12) continue;
-        const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q];
-        const double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-        for (int k = 0; k < n; k++) {
-          const double kp = m[k][p], kq = m[k][q];
-          m[k][p] = c * kp - s * kq, m[k][q] = s * kp + c * kq;
-        }
-        for (int k = 0; k < n; k++) {
-          const double pk = m[p][k], qk = m[q][k], vp = v[k][p], vq = v[k][q];
-          m[p][k] = c * pk - s * qk, m[q][k] = s * pk + c * qk;
-          v[k][p] = c * vp - s * vq, v[k][q] = s * vp + c * vq;
-        }
-      }
-  for (int a = 0; a < n; a++)
-    for (int b = 0; b < n; b++) {
-      inverse[a][b] = 0.0;
-      for (int k = 0; k < n; k++)
-        inverse[a][b] += v[a][k] * v[b][k] / fmax(m[k][k], STOKES_MOMENT_FLOOR);
-    }
-}
-
 static void build_sites(struct stokes_operator *op) {
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
@@ -162,8 +120,8 @@ static void build_sites(struct stokes_operator *op) {
       op->pore_sum[n] = (float)sums.pore_sum;
       op->parabola[n] = (float)(1.0 - sums.parabola);
       double inverse[3][3];
-      free_normal(axes, sums.normal, sums.moment);
-      invert_moment(axes, sums.moment, inverse);
+      moment_free_normal(axes, sums.normal, sums.moment);
+      moment_invert_bounded(axes, sums.moment, inverse);
       for (int a = 0; a < axes; a++) {
         for (int c = a; c < axes; c++)
           op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];

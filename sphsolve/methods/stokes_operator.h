@@ -23,8 +23,6 @@
 #include "sphsolve/methods/stokes_stencil.h"
 #include "sphsolve/scene.h"
 
-#define STOKES_MOMENT_FLOOR 0.1
-
 /* Where entry (a, b) of a symmetric matrix is kept. */
 static inline size_t stokes_symmetric(int axes, int a, int b) {
   return (size_t)(a == b ? a : axes + a + b - 1);

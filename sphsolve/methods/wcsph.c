@@ -63,7 +63,7 @@ static enum status sample(struct wcsph_run *run, struct monitor_verdict *verdict
   enum status status = STATUS_OK;
   struct wcsph_totals totals;
   double value[MONITOR_COMPONENTS];
-  TRY(wcsph_sum(&run->state.engine, &totals));
+  TRY(wcsph_sum(&run->state.engine, true, &totals));
   sample_of(run, &totals, value);
   TRY(monitor_add(&run->state.monitor, value));
   if (isnan(run->row_interval)) TRY(wcsph_write_row(run, &totals));
@@ -128,7 +128,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
     double time = wcsph_run_time(run), half = 0.5 * state->engine.settings.dt;
     if (!isnan(run->row_interval) && time >= state->next_row - half) {
       struct wcsph_totals totals;
-      TRY(wcsph_sum(&state->engine, &totals));
+      TRY(wcsph_sum(&state->engine, true, &totals));
       TRY(wcsph_write_row(run, &totals));
       while (state->next_row <= time + half) state->next_row += run->row_interval;
     }
@@ -257,7 +257,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   TRY(wcsph_read_checkpoint(&run, &resumed));
   TRY(wcsph_watch(&run, &again));
   if (!resumed) {
-    TRY(wcsph_sum(&run.state.engine, &totals));
+    TRY(wcsph_sum(&run.state.engine, true, &totals));
     TRY(wcsph_write_row(&run, &totals));
   }
   if (flows) {

@@ -26,6 +26,7 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
   const double support = kernel_support_ratio(KERNEL_QUINTIC) * h, small = 1e-4 * h;
   struct lattice_modes modes = {0};
   double weights = 0;
+  double moment = 0;
   int neighbours = 0;
   double volume = 1;
   int reach[3];
@@ -51,6 +52,7 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
           double curve = (kernel_dw(KERNEL_QUINTIC, dimensions, length + small, h) -
                           kernel_dw(KERNEL_QUINTIC, dimensions, length - small, h)) /
                          (2 * small);
+          moment -= w == 0 ? volume * slope * length / dimensions : 0;
           double still = 1 - cos(phase);
           neighbours += w == 0;
           weights += w == 0 ? 2 * volume * (-slope / length) : 0;
@@ -79,6 +81,7 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
     modes.wave[modes.count++][2] = laplacian;
   }
   modes.neighbours = neighbours;
+  modes.moment = moment;
   modes.weights = weights;
   return modes;
 }

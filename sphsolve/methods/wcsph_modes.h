@@ -12,6 +12,7 @@ struct lattice_modes {
   double gradient;  /* 1/m: largest |G(k)| of the gradient; omega = c |G| with the gauge pressure */
   double laplacian; /* 1/m^2: largest eigenvalue of Morris' viscous operator over nu */
   double absolute;  /* 1/m: as gradient, with the absolute pressure c^2 rho */
+  double moment;    /* sum V r . grad W / dimensions: 1 for a gradient that is exact */
   double crowding;  /* 1/m^2: largest eigenvalue of sum V grad W, by displacement */
   double weights;   /* 1/m^2: sum of 2 V (-dW/dr)/r */
   int neighbours;   /* within reach of a site */

@@ -129,6 +129,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   struct lattice_modes modes = lattice_modes_find(
       context->lattice->dimensions, context->lattice->spacing, context->smoothing_length);
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
+  settings->moment = modes.moment;
   settings->crowding = modes.crowding;
   settings->pressure_diffusion = wcsph_diffusion(context);
   for (size_t r = 0; r < scene->region_count; r++)

@@ -10,20 +10,24 @@
 #define SUM_BLOCK 2048
 
 /* What the ends of lines of sites at a wall add to a particle's share of the volume integral of the
- * velocity, relative (stokes_wall_subvoxel.h, Euler and Maclaurin; the profile taken as straight
- * from the particle to the wall). Off the lines of the lattice it is right on the average. */
-static double end_of_line(const struct engine *engine, size_t slot) {
+ * velocity: factors of its velocity and of force and pressure gradient (stokes_wall_subvoxel.h, Euler
+ * and Maclaurin). Off the lines of the lattice it is right on the average. */
+struct end_of_line {
+  double velocity, pull; /* 1, s */
+};
+static struct end_of_line end_of_line(const struct engine *engine, size_t slot) {
   const struct lattice *l = engine->lattice;
   const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
   size_t near[3], site = 0;
-  double at[3], share = 0, sum = 0;
+  double at[3], share = 0;
+  struct end_of_line sum = {0, 0};
   particles_position(&engine->particles, l, slot, at);
   for (int a = 0; a < 3; a++) {
     long n = (long)l->size[a], index = lround((at[a] - l->origin[a]) / l->spacing[a]);
     near[a] = (size_t)(((index % n) + n) % n);
     site += near[a] * stride[a];
   }
-  if (l->kind[site] != SITE_FLUID) return 0;
+  if (l->kind[site] != SITE_FLUID) return sum;
   double d = fabs(engine_wall_distance(engine, slot));
   for (int a = 0; a < 3; a++) {
     if (l->dimensions == 2 && a == 1) continue;
@@ -35,20 +39,25 @@ static double end_of_line(const struct engine *engine, size_t slot) {
       if (l->kind[other] != SITE_WALL) continue;
       struct stokes_wall_quadrature end =
           stokes_wall_quadrature(d / step, -(double)l->wall_distance[other] / step, 1);
-      sum += end.velocity;
+      sum.velocity += end.velocity;
+      sum.pull += end.force * step * step / engine->settings.kinematic_viscosity;
       most = fmax(most, end.share);
     }
     share += most;
   }
-  return sum / fmax(share, 1);
+  sum.velocity /= fmax(share, 1);
+  sum.pull /= fmax(share, 1);
+  return sum;
 }
 
-enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) {
+enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *totals) {
   enum status status = STATUS_OK;
   const struct particles *p = &engine->particles;
   size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
   struct wcsph_totals *part = NULL;
-  const bool ends = engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
+  const bool ends =
+      flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
+  if (ends) TRY(engine_pull(engine));
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
   const size_t first = engine_first_slot(engine) / SUM_BLOCK;
   const size_t last = (engine_end_slot(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
@@ -60,11 +69,15 @@ enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals) 
     for (size_t i = b * SUM_BLOCK; i < end; i++) {
       if (p->id[i] == NO_PARTICLE) continue;
       double density = engine_density(engine, i), square = 0;
-      double whole = 1 + (ends ? end_of_line(engine, i) : 0);
+      struct end_of_line line = {0, 0};
+      if (ends) line = end_of_line(engine, i);
       for (int a = 0; a < 3; a++) {
         double v = (double)p->v[a][i];
         t->velocity[a] += v;
-        t->flux[a] += v * whole;
+        /* Between two walls the force bends the profile by no more than its slope is. */
+        double slope = v * line.velocity, bend = 0;
+        if (ends) bend = line.pull * ((double)p->v_next[a][i] - v);
+        t->flux[a] += v + slope + fmax(-fabs(slope), fmin(bend, fabs(slope)));
         t->square += v * v;
         square += v * v;
       }

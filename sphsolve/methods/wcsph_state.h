@@ -50,7 +50,8 @@ struct wcsph_totals {
   size_t densest, thinnest, fastest; /* slots */
   bool finite;
 };
-enum status wcsph_sum(const struct engine *engine, struct wcsph_totals *totals);
+/* `flux` costs half a step beside subvoxel walls; without it totals.flux is the plain sum. */
+enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *totals);
 
 /* /state: everything that a later step depends on; a resumed run goes on bit for bit. */
 enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file);

@@ -124,7 +124,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   double share;
   char what[160];
   *again = false;
-  TRY(wcsph_sum(&state->engine, &totals));
+  TRY(wcsph_sum(&state->engine, false, &totals));
   enum watch_bound worst = judge(run, &totals, &share);
   if (share >= 1) {
     TRY(engine_gather(&state->engine)); /* the particle may be another rank's */

@@ -81,6 +81,7 @@ static inline struct engine_settings test_settings(const struct lattice *lattice
   struct lattice_modes modes =
       lattice_modes_find(lattice->dimensions, lattice->spacing, support / 3);
   settings.rest_ratio = modes.sum;
+  settings.moment = modes.moment;
   settings.crowding = modes.crowding;
   return settings;
 }

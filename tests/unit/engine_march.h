@@ -33,6 +33,7 @@ struct march {
   enum pass_wall wall;
   double nu, force[3], end; /* SI */
   double sound;             /* m/s; 0: 2 nu/h */
+  double tolerance;         /* ends when steady by the program's own rule; 0: at `end` */
 };
 
 static inline double test_sound(const struct lattice *l, const struct march *m) {
@@ -54,25 +55,35 @@ static inline struct engine_settings test_march_settings(const struct lattice *l
   return s;
 }
 
-/* Darcy velocity along the force, mean of the last tenth of the time; `travel`: how far the fluid
- * has moved by then, spacings (NULL: not asked). NAN where the engine fails. */
+/* Darcy velocity along the force, mean of the last tenth of the time, or as the program has it where
+ * there is a tolerance: sampled 50 times a viscous time of the mean pore (wcsph.c). `travel`: how far
+ * the fluid has moved by then, spacings (NULL: not asked). NAN where the engine fails. */
 static inline double test_march(const struct lattice *l, const struct march *m, double *travel) {
   struct engine engine;
   struct engine_settings settings = test_march_settings(l, m);
   if (engine_make(l, &settings, &engine) != STATUS_OK) return NAN;
+  struct monitor monitor = {0};
   double force = 0, sum = 0, moved = 0;
+  double gap = (wcsph_gap(l) + (m->wall == PASS_FROZEN)) * l->spacing[0];
   for (int a = 0; a < 3; a++) force = hypot(force, m->force[a]);
   int64_t steps = (int64_t)ceil(m->end / settings.dt), first = steps * 9 / 10, n = 0;
+  int64_t every = m->tolerance > 0 ? (int64_t)fmax(1, gap * gap / m->nu / 50 / settings.dt) : 8;
   for (int64_t s = 1; s <= steps; s++) {
     struct wcsph_totals totals;
     if (engine_step(&engine) != STATUS_OK) break;
-    if (s % 8 != 0 && s != steps) continue;
-    if (wcsph_sum(&engine, &totals) != STATUS_OK) break;
+    if (s % every != 0 && s != steps) continue;
+    if (wcsph_sum(&engine, true, &totals) != STATUS_OK) break;
     double v = 0;
     for (int a = 0; a < 3; a++) v += totals.flux[a] * m->force[a] / force;
-    moved += 8 * settings.dt * v / (double)l->fluid_count / l->spacing[0];
+    moved += (double)every * settings.dt * v / (double)l->fluid_count / l->spacing[0];
     if (s > first) sum += v / (double)l->bulk_count, n++;
+    if (!(m->tolerance > 0)) continue;
+    if (monitor_add(&monitor, (double[MONITOR_COMPONENTS]){v / (double)l->bulk_count})) break;
+    struct monitor_verdict verdict = monitor_judge(&monitor, m->tolerance, 80);
+    sum = verdict.mean[0], n = 1;
+    if (verdict.steady) break;
   }
+  monitor_free(&monitor);
   engine_free(&engine);
   if (travel != NULL) *travel = moved;
   return sum / (double)n;
