@@ -53,11 +53,12 @@ static struct end_of_line end_of_line(const struct engine *engine, size_t slot) 
 enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *totals) {
   enum status status = STATUS_OK;
   const struct particles *p = &engine->particles;
-  size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
   struct wcsph_totals *part = NULL;
   const bool ends =
       flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
+  /* First, since it may make new lists, and with them another number of slots. */
   if (ends) TRY(engine_pull(engine));
+  const size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
   const size_t first = engine_first_slot(engine) / SUM_BLOCK;
   const size_t last = (engine_end_slot(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
