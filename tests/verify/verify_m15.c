@@ -67,7 +67,10 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
   char *status = NULL;
   bool good = h5_open(path, &file) == STATUS_OK &&
               h5_read_attribute_text(file, "/run", "status", &status) == STATUS_OK;
-  if (good && strcmp(status, "end_time") != 0) good = false, FAIL(STATUS_INPUT, "%s", status);
+  if (good && strcmp(status, "end_time") != 0) {
+    (void)FAIL(STATUS_INPUT, "%s", status);
+    good = false;
+  }
   memory_free(&status);
   if (good) {
     run->time = column(file, "time", 1, &run->rows);
