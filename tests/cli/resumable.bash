@@ -28,8 +28,8 @@ resumable_start() {
   local method=$1 name=$2
   shift 2
   case $method in
-    wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.03 s' \
-      --set output.interval='0.01 s' "$@" ;;
+    wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.09 s' \
+      --set output.interval='0.03 s' "$@" ;;
     stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 "$@" ;;
     isph) set -- all.cfg "$@" ;;
   esac
