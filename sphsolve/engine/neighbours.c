@@ -159,7 +159,8 @@ static enum status search_box(const struct frame *frame, const struct cluster_bi
               image |= own << (IMAGE_BITS * a);
             }
             find_gaps(bins, m, m + 1, from, row->half, unit, found->square);
-            found->key[found->n] = (uint64_t)image << 32 | bins->member[m]; // NOLINT: reserved above
+            // NOLINTNEXTLINE: reserved above
+            found->key[found->n] = (uint64_t)image << 32 | bins->member[m];
             found->member[found->n] = (uint32_t)m;
             found->n += found->square[0] < limit;
           }
