@@ -54,6 +54,15 @@ static uint64_t *row_of(uint64_t *bits, const struct phase *phase, size_t y, siz
   return bits + (z * phase->size[1] + y) * phase->words;
 }
 
+/* A row is kept where the SIDE rows from it on, a stride apart, are of the phase; none where they
+ * would leave the model. */
+static void erode_across(uint64_t *row, size_t stride, size_t words, bool inside) {
+  if (inside)
+    and_rows(row, row + stride, row + 2 * stride, row + 3 * stride, words);
+  else
+    memset(row, 0, words * sizeof *row);
+}
+
 /* The lowest corners of all cubes of the phase. */
 static void find_cubes(const struct phase *phase) {
   const size_t ny = phase->size[1], nz = phase->size[2], words = phase->words;
@@ -61,25 +70,13 @@ static void find_cubes(const struct phase *phase) {
   for (size_t z = 0; z < nz; z++) {
     for (size_t y = 0; y < ny; y++)
       erode_row(row_of(phase->bits, phase, y, z), words, row_of(phase->large, phase, y, z));
-    for (size_t y = 0; y < ny; y++) {
-      uint64_t *row = row_of(phase->large, phase, y, z);
-      if (y + SIDE <= ny)
-        and_rows(row, row + words, row + 2 * words, row + 3 * words, words);
-      else
-        memset(row, 0, words * sizeof *row);
-    }
+    for (size_t y = 0; y < ny; y++)
+      erode_across(row_of(phase->large, phase, y, z), words, words, y + SIDE <= ny);
   }
 #pragma omp parallel for schedule(static)
-  for (size_t y = 0; y < ny; y++) {
-    const size_t slice = ny * words;
-    for (size_t z = 0; z < nz; z++) {
-      uint64_t *row = row_of(phase->large, phase, y, z);
-      if (z + SIDE <= nz)
-        and_rows(row, row + slice, row + 2 * slice, row + 3 * slice, words);
-      else
-        memset(row, 0, words * sizeof *row);
-    }
-  }
+  for (size_t y = 0; y < ny; y++)
+    for (size_t z = 0; z < nz; z++)
+      erode_across(row_of(phase->large, phase, y, z), ny * words, words, z + SIDE <= nz);
 }
 
 /* All of `mask` that hangs together with `seed`, both ways. */
