@@ -9,6 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/effects/shifting.h"
+#include "sphsolve/engine/engine_walls.h"
 #include "sphsolve/engine/simd.h"
 
 /* Clusters are cut when wider than this; lists are made for paths of PATH, with so much around them
@@ -32,8 +33,6 @@
 #define LISTS_WALL 7.0
 #define BOXES 3.0
 #define BINS 3.6
-/* Floor of the distance to a wall, spacings: numbers nearer are noise. */
-#define WALL_DISTANCE_LEAST 0.02
 
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
@@ -46,59 +45,6 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
       .wall_v = adami || s->wall_moves,
       .wall_given = adami && s->wall_moves,
   };
-}
-
-/* The part of a frozen wall's density that never changes: itself and the walls around it. */
-static enum status wall_base_sum(struct engine *engine) {
-  enum status status = STATUS_OK;
-  struct particles *p = &engine->particles;
-  const struct lattice *lattice = engine->lattice;
-  const struct engine_settings *s = &engine->settings;
-  double volume = 1;
-  int reach[3];
-  for (int a = 0; a < 3; a++) {
-    bool flat = lattice->dimensions == 2 && a == 1;
-    volume *= flat ? 1 : lattice->spacing[a];
-    reach[a] = flat ? 0 : (int)floor(s->support / lattice->spacing[a]);
-  }
-  /* W depends on the offset of two sites alone. */
-  int span[3] = {2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1};
-  size_t count = (size_t)span[0] * (size_t)span[1] * (size_t)span[2];
-  double *weight = NULL;
-  TRY(memory_allocate(&weight, count, sizeof *weight, "kernel values"));
-  for (size_t t = 0; t < count; t++) {
-    int offset[3] = {(int)(t % (size_t)span[0]) - reach[0],
-                     (int)(t / (size_t)span[0] % (size_t)span[1]) - reach[1],
-                     (int)(t / (size_t)span[0] / (size_t)span[1]) - reach[2]};
-    double square = 0;
-    for (int a = 0; a < 3; a++) square += pow(offset[a] * lattice->spacing[a], 2);
-    weight[t] = kernel_w(KERNEL_QUINTIC, lattice->dimensions, sqrt(square), s->smoothing_length);
-  }
-  size_t slots = particles_wall_slots(p);
-#pragma omp parallel for schedule(static)
-  for (size_t w = 0; w < slots; w++) {
-    if (p->site[w] == NO_SITE) continue;
-    double sum = 0;
-    const double *next = weight;
-    for (int k = -reach[2]; k <= reach[2]; k++)
-      for (int j = -reach[1]; j <= reach[1]; j++)
-        for (int i = -reach[0]; i <= reach[0]; i++, next++) {
-          if (*next == 0) continue;
-          const int offset[3] = {i, j, k};
-          size_t at[3] = {0};
-          for (int a = 0; a < 3; a++) {
-            long n = (long)lattice->size[a];
-            long own = (long)frame_wall_index(&p->frame, a, p->site[w]);
-            at[a] = (size_t)(((own + offset[a]) % n + n) % n);
-          }
-          size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
-          if (lattice->kind[site] == SITE_WALL) sum += *next;
-        }
-    p->wall_base[w] = (float)(volume * sum);
-  }
-cleanup:
-  memory_free(&weight);
-  return status;
 }
 
 static void set_velocities(struct engine *engine) {
@@ -169,7 +115,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
-  if (engine->fields.wall_base) TRY(wall_base_sum(engine));
+  if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   set_velocities(engine);
   TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
   TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
@@ -338,60 +284,6 @@ cleanup:
   return status;
 }
 
-/* Difference of the distance along one axis, away from the wall: one-sided, for in the middle of a
- * pore two sites wide, between two walls, a central difference would be none. */
-static inline double slope_from_wall(double low, double here, double high) {
-  double back = here - low, fore = high - here;
-  double up = here < 0 ? fore : back, down = here < 0 ? back : fore;
-  up = up > 0 ? up : 0;
-  down = down < 0 ? down : 0;
-  return up > -down ? up : down;
-}
-
-double engine_wall_distance(const struct engine *engine, size_t i) {
-  const struct particles *p = &engine->particles;
-  const struct lattice *lattice = engine->lattice;
-  const float *field = lattice->wall_distance;
-  const size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
-  size_t near[3], site = 0;
-  double offset[3]; /* spacings from the nearest site */
-  for (int a = 0; a < 3; a++) {
-    /* Sites from the edge of the box, with 32 bits behind the point. */
-    uint64_t t = (uint64_t)(p->x[a][i] << p->frame.image_bits[a]) * lattice->size[a];
-    if (p->frame.step[a] == 0) t = 0x80000000u;
-    near[a] = t >> 32;
-    offset[a] = ((double)(uint32_t)t - 0x1p31) * 0x1p-32;
-    site += near[a] * stride[a];
-  }
-  double here = (double)field[site], along = 0, square = 0;
-  bool smooth = true;
-  for (int a = 0; a < 3; a++) {
-    if (p->frame.step[a] == 0) continue;
-    size_t last = lattice->size[a] - 1, back = last * stride[a];
-    double high = (double)field[near[a] < last ? site + stride[a] : site - back];
-    double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
-    double spacing = lattice->spacing[a], most = 1.15 * spacing;
-    double slope = slope_from_wall(low, here, high), steep = slope / spacing;
-    smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
-    along += slope * offset[a];
-    square += steep * steep;
-  }
-  double d = here + (square > 1 ? along / sqrt(square) : along);
-  double least = WALL_DISTANCE_LEAST * engine->pass.spacing;
-  d = d > least ? d : least;
-  return smooth ? d : -d;
-}
-
-static void update_distance(struct engine *engine) {
-  double start = clock_seconds();
-  struct particles *p = &engine->particles;
-  p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
-  const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
-#pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
-  engine->seconds[PHASE_WALL] += clock_seconds() - start;
-}
-
 /* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left
  * the box that the lists were made for. */
 static void drift(struct engine *engine, double share) {
@@ -500,7 +392,7 @@ enum status engine_step(struct engine *engine) {
     if (RANKS) engine_send(engine, SENT_WALL);
     engine->pair_interactions += (double)engine->pairs_wall;
   } else if (s->wall == PASS_SUBVOXEL) {
-    update_distance(engine);
+    engine_update_distance(engine);
   }
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
@@ -543,7 +435,7 @@ enum status engine_pull(struct engine *engine) {
   /* As the next step would. */
   if (!engine->listed || engine->moved >= PATH * engine->pass.spacing)
     TRY(make_lists(engine, true));
-  if (s->wall == PASS_SUBVOXEL) update_distance(engine);
+  if (s->wall == PASS_SUBVOXEL) engine_update_distance(engine);
   engine->pass.dt = 1;
   run_pass(engine, engine->table->force[s->wall][0][0], false, PHASE_FORCE);
   engine->pass.dt = s->dt;

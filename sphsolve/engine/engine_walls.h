@@ -1,0 +1,15 @@
+/* What the engine knows of walls before its pair loops run. */
+#ifndef TOSUI_ENGINE_WALLS_H
+#define TOSUI_ENGINE_WALLS_H
+
+#include "sphsolve/engine/engine.h"
+
+/* The part of a frozen wall's density that never changes, 1: itself and the walls around it, summed
+ * over the lattice into particles.wall_base. */
+enum status engine_sum_wall_base(struct engine *engine);
+
+/* Distance of each fluid particle to its wall, m, into particles.distance; negative where the field
+ * bends (see engine_wall_distance). */
+void engine_update_distance(struct engine *engine);
+
+#endif
