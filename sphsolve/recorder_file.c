@@ -73,6 +73,9 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
   TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,
                          &result->pair_interactions_per_second));
+  for (size_t i = 0; i < recorder->clock_count; i++)
+    TRY(h5_write_attribute(file, "/run/timing", recorder->clocks[i].name, H5_F64, 1,
+                           &recorder->clocks[i].value));
 cleanup:
   return status;
 }

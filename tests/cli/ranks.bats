@@ -50,6 +50,9 @@ stokes() { # NAME [options]
     $AGREE serial-0000.hdf "run$n-0000.hdf" 1e-5 VTKHDF/PointData/velocity VTKHDF/PointData/pressure
     $AGREE serial-0000.hdf "run$n-0000.hdf" 0 VTKHDF/Points VTKHDF/PointData/id VTKHDF/Connectivity VTKHDF/Offsets
   done
+  # What a clock measured stands under /run/timing alone.
+  /usr/bin/python3 -c 'import h5py; run = h5py.File("run2.hdf")["run"]
+assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "waiting_seconds" not in run.attrs'
 }
 
 @test "stokes: a rank killed on 3, finished on 4 and without MPI" {
