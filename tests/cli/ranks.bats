@@ -136,3 +136,12 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
   (cd alone && sphsolve $(wcsph stop --set wcsph.wall=frozen --resume) > /dev/null)
   same wfrozen alone/stop
 }
+
+@test "the same inputs on 2 ranks give the same bytes but for what a clock measured" {
+  for d in one two; do
+    mkdir -p $d && cp s06.cfg dense.hdf $d
+    (cd $d && on 2 sphsolve-mpi $(stokes creep) > /dev/null && on 2 sphsolve-mpi $(wcsph flow) > /dev/null)
+  done
+  /usr/bin/python3 "$ROOT/tests/cli/blank_clock.py" {one,two}/{creep,flow}.hdf
+  for f in creep creep-0000 flow flow-0000 flow-0001 flow-0002; do cmp one/$f.hdf two/$f.hdf; done
+}
