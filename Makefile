@@ -81,6 +81,7 @@ $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/obj && find $(BUILD)/obj -name '*.d')
+.PRECIOUS: $(BUILD)/obj/%.c.o $(BUILD)/obj-mpi/%.c.o
 
 # ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
