@@ -60,6 +60,9 @@ void explain_print(const struct plan *plan) {
   if (plan->bytes_copy > 0)
     printf("           %.1f MB beside it while a state to go back to is kept\n",
            plan->bytes_copy / 1e6);
+  if (plan->bytes_disk > 0)
+    printf("           on disk %.1f MB while a state to go back to is kept\n",
+           plan->bytes_disk / 1e6);
   if (plan->bytes_split > 0)
     printf("           %.1f MB after it to split the error of k\n", plan->bytes_split / 1e6);
   if (plan->dt > 0) {
@@ -110,7 +113,7 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
   format_fields(plan->fields, fields, sizeof fields);
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:f, s:f, "
-      "s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
+      "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
       "scene", context->scene->name, "method", method_names[context->method], "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
@@ -119,7 +122,8 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
       "sound_speed_reason", context->sound_why, "effects", effects, "fields", fields,
       "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
       "memory_bytes", plan->bytes_total, "memory_method_bytes", plan->bytes_method,
-      "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split, "dt",
+      "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split,
+      "disk_bytes", plan->bytes_disk, "dt",
       number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
       plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
       number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),

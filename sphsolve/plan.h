@@ -56,8 +56,9 @@ struct plan {
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
   double bytes_total;             /* at most, at any time, with what the program itself takes */
   /* The method's own; what a state to go back to takes beside it while one is kept; and, when the
-   * method has given back all it held, what splits the error of k. */
-  double bytes_method, bytes_copy, bytes_split;
+   * method has given back all it held, what splits the error of k. On disk: what a run may keep
+   * beside its results while it lasts. */
+  double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
   double steps, seconds;       /* predicted */
   struct expectation expected; /* error of the headline number */

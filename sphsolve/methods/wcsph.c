@@ -241,6 +241,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   /* Before the engine is there: both take memory. */
   if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
   TRY(engine_make(lattice, &settings, &run.state.engine));
+  run.copy.beside = recorder_checkpoint_name(recorder);
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
   run.pore_width = gap * plan->context.spacing;
@@ -276,7 +277,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
 cleanup:
   monitor_free(&run.state.monitor);
   engine_free(&run.state.engine);
-  memory_free(&run.copy.arrays);
+  wcsph_copy_free(&run.copy);
   memory_free(&region_velocity);
   return status;
 }

@@ -186,7 +186,7 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
   struct particle_fields fields = engine_fields(&settings);
-  plan->bytes_copy = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
+  plan->bytes_disk = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
   plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +
                       plan->bytes_wall * (double)lattice->wall_count +
                       threads * engine_bytes_thread(lattice, context->support);

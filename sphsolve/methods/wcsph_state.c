@@ -189,13 +189,10 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   struct particles p = state->engine.particles; /* pointers only */
   struct stored list[16];
   size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
-  if (copy->clusters != p.clusters) { /* never two at a time */
-    memory_free(&copy->arrays);
-    copy->clusters = 0;
-    TRY(memory_allocate(&copy->arrays, n * slots, sizeof *copy->arrays, "a state to go back to"));
-  }
+  const size_t size = slots * sizeof(float); /* of each */
+  if (copy->file.file == NULL) TRY(scratch_open(copy->beside, &copy->file));
   for (size_t i = 0; i < n; i++)
-    memcpy(copy->arrays + i * slots, *list[i].array, slots * sizeof *copy->arrays);
+    TRY(scratch_write(&copy->file, i * size, *list[i].array, size));
   copy->clusters = p.clusters;
   copy->samples = state->monitor.count;
   copy->step = state->step;
@@ -216,9 +213,9 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   engine_settle(engine);
   TRY(particles_resize(p, copy->clusters));
   struct stored list[16];
-  size_t n = stored_arrays(p, list), slots = particles_slots(p);
+  const size_t n = stored_arrays(p, list), size = particles_slots(p) * sizeof(float);
   for (size_t i = 0; i < n; i++)
-    memcpy(*list[i].array, copy->arrays + i * slots, slots * sizeof *copy->arrays);
+    TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
   TRY(engine_share_out(engine));
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;
@@ -238,6 +235,10 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   state->sample_from = state->step - since;
 cleanup:
   return status;
+}
+
+void wcsph_copy_free(struct wcsph_copy *copy) {
+  scratch_close(&copy->file);
 }
 
 enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file) {

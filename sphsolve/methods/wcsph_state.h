@@ -3,6 +3,7 @@
 #define TOSUI_METHODS_WCSPH_STATE_H
 
 #include "common/hdf5_file.h"
+#include "common/scratch_file.h"
 #include "sphsolve/engine/engine.h"
 #include "sphsolve/monitor.h"
 #include "sphsolve/watchdog.h"
@@ -25,9 +26,10 @@ bool wcsph_sample_due(const struct wcsph_state *state);
 void wcsph_halve(struct wcsph_state *state);
 bool wcsph_double(struct wcsph_state *state);
 
-/* A copy of the state to go back to. */
+/* A copy of the state to go back to, on disk beside the results: it is read after a trip only. */
 struct wcsph_copy {
-  float *arrays;
+  const char *beside; /* a path there; the caller's */
+  struct scratch_file file;
   size_t clusters, samples;
   int64_t step, sample_from;
   double time, moved, speed_max, next_row;
@@ -36,6 +38,7 @@ struct wcsph_copy {
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* The step stays as it is now, unless it was shorter then. */
 enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
+void wcsph_copy_free(struct wcsph_copy *copy);
 size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */
 
 /* Sums over the fluid, in an order that no thread count changes. */
