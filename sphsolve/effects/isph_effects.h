@@ -138,6 +138,19 @@ static inline bool isph_calming_wanted(const struct effect_context *context, cha
   return on;
 }
 
+/* Only where nothing but a steady force, the same at every place, can give the water energy. */
+static inline bool isph_energy_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  char unused[EFFECT_WHY];
+  const struct scene *scene = context->scene;
+  bool round = false;
+  for (int a = 0; a < 3; a++) round = round || (scene->periodic[a] && scene->driving[a] != 0);
+  bool on = isph_calming_wanted(context, unused) && !context->has_inflow &&
+            !context->has_moving_wall && !isph_any_soil(scene, isph_motion_of) && !round;
+  WHY(on ? "a surface under a force, and nothing else drives the water"
+         : "no surface under a force, or something else drives the water");
+  return on;
+}
+
 /* Whether a wall of the given kind of slip is there. */
 static inline bool isph_wall_kind(const struct effect_context *context, bool slip) {
   const struct scene *scene = context->scene;
@@ -212,6 +225,9 @@ EFFECT_OF(isph_shifting, isph_shifting_wanted, NULL, FIELD_BIT(VELOCITY),
           "Lind et al. 2012; Skillen et al. 2013");
 EFFECT_OF(isph_calming, isph_calming_wanted, NULL, FIELD_BIT(VELOCITY), FIELD_BIT(VELOCITY),
           "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)", "docs/physics.md");
+EFFECT_OF(isph_energy, isph_energy_wanted, NULL, FIELD_BIT(VELOCITY),
+          FIELD_BIT(VELOCITY) | FIELD_BIT(POSITION), "a step that would give energy goes less far",
+          "docs/physics.md");
 EFFECT_OF(isph_wall_no_slip, isph_no_slip_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(IMAGE_VELOCITY), "mirrored images v_w + (v_w - v) d_w/d",
           "Takeda et al. 1994; Morris et al. 1997");

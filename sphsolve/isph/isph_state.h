@@ -28,7 +28,7 @@
 /* What of the physics is on; each is an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer;
-  bool viscosity, turbulence, relaxation, surface, shifting, calming;
+  bool viscosity, turbulence, relaxation, surface, shifting, calming, energy;
   bool walls, no_slip, moving_walls, open_sides;
 };
 
@@ -241,6 +241,17 @@ void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
                       const double wall_moment[6]);
 /* Evens the slopes of all pairs by it. */
 void isph_moment_even(struct isph *s);
+
+/* isph_energy.c: no energy out of nothing. Kinetic with the velocity of the pores; potential -f.x.
+ */
+double isph_kinetic_energy(const struct isph *s);
+double isph_potential_energy(const struct isph *s);
+/* What the relaxation of the density may add in a step, J or J/m; after the projection. */
+double isph_energy_given(const struct isph *s, double tau, double dt);
+/* Of velocities and ways what keeps within the budget, 0 .. 1. */
+double isph_energy_share(const struct isph *s, double (*way)[3], double budget);
+/* Slows the water until its energy is at most `most`. */
+void isph_energy_trim(struct isph *s, double most);
 
 /* isph_pressure.c */
 void isph_assemble(struct isph *s, double tau);

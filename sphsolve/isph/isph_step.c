@@ -254,8 +254,9 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
 
 /* dx/dt = v/eps and the shift, guarded at walls. Without a surface v is the mean of the old and the
  * new velocity (Cummins, Rudman 1999, eq. 24); with one, where that would be an explicit scheme for
- * the surface's waves and make them grow, the new one. */
-static void move(struct isph *s, double dt) {
+ * the surface's waves and make them grow, the new one. `budget`: isph_energy_share's. */
+static void move(struct isph *s, double dt, double budget) {
+  double(*way)[3] = s->predicted, share = 1; /* v* is not needed any more */
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -267,10 +268,14 @@ static void move(struct isph *s, double dt) {
       if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
       for (int a = 0; a < 3; a++) speed[a] += step[a] / dt;
       isph_wall_guard(s, x, 1, dt, speed);
-      for (int a = 0; a < 3; a++)
-        if (s->dimensions == 3 || a != 1) x[a] += speed[a] * dt;
-      wrap(s, x);
+      for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
+  if (s->on.energy) share = isph_energy_share(s, way, budget);
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) {
+    for (int a = 0; a < 3; a++) s->position[i][a] += share * way[i][a], s->velocity[i][a] *= share;
+    wrap(s, s->position[i]);
+  }
 }
 
 /* Takes out what the projection, an approximate one, leaves of div v, where there is no surface.
@@ -319,7 +324,9 @@ enum status isph_advance(struct isph *s, double dt) {
   double tau = scene->isph.tau;
   if (!isnan(scene->isph.alpha))
     tau = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
-  double start = clock_seconds(), now;
+  double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
+  size_t count = s->count;
+  if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
@@ -335,7 +342,8 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));
   TRY(check_finite(s));
   TRY(isph_open_measure(s));
-  move(s, dt);
+  if (s->on.energy) given = isph_energy_given(s, tau, dt);
+  move(s, dt, kinetic + given);
   isph_remove_outside(s);
   TRY(isph_open_move(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);
@@ -347,6 +355,8 @@ enum status isph_advance(struct isph *s, double dt) {
   s->step++;
   s->seconds_correct += clock_seconds() - start;
   TRY(isph_refresh(s));
+  /* What the new porosity and the walls' guard made of it. */
+  if (s->on.energy && s->count == count) isph_energy_trim(s, most + given);
 cleanup:
   return status;
 }

@@ -113,6 +113,7 @@ void isph_switches_of(const struct plan *plan, struct isph_switches *on) {
       .surface = plan_has(plan, "isph_surface"),
       .shifting = plan_has(plan, "isph_shifting"),
       .calming = plan_has(plan, "isph_calming"),
+      .energy = plan_has(plan, "isph_energy"),
       .no_slip = plan_has(plan, "isph_wall_no_slip"),
       .moving_walls = plan_has(plan, "isph_wall_moving"),
       .open_sides = plan_has(plan, "isph_open_side"),

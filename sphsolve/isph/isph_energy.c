@@ -1,0 +1,62 @@
+#include "sphsolve/isph/isph_state.h"
+
+#include <math.h>
+
+#include "sphsolve/effects/isph_relaxation.h"
+
+/* In a closed tank under a steady force the water's energy, kinetic and potential,
+ *   E = sum m (v^2 / (2 eps^2) - f.x),
+ * falls, or rises by what the relaxation of the density gives where it lets crowded water have its
+ * room again, R = sum P V phi' dt with phi' the rate it asks for. The projection, whose gradient
+ * and divergence are each other's adjoint but for sum V grad W, and the shift keep to that only as
+ * far as they are accurate: near rest, when nothing else takes energy any more, they lift the water
+ * by 1e-7 to 1e-6 of its energy in a step. So a step that would give energy goes less far:
+ * velocities and ways of all particles are taken times the one factor that makes E^{n+1} = E^n +
+ * max(R, 0). There always is one, since at 0 nothing has moved. */
+
+double isph_kinetic_energy(const struct isph *s) {
+  double sum = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const double *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+    sum += 0.5 * s->mass[i] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
+  }
+  return sum;
+}
+
+double isph_potential_energy(const struct isph *s) {
+  const double *f = s->force;
+  double sum = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const double *x = s->position[i];
+    sum -= s->mass[i] * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]);
+  }
+  return sum;
+}
+
+double isph_energy_given(const struct isph *s, double tau, double dt) {
+  double sum = 0;
+  if (s->on.relaxation)
+    for (size_t i = 0; i < s->count; i++)
+      sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, tau);
+  return fmax(0, sum * dt);
+}
+
+/* The positive root of  share^2 K + share W = B,  K what is kinetic now, W what the way ahead adds
+ * to the potential, B >= 0 the kinetic energy before the step and what was given. */
+double isph_energy_share(const struct isph *s, double (*way)[3], double budget) {
+  const double *f = s->force, kinetic = isph_kinetic_energy(s);
+  double work = 0;
+  for (size_t i = 0; i < s->count; i++)
+    work -= s->mass[i] * (f[0] * way[i][0] + f[1] * way[i][1] + f[2] * way[i][2]);
+  if (kinetic + work <= budget) return 1;
+  double root = sqrt(work * work + 4 * kinetic * budget);
+  return work > 0 ? 2 * budget / (work + root) : (root - work) / (2 * kinetic);
+}
+
+void isph_energy_trim(struct isph *s, double most) {
+  double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
+  if (!(excess > 0 && kinetic > 0)) return;
+  double scale = sqrt(fmax(0, 1 - excess / kinetic));
+  for (size_t i = 0; i < s->count; i++)
+    for (int a = 0; a < 3; a++) s->velocity[i][a] *= scale;
+}
