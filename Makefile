@@ -202,7 +202,7 @@ valgrind: $(UNIT_TESTS)
 	$(Q)for t in $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t))); do echo $$t; OMP_NUM_THREADS=1 TOSUI_ISA=avx2 \
 	  valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite $$t > $(BUILD)/valgrind.log 2>&1 || { cat $(BUILD)/valgrind.log; exit 1; }; done
 coverage:
-	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage"
+	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
 	scripts/coverage $(BUILD)-coverage
 
 # ---- fuzzing: FUZZ_SECONDS of processor time each, with address and undefined behaviour sanitizers (needs clang) ----

@@ -196,6 +196,10 @@ force = { body_acceleration = ["0", "0", "-9.8 m/s^2"]; };\n' > s.cfg
   refused 1 "would exceed the limit" sphsolve explain case.cfg
 }
 
+@test "a damaged size in HDF5's own tables takes no memory" {
+  refused 3 "asks for more memory than any needs" ct2model info "$ROOT/tests/fuzz/corpus/hdf5/run-hungry.hdf"
+}
+
 @test "--max-memory is held before memory is taken, with the number in the message" {
   sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --max-memory 50MB > /dev/null
   refused 1 "limit of 0.0 MB; --max-memory sets it" sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --max-memory 0.01MB
