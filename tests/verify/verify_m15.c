@@ -88,8 +88,14 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
   }
   if (good)
     run->head = run->mass[0] / (1000 * SIDE * SIDE);
-  else
-    printf("skip %s: %s\n", run->name, error_message()), error_clear(), free_run(run);
+  else {
+    printf("skip %s: %s\n", run->name, error_message());
+    json_array_append_new(results, json_pack("{s:s, s:s, s:n, s:s, s:n, s:n}", "case", run->name,
+                                             "status", "skip", "reference", "measured",
+                                             error_message(), "bound", "seconds"));
+    error_clear();
+    free_run(run);
+  }
   h5_close(file);
   return good;
 }
