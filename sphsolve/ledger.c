@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/memory.h"
+
 void ledger_account(struct ledger *ledger, size_t rows, const struct ledger_row *row,
                     const double acceleration[3]) {
   for (size_t i = 1; i < rows; i++) {
@@ -22,12 +24,133 @@ void ledger_account(struct ledger *ledger, size_t rows, const struct ledger_row 
   }
 }
 
+static const struct {
+  const char *name, *words;
+  bool numerical;
+} terms[] = {
+#define X(symbol, name, words, numerical) {name, words, numerical},
+    LEDGER_LIST
+#undef X
+};
+
+static bool is_on(const struct ledger_account *account, int term) {
+  return account->on >> term & 1;
+}
+
+static double length(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+double ledger_momentum_open(const struct ledger_account *account, double open[3]) {
+  double largest;
+  for (int a = 0; a < 3; a++) open[a] = account->momentum[1][a] - account->momentum[0][a];
+  largest = length(open);
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    if (!is_on(account, t)) continue;
+    for (int a = 0; a < 3; a++) open[a] -= account->sums.impulse[t][a];
+    largest = fmax(largest, length(account->sums.impulse[t]));
+  }
+  return largest > 0 ? length(open) / largest : 0;
+}
+
+double ledger_energy_open(const struct ledger_account *account, double *open) {
+  double largest = fabs(*open = account->energy[1] - account->energy[0]);
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    if (!is_on(account, t)) continue;
+    *open -= account->sums.work[t];
+    largest = fmax(largest, fabs(account->sums.work[t]));
+  }
+  return largest > 0 ? fabs(*open) / largest : 0;
+}
+
+void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums) {
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    for (int a = 0; a < 3; a++) to->impulse[t][a] += sums->impulse[t][a];
+    to->work[t] += sums->work[t];
+  }
+}
+
+#define NUMBERS (sizeof(struct ledger_account) / sizeof(double))
+
+enum status ledger_account_write(const struct ledger_account *account, struct h5_file *file,
+                                 const char *name) {
+  double numbers[NUMBERS];
+  size_t count = NUMBERS;
+  struct ledger_account whole;
+  memset(&whole, 0, sizeof whole); /* the gap behind `on` too */
+  whole = *account;
+  memcpy(numbers, &whole, sizeof numbers);
+  numbers[0] = account->on;
+  return h5_write(file, name, H5_F64, 1, &count, numbers, false);
+}
+
+enum status ledger_account_read(struct ledger_account *account, struct h5_file *file,
+                                const char *name) {
+  enum status status = STATUS_OK;
+  double *numbers = NULL;
+  size_t count = 0;
+  TRY(h5_read(file, name, H5_F64, 1, &count, &numbers));
+  if (count != NUMBERS)
+    TRY_FAIL(STATUS_INPUT, "%s: %s is not of this version; remove the file to start anew",
+             h5_path(file), name);
+  uint32_t on = account->on;
+  memcpy(account, numbers, sizeof *account);
+  account->on = on; /* the scene's, which may have been changed */
+cleanup:
+  memory_free(&numbers);
+  return status;
+}
+
 int64_t ledger_particles_open(const struct ledger *l) {
   return (int64_t)(l->start + l->entered) - (int64_t)(l->left + l->lost + l->end);
 }
 
 double ledger_mass_open(const struct ledger *l) {
   return l->mass[0] + l->entered_mass - l->left_mass - l->lost_mass - l->mass[1];
+}
+
+/* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
+static enum status write_account(const struct ledger_account *account, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const char *group = "/run/ledger", *names[LEDGER_TERMS];
+  double impulse[LEDGER_TERMS][3], work[LEDGER_TERMS], open[3], energy_open;
+  uint8_t numerical[LEDGER_TERMS];
+  size_t n = 0;
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    if (!is_on(account, t)) continue;
+    memcpy(impulse[n], account->sums.impulse[t], sizeof *impulse);
+    work[n] = account->sums.work[t];
+    numerical[n] = terms[t].numerical;
+    names[n++] = terms[t].name;
+  }
+  double momentum_share = ledger_momentum_open(account, open);
+  double energy_share = ledger_energy_open(account, &energy_open);
+  const struct {
+    const char *name;
+    size_t count;
+    const double *values;
+  } numbers[] = {{"account_momentum_start", 3, account->momentum[0]},
+                 {"account_momentum_end", 3, account->momentum[1]},
+                 {"momentum_open", 3, open},
+                 {"momentum_open_share", 1, &momentum_share},
+                 {"momentum_sampling_error", 1, &account->momentum_error},
+                 {"energy_start", 1, &account->energy[0]},
+                 {"energy_end", 1, &account->energy[1]},
+                 {"energy_open", 1, &energy_open},
+                 {"energy_open_share", 1, &energy_share},
+                 {"energy_sampling_error", 1, &account->energy_error}};
+  size_t shape[2] = {n, 3};
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+    TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
+                           numbers[i].values));
+  TRY(h5_write_texts(file, "/run/ledger/term", n, names));
+  TRY(h5_write(file, "/run/ledger/impulse", H5_F64, 2, shape, impulse, false));
+  TRY(h5_write(file, "/run/ledger/work", H5_F64, 1, &n, work, false));
+  TRY(h5_write(file, "/run/ledger/numerical", H5_U8, 1, &n, numerical, false));
+  TRY(h5_write_attribute_text(file, "/run/ledger/impulse", "unit", "kg m/s"));
+  TRY(h5_write_attribute_text(file, "/run/ledger/work", "unit", "J"));
+cleanup:
+  return status;
 }
 
 enum status ledger_write(const struct ledger *l, struct h5_file *file) {
@@ -76,6 +199,7 @@ enum status ledger_write(const struct ledger *l, struct h5_file *file) {
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
                            numbers[i].values));
+  if (l->account.on != 0) TRY(write_account(&l->account, file));
   size_t dims[2] = {l->lost < LEDGER_LOSSES ? l->lost : LEDGER_LOSSES, 6};
   if (dims[0] > 0) {
     TRY(h5_write(file, "/run/ledger/losses", H5_F64, 2, dims, l->losses, false));
@@ -85,6 +209,35 @@ enum status ledger_write(const struct ledger *l, struct h5_file *file) {
   }
 cleanup:
   return status;
+}
+
+/* Terms below this share of the largest are not printed; all are in the file. */
+#define PRINTED 1e-4
+
+static void print_account(const struct ledger_account *account) {
+  double open[3], energy_open, largest = 0;
+  double momentum_share = ledger_momentum_open(account, open);
+  double energy_share = ledger_energy_open(account, &energy_open);
+  printf("           momentum (kg m/s): ");
+  for (int t = 0; t < LEDGER_TERMS; t++)
+    if (is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    const double *p = account->sums.impulse[t];
+    if (is_on(account, t) && largest > 0 && length(p) > PRINTED * largest)
+      printf("%s (%.4g, %.4g, %.4g), ", terms[t].words, p[0], p[1], p[2]);
+  }
+  printf("not accounted for %.2g %% of the largest", 100 * momentum_share);
+  if (account->momentum_error > 0) printf(" (sampling: %.2g kg m/s)", account->momentum_error);
+  printf("\n           energy (J): %.4g to %.4g; ", account->energy[0], account->energy[1]);
+  largest = 0;
+  for (int t = 0; t < LEDGER_TERMS; t++)
+    if (is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
+  for (int t = 0; t < LEDGER_TERMS; t++)
+    if (is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
+      printf("%s %.4g, ", terms[t].words, account->sums.work[t]);
+  printf("not accounted for %.3g, %.2g %% of the largest", energy_open, 100 * energy_share);
+  if (account->energy_error > 0) printf(" (sampling: %.2g J)", account->energy_error);
+  printf("\n");
 }
 
 void ledger_print(const struct ledger *l) {
@@ -104,6 +257,7 @@ void ledger_print(const struct ledger *l) {
     printf("closes to the last bit\n");
   else
     printf("open by %.2g of it\n", fabs(mass_open) / fmax(l->mass[0], 1e-300));
+  if (l->account.on != 0) print_account(&l->account);
   for (uint64_t i = 0; i < l->lost && i < 3; i++)
     printf("           lost: particle %.0f through a wall at t = %.4g s, (%.4g, %.4g, %.4g) m\n",
            l->losses[i][0], l->losses[i][1], l->losses[i][2], l->losses[i][3], l->losses[i][4]);

@@ -1,8 +1,10 @@
 #include "sphsolve/isph/isph_state.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "sphsolve/effects/isph_relaxation.h"
+#include "sphsolve/isph/isph_account.h"
 
 /* In a closed tank under a steady force the water's energy, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
@@ -53,10 +55,28 @@ double isph_energy_share(const struct isph *s, double (*way)[3], double budget) 
   return work > 0 ? 2 * budget / (work + root) : (root - work) / (2 * kinetic);
 }
 
+void isph_energy_hold(struct isph *s, double (*way)[3], double share) {
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double *v = s->velocity[i], from[3], back[3];
+      for (int a = 0; a < 3; a++) {
+        from[a] = v[a], back[a] = (share - 1) * way[i][a];
+        v[a] *= share, way[i][a] *= share;
+      }
+      isph_account_change(s, &s->chunks[c].account, LEDGER_ENERGY_BOUND, i, from);
+      isph_account_way(s, &s->chunks[c].account, LEDGER_ENERGY_BOUND, i, back);
+    }
+}
+
 void isph_energy_trim(struct isph *s, double most) {
   double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
   if (!(excess > 0 && kinetic > 0)) return;
   double scale = sqrt(fmax(0, 1 - excess / kinetic));
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = 0; i < s->count; i++) {
+    double from[3];
+    memcpy(from, s->velocity[i], sizeof from);
     for (int a = 0; a < 3; a++) s->velocity[i][a] *= scale;
+    isph_account_change(s, &s->account.sums, LEDGER_ENERGY_BOUND, i, from);
+  }
 }

@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/isph/isph_account.h"
 
 /* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
  * with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column for each cell of the
@@ -163,6 +164,7 @@ void isph_remove_outside(struct isph *s) {
     if (outside) {
       double mass = s->mass[i] * s->thickness;
       int side = isph_open_side_behind(s, x);
+      isph_account_gone(s, side >= 0 ? LEDGER_LEFT : LEDGER_LOST, i);
       if (side >= 0) {
         s->left_count++, s->left_mass += mass;
         follow(s, side, x, s->volume[i]);
@@ -214,14 +216,16 @@ void isph_open_straighten(struct isph *s) {
       for (size_t i = 0; i < s->count; i++) {
         double depth = depth_before(s, side, s->position[i]);
         if (depth >= reach || (s->on.soil && s->soil_share[i] > 0)) continue;
-        double *v = s->predicted[i], keep = fmin(1, fmax(0, depth / s->spacing - 1));
+        double *v = s->predicted[i], *given = s->applied[i].straightened, keep = fmin(1, fmax(0, depth / s->spacing - 1));
         if (pass == 0) {
           volume += s->volume[i], mean += s->volume[i] * v[n];
           continue;
         }
+        for (int a = 0; a < 3; a++) given[a] -= v[a];
         for (int a = 0; a < 3; a++)
           if (a != n) v[a] *= keep;
         if (mean * side->inward > 0) v[n] = keep * v[n] + (1 - keep) * mean;
+        for (int a = 0; a < 3; a++) given[a] += v[a];
       }
       if (volume > 0) mean /= volume, volume = 0;
     }
@@ -273,6 +277,7 @@ static enum status admit(struct isph *s, size_t c) {
   if (status != STATUS_OK) return status;
   if (side->kind == BOUNDARY_OPEN_HEAD)
     s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
+  isph_account_entered(s, x, velocity, mass);
   s->entered_count++, s->entered_mass += mass * s->thickness;
   return STATUS_OK;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/isph_account.h"
 #include "sphsolve/isph/isph_kernel.h"
 #include "sphsolve/isph/isph_multigrid.h"
 
@@ -65,6 +66,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
   if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
   TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
+  TRY(memory_resize(&s->applied, n, sizeof *s->applied, what));
   TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
@@ -176,6 +178,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_wall_create(s));
   TRY(place_water(s, lattice));
   TRY(isph_refresh(s));
+  isph_account_begin(s);
 cleanup:
   return status;
 }
@@ -214,6 +217,7 @@ void isph_free(struct isph *s) {
                     &s->mobility,
                     &s->eddy,
                     &s->predicted,
+                    &s->applied,
                     &s->diagonal,
                     &s->source,
                     &s->tied,

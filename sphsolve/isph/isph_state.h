@@ -63,8 +63,16 @@ struct isph_column {
   double speed;       /* of the water there, inward: of the pores */
 };
 
+/* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
+ * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v* at
+ * open sides (m/s). */
+struct isph_applied {
+  double pressure[3], viscous[3], friction[3], straightened[3];
+};
+
 struct isph_chunk {
   size_t begin, end;
+  struct ledger_sums account; /* of the step */
   size_t pair_count, pair_capacity;
   uint32_t *pair; /* neighbour | image << PAIR_BITS */
   float *slope;   /* -W'(r)/r of the pair, normalised */
@@ -102,6 +110,7 @@ struct isph {
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
   double time, thickest; /* thickest: largest nu + nu_T of the last step */
+  double calm;           /* the calming's viscosity */
   int64_t step;
 
   size_t count, capacity;
@@ -126,6 +135,7 @@ struct isph {
   double *mobility;                 /* k = B T G / rho_w */
   double *eddy;                     /* nu + nu_T; NULL without viscosity */
   double (*predicted)[3];           /* v* without the driving force */
+  struct isph_applied *applied;
   double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
   double *work[4];                   /* r, z, p, q of CG */
@@ -164,6 +174,8 @@ struct isph {
   size_t lost_count, left_count, entered_count;
   double losses[LEDGER_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;
+  struct ledger_account account;
+  double account_held[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions, pair_seconds;
   struct watchdog dog;
   int64_t calm_from; /* step since which the watchdog has nothing to say */
@@ -190,6 +202,7 @@ struct isph_copy {
   char *block;
   size_t count, counts[3];
   double time, thickest, numbers[3];
+  struct ledger_account account;
   int64_t step;
   uint64_t next_id;
 };
@@ -250,6 +263,8 @@ double isph_potential_energy(const struct isph *s);
 double isph_energy_given(const struct isph *s, double tau, double dt);
 /* Of velocities and ways what keeps within the budget, 0 .. 1. */
 double isph_energy_share(const struct isph *s, double (*way)[3], double budget);
+/* Takes velocities and ways times `share`. */
+void isph_energy_hold(struct isph *s, double (*way)[3], double share);
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
 

@@ -9,6 +9,7 @@
 #include "sphsolve/effects/isph_shifting.h"
 #include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/effects/isph_turbulence.h"
+#include "sphsolve/isph/isph_account.h"
 
 static double size_of(const struct isph *s, double volume) {
   return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
@@ -73,7 +74,7 @@ static void find_velocity_gradient(struct isph *s) {
 
 static void find_viscosity(struct isph *s) {
   const double constant = s->scene->isph.smagorinsky;
-  double calm = s->on.calming ? calming_viscosity(s) : 0;
+  double calm = s->calm = s->on.calming ? calming_viscosity(s) : 0;
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
@@ -90,7 +91,7 @@ static void find_viscosity(struct isph *s) {
 /* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
  * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
 static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                    double force[3]) {
+                    double force[3], double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
@@ -106,7 +107,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
     for (int a = 0; a < 3; a++)
-      force[a] -= weight * (1 + ratio) * (vi[a] - s->boundary_velocity[j][a]);
+      friction[a] -= weight * (1 + ratio) * (vi[a] - s->boundary_velocity[j][a]);
   }
 }
 
@@ -119,20 +120,23 @@ static void predict(struct isph *s, double dt) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *v = s->velocity[i];
       double force[3] = {0}, t = dt, left = 1, own[3] = {0};
-      if (s->on.viscosity) viscous(s, chunk, i, force);
+      struct isph_applied *applied = &s->applied[i];
+      memset(applied, 0, sizeof *applied);
+      if (s->on.viscosity) viscous(s, chunk, i, applied->viscous, applied->friction);
       if (s->on.soil) {
         double eps = s->porosity[i], b = s->drag_b[i];
         t = dt / s->inertia[i];
         if (paper)
-          for (int a = 0; a < 3; a++) force[a] *= eps;
+          for (int a = 0; a < 3; a++) applied->viscous[a] *= eps, applied->friction[a] *= eps;
         if (s->on.moving_soil)
           for (int a = 0; a < 3; a++) own[a] = eps * s->soil_velocity[i][a];
         double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
         double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         left = drag_factor(t, s->drag_a[i], b, speed);
         s->drag_left[i] = left;
-        for (int a = 0; a < 3; a++) force[a] += b * speed * u[a];
+        for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
       }
+      for (int a = 0; a < 3; a++) force[a] += applied->viscous[a] + applied->friction[a];
       s->mobility[i] = left * t / s->density;
       for (int a = 0; a < 3; a++)
         s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
@@ -197,8 +201,9 @@ static void correct(struct isph *s) {
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       for (int a = 0; a < 3; a++) {
-        double old = s->velocity[i][a],
-               step = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+        double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
+        double old = s->velocity[i][a], step = k * gradient;
+        s->applied[i].pressure[a] += gradient;
         if (again) {
           s->velocity[i][a] -= step;
           s->predicted[i][a] -= 0.5 * step;
@@ -262,18 +267,34 @@ static void move(struct isph *s, double dt, double budget) {
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
       const double *carried = s->on.surface ? v : s->predicted[i];
-      double step[3] = {0}, speed[3];
+      struct ledger_sums *sums = &s->chunks[c].account;
+      double step[3] = {0}, speed[3], beyond[3], held[3], guided[3];
+      memcpy(held, v, sizeof held);
       isph_wall_guard(s, x, 1 / eps, dt, v);
-      for (int a = 0; a < 3; a++) speed[a] = carried[a] / eps;
+      isph_account_change(s, sums, LEDGER_WALL_GUARD, i, held);
+      memcpy(guided, v, sizeof guided);
+      for (int a = 0; a < 3; a++) {
+        speed[a] = carried[a] / eps;
+        beyond[a] = speed[a] * dt - held[a] / eps * dt;
+        held[a] *= dt / eps;
+      }
+      isph_account_way(s, sums, LEDGER_FORCE, i, held);
+      isph_account_way(s, sums, s->on.surface ? LEDGER_WALL_GUARD : LEDGER_TIME_STEP, i,
+                       beyond);
       if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
-      for (int a = 0; a < 3; a++) speed[a] += step[a] / dt;
+      isph_account_change(s, sums, LEDGER_SHIFTING, i, guided);
+      isph_account_way(s, sums, LEDGER_SHIFTING, i, step);
+      for (int a = 0; a < 3; a++) beyond[a] = speed[a] += step[a] / dt;
       isph_wall_guard(s, x, 1, dt, speed);
+      for (int a = 0; a < 3; a++) beyond[a] = (speed[a] - beyond[a]) * dt;
+      isph_account_way(s, sums, LEDGER_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
   if (s->on.energy) share = isph_energy_share(s, way, budget);
+  if (share != 1) isph_energy_hold(s, way, share);
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) {
-    for (int a = 0; a < 3; a++) s->position[i][a] += share * way[i][a], s->velocity[i][a] *= share;
+    for (int a = 0; a < 3; a++) s->position[i][a] += way[i][a];
     wrap(s, s->position[i]);
   }
 }
@@ -343,7 +364,9 @@ enum status isph_advance(struct isph *s, double dt) {
   TRY(check_finite(s));
   TRY(isph_open_measure(s));
   if (s->on.energy) given = isph_energy_given(s, tau, dt);
+  isph_account_forces(s, tau, dt);
   move(s, dt, kinetic + given);
+  isph_account_moved(s);
   isph_remove_outside(s);
   TRY(isph_open_move(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);
@@ -355,6 +378,7 @@ enum status isph_advance(struct isph *s, double dt) {
   s->step++;
   s->seconds_correct += clock_seconds() - start;
   TRY(isph_refresh(s));
+  isph_account_settled(s);
   /* What the new porosity and the walls' guard made of it. */
   if (s->on.energy && s->count == count) isph_energy_trim(s, most + given);
 cleanup:

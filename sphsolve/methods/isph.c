@@ -9,6 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/isph/isph_account.h"
 #include "sphsolve/isph/isph_output.h"
 #include "sphsolve/method.h"
 
@@ -91,7 +92,7 @@ enum status isph_plan(struct plan *plan, int threads) {
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
   if (!isnan(plan->dt)) guess = plan->dt;
-  plan->bytes_fluid = 420 + 1.3 * neighbours * 12;
+  plan->bytes_fluid = 516 + 1.3 * neighbours * 12;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
@@ -423,6 +424,8 @@ cleanup:
                                      .left_mass = s->left_mass,
                                      .lost_mass = s->lost_mass};
     memcpy(result->ledger.losses, s->losses, sizeof s->losses);
+    isph_account_end(s);
+    result->ledger.account = s->account;
   }
   h5_close(file);
   isph_copy_free(&copy);

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -19,45 +18,10 @@
 #include "common/kernel.h"
 #include "sphsolve/isph/isph_kernel.h"
 #include "sphsolve/isph/isph_output.h"
-#include "sphsolve/methods/isph.h"
+#include "tests/unit/isph_scene.h"
 
 static void assert_near(double value, double expected, double tolerance) {
   assert_true(fabs(value - expected) <= tolerance);
-}
-
-struct run {
-  struct scene scene;
-  struct lattice lattice;
-  struct plan plan;
-  struct isph s;
-};
-
-static void start(struct run *run, const char *text) {
-  char path[] = "/tmp/test_isph_XXXXXX";
-  int handle = mkstemp(path);
-  assert_true(handle >= 0);
-  FILE *file = fdopen(handle, "w");
-  assert_non_null(file);
-  fprintf(file,
-          "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
-          "viscosity = \"1e-3 Pa s\"; } );\n%s",
-          text);
-  fclose(file);
-  struct isph_switches on;
-  memset(run, 0, sizeof *run);
-  assert_int_equal(scene_read(path, NULL, 0, &run->scene), STATUS_OK);
-  unlink(path);
-  assert_int_equal(lattice_build(&run->scene, 0, &run->lattice), STATUS_OK);
-  assert_int_equal(plan_make(&run->scene, &run->lattice, METHOD_ISPH, "test", 1, &run->plan),
-                   STATUS_OK);
-  isph_switches_of(&run->plan, &on);
-  assert_int_equal(isph_create(&run->scene, &run->lattice, &on, &run->s), STATUS_OK);
-}
-
-static void finish(struct run *run) {
-  isph_free(&run->s);
-  lattice_free(&run->lattice);
-  scene_free(&run->scene);
 }
 
 static void kernels_agree(void **state) {
@@ -213,14 +177,6 @@ static void warm_start_saves(void **state) {
   assert_in_range(cold, 2, 25);
   assert_true(run.s.solve.iterations < cold);
   finish(&run);
-}
-
-static void advance(struct run *run, double until) {
-  while (run->s.time < until - 1e-9) {
-    const char *limit;
-    double dt = fmin(isph_stable_dt(&run->s, &limit), until - run->s.time);
-    assert_int_equal(isph_advance(&run->s, dt), STATUS_OK);
-  }
 }
 
 #define CHANNEL                                                                                    \

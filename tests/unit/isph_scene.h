@@ -1,0 +1,56 @@
+/* A scene of method isph, read from text, and marched by hand; for test programs with cmocka. */
+#ifndef TOSUI_TESTS_UNIT_ISPH_SCENE_H
+#define TOSUI_TESTS_UNIT_ISPH_SCENE_H
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sphsolve/methods/isph.h"
+
+struct run {
+  struct scene scene;
+  struct lattice lattice;
+  struct plan plan;
+  struct isph s;
+};
+
+static inline void start(struct run *run, const char *text) {
+  char path[] = "/tmp/test_isph_XXXXXX";
+  int handle = mkstemp(path);
+  assert_true(handle >= 0);
+  FILE *file = fdopen(handle, "w");
+  assert_non_null(file);
+  fprintf(file,
+          "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
+          "viscosity = \"1e-3 Pa s\"; } );\n%s",
+          text);
+  fclose(file);
+  struct isph_switches on;
+  memset(run, 0, sizeof *run);
+  assert_int_equal(scene_read(path, NULL, 0, &run->scene), STATUS_OK);
+  unlink(path);
+  assert_int_equal(lattice_build(&run->scene, 0, &run->lattice), STATUS_OK);
+  assert_int_equal(plan_make(&run->scene, &run->lattice, METHOD_ISPH, "test", 1, &run->plan),
+                   STATUS_OK);
+  isph_switches_of(&run->plan, &on);
+  assert_int_equal(isph_create(&run->scene, &run->lattice, &on, &run->s), STATUS_OK);
+}
+
+static inline void finish(struct run *run) {
+  isph_free(&run->s);
+  lattice_free(&run->lattice);
+  scene_free(&run->scene);
+}
+
+static inline void advance(struct run *run, double until) {
+  while (run->s.time < until - 1e-9) {
+    const char *limit;
+    double dt = fmin(isph_stable_dt(&run->s, &limit), until - run->s.time);
+    assert_int_equal(isph_advance(&run->s, dt), STATUS_OK);
+  }
+}
+
+#endif
