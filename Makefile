@@ -180,7 +180,7 @@ tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/tradeoff
 hard: all $(BUILD)/tests/hard_engine
 	$(Q)BUILD=$(BUILD) scripts/hard
-bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_scan
+bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_scan
 	$(Q)BUILD=$(BUILD) scripts/bench
 
 clean:

@@ -6,7 +6,7 @@
  * from outrunning the water. |1 - phi| counts up to 0.05; at a surface only
  * crowding counts. In seepage without a surface tau is no shorter than a particle takes to go its
  * own size, for errors of the filling come by going: with tau alone water that creeps through soil
- * of porosity .1 is stirred at its own speed. */
+ * of porosity .1 is stirred at its own speed. `widening`: see isph_energy.c; else 1. */
 #ifndef TOSUI_SPHSOLVE_EFFECTS_ISPH_RELAXATION_H
 #define TOSUI_SPHSOLVE_EFFECTS_ISPH_RELAXATION_H
 
@@ -24,6 +24,7 @@ static inline double relaxation_source(const struct isph *s, size_t i, double ta
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     tau = fmax(tau, size / fmax(speed, 1e-30));
   }
+  if (lack < 0) lack *= s->widening;
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
   return eps * lack * left / tau;
 }

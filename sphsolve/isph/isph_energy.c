@@ -8,21 +8,30 @@
 
 /* In a closed tank under a steady force the water's energy, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
- * falls, or rises by what the relaxation of the density gives where it lets crowded water have its
- * room again, R = sum P V phi' dt with phi' the rate it asks for. The projection, whose gradient
- * and divergence are each other's adjoint but for sum V grad W, and the shift keep to that only as
- * far as they are accurate: near rest, when nothing else takes energy any more, they lift the water
- * by 1e-7 to 1e-6 of its energy in a step. So a step that would give energy goes less far:
- * velocities and ways of all particles are taken times the one factor that makes E^{n+1} = E^n +
- * max(R, 0). There always is one, since at 0 nothing has moved. */
+ * may only fall. Three things give it some nevertheless, and show near rest, when nothing else
+ * takes energy any more. The relaxation of the density lets crowded water have its room again, R =
+ * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it widens no more than the step's
+ * friction and what it contracts elsewhere pay for, by the pressures of the step before: widening
+ * <= (friction + contracting) / widening, unless the water as a whole is crowded by more than
+ * CROWDED, when its volume matters more. The projection, whose gradient and divergence are each
+ * other's adjoint but for sum V grad W, and the shift lift the water by 1e-7 to 1e-6 of its energy
+ * in a step. So a step that would give energy goes less far: velocities and ways of all particles
+ * are taken times the one factor that makes E^{n+1} = E^n. There always is one, since at 0 nothing
+ * has moved. */
 
-double isph_kinetic_energy(const struct isph *s) {
+#define CROWDED 0.0025 /* twice this: relaxation is free */
+
+static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
   double sum = 0;
   for (size_t i = 0; i < s->count; i++) {
-    const double *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+    const double *v = velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
     sum += 0.5 * s->mass[i] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
   }
   return sum;
+}
+
+double isph_kinetic_energy(const struct isph *s) {
+  return kinetic_of(s, s->velocity);
 }
 
 double isph_potential_energy(const struct isph *s) {
@@ -35,9 +44,25 @@ double isph_potential_energy(const struct isph *s) {
   return sum;
 }
 
+void isph_energy_relax(struct isph *s, double tau, double dt) {
+  double widens = 0, contracts = 0, crowd = 0, volume = 0;
+  s->widening = 1;
+  for (size_t i = 0; i < s->count; i++) {
+    double asked = -s->volume[i] * relaxation_source(s, i, tau);
+    double given = s->pressure[i] * asked * dt;
+    *(given > 0 ? &widens : &contracts) += fabs(given);
+    crowd += asked * tau, volume += s->volume[i];
+  }
+  double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
+  double free = fmin(1, crowd / volume / CROWDED - 1);
+  s->crowded = free > 0;
+  if (widens > 0) s->widening = fmin(1, fmax(0, friction + contracts) / widens);
+  if (s->crowded) s->widening = fmax(s->widening, free);
+}
+
 double isph_energy_given(const struct isph *s, double tau, double dt) {
   double sum = 0;
-  if (s->on.relaxation)
+  if (s->crowded)
     for (size_t i = 0; i < s->count; i++)
       sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, tau);
   return fmax(0, sum * dt);

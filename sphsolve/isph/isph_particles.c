@@ -141,6 +141,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   memset(s, 0, sizeof *s);
   s->scene = scene;
   s->on = *switches;
+  s->widening = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
   s->viscosity = scene->fluid.viscosity / scene->fluid.density;

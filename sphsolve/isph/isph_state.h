@@ -109,6 +109,8 @@ struct isph {
   double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
+  double widening; /* share of what the relaxation asks of crowded water */
+  bool crowded;    /* as a whole */
   double time, thickest; /* thickest: largest nu + nu_T of the last step */
   double calm;           /* the calming's viscosity */
   int64_t step;
@@ -259,7 +261,10 @@ void isph_moment_even(struct isph *s);
  */
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
-/* What the relaxation of the density may add in a step, J or J/m; after the projection. */
+/* Between predictor and projection: how far crowded water may widen. */
+void isph_energy_relax(struct isph *s, double tau, double dt);
+/* What relaxation added in a step where the water is crowded as a whole, J or J/m; after the
+ * projection. */
 double isph_energy_given(const struct isph *s, double tau, double dt);
 /* Of velocities and ways what keeps within the budget, 0 .. 1. */
 double isph_energy_share(const struct isph *s, double (*way)[3], double budget);

@@ -309,7 +309,10 @@ static enum status project_again(struct isph *s, double tau) {
   memset(s->pressure, 0, s->count * sizeof *first);
   s->solve.again = true;
   isph_assemble(s, tau);
+  double before = clock_seconds();
   TRY(isph_solve_pressure(s));
+  before = clock_seconds() - before;
+  s->seconds_solve += before, s->seconds_correct -= before;
   correct(s);
   for (size_t i = 0; i < s->count; i++) s->pressure[i] += first[i];
 cleanup:
@@ -351,6 +354,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
+  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
   if (s->on.open_sides) isph_open_straighten(s);
   isph_assemble(s, tau);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
