@@ -17,7 +17,7 @@
 #endif
 #define READ_LIMIT (1u << 22) /* bytes of one object; more of the same would show nothing new */
 #define HUNGER_LIMIT (1ul << 28) /* bytes for the library's own ends: a damaged size took 4 GB */
-enum { HUNGRY = 2 };             /* the child's exit code */
+enum { HUNGRY = 2, LOST };       /* exit codes of the child */
 
 /* The end of the child; what `make coverage` counts in it would be lost otherwise. */
 #ifdef TOSUI_COVERAGE
@@ -79,11 +79,11 @@ static herr_t try_object(hid_t root, const char *name, const H5O_info_t *info, v
   (void)unused;
   hid_t object = H5Oopen(root, name, H5P_DEFAULT);
   if (object < 0) return 0;
-  H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, try_attribute, NULL);
+  herr_t failed = H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, try_attribute, NULL);
   if (info->type == H5O_TYPE_DATASET) try_dataset(object);
   if (info->type == H5O_TYPE_GROUP) try_group(object);
   H5Oclose(object);
-  return 0;
+  return failed;
 }
 
 static herr_t find_hunger(unsigned n, const H5E_error2_t *error, void *unused) {
@@ -118,7 +118,9 @@ static void look_at_all(const char *path) {
   alarm(TRIAL_SECONDS);
   hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file >= 0) {
-    H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, try_object, NULL, H5O_INFO_BASIC);
+    /* A round that breaks off has not seen what a reader may meet. */
+    if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, try_object, NULL, H5O_INFO_BASIC) < 0)
+      LEAVE(LOST);
     H5Fclose(file);
   }
   LEAVE(0); /* what is merely wrong the reader itself will find, and name */
@@ -135,5 +137,6 @@ enum status h5_try(const char *path) {
   const char *what = "the HDF5 library fails on it";
   if (WIFSIGNALED(end) && WTERMSIG(end) == SIGALRM) what = "reading it does not end";
   if (WIFEXITED(end) && WEXITSTATUS(end) == HUNGRY) what = "it asks for more memory than any needs";
+  if (WIFEXITED(end) && WEXITSTATUS(end) == LOST) what = "not all that it lists can be read";
   return FAIL(STATUS_INPUT, "%s: is damaged (%s); make or copy it anew", path, what);
 }
