@@ -27,10 +27,10 @@ struct cells {
 };
 
 /* Where an edge from grey a to grey b crosses zero; 0 where it does not. */
-#define CROSSED(a, b) ((a > 0.0f) != (b > 0.0f) ? 1.0f : 0.0f)
-#define CROSSING(a, b) ((a > 0.0f) != (b > 0.0f) ? a / (a - b) : 0.0f)
+#define CROSSED(a, b) (((a) > 0.0f) != ((b) > 0.0f) ? 1.0f : 0.0f)
+#define CROSSING(a, b) (((a) > 0.0f) != ((b) > 0.0f) ? (a) / ((a) - (b)) : 0.0f)
 #define BILINEAR(u, v, a, b, c, d)                                                                 \
-  ((1.0f - v) * ((1.0f - u) * (a) + u * (b)) + v * ((1.0f - u) * (c) + u * (d)))
+  ((1.0f - (v)) * ((1.0f - (u)) * (a) + (u) * (b)) + (v) * ((1.0f - (u)) * (c) + (u) * (d)))
 #define ROUNDED(value) ((int)((value) + 128.5f) - 128)
 
 TARGETS static void make_surfels(struct cells *cells, const float stretch[3]) {
@@ -108,7 +108,7 @@ static void add_row(const int16_t *const rows[4], size_t y, size_t z, size_t blo
   }
   for (size_t k = 0; k < count; k++) {
     const size_t x = row->at[k], i = cells->n++, next = x + 1 < nx ? x + 1 : 0;
-    cells->item[i] = cursor[block_row + x / BLOCK]++;
+    cells->item[i] = cursor[block_row + x / BLOCK]++; // NOLINT: given once there are items
     cells->first[0][i] = (int32_t)(x % BLOCK);
     cells->first[1][i] = (int32_t)(y % BLOCK);
     cells->first[2][i] = (int32_t)(z % BLOCK);

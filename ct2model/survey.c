@@ -78,6 +78,7 @@ static bool fit_trend(const double *sum, const double *number, size_t radii, siz
                       size_t last, double trend[2]) {
   double n = 0.0, s = 0.0, q = 0.0, qq = 0.0, sq = 0.0;
   for (size_t i = first * radii; i < last * radii; i++) {
+    // NOLINTNEXTLINE: there are two radii at least
     double square = pow(((double)(i % radii) + 0.5) / (double)radii, 2.0);
     n += number[i];
     s += sum[i];

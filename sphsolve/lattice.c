@@ -202,10 +202,11 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
     TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
                         "wall distances"));
     for (size_t at = 0; at < count; at++) {
-      double x[3] = {
-          lattice->origin[0] + (double)(at % lattice->size[0]) * scene->spacing,
-          lattice->origin[1] + (double)(at / lattice->size[0] % lattice->size[1]) * scene->spacing,
-          lattice->origin[2] + (double)(at / lattice->size[0] / lattice->size[1]) * scene->spacing};
+      const size_t row = at / lattice->size[0];
+      const size_t site[3] = {at % lattice->size[0], row % lattice->size[1],
+                              row / lattice->size[1]};
+      double x[3];
+      for (int a = 0; a < 3; a++) x[a] = lattice->origin[a] + (double)site[a] * scene->spacing;
       lattice->wall_distance[at] = (float)distance_to_boxes(scene, x);
     }
   }

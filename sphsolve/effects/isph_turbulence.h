@@ -7,6 +7,7 @@
 
 /* g[3 a + b] = dv_a/dx_b. */
 static inline double strain_rate(const float g[9]) {
+  // NOLINTNEXTLINE: who asks for it has a gradient
   double xy = 0.5 * ((double)g[1] + (double)g[3]), xz = 0.5 * ((double)g[2] + (double)g[6]);
   double yz = 0.5 * ((double)g[5] + (double)g[7]);
   double xx = (double)g[0], yy = (double)g[4], zz = (double)g[8];

@@ -88,8 +88,8 @@ static size_t cell_of(const struct frame *frame, const struct cluster_bins *bins
   size_t cell[3];
   for (int a = 0; a < 3; a++) {
     /* A centre may lie beyond the box by its own image: fold it back. */
-    uint64_t folded = (uint64_t)(at[a] << frame->image_bits[a]);
-    cell[a] = (folded * (uint64_t)bins->cells[a]) >> 32;
+    const uint32_t folded = at[a] << frame->image_bits[a];
+    cell[a] = ((uint64_t)folded * (uint64_t)bins->cells[a]) >> 32;
   }
   return (cell[2] * (size_t)bins->cells[1] + cell[1]) * (size_t)bins->cells[0] + cell[0];
 }

@@ -412,8 +412,10 @@ void particles_free(struct particles *p) {
 
 void particles_position(const struct particles *p, const struct lattice *lattice, size_t slot,
                         double position[3]) {
-  for (int a = 0; a < 3; a++)
+  for (int a = 0; a < 3; a++) {
+    const uint32_t half = p->frame.step[a] / 2;
     position[a] =
-        lattice->origin[a] + p->frame.unit[a] * ((double)frame_fold(&p->frame, a, p->x[a][slot]) -
-                                                 (double)(p->frame.step[a] / 2));
+        lattice->origin[a] +
+        p->frame.unit[a] * ((double)frame_fold(&p->frame, a, p->x[a][slot]) - (double)half);
+  }
 }

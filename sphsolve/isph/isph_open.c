@@ -147,7 +147,8 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
     double cell = (x[a] - side->low[a]) / side->pitch[a];
     at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
   }
-  size_t c = (size_t)((at[2] * side->cells[1] + at[1]) * side->cells[0] + at[0]);
+  size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
+  size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
   double *front = &s->column_front[side->first + c];
   if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
     *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);

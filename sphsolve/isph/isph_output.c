@@ -74,7 +74,7 @@ static double scaled_separation(const struct isph *s, size_t i, const double poi
 
 double isph_pressure_at(const struct isph *s, const double point[3]) {
   double m[4][4] = {{0}}, b[4] = {0}, sum = 0, sum_p = 0, filled = 0;
-  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions + 1;
+  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
   for (size_t i = 0; i < s->count; i++) {
     double r[3], w, slope, length = scaled_separation(s, i, point, r);
     if (length >= 1) continue;

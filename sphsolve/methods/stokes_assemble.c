@@ -231,7 +231,7 @@ static struct flux_weights flux_of_site(const struct stokes_operator *op, const 
     shares += share;
   }
   if (shares > 0.0) {
-    double normal[3], curvature = 0.0;
+    double normal[3] = {0}, curvature = 0.0;
     wall_shape(op, at, site, normal, &curvature);
     const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
     w.velocity *= bend / fmax(shares, 1.0);
