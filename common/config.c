@@ -24,6 +24,31 @@ struct config {
   bool known_incomplete; /* memory ran out: no key can be called unknown */
 };
 
+static int line_at(const char *text, const char *place) {
+  int line = 1;
+  for (; text < place; text++) line += *text == '\n';
+  return line;
+}
+
+/* Where a comment begins that does not end, which libconfig takes for the end of the file; NULL:
+ * nowhere. */
+static const char *open_comment(const char *text) {
+  for (const char *c = text; *c; c++) {
+    if (*c == '"') {
+      for (c++; *c && *c != '"'; c++)
+        if (*c == '\\' && c[1]) c++;
+    } else if (*c == '#' || (*c == '/' && c[1] == '/')) {
+      c += strcspn(c, "\n");
+    } else if (*c == '/' && c[1] == '*') {
+      const char *end = strstr(c + 2, "*/");
+      if (end == NULL) return c;
+      c = end + 1;
+    }
+    if (!*c) break;
+  }
+  return NULL;
+}
+
 static enum status read_text(const char *path, char **text) {
   enum status status = STATUS_OK;
   FILE *file = fopen(path, "rb");
@@ -39,7 +64,9 @@ static enum status read_text(const char *path, char **text) {
     TRY(memory_resize(text, capacity, 1, "the scene's text"));
   }
   if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
-  if (memchr(*text, 0, used)) TRY_FAIL(STATUS_INPUT, "%s: holds zero bytes: no scene file", path);
+  if (memchr(*text, 0, used))
+    TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
+             line_at(*text, *text + strlen(*text)));
 cleanup:
   fclose(file);
   if (status != STATUS_OK) memory_free(text);
@@ -167,8 +194,13 @@ enum status config_open(const char *path, const char *const *overrides, size_t n
   TRY(read_text(path, &config->text));
   config_set_options(&config->tree, CONFIG_OPTION_AUTOCONVERT);
   /* No include function: a scene is one file, and none may read another. */
-  if (strstr(config->text, "@include") != NULL)
-    TRY_FAIL(STATUS_INPUT, "%s: @include is not supported; a scene is one file", path);
+  const char *include = strstr(config->text, "@include"), *comment = open_comment(config->text);
+  if (include != NULL)
+    TRY_FAIL(STATUS_INPUT, "%s:%d: @include is not supported; a scene is one file", path,
+             line_at(config->text, include));
+  if (comment != NULL)
+    TRY_FAIL(STATUS_INPUT, "%s:%d: this comment has no end; close it with */", path,
+             line_at(config->text, comment));
   if (config_read_string(&config->tree, config->text) != CONFIG_TRUE)
     TRY_FAIL(STATUS_INPUT, "%s:%d: %s; a setting is written name = value; and a text in quotes",
              path, config_error_line(&config->tree), config_error_text(&config->tree));
@@ -275,7 +307,8 @@ enum status config_error(const struct config *config, const config_node *node, c
   va_start(arguments, format);
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
-  unsigned line = node != NULL ? config_setting_source_line(node) : 0;
+  unsigned line =
+      node != NULL ? config_setting_source_line(node) : 1; /* what is not there at all */
   char place[32] = "";
   if (line > 0)
     snprintf(place, sizeof place, "%u:", line);

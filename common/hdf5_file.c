@@ -118,7 +118,7 @@ static enum status open_file(const char *path, bool try_first, struct h5_file **
   if (access(path, R_OK) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   if (try_first && !idle()) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file->id < 0) TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged", path);
+  if (file->id < 0) TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged; make or copy it anew", path);
 cleanup:
   if (status != STATUS_OK) {
     h5_close(file);

@@ -7,6 +7,9 @@
 #include "common/units.h"
 #include "sphsolve/effects.h"
 
+/* More than a year of the smallest flow. */
+#define STEPS_MOST 1e12
+
 static bool has_region(const struct scene *scene, enum region_type type) {
   for (size_t r = 0; r < scene->region_count; r++)
     if (scene->regions[r].type == type) return true;
@@ -70,6 +73,22 @@ static void estimate_seepage(const struct scene *scene, const struct lattice *la
   context->reynolds = context->velocity_scale / (nu * s);
 }
 
+/* wcsph and stokes leave walls where they are: a wall may move along itself only, as a lid does. */
+static enum status refuse_displacement(const struct scene *scene) {
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    for (int a = 0; a < 3; a++)
+      if (region->type == REGION_WALL && region->velocity[a] != 0 &&
+          region->box[a + 3] - region->box[a] < 0.999999 * scene->domain_size[a])
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: regions: this wall ends in %c, and moves along it; walls of this "
+                    "method stay where they are: let it reach through the domain, or write method "
+                    "= \"isph\"",
+                    scene->path, region->line, 'x' + a);
+  }
+  return STATUS_OK;
+}
+
 /* What each setting allows alone, but not together. */
 static enum status refuse_contradictions(const struct scene *scene, const struct lattice *lattice,
                                          enum method method) {
@@ -105,7 +124,13 @@ static enum status refuse_contradictions(const struct scene *scene, const struct
   if (scene->shifting == SWITCH_ON && method == METHOD_STOKES)
     return scene_error(scene, AT_SHIFTING,
                        "\"on\", but nothing moves in method stokes; leave it out");
-  return STATUS_OK;
+  static const char *const of_isph[] = {"porosity", "volume", "surface"};
+  for (size_t i = 0; i < scene->output_field_count && method != METHOD_ISPH; i++)
+    for (size_t k = 0; k < sizeof of_isph / sizeof *of_isph; k++)
+      if (!strcmp(scene->output_fields[i], of_isph[k]))
+        return scene_error(scene, AT_FIELDS, "\"%s\" is a field of method isph; leave it out",
+                           of_isph[k]);
+  return method == METHOD_ISPH ? STATUS_OK : refuse_displacement(scene);
 }
 
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
@@ -215,8 +240,15 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice, 
     }
   }
   TRY(plans[method](plan, threads));
-  plan->bytes_total = PROGRAM_BYTES + fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split);
+  plan->bytes_total =
+      PROGRAM_BYTES + fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split);
   plan->seconds += PROGRAM_SECONDS;
+  if (plan->steps > STEPS_MOST)
+    TRY(scene_error(
+        scene, AT_METHOD,
+        "%.3g steps would be needed; a density, viscosity, force, velocity, sound speed "
+        "or end_time is far off, or has a wrong unit",
+        plan->steps));
 cleanup:
   return status;
 }

@@ -58,6 +58,10 @@ static enum status read_scene_group(struct config *config, struct scene *scene) 
     return config_error(config, NULL,
                         "the group 'scene' is missing; write scene = { name = \"my-sand\"; };");
   TRY(config_string(config, group, "name", &name, NULL));
+  for (const char *c = name; *c; c++)
+    if ((unsigned char)*c < ' ')
+      TRY(config_error(config, config_child(config, group, "name"),
+                       "holds a line break or another control character; leave it out"));
   snprintf(scene->name, sizeof scene->name, "%s", name);
   TRY(config_choice(config, group, "method", method_names, &method, NULL));
   scene->method = (enum method)method;
@@ -236,7 +240,8 @@ static enum status check_whole(struct config *config, const struct scene *scene)
   bool driven = scene->driving[0] != 0 || scene->driving[1] != 0 || scene->driving[2] != 0;
   if (!*scene->model_path && scene->region_count == 0)
     return config_error(config, config_child(config, root, "domain"),
-                        "regions are missing: nothing fills the domain");
+                        "regions are missing: nothing fills the domain; write regions = ( { type = "
+                        "\"water\"; box = [...]; } );");
   if (*scene->model_path && !driven)
     return config_error(config, config_child(config, root, "force"),
                         "nothing drives the flow: give force.body_acceleration, like [\"0\", "

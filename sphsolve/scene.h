@@ -29,11 +29,13 @@ enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
   X(FORCE, "force", "")                                                                            \
   X(WCSPH_KERNEL, "wcsph", "kernel")                                                               \
   X(WCSPH_SUPPORT, "wcsph", "support")                                                             \
+  X(SOUND, "wcsph", "sound_speed")                                                                 \
   X(WCSPH_DT, "wcsph", "dt")                                                                       \
   X(STOKES_SUPPORT, "stokes", "support")                                                           \
   X(ISPH_DT, "isph", "dt")                                                                         \
   X(TURBULENCE, "effects", "turbulence")                                                           \
-  X(SHIFTING, "effects", "shifting")
+  X(SHIFTING, "effects", "shifting")                                                               \
+  X(FIELDS, "output", "fields")
 enum scene_place {
 #define X(symbol, group, key) AT_##symbol,
   SCENE_PLACES(X)

@@ -1,5 +1,6 @@
 #include "sphsolve/scene_internal.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,8 +31,11 @@ static enum status read_box(struct config *config, config_node *group, const str
                           box[a + 3], 'x' + a, box[a]);
     double slack = 1e-6 * scene->spacing;
     if (box[a] < -slack || box[a + 3] > scene->domain_size[a] + slack)
-      return config_error(config, node, "%g to %g m in %c lies outside the domain (0 to %g m)",
-                          box[a], box[a + 3], 'x' + a, scene->domain_size[a]);
+      return config_error(
+          config, node,
+          "%g to %g m in %c lies outside the domain (0 to %g m); make it smaller, or "
+          "domain.size larger",
+          box[a], box[a + 3], 'x' + a, scene->domain_size[a]);
   }
   return STATUS_OK;
 }
@@ -61,8 +65,7 @@ cleanup:
   return status;
 }
 
-static enum status read_inflow(struct config *config, config_node *group, const struct scene *scene,
-                               struct region *region) {
+static enum status read_inflow(struct config *config, config_node *group, struct region *region) {
   enum status status = STATUS_OK;
   bool head_given, flux_given;
   TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, &head_given));
@@ -70,63 +73,12 @@ static enum status read_inflow(struct config *config, config_node *group, const 
   if (head_given == flux_given)
     TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
   region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
-  bool on_side = false;
-  for (int a = 0; a < 3; a++) {
-    double near = 1e-6 * scene->spacing;
-    bool low = region->box[a] <= near, high = region->box[a + 3] >= scene->domain_size[a] - near;
-    on_side = on_side || (!scene->periodic[a] && low != high);
-  }
-  if (!on_side)
-    TRY(config_error(config, config_child(config, group, "box"),
-                     "an inflow region is a thin box on one side of the domain that is not "
-                     "periodic; this box touches none, or two opposite ones"));
 cleanup:
   return status;
 }
 
 /* The lattice keeps a site's region in 16 bits. */
 enum { MOST_REGIONS = 65000 };
-
-/* Whether a site of the lattice lies between two positions along an axis. */
-static bool holds_site(double low, double high, double spacing) {
-  return floor(high / spacing - 0.5 - 1e-9) >= ceil(low / spacing - 0.5 + 1e-9);
-}
-
-static enum status check_thickness(struct config *config, config_node *group,
-                                   const struct scene *scene, const struct region *region) {
-  if (region->type != REGION_WATER && region->type != REGION_POROUS) return STATUS_OK;
-  for (int a = 0; a < 3; a++)
-    if (!(scene->dimensions == 2 && a == 1) && scene->spacing > 0 &&
-        !holds_site(region->box[a], region->box[a + 3], scene->spacing))
-      return config_error(config, config_child(config, group, "box"),
-                          "%g to %g m in %c is narrower than the spacing (%g m) and holds no "
-                          "particle; use a smaller domain.spacing or a wider box",
-                          region->box[a], region->box[a + 3], 'x' + a, scene->spacing);
-  return STATUS_OK;
-}
-
-/* A region of which later ones leave nothing was meant otherwise. Water and soil share their place.
- */
-static enum status check_covered(struct config *config, config_node *list,
-                                 const struct scene *scene) {
-  for (size_t i = 0; i < scene->region_count; i++)
-    for (size_t j = i + 1; j < scene->region_count && j < i + 64; j++) {
-      const struct region *early = &scene->regions[i], *late = &scene->regions[j];
-      bool solid = late->type == REGION_WALL || late->type == REGION_EMPTY;
-      if (late->type == REGION_INFLOW || early->type == REGION_INFLOW || early->type == late->type)
-        continue;
-      if (!solid) continue;
-      bool inside = true;
-      for (int a = 0; a < 3; a++)
-        inside = inside && early->box[a] >= late->box[a] && early->box[a + 3] <= late->box[a + 3];
-      if (inside)
-        return config_error(config, config_item(list, i),
-                            "the later region on line %d covers all of it; put that one first, or "
-                            "leave one out",
-                            late->line);
-    }
-  return STATUS_OK;
-}
 
 enum status scene_read_regions(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -158,7 +110,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(read_porous(config, group, scene, region));
       break;
     case REGION_INFLOW:
-      TRY(read_inflow(config, group, scene, region));
+      TRY(read_inflow(config, group, region));
       break;
     case REGION_WALL:
       TRY(config_bool(config, group, "slip", &region->slip, NULL));
@@ -170,11 +122,32 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     case REGION_EMPTY:
       break;
     }
-    TRY(check_thickness(config, group, scene, region));
   }
-  TRY(check_covered(config, list, scene));
+  TRY(scene_check_geometry(config, list, scene));
 cleanup:
   return status;
+}
+
+/* The name of a gauge or plane, which heads a column; `title` with its number where it has none. */
+static enum status read_name(struct config *config, config_node *group, const char *title,
+                             size_t number, char *name, size_t size) {
+  const char *given = NULL;
+  enum status status = config_string(config, group, "name", &given, NULL);
+  if (status != STATUS_OK) return status;
+  if (given == NULL) {
+    snprintf(name, size, "%s_%zu", title, number);
+    return STATUS_OK;
+  }
+  bool plain = *given != '\0' && strlen(given) < size;
+  for (const char *c = given; *c; c++)
+    plain =
+        plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));
+  if (!plain)
+    return config_error(config, config_child(config, group, "name"),
+                        "names a column: 1 to %zu letters, digits, -, _, + or spaces are wanted",
+                        size - 1);
+  snprintf(name, size, "%s", given);
+  return STATUS_OK;
 }
 
 static enum status read_gauges(struct config *config, struct scene *scene) {
@@ -185,14 +158,9 @@ static enum status read_gauges(struct config *config, struct scene *scene) {
   for (size_t i = 0; i < scene->gauge_count; i++) {
     struct gauge *gauge = &scene->gauges[i];
     config_node *group = config_item(list, i);
-    const char *name = NULL;
     if (!config_is_group(group))
       TRY(config_error(config, group, "a group { at = [x, y, z]; } is wanted"));
-    TRY(config_string(config, group, "name", &name, NULL));
-    if (name != NULL)
-      snprintf(gauge->name, sizeof gauge->name, "%s", name);
-    else
-      snprintf(gauge->name, sizeof gauge->name, "gauge_%zu", i + 1);
+    TRY(read_name(config, group, "gauge", i + 1, gauge->name, sizeof gauge->name));
     if (config_child(config, group, "at") == NULL)
       TRY(config_error(config, group, "at is missing: where the pressure is gauged"));
     TRY(scene_vector(config, group, "at", scene, DIM_LENGTH, gauge->at));
@@ -201,6 +169,9 @@ static enum status read_gauges(struct config *config, struct scene *scene) {
         TRY(config_error(config, config_child(config, group, "at"),
                          "%g m in %c lies outside the domain (0 to %g m)", gauge->at[a], 'x' + a,
                          scene->domain_size[a]));
+    if (scene_in_wall(scene, gauge->at))
+      TRY(config_error(config, config_child(config, group, "at"),
+                       "lies inside a wall, where there is no pressure; move it into the water"));
     for (size_t k = 0; k < i; k++)
       if (!strcmp(scene->gauges[k].name, gauge->name))
         TRY(config_error(config, group, "a gauge before is called '%s' too; rename one",
@@ -219,15 +190,10 @@ static enum status read_planes(struct config *config, struct scene *scene) {
   for (size_t i = 0; i < scene->plane_count; i++) {
     struct flux_plane *plane = &scene->planes[i];
     config_node *group = config_item(list, i);
-    const char *name = NULL;
     int axes_given = 0;
     if (!config_is_group(group))
       TRY(config_error(config, group, "a group { z = \"0.2 m\"; } is wanted"));
-    TRY(config_string(config, group, "name", &name, NULL));
-    if (name != NULL)
-      snprintf(plane->name, sizeof plane->name, "%s", name);
-    else
-      snprintf(plane->name, sizeof plane->name, "plane_%zu", i + 1);
+    TRY(read_name(config, group, "plane", i + 1, plane->name, sizeof plane->name));
     for (int a = 0; a < 3; a++) {
       bool given;
       TRY(config_quantity(config, group, axes[a], DIM_LENGTH, &plane->position, &given));

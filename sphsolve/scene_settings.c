@@ -125,6 +125,10 @@ static enum status read_output(struct config *config, struct scene *scene) {
                        "there is no field \"%s\"; there are velocity, pressure, "
                        "density, id, and with isph porosity, volume and surface",
                        config_text_value(item)));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->output_fields[k], config_text_value(item)))
+        TRY(config_error(config, item, "\"%s\" stands here twice; leave one out",
+                         config_text_value(item)));
     snprintf(scene->output_fields[i], sizeof *scene->output_fields, "%s", config_text_value(item));
   }
   TRY(scene_positive(config, config_child(config, root, "checkpoint"), "interval", DIM_TIME,

@@ -81,6 +81,11 @@ enum status wcsph_scales(struct plan *plan) {
   char *why = context->sound_why;
   if (!isnan(scene->wcsph.sound_speed)) {
     context->sound_speed = scene->wcsph.sound_speed;
+    if (context->sound_speed < speed)
+      return scene_error(scene, AT_SOUND,
+                         "%g m/s is below the largest velocity expected, %g m/s; write \"auto\", "
+                         "or ten times that velocity",
+                         context->sound_speed, speed);
     snprintf(why, EFFECT_WHY, "the scene says so");
   } else if (10 * speed > fmax(head, creep)) {
     context->sound_speed = 10 * speed;
@@ -188,8 +193,8 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   struct particle_fields fields = engine_fields(&settings);
   plan->bytes_disk = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
   plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +
-                      plan->bytes_wall * (double)lattice->wall_count +
-                      threads * engine_bytes_thread(lattice, context->support);
+                       plan->bytes_wall * (double)lattice->wall_count +
+                       threads * engine_bytes_thread(lattice, context->support);
 
   double gap = wcsph_gap(lattice), wide = gap + (settings.wall == PASS_FROZEN ? 1 : 0);
   double time = wide * wide * context->spacing * context->spacing / context->kinematic_viscosity;

@@ -110,10 +110,7 @@ static const char *judge(int code, const char *said, const char *path, int line,
   if (code != STATUS_INPUT) return "the exit code is not 3";
   const char *end = strchr(said, '\n');
   if (end == NULL || end[1] != '\0') return "not one line";
-  if (line > 0)
-    snprintf(place, sizeof place, "sphsolve: %s:%d: ", path, line);
-  else
-    snprintf(place, sizeof place, "sphsolve: %s:", path);
+  snprintf(place, sizeof place, "sphsolve: %s:%d: ", path, line);
   if (strncmp(said, place, strlen(place))) return "does not begin with file and line";
   if (strstr(said, says) == NULL) return "does not say what it must";
   return "";
