@@ -81,9 +81,10 @@ enum status wcsph_scales(struct plan *plan) {
   char *why = context->sound_why;
   if (!isnan(scene->wcsph.sound_speed)) {
     context->sound_speed = scene->wcsph.sound_speed;
-    if (context->sound_speed < speed)
+    /* Little less is for the watchdog; this is another unit. */
+    if (context->sound_speed < 1e-4 * speed)
       return scene_error(scene, AT_SOUND,
-                         "%g m/s is below the largest velocity expected, %g m/s; write \"auto\", "
+                         "%g m/s is far below the largest velocity expected, %g m/s; write \"auto\", "
                          "or ten times that velocity",
                          context->sound_speed, speed);
     snprintf(why, EFFECT_WHY, "the scene says so");

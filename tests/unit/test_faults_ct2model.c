@@ -61,6 +61,13 @@ static void test_export(void **state) {
   (void)state;
   faults_both(ct2model_main, NULL, "ct2model export m.hdf -o out.tif --quiet");
 }
+static void test_tiff(void **state) {
+  (void)state;
+  assert_int_equal(faults_run(ct2model_main, "ct2model export m.hdf -o pages.tif --quiet"), 0);
+  faults_both(ct2model_main, NULL,
+              "ct2model sweep pages.tif --void-ratio 0.8 --voxel-size 5um --size 6x6x3 --threads 1 "
+              "-o out.csv --quiet");
+}
 static void test_info_model(void **state) {
   (void)state;
   faults_both(ct2model_main, NULL, "ct2model info m.hdf");
@@ -68,8 +75,8 @@ static void test_info_model(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_build),  cmocka_unit_test(test_sweep),
-      cmocka_unit_test(test_info),   cmocka_unit_test(test_levels),
-      cmocka_unit_test(test_export), cmocka_unit_test(test_info_model)};
+      cmocka_unit_test(test_build),     cmocka_unit_test(test_sweep),  cmocka_unit_test(test_info),
+      cmocka_unit_test(test_levels),    cmocka_unit_test(test_export), cmocka_unit_test(test_tiff),
+      cmocka_unit_test(test_info_model)};
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }

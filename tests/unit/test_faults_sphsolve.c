@@ -55,6 +55,22 @@ static void test_isph(void **state) {
   (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve run isph.cfg -o out --threads 1 --quiet");
 }
+/* Checkpoints at every step, and a run taken up from the last of them. */
+static void test_stokes_resumed(void **state) {
+  (void)state;
+  faults_both(sphsolve_main,
+              "sphsolve run stokes.cfg -o out --threads 1 --quiet --set checkpoint.interval=1us "
+              "--set stokes.tolerance=0.01",
+              "sphsolve run stokes.cfg -o out --threads 1 --quiet --set checkpoint.interval=1us "
+              "--resume");
+}
+static void test_isph_resumed(void **state) {
+  (void)state;
+  faults_both(sphsolve_main,
+              "sphsolve run isph.cfg -o out --threads 1 --quiet --set scene.end_time=1ms",
+              "sphsolve run isph.cfg -o out --threads 1 --quiet --set scene.end_time=2ms --set "
+              "checkpoint.interval=1us --resume");
+}
 static void test_explain(void **state) {
   (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve explain isph.cfg --json");
@@ -62,8 +78,10 @@ static void test_explain(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_wcsph), cmocka_unit_test(test_explain),
-                                     cmocka_unit_test(test_wcsph_resumed),
-                                     cmocka_unit_test(test_stokes), cmocka_unit_test(test_isph)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_wcsph),         cmocka_unit_test(test_explain),
+      cmocka_unit_test(test_wcsph_resumed), cmocka_unit_test(test_stokes),
+      cmocka_unit_test(test_isph),          cmocka_unit_test(test_stokes_resumed),
+      cmocka_unit_test(test_isph_resumed)};
   return cmocka_run_group_tests(tests, faults_start, faults_end);
 }
