@@ -189,6 +189,7 @@ format:
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
 lint: $(BUILD)/config.mk
 	BUILD=$(BUILD) scripts/lint
+# A part of these runs the part of the tests: make asan PART=2/3.
 asan:
 	LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
 ubsan:
@@ -199,10 +200,11 @@ tsan:
 	OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS=ignore_noninstrumented_modules=1 $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
 # Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
 valgrind: $(UNIT_TESTS)
-	$(Q)for t in $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t))); do echo $$t; OMP_NUM_THREADS=1 TOSUI_ISA=avx2 \
-	  valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite $$t > $(BUILD)/valgrind.log 2>&1 || { cat $(BUILD)/valgrind.log; exit 1; }; done
+	$(Q)BUILD=$(BUILD) OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
+	  scripts/run-tests $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t)))
+# With the ranks, whose code is there to be covered too; the parts add up on one build.
 coverage:
-	$(MAKE) check BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
+	$(MAKE) check MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
 	scripts/coverage $(BUILD)-coverage
 
 # ---- fuzzing: FUZZ_SECONDS of processor time each, with address and undefined behaviour sanitizers (needs clang) ----
