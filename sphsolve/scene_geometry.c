@@ -77,7 +77,7 @@ static enum status check_pair(struct config *config, config_node *list, const st
     inside = inside && early->box[a] >= late->box[a] && early->box[a + 3] <= late->box[a + 3];
     overlap = overlap && early->box[a] < late->box[a + 3] && late->box[a] < early->box[a + 3];
   }
-  if (early->type == REGION_INFLOW || late->type == REGION_INFLOW) {
+  if (late->type == REGION_INFLOW) {
     if (early->type != late->type || !overlap ||
         scene_inflow_axis(scene, early, &low[0]) != scene_inflow_axis(scene, late, &low[1]) ||
         low[0] != low[1])
@@ -87,8 +87,10 @@ static enum status check_pair(struct config *config, config_node *list, const st
                         "let them meet at an edge",
                         early->line);
   }
-  const bool shared = (early->type == REGION_WATER && late->type == REGION_POROUS) ||
-                      (early->type == REGION_POROUS && late->type == REGION_WATER);
+  const bool shared =
+      (early->type == REGION_WATER && late->type == REGION_POROUS) ||
+      (early->type == REGION_POROUS && late->type == REGION_WATER) ||
+      (early->type == REGION_INFLOW && late->type != REGION_WALL && late->type != REGION_EMPTY);
   if (!inside || shared) return STATUS_OK;
   return config_error(config, config_item(list, i),
                       "the later region on line %d covers all of it; put that one first, or leave "
