@@ -7,6 +7,8 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/phase_bits.h"
+#include "ct2model/reduce.h"
 #include "ct2model/specks.h"
 
 enum { UNITS_OF_CONTRAST = 8192, SPECK_REACH = 12 };
@@ -24,9 +26,14 @@ enum status grey_window_start(const struct region *region, double threshold, dou
                                  .low = low,
                                  .high = high,
                                  .first = low,
-                                 .room = room};
-  TRY(memory_allocate(&window->field, room * plane, sizeof *window->field, "a window of slices"));
+                                 .room = room,
+                                 .words = phase_words(region->size[0])};
+  const size_t words = room * region->size[1] * window->words;
   const size_t threads = (size_t)omp_get_max_threads();
+  TRY(memory_allocate(&window->field, room * plane, sizeof *window->field, "a window of slices"));
+  TRY(memory_allocate(&window->bits, words, sizeof *window->bits, "phases"));
+  TRY(memory_allocate(&window->scratch, 2 * (words + threads * window->words),
+                      sizeof *window->scratch, "phases"));
   window->buffer_size = region_buffer_size(region);
   TRY(memory_allocate(&window->buffer, threads, window->buffer_size, "slices"));
   TRY(memory_allocate(&window->row, threads * region->size[0], sizeof *window->row, "rows"));
@@ -37,6 +44,8 @@ cleanup:
 
 void grey_window_end(struct grey_window *window) {
   memory_free(&window->field);
+  memory_free(&window->bits);
+  memory_free(&window->scratch);
   memory_free(&window->buffer);
   memory_free(&window->row);
 }
@@ -72,6 +81,7 @@ static enum status read_slices(struct grey_window *window, size_t n) {
     const size_t thread = (size_t)omp_get_thread_num();
     float *row = window->row + thread * nx;
     int16_t *target = window->field + (window->depth + i) * nx * ny;
+    uint64_t *bits = window->bits + (window->depth + i) * ny * window->words;
     struct pixel_rows rows;
     enum status one =
         region_read_rows(region, slice_of(window, window->first + (long)(window->depth + i)),
@@ -79,6 +89,7 @@ static enum status read_slices(struct grey_window *window, size_t n) {
     for (size_t y = 0; y < ny && one == STATUS_OK; y++) {
       pixel_rows_read(&rows, y, nx, row);
       row_distances(row, nx, whole, part, scale, target + y * nx);
+      phase_row(target + y * nx, nx, bits + y * window->words);
     }
     if (one != STATUS_OK) {
 #pragma omp critical
@@ -90,7 +101,8 @@ static enum status read_slices(struct grey_window *window, size_t n) {
 }
 
 enum status grey_window_move(struct grey_window *window, long first, long end) {
-  size_t plane = window->region->size[0] * window->region->size[1];
+  const size_t plane = window->region->size[0] * window->region->size[1];
+  const size_t words = window->region->size[1] * window->words;
   if (first < window->low) first = window->low;
   if (end > window->high) end = window->high;
   if (first > window->first) {
@@ -99,6 +111,8 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
     window->depth -= dropped;
     memmove(window->field, window->field + dropped * plane,
             window->depth * plane * sizeof *window->field);
+    memmove(window->bits, window->bits + dropped * words,
+            window->depth * words * sizeof *window->bits);
     window->first = first;
   }
   long missing = end - window->first - (long)window->depth;
@@ -108,64 +122,122 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
   enum status status = read_slices(window, (size_t)missing);
   if (status != STATUS_OK || window->speck_limit < 2) return status;
   const size_t size[3] = {window->region->size[0], window->region->size[1], window->depth - from};
-  return specks_remove(window->field + from * plane, size, window->speck_limit, &window->specks);
+  window->specks += specks_remove(window->field + from * plane, window->bits + from * words, size,
+                                  window->speck_limit, window->scratch);
+  return STATUS_OK;
 }
 
-/* The six neighbours' rows of row y, layer `deep` of the window; periodic in x and y. */
-struct neighbours {
-  const int16_t *at, *rows[4]; /* y + 1, y - 1, z + 1, z - 1 */
-  size_t nx;
-};
-
-static struct neighbours neighbours_of(const struct grey_window *window, size_t y, size_t deep) {
-  size_t nx = window->region->size[0], ny = window->region->size[1], plane = nx * ny;
-  const int16_t *layer = window->field + deep * plane, *at = layer + y * nx;
-  return (struct neighbours){
-      .at = at,
-      .rows = {layer + (y + 1 < ny ? y + 1 : 0) * nx, layer + (y > 0 ? y - 1 : ny - 1) * nx,
-               deep + 1 < window->depth ? at + plane : at, deep > 0 ? at - plane : at},
-      .nx = nx};
+/* Rows y, y + 1, y - 1 of layer `deep` of the window and row y of the layers above and below:
+ * periodic in x and y, repeated at the window's ends. */
+enum { HERE, Y_NEXT, Y_LAST, Z_NEXT, Z_LAST, NEAR };
+static void near_rows(const struct grey_window *window, size_t y, size_t deep,
+                      size_t rows[NEAR]) {
+  const size_t ny = window->region->size[1], layer = deep * ny;
+  rows[HERE] = layer + y;
+  rows[Y_NEXT] = layer + (y + 1 < ny ? y + 1 : 0);
+  rows[Y_LAST] = layer + (y > 0 ? y - 1 : ny - 1);
+  rows[Z_NEXT] = deep + 1 < window->depth ? rows[HERE] + ny : rows[HERE];
+  rows[Z_LAST] = deep > 0 ? rows[HERE] - ny : rows[HERE];
 }
 
-/* Grain shares of one row: 0 or 1 where no neighbour is of the other phase, else that of a voxel
- * cut by the plane that its grey gradient says. The row stands at row[1 .. nx], with what follows
- * it periodically at both ends. */
-TARGETS static void row_fractions(const int16_t *restrict row, const int16_t *restrict y_next,
-                                  const int16_t *restrict y_last, const int16_t *restrict z_next,
-                                  const int16_t *restrict z_last, size_t nx,
-                                  float *restrict shares) {
-  for (size_t x = 0; x < nx; x++) {
-    const int at = row[x + 1], a = row[x + 2], b = row[x], c = y_next[x], d = y_last[x],
-              e = z_next[x], f = z_last[x], grain = at > 0;
-    const int cut = ((a > 0) ^ grain) | ((b > 0) ^ grain) | ((c > 0) ^ grain) | ((d > 0) ^ grain) |
-                    ((e > 0) ^ grain) | ((f > 0) ^ grain);
-    const int slope = abs(a - b) + abs(c - d) + abs(e - f);
-    float share = 0.5f + 2.0f * (float)at / (float)(slope > 0 ? slope : 1);
-    share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
-    shares[x] = cut & (slope > 0) ? share : (float)grain;
-  }
+static size_t differing(const uint64_t *a, const uint64_t *b, size_t words) {
+  size_t sum = 0;
+  for (size_t w = 0; w < words; w++) sum += (size_t)__builtin_popcountll(a[w] ^ b[w]);
+  return sum;
 }
 
 void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
                          size_t changes[3]) {
-  const size_t nx = window->region->size[0], ny = window->region->size[1];
+  const size_t nx = window->region->size[0], ny = window->region->size[1], words = window->words;
   size_t cx = 0, cy = 0, cz = 0;
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
   for (size_t row = z0 * ny; row < z1 * ny; row++) {
-    const size_t y = row % ny, deep = (size_t)((long)(row / ny) - window->first);
-    const struct neighbours near = neighbours_of(window, y, deep);
-    size_t along_x = 0, along_y = 0, along_z = 0;
-    for (size_t x = 0; x + 1 < nx; x++) along_x += (near.at[x] > 0) != (near.at[x + 1] > 0);
-    for (size_t x = 0; x < nx; x++) along_y += (near.at[x] > 0) != (near.rows[0][x] > 0);
-    for (size_t x = 0; x < nx; x++) along_z += (near.at[x] > 0) != (near.rows[2][x] > 0);
-    cx += along_x;
-    if (y + 1 < ny) cy += along_y;
+    size_t rows[NEAR];
+    near_rows(window, row % ny, (size_t)((long)(row / ny) - window->first), rows);
+    const uint64_t *at = window->bits + rows[HERE] * words;
+    for (size_t w = 0; w < words; w++) {
+      const uint64_t next = at[w] >> 1 | (w + 1 < words ? at[w + 1] << 63 : 0);
+      const size_t pairs = nx - 1 - w * PHASE_WORD; /* from this word on */
+      const uint64_t both = pairs < PHASE_WORD ? ((uint64_t)1 << pairs) - 1 : ~(uint64_t)0;
+      cx += (size_t)__builtin_popcountll((at[w] ^ next) & both);
+    }
+    if (row % ny + 1 < ny) cy += differing(at, window->bits + rows[Y_NEXT] * words, words);
     // NOLINTNEXTLINE: a row lies in a slice of ny > 0
-    if (row / ny + 1 < window->region->size[2]) cz += along_z;
+    if (row / ny + 1 < window->region->size[2])
+      cz += differing(at, window->bits + rows[Z_NEXT] * words, words);
   }
   changes[0] += cx;
   changes[1] += cy;
   changes[2] += cz;
+}
+
+/* Shares of n <= LANES voxels that a plane cuts as their grey gradient says, where `cut`; else 0 or
+ * 1. at[-1] and at[n] are there. */
+enum { LANES = 16 };
+static inline void cut_shares(const int16_t *restrict at, const int16_t *restrict y_next,
+                              const int16_t *restrict y_last, const int16_t *restrict z_next,
+                              const int16_t *restrict z_last, unsigned cut, size_t n,
+                              float *restrict shares) {
+  for (size_t x = 0; x < n; x++) {
+    const int here = at[x];
+    const int slope =
+        abs(at[x + 1] - at[(long)x - 1]) + abs(y_next[x] - y_last[x]) + abs(z_next[x] - z_last[x]);
+    float share = 0.5f + 2.0f * (float)here / (float)(slope > 0 ? slope : 1);
+    share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
+    shares[x] = (cut >> x & 1) & (slope > 0) ? share : (float)(here > 0);
+  }
+}
+
+/* Grain shares of one row. The row stands at row[1 .. nx], with what follows it periodically at
+ * both ends; `near` are the other rows. */
+TARGETS static void row_fractions(const int16_t *restrict row, const int16_t *const near[NEAR],
+                                  const uint64_t *restrict grain, const uint64_t *restrict cut,
+                                  size_t nx, float *restrict shares) {
+  for (size_t x = 0; x < nx; x += LANES) {
+    const size_t n = nx - x < LANES ? nx - x : LANES;
+    const unsigned here = (unsigned)(grain[x / PHASE_WORD] >> x % PHASE_WORD) & 0xffffu;
+    const unsigned mask = (unsigned)(cut[x / PHASE_WORD] >> x % PHASE_WORD) & 0xffffu;
+    if (mask == 0 && n == LANES)
+      for (unsigned l = 0; l < LANES; l++) shares[x + l] = (float)(here >> l & 1);
+    else if (n == LANES)
+      cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x,
+                 near[Z_LAST] + x, mask, LANES, shares + x);
+    else
+      cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x,
+                 near[Z_LAST] + x, mask, n, shares + x);
+  }
+}
+
+/* What a thread needs for a row. */
+struct row_scratch {
+  float *shares;
+  int16_t *padded;
+  uint64_t *cut, *beside;
+};
+
+static void make_fractions(const struct grey_window *window, size_t y, size_t deep,
+                           const struct row_scratch *scratch) {
+  const size_t nx = window->region->size[0], words = window->words;
+  const int16_t *near[NEAR];
+  const uint64_t *bits[NEAR];
+  size_t rows[NEAR];
+  near_rows(window, y, deep, rows);
+  for (int i = 0; i < NEAR; i++) {
+    near[i] = window->field + rows[i] * nx;
+    bits[i] = window->bits + rows[i] * words;
+  }
+  /* Voxels with a neighbour of the other phase. */
+  phase_next(bits[HERE], nx, scratch->cut);
+  phase_last(bits[HERE], nx, scratch->beside);
+  for (size_t w = 0; w < words; w++) {
+    const uint64_t at = bits[HERE][w];
+    scratch->cut[w] = (at ^ scratch->cut[w]) | (at ^ scratch->beside[w]) | (at ^ bits[Y_NEXT][w]) |
+                      (at ^ bits[Y_LAST][w]) | (at ^ bits[Z_NEXT][w]) | (at ^ bits[Z_LAST][w]);
+  }
+  memcpy(scratch->padded + 1, near[HERE], nx * sizeof *scratch->padded);
+  scratch->padded[0] = near[HERE][nx - 1];
+  scratch->padded[nx + 1] = near[HERE][0];
+  row_fractions(scratch->padded, near, bits[HERE], scratch->cut, nx, scratch->shares);
 }
 
 enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
@@ -173,28 +245,24 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
   enum status status = STATUS_OK;
   float *shares = NULL;
   int16_t *padded = NULL;
-  const size_t nx = window->region->size[0], ny = window->region->size[1];
+  const size_t nx = window->region->size[0], ny = window->region->size[1], words = window->words;
   const size_t threads = (size_t)omp_get_max_threads();
-  TRY(memory_allocate(&shares, threads * nx * ny, sizeof *shares, "grain fractions"));
+  TRY(memory_allocate(&shares, threads * nx, sizeof *shares, "grain fractions"));
   TRY(memory_allocate(&padded, threads * (nx + 2), sizeof *padded, "grain fractions"));
   for (size_t z = z0; z < z1; z += area->batch) {
     size_t n = z1 - z < area->batch ? z1 - z : area->batch;
 #pragma omp parallel for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
       const size_t thread = (size_t)omp_get_thread_num();
-      float *slice = shares + thread * nx * ny;
-      const struct pixel_rows rows = {slice, nx * sizeof *slice, PIXEL_F32, 1.0f};
+      const struct row_scratch scratch = {shares + thread * nx, padded + thread * (nx + 2),
+                                          window->scratch + 2 * thread * words,
+                                          window->scratch + (2 * thread + 1) * words};
+      struct reduction reduction;
+      resampler_begin(area, i, &reduction);
       for (size_t y = 0; y < ny; y++) {
-        const struct neighbours near =
-            neighbours_of(window, y, (size_t)((long)(z + i) - window->first));
-        int16_t *row = padded + thread * (nx + 2);
-        memcpy(row + 1, near.at, nx * sizeof *row);
-        row[0] = near.at[nx - 1];
-        row[nx + 1] = near.at[0];
-        row_fractions(row, near.rows[0], near.rows[1], near.rows[2], near.rows[3], nx,
-                      slice + y * nx);
+        make_fractions(window, y, (size_t)((long)(z + i) - window->first), &scratch);
+        reduction_add(&reduction, scratch.shares);
       }
-      (void)resampler_reduce(area, &rows, i); /* area: cannot fail */
     }
     resampler_add(area, z, n, volume);
   }

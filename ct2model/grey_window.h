@@ -22,10 +22,13 @@ struct grey_window {
   long first;         /* slice of field[0] */
   size_t depth, room; /* slices held, and at most */
   int16_t *field;     /* [depth][y][x], positive in the grain */
+  uint64_t *bits;     /* the same as phase_row makes them, [depth][y][words] */
+  size_t words;
   char *buffer;       /* slices being read, and a row of each, by thread */
   size_t buffer_size;
   float *row;
-  size_t specks; /* voxels changed so far */
+  uint64_t *scratch; /* for islands, then for rows of bits */
+  size_t specks;     /* voxels changed so far */
 };
 
 /* Window of at most `room` slices. Free with grey_window_end. */

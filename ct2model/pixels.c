@@ -5,7 +5,6 @@
 
 #include "common/variants.h"
 
-
 static const struct {
   size_t size;
   const char *name;
@@ -181,4 +180,11 @@ TARGETS static void negate(float *row, size_t n) {
 void pixel_rows_read(const struct pixel_rows *rows, size_t y, size_t n, float *out) {
   pixels_to_float(out, (const char *)rows->first + y * rows->stride, n, rows->type, false);
   if (rows->scale < 0.0f) negate(out, n);
+}
+
+const float *pixel_rows_at(const struct pixel_rows *rows, size_t y, size_t n, float *row) {
+  if (rows->type == PIXEL_F32 && rows->scale > 0.0f)
+    return (const float *)((const char *)rows->first + y * rows->stride);
+  pixel_rows_read(rows, y, n, row);
+  return row;
 }

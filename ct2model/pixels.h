@@ -46,5 +46,7 @@ struct pixel_rows {
 
 /* Row y as greys. */
 void pixel_rows_read(const struct pixel_rows *rows, size_t y, size_t n, float *out);
+/* The same, where it stands if it is of greys already, else in `row`. */
+const float *pixel_rows_at(const struct pixel_rows *rows, size_t y, size_t n, float *row);
 
 #endif

@@ -47,27 +47,38 @@ static size_t rows_open(const struct resample_axis *y) {
   return most;
 }
 
-size_t reduce_scratch(const struct resample_axis *x, const struct resample_axis *y) {
-  return (1 + rows_open(y)) * pitch_of(x);
+size_t reduction_scratch(const struct resample_axis *x, const struct resample_axis *y) {
+  return rows_open(y) * pitch_of(x);
 }
 
-void reduce_slice(const struct pixel_rows *rows, const struct resample_axis *x,
-                  const struct resample_axis *y, float *scratch, float *out) {
-  const size_t pitch = pitch_of(x), open = rows_open(y), n = x->in;
-  float *row = scratch, *sums = scratch + pitch;
-  for (size_t i = 0; i < open; i++) memset(sums + i * pitch + n, 0, (pitch - n) * sizeof *sums);
-  for (size_t at = 0, done = 0; at < y->in && done < y->out; at++) {
-    pixel_rows_read(rows, at, n, row);
-    for (size_t i = done; i < y->out && y->first[i] <= at; i++) {
-      const float weight = y->weight[i * y->taps + at - y->first[i]];
-      float *sum = sums + i % open * pitch; // NOLINT: one row at least is open
-      if (at == y->first[i])
-        start_row(sum, row, weight, n);
-      else
-        add_row(sum, row, weight, n);
-    }
-    for (; done < y->out && y->first[done] + y->count[done] == at + 1; done++)
-      // NOLINTNEXTLINE: one row at least is open
-      weigh_columns(sums + done % open * pitch, x, out + done * x->out);
+void reduction_start(const struct resample_axis *x, const struct resample_axis *y, float *scratch,
+                     float *out, struct reduction *reduction) {
+  *reduction = (struct reduction){.x = x, .y = y, .n = x->in, .sums = scratch, .out = out};
+  reduction->open = rows_open(y);
+  reduction->pitch = pitch_of(x);
+  for (size_t i = 0; i < reduction->open; i++)
+    memset(scratch + i * reduction->pitch + x->in, 0,
+           (reduction->pitch - x->in) * sizeof *scratch);
+}
+
+void reduction_add(struct reduction *reduction, const float *row) {
+  const struct resample_axis *x = reduction->x, *y = reduction->y;
+  const size_t at = reduction->at++, n = reduction->n, open = reduction->open;
+  if (x == NULL) {
+    memcpy(reduction->out + at * n, row, n * sizeof *row);
+    return;
+  }
+  for (size_t i = reduction->done; i < y->out && y->first[i] <= at; i++) {
+    const float weight = y->weight[i * y->taps + at - y->first[i]];
+    float *sum = reduction->sums + i % open * reduction->pitch; // NOLINT: one row at least is open
+    if (at == y->first[i])
+      start_row(sum, row, weight, n);
+    else
+      add_row(sum, row, weight, n);
+  }
+  for (size_t i = reduction->done; i < y->out && y->first[i] + y->count[i] == at + 1; i++) {
+    // NOLINTNEXTLINE: one row at least is open
+    weigh_columns(reduction->sums + i % open * reduction->pitch, x, reduction->out + i * x->out);
+    reduction->done++;
   }
 }

@@ -6,10 +6,18 @@
 #include "ct2model/pixels.h"
 #include "ct2model/resample.h"
 
-/* Floats of scratch that reduce_slice needs. */
-size_t reduce_scratch(const struct resample_axis *x, const struct resample_axis *y);
-/* out[y->out][x->out], each weighted as the axes say. Summed in one fixed order. */
-void reduce_slice(const struct pixel_rows *rows, const struct resample_axis *x,
-                  const struct resample_axis *y, float *scratch, float *out);
+/* A slice on its way: rows are added from the first to the last, and summed in that order. */
+struct reduction {
+  const struct resample_axis *x, *y; /* NULL: `n` values a row stay as they are */
+  size_t n, at, done, open, pitch;
+  float *sums, *out;
+};
+
+/* Floats of scratch that a reduction needs. */
+size_t reduction_scratch(const struct resample_axis *x, const struct resample_axis *y);
+/* To out[y->out][x->out], each weighted as the axes say. */
+void reduction_start(const struct resample_axis *x, const struct resample_axis *y, float *scratch,
+                     float *out, struct reduction *reduction);
+void reduction_add(struct reduction *reduction, const float *row);
 
 #endif

@@ -79,7 +79,7 @@ enum status resampler_start(enum filter filter, const size_t in[3], const size_t
   if (resampler->filter == FILTER_BICUBIC || resampler->filter == FILTER_AREA) {
     for (int axis = 0; axis < 3; axis++)
       TRY(resample_axis_start(filter, in[axis], out[axis], &resampler->axes[axis]));
-    resampler->scratch_size = reduce_scratch(&resampler->axes[0], &resampler->axes[1]);
+    resampler->scratch_size = reduction_scratch(&resampler->axes[0], &resampler->axes[1]);
   } else if (resampler->filter == FILTER_BICUBIC_POINT) {
     TRY(resample_opencv_start());
     resampler->scratch_size = in[0] * in[1];
@@ -115,19 +115,33 @@ static double layer_weight(const struct resampler *resampler, size_t layer, size
   return (double)axis->weight[layer * axis->taps + z - axis->first[layer]];
 }
 
-enum status resampler_reduce(struct resampler *resampler, const struct pixel_rows *slice,
-                             size_t i) {
+static float *plane_of(const struct resampler *resampler, size_t i) {
+  return resampler->planes + i * resampler->out[0] * resampler->out[1];
+}
+
+static float *scratch_of(const struct resampler *resampler) {
+  return resampler->scratch + (size_t)omp_get_thread_num() * resampler->scratch_size;
+}
+
+bool resampler_takes_rows(const struct resampler *resampler) {
+  return resampler->filter != FILTER_BICUBIC_POINT;
+}
+
+void resampler_begin(struct resampler *resampler, size_t i, struct reduction *reduction) {
+  float *plane = plane_of(resampler, i);
+  if (resampler->filter == FILTER_NONE)
+    *reduction = (struct reduction){.n = resampler->in[0], .out = plane};
+  else
+    reduction_start(&resampler->axes[0], &resampler->axes[1], scratch_of(resampler), plane,
+                    reduction);
+}
+
+enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice,
+                            size_t i) {
   const size_t *in = resampler->in;
-  float *plane = resampler->planes + i * resampler->out[0] * resampler->out[1];
-  float *scratch = resampler->scratch + (size_t)omp_get_thread_num() * resampler->scratch_size;
-  if (resampler->filter == FILTER_BICUBIC || resampler->filter == FILTER_AREA) {
-    reduce_slice(slice, &resampler->axes[0], &resampler->axes[1], scratch, plane);
-    return STATUS_OK;
-  }
-  float *whole = resampler->filter == FILTER_NONE ? plane : scratch;
+  float *whole = scratch_of(resampler);
   for (size_t y = 0; y < in[1]; y++) pixel_rows_read(slice, y, in[0], whole + y * in[0]);
-  if (resampler->filter == FILTER_NONE) return STATUS_OK;
-  return resample_opencv_cubic(scratch, in, resampler->out, plane);
+  return resample_opencv_cubic(whole, in, resampler->out, plane_of(resampler, i));
 }
 
 void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float *volume) {

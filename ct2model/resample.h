@@ -44,8 +44,12 @@ enum status resampler_start(enum filter filter, const size_t in[3], const size_t
 void resampler_end(struct resampler *resampler);
 /* Whether slice z has a weight at all. */
 bool resampler_wants(const struct resampler *resampler, size_t z);
-/* Reduces a slice to its place i < batch; to be called by one thread for one place. */
-enum status resampler_reduce(struct resampler *resampler, const struct pixel_rows *slice, size_t i);
+/* Slices go to their places i < batch, one thread a place: row by row into what resampler_begin
+ * starts, or, where the filter takes no rows, by resampler_point. */
+bool resampler_takes_rows(const struct resampler *resampler);
+struct reduction;
+void resampler_begin(struct resampler *resampler, size_t i, struct reduction *reduction);
+enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice, size_t i);
 /* Adds the reduced slices z0 .. z0 + n - 1 to volume[out z][out y][out x], which starts as zeros,
  * in an order that does not depend on the number of threads. */
 void resampler_add(const struct resampler *resampler, size_t z0, size_t n, float *volume);

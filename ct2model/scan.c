@@ -6,6 +6,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/reduce.h"
 
 enum { BATCH_LEAST = 4, BATCH_MOST = 64 };
 static const double BATCH_BYTES = 16e6; /* of reduced slices */
@@ -129,16 +130,21 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
   TRY(region_read_rows(region, z, worker->buffer, &rows));
   if (worker->held + nx * ny > UINT32_MAX) gather_counts(scan, worker);
   worker->held += nx * ny;
+  const bool wanted = scan->pipeline->resampled && resampler_wants(&scan->resampler, z);
+  const bool by_rows = wanted && resampler_takes_rows(&scan->resampler);
+  struct reduction reduction;
+  if (by_rows) resampler_begin(&scan->resampler, place, &reduction);
   for (size_t y = 0; y < ny; y++) {
-    if (scan->has_levels) {
+    const float *greys = by_rows || !scan->has_levels
+                             ? pixel_rows_at(&rows, y, nx, worker->row)
+                             : NULL;
+    if (scan->has_levels)
       pixels_count(worker->levels, (const char *)rows.first + y * rows.stride, nx, rows.type);
-    } else {
-      pixel_rows_read(&rows, y, nx, worker->row);
-      grey_histogram_add(&worker->greys, worker->row, nx);
-    }
+    else
+      grey_histogram_add(&worker->greys, greys, nx);
+    if (by_rows) reduction_add(&reduction, greys);
   }
-  if (scan->pipeline->resampled && resampler_wants(&scan->resampler, z))
-    TRY(resampler_reduce(&scan->resampler, &rows, place));
+  if (wanted && !by_rows) TRY(resampler_point(&scan->resampler, &rows, place));
   surface_sample_keep(&scan->pipeline->sample, z, &rows);
   for (size_t y = 0; y < ny && z == region->size[2] / 2; y++)
     pixel_rows_read(&rows, y, nx, scan->pipeline->middle + y * nx);

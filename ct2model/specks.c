@@ -4,37 +4,20 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/phase_bits.h"
 
-enum { WORD = 64, SIDE = 4, TABLE = 256 };
+enum { WORD = PHASE_WORD, SIDE = 4, TABLE = 256 };
 
 /* One phase of the slab as bits. A cube of SIDE^3 voxels is no speck, nor is what hangs together
  * with one: `large` grows from such cubes over what the phase holds, as far as two passes take it.
  * Few voxels remain, and of those each is followed until it is clear what it belongs to. */
 struct phase {
   int16_t *field;
+  uint64_t *grain;              /* the slab's bits, to be changed */
   size_t size[3], words, limit; /* words a row */
   uint64_t *bits, *large;
 };
-
-/* 8 bytes of 0 or 1 to 8 bits. */
-static uint64_t gather_bits(const uint8_t *bytes) {
-  uint64_t eight;
-  memcpy(&eight, bytes, 8);
-  return (eight * 0x0102040810204080u) >> 56;
-}
-
-TARGETS static void row_bits(const int16_t *restrict field, size_t n, bool grain,
-                             uint64_t *restrict bits) {
-  for (size_t w = 0; w * WORD < n; w++) {
-    uint8_t bytes[WORD] = {0};
-    const size_t count = n - w * WORD < WORD ? n - w * WORD : WORD;
-    for (size_t i = 0; i < count; i++) bytes[i] = (field[w * WORD + i] > 0) == grain;
-    bits[w] = 0;
-    for (size_t i = 0; i < WORD; i += 8) bits[w] |= gather_bits(bytes + i) << i;
-  }
-}
 
 /* Bit i: bits i to i + SIDE - 1 are set. */
 TARGETS static void erode_row(const uint64_t *restrict bits, size_t words, uint64_t *restrict out) {
@@ -176,8 +159,11 @@ static size_t flip_islands(const struct phase *phase, size_t y, size_t z, struct
     for (uint64_t open = bits[w] & ~large[w] & ~(bits[w] << 1); open != 0; open &= open - 1) {
       if (!collect_island(phase, row + w * WORD + (size_t)__builtin_ctzll(open), island)) continue;
       for (size_t i = 0; i < island->n; i++) {
-        int16_t *at = &phase->field[island->voxel[i]];
+        const size_t voxel = island->voxel[i], x = voxel % phase->size[0];
+        int16_t *at = &phase->field[voxel];
         *at = (int16_t)(*at == 0 ? 1 : -*at);
+        __atomic_fetch_xor(&phase->grain[voxel / phase->size[0] * phase->words + x / WORD],
+                           (uint64_t)1 << x % WORD, __ATOMIC_RELAXED);
       }
       changed += island->n;
     }
@@ -185,18 +171,30 @@ static size_t flip_islands(const struct phase *phase, size_t y, size_t z, struct
   return changed;
 }
 
-enum status specks_remove(int16_t *field, const size_t size[3], size_t limit, size_t *changed) {
-  enum status status = STATUS_OK;
-  struct phase phase = {
-      field, {size[0], size[1], size[2]}, (size[0] + WORD - 1) / WORD, limit, NULL, NULL};
-  const size_t rows = size[1] * size[2];
-  size_t sum = 0;
-  TRY(memory_allocate(&phase.bits, rows * phase.words, sizeof *phase.bits, "phases"));
-  TRY(memory_allocate(&phase.large, rows * phase.words, sizeof *phase.large, "phases"));
-  for (int grain = 0; grain < 2; grain++) {
+/* The bits of one phase, copied: they stay as they are while islands change. */
+static void copy_phase(const struct phase *phase, bool grain) {
+  const size_t nx = phase->size[0], words = phase->words, rows = phase->size[1] * phase->size[2];
+  const uint64_t all = ~(uint64_t)0, end = nx % WORD != 0 ? ((uint64_t)1 << nx % WORD) - 1 : all;
 #pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++)
-      row_bits(field + row * size[0], size[0], grain != 0, phase.bits + row * phase.words);
+  for (size_t row = 0; row < rows; row++)
+    for (size_t w = 0; w < words; w++)
+      phase->bits[row * words + w] =
+          (phase->grain[row * words + w] ^ (grain ? 0 : all)) & (w + 1 < words ? all : end);
+}
+
+size_t specks_remove(int16_t *field, uint64_t *bits, const size_t size[3], size_t limit,
+                     uint64_t *scratch) {
+  const size_t rows = size[1] * size[2], words = phase_words(size[0]);
+  const struct phase phase = {.field = field,
+                              .grain = bits,
+                              .size = {size[0], size[1], size[2]},
+                              .words = words,
+                              .limit = limit,
+                              .bits = scratch,
+                              .large = scratch + rows * words};
+  size_t sum = 0;
+  for (int grain = 0; grain < 2; grain++) {
+    copy_phase(&phase, grain != 0);
     find_cubes(&phase);
     grow_large(&phase);
 #pragma omp parallel for schedule(dynamic, 16) reduction(+ : sum)
@@ -205,9 +203,5 @@ enum status specks_remove(int16_t *field, const size_t size[3], size_t limit, si
       sum += flip_islands(&phase, row % size[1], row / size[1], &island);
     }
   }
-  *changed += sum;
-cleanup:
-  memory_free(&phase.bits);
-  memory_free(&phase.large);
-  return status;
+  return sum;
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "ct2model/reduce.h"
+#include "ct2model/reduce.h"
 #include "ct2model/resample.h"
 
 /* Keys (1981), eq. 4 with a = -3/4, written out. */
@@ -55,7 +56,14 @@ static float *resample(enum filter filter, const float *in, const size_t n[3], c
       const struct pixel_rows slice = {in + (z + i) * n[0] * n[1], n[0] * sizeof *in, PIXEL_F32,
                                        1.0f};
       if (!resampler_wants(&resampler, z + i)) continue;
-      assert_int_equal(resampler_reduce(&resampler, &slice, i), STATUS_OK);
+      if (!resampler_takes_rows(&resampler)) {
+        assert_int_equal(resampler_point(&resampler, &slice, i), STATUS_OK);
+        continue;
+      }
+      struct reduction reduction;
+      resampler_begin(&resampler, i, &reduction);
+      for (size_t y = 0; y < n[1]; y++)
+        reduction_add(&reduction, pixel_rows_at(&slice, y, n[0], NULL));
     }
     resampler_add(&resampler, z, count, out);
   }
