@@ -171,40 +171,45 @@ void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
   changes[2] += cz;
 }
 
-/* Shares of n <= LANES voxels that a plane cuts as their grey gradient says, where `cut`; else 0 or
- * 1. at[-1] and at[n] are there. */
-enum { LANES = 16 };
-static inline void cut_shares(const int16_t *restrict at, const int16_t *restrict y_next,
-                              const int16_t *restrict y_last, const int16_t *restrict z_next,
-                              const int16_t *restrict z_last, unsigned cut, size_t n,
-                              float *restrict shares) {
+/* Grain shares of n voxels: 0 or 1 where no neighbour is of the other phase, else that of a voxel
+ * cut by the plane that its grey gradient says. at[-1] and at[n] are there. */
+TARGETS static void cut_shares(const int16_t *restrict at, const int16_t *restrict y_next,
+                               const int16_t *restrict y_last, const int16_t *restrict z_next,
+                               const int16_t *restrict z_last, size_t n, float *restrict shares) {
   for (size_t x = 0; x < n; x++) {
-    const int here = at[x];
-    const int slope =
-        abs(at[x + 1] - at[(long)x - 1]) + abs(y_next[x] - y_last[x]) + abs(z_next[x] - z_last[x]);
+    const int here = at[x], a = at[x + 1], b = at[(long)x - 1], c = y_next[x], d = y_last[x],
+              e = z_next[x], f = z_last[x], grain = here > 0;
+    const int cut = ((a > 0) ^ grain) | ((b > 0) ^ grain) | ((c > 0) ^ grain) | ((d > 0) ^ grain) |
+                    ((e > 0) ^ grain) | ((f > 0) ^ grain);
+    const int slope = abs(a - b) + abs(c - d) + abs(e - f);
     float share = 0.5f + 2.0f * (float)here / (float)(slope > 0 ? slope : 1);
     share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
-    shares[x] = (cut >> x & 1) & (slope > 0) ? share : (float)(here > 0);
+    shares[x] = cut & (slope > 0) ? share : (float)grain;
   }
 }
 
-/* Grain shares of one row. The row stands at row[1 .. nx], with what follows it periodically at
- * both ends; `near` are the other rows. */
-TARGETS static void row_fractions(const int16_t *restrict row, const int16_t *const near[NEAR],
-                                  const uint64_t *restrict grain, const uint64_t *restrict cut,
-                                  size_t nx, float *restrict shares) {
-  for (size_t x = 0; x < nx; x += LANES) {
-    const size_t n = nx - x < LANES ? nx - x : LANES;
-    const unsigned here = (unsigned)(grain[x / PHASE_WORD] >> x % PHASE_WORD) & 0xffffu;
-    const unsigned mask = (unsigned)(cut[x / PHASE_WORD] >> x % PHASE_WORD) & 0xffffu;
-    if (mask == 0 && n == LANES)
-      for (unsigned l = 0; l < LANES; l++) shares[x + l] = (float)(here >> l & 1);
-    else if (n == LANES)
-      cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x,
-                 near[Z_LAST] + x, mask, LANES, shares + x);
-    else
-      cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x,
-                 near[Z_LAST] + x, mask, n, shares + x);
+TARGETS static void whole_shares(uint64_t grain, uint32_t n, float *restrict shares) {
+  for (uint32_t half = 0; half < n; half += 32) {
+    const uint32_t bits = (uint32_t)(grain >> half), end = n - half < 32 ? n - half : 32;
+    for (uint32_t i = 0; i < end; i++) shares[half + i] = (float)(bits >> i & 1);
+  }
+}
+
+/* Grain shares of one row, of which few groups of voxels are cut. The row stands at row[1 .. nx],
+ * with what follows it periodically at both ends; `near` are the other rows. */
+enum { GROUP = 16 };
+static void row_fractions(const int16_t *row, const int16_t *const near[NEAR],
+                          const uint64_t *grain, const uint64_t *cut, size_t nx, float *shares) {
+  for (size_t x = 0; x < nx; x += PHASE_WORD)
+    whole_shares(grain[x / PHASE_WORD],
+                 (uint32_t)(nx - x < PHASE_WORD ? nx - x : PHASE_WORD), shares + x);
+  for (size_t x = 0, end; x < nx; x = end + GROUP) {
+    for (end = x; end < nx && (cut[end / PHASE_WORD] >> end % PHASE_WORD & 0xffffu) != 0;)
+      end += GROUP;
+    if (end == x) continue;
+    const size_t n = (end < nx ? end : nx) - x;
+    cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x, near[Z_LAST] + x,
+               n, shares + x);
   }
 }
 

@@ -2,11 +2,13 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/phase_bits.h"
 
 enum { BLOCK = 4 };
 static const double DISC_RADIUS = 0.71; /* half the diagonal of a cell's face */
@@ -15,15 +17,13 @@ static const double DISC_RADIUS = 0.71; /* half the diagonal of a cell's face */
  * normal, three times eight bits, to 1/127: errors under 0.006 voxels. */
 enum { LANES = 16 };
 
-/* Cells that the surface crosses, many at a time: corner c of a cell is (c & 1, c >> 1 & 1, c >>
- * 2). */
-enum { CELLS = 64 };
+/* Cells that the surface crosses, many at a time. */
+enum { CELLS = 64, BITS = BLOCK * BLOCK * BLOCK };
 struct cells {
   size_t n;
-  uint32_t item[CELLS];    /* where in the list it goes */
-  int32_t first[3][CELLS]; /* of the cell, in its block */
-  float corner[8][CELLS];
-  uint32_t place[CELLS], normal[CELLS];
+  uint32_t item;           /* where the first goes in the list; the others follow */
+  uint32_t corners[4][CELLS]; /* at y, y + 1 and z, z + 1: two greys of 16 bits, x and x + 1 */
+  uint32_t first[CELLS];      /* place of the cell in its block, as a disc's */
 };
 
 /* Where an edge from grey a to grey b crosses zero; 0 where it does not. */
@@ -33,12 +33,17 @@ struct cells {
   ((1.0f - (v)) * ((1.0f - (u)) * (a) + (u) * (b)) + (v) * ((1.0f - (u)) * (c) + (u) * (d)))
 #define ROUNDED(value) ((int)((value) + 128.5f) - 128)
 
-TARGETS static void make_surfels(struct cells *cells, const float stretch[3]) {
+#define LOW(pair) ((float)(int16_t)(pair))
+#define HIGH(pair) ((float)((int32_t)(pair) >> 16))
+
+TARGETS static void make_surfels(const struct cells *cells, const float stretch[3],
+                                 uint32_t *restrict places, uint32_t *restrict normals) {
   const float sx = 1.0f / stretch[0], sy = 1.0f / stretch[1], sz = 1.0f / stretch[2];
   for (size_t i = 0; i < CELLS; i++) {
-    const float a = cells->corner[0][i], b = cells->corner[1][i], c = cells->corner[2][i],
-                d = cells->corner[3][i], e = cells->corner[4][i], f = cells->corner[5][i],
-                g = cells->corner[6][i], h = cells->corner[7][i];
+    const uint32_t ab = cells->corners[0][i], cd = cells->corners[1][i],
+                   ef = cells->corners[2][i], gh = cells->corners[3][i];
+    const float a = LOW(ab), b = HIGH(ab), c = LOW(cd), d = HIGH(cd), e = LOW(ef), f = HIGH(ef),
+                g = LOW(gh), h = HIGH(gh);
     /* Edges along x, y, z, each from the corner with fewer ones. */
     const float x0 = CROSSED(a, b), x1 = CROSSED(c, d), x2 = CROSSED(e, f), x3 = CROSSED(g, h);
     const float y0 = CROSSED(a, c), y1 = CROSSED(b, d), y2 = CROSSED(e, g), y3 = CROSSED(f, h);
@@ -57,141 +62,168 @@ TARGETS static void make_surfels(struct cells *cells, const float stretch[3]) {
     const float dz = sz * BILINEAR(x, y, e - a, f - b, g - c, h - d);
     const float square = dx * dx + dy * dy + dz * dz;
     const float unit = 127.0f / (square > 0.0f ? sqrtf(square) : 1.0f);
-    const int px = 255 * cells->first[0][i] + (int)(255.0f * x + 0.5f);
-    const int py = 255 * cells->first[1][i] + (int)(255.0f * y + 0.5f);
-    const int pz = 255 * cells->first[2][i] + (int)(255.0f * z + 0.5f);
+    const int px = (int)(255.0f * x + 0.5f), py = (int)(255.0f * y + 0.5f),
+              pz = (int)(255.0f * z + 0.5f);
     const int nx = ROUNDED(unit * dx), ny = ROUNDED(unit * dy), nz = ROUNDED(unit * dz);
-    cells->place[i] = (uint32_t)(px | py << 10 | pz << 20);
-    cells->normal[i] = (uint32_t)((nx & 255) | (ny & 255) << 8 | (nz & 255) << 16);
+    places[i] = cells->first[i] + (uint32_t)(px | py << 10 | pz << 20);
+    normals[i] = (uint32_t)((nx & 255) | (ny & 255) << 8 | (nz & 255) << 16);
   }
 }
 
 static void flush_cells(struct cells *cells, struct surfels *surfels) {
   const float stretch[3] = {(float)surfels->stretch[0], (float)surfels->stretch[1],
                             (float)surfels->stretch[2]};
-  make_surfels(cells, stretch);
-  for (size_t i = 0; i < cells->n; i++) {
-    surfels->items[cells->item[i]] = cells->place[i];
-    surfels->items[surfels->pitch + cells->item[i]] = cells->normal[i];
-  }
+  uint32_t places[CELLS], normals[CELLS];
+  make_surfels(cells, stretch, places, normals);
+  memcpy(surfels->items + cells->item, places, cells->n * sizeof *places);
+  memcpy(surfels->items + surfels->pitch + cells->item, normals, cells->n * sizeof *normals);
+  cells->item += (uint32_t)cells->n;
   cells->n = 0;
 }
 
-/* crossed[x] for the cells of one row: 1 where the eight corners disagree. */
-TARGETS static void row_crossings(const int16_t *restrict a, const int16_t *restrict b,
-                                  const int16_t *restrict c, const int16_t *restrict d, size_t nx,
-                                  uint8_t *restrict grains, uint8_t *restrict crossed) {
-  for (size_t x = 0; x < nx; x++)
-    grains[x] = (uint8_t)((a[x] > 0) + (b[x] > 0) + (c[x] > 0) + (d[x] > 0));
-  grains[nx] = grains[0];
-  for (size_t x = 0; x < nx; x++) {
-    const uint8_t all = (uint8_t)(grains[x] + grains[x + 1]);
-    crossed[x] = (uint8_t)((all != 0) & (all != 8));
-  }
-}
-
-/* What a thread needs for a row. */
-struct row {
-  uint8_t *grains, *crossed; /* nx + 1 and nx + BLOCK */
-  uint32_t *at;              /* the crossed cells' x */
+/* What a thread needs for a row of blocks. */
+struct scratch {
+  uint64_t *any, *all, *next;  /* of a row of bits */
+  uint64_t *crossed;           /* of the BLOCK * BLOCK rows of cells */
   struct cells cells;
 };
 
-static void add_row(const int16_t *const rows[4], size_t y, size_t z, size_t block_row,
-                    uint32_t *cursor, struct row *row, struct surfels *surfels) {
-  const size_t nx = surfels->size[0];
-  struct cells *cells = &row->cells;
-  size_t count = 0;
-  for (size_t x = 0; x < nx; x++) {
-    row->at[count] = (uint32_t)x;
-    count += row->crossed[x];
+/* The cells whose eight corners disagree, for all x of the row y, z. */
+static void row_crossings(const uint64_t *bits, const size_t size[3], size_t y, size_t z,
+                          struct scratch *scratch, uint64_t *crossed) {
+  const size_t nx = size[0], ny = size[1], words = phase_words(nx), next = y + 1 < ny ? y + 1 : 0;
+  const uint64_t *a = bits + (z * ny + y) * words, *b = bits + (z * ny + next) * words;
+  const uint64_t *c = a + ny * words, *d = b + ny * words;
+  for (size_t w = 0; w < words; w++) {
+    scratch->any[w] = a[w] | b[w] | c[w] | d[w];
+    scratch->all[w] = a[w] & b[w] & c[w] & d[w];
   }
-  for (size_t k = 0; k < count; k++) {
-    const size_t x = row->at[k], i = cells->n++, next = x + 1 < nx ? x + 1 : 0;
-    cells->item[i] = cursor[block_row + x / BLOCK]++; // NOLINT: given once there are items
-    cells->first[0][i] = (int32_t)(x % BLOCK);
-    cells->first[1][i] = (int32_t)(y % BLOCK);
-    cells->first[2][i] = (int32_t)(z % BLOCK);
-    for (size_t c = 0; c < 4; c++) {
-      cells->corner[2 * c][i] = rows[c][x];
-      cells->corner[2 * c + 1][i] = rows[c][next];
+  phase_next(scratch->any, nx, scratch->next);
+  for (size_t w = 0; w < words; w++) crossed[w] = scratch->any[w] | scratch->next[w];
+  phase_next(scratch->all, nx, scratch->next);
+  for (size_t w = 0; w < words; w++) crossed[w] &= ~(scratch->all[w] & scratch->next[w]);
+}
+
+/* Bit BLOCK * r + x of blocks[b]: bit BLOCK * b + x of rows[r][word]. */
+TARGETS static void gather_blocks(const uint64_t *rows, size_t words, size_t word,
+                                  uint64_t blocks[PHASE_WORD / BLOCK]) {
+  for (unsigned b = 0; b < PHASE_WORD / BLOCK; b++) blocks[b] = 0;
+  for (unsigned r = 0; r < BLOCK * BLOCK; r++) {
+    const uint64_t row = rows[r * words + word];
+    for (unsigned b = 0; b < PHASE_WORD / BLOCK; b++)
+      blocks[b] |= (row >> BLOCK * b & 15u) << BLOCK * r;
+  }
+}
+
+/* The crossed cells of one layer of blocks, and how many they are. */
+static void find_layer(const uint64_t *bits, struct surfels *surfels, size_t bz,
+                       struct scratch *scratch) {
+  const size_t *size = surfels->size, *blocks = surfels->blocks, words = phase_words(size[0]);
+  for (size_t by = 0; by < blocks[1]; by++) {
+    const size_t first = (bz * blocks[1] + by) * blocks[0];
+    memset(scratch->crossed, 0, BLOCK * BLOCK * words * sizeof *scratch->crossed);
+    for (size_t r = 0; r < BLOCK * BLOCK; r++) {
+      const size_t y = by * BLOCK + r % BLOCK, z = bz * BLOCK + r / BLOCK;
+      if (y < size[1] && z + 1 < size[2])
+        row_crossings(bits, size, y, z, scratch, scratch->crossed + r * words);
+    }
+    for (size_t w = 0; w < words; w++) {
+      uint64_t some[PHASE_WORD / BLOCK];
+      gather_blocks(scratch->crossed, words, w, some);
+      for (size_t b = 0; b < PHASE_WORD / BLOCK && w * PHASE_WORD / BLOCK + b < blocks[0]; b++) {
+        const size_t at = w * PHASE_WORD / BLOCK + b, block = first + at;
+        surfels->crossed[block] = some[b];
+        surfels->first[block + 1] = (uint32_t)__builtin_popcountll(some[b]);
+        surfels->occupied[first / blocks[0] * surfels->words + at / PHASE_WORD] |=
+            (uint64_t)(some[b] != 0) << at % PHASE_WORD;
+      }
+    }
+  }
+}
+
+static uint32_t two_greys(const int16_t *at) {
+  uint32_t pair;
+  memcpy(&pair, at, sizeof pair);
+  return pair;
+}
+
+/* Where a cell of a block is: in the field, and as a disc's place. */
+struct cell_place {
+  size_t x, y, z, offset;
+  uint32_t first;
+};
+
+static void fill_block(const int16_t *field, struct surfels *surfels, const size_t at[3],
+                       const struct cell_place places[BITS], struct cells *cells) {
+  const size_t *size = surfels->size, nx = size[0], plane = nx * size[1];
+  const size_t block = (at[2] * surfels->blocks[1] + at[1]) * surfels->blocks[0] + at[0];
+  const int16_t *corner = field + at[2] * BLOCK * plane + at[1] * BLOCK * nx + at[0] * BLOCK;
+  const bool inside = (at[0] + 1) * BLOCK < nx && (at[1] + 1) * BLOCK < size[1];
+  for (uint64_t open = surfels->crossed[block]; open != 0; open &= open - 1) {
+    const struct cell_place *place = &places[__builtin_ctzll(open)];
+    const int16_t *here = corner + place->offset, *next = here + nx;
+    const size_t i = cells->n++;
+    cells->first[i] = place->first;
+    if (inside) {
+      cells->corners[0][i] = two_greys(here);
+      cells->corners[1][i] = two_greys(next);
+      cells->corners[2][i] = two_greys(here + plane);
+      cells->corners[3][i] = two_greys(next + plane);
+    } else {
+      const size_t x = at[0] * BLOCK + place->x, y = at[1] * BLOCK + place->y;
+      const size_t right = x + 1 < nx ? 1 : 0; /* else the row's first */
+      if (y + 1 == size[1]) next = here - y * nx;
+      for (unsigned c = 0; c < 4; c++) {
+        const int16_t *row = (c % 2 == 0 ? here : next) + c / 2 * plane;
+        const uint16_t low = (uint16_t)row[0];
+        const uint16_t high = (uint16_t)(right != 0 ? row[1] : *(row - x));
+        cells->corners[c][i] = low | (uint32_t)high << 16;
+      }
     }
     if (cells->n == CELLS) flush_cells(cells, surfels);
   }
 }
 
-/* All cells of one layer of blocks: counted into first[block + 1], or made if `items`. */
-static void block_layer(const int16_t *field, struct surfels *surfels, size_t bz, struct row *row,
-                        uint32_t *cursor) {
-  const size_t *size = surfels->size, nx = size[0], plane = nx * size[1];
-  for (size_t z = bz * BLOCK; z < (bz + 1) * BLOCK && z + 1 < size[2]; z++) {
-    for (size_t y = 0; y < size[1]; y++) {
-      const int16_t *at = field + z * plane + y * nx,
-                    *next = field + z * plane + (y + 1) % size[1] * nx;
-      const int16_t *const rows[4] = {at, next, at + plane, next + plane};
-      const size_t block_row = (bz * surfels->blocks[1] + y / BLOCK) * surfels->blocks[0];
-      row_crossings(rows[0], rows[1], rows[2], rows[3], nx, row->grains, row->crossed);
-      if (surfels->items != NULL) {
-        add_row(rows, y, z, block_row, cursor, row, surfels);
-        continue;
-      }
-      uint32_t *count = surfels->first + block_row + 1;
-      for (size_t b = 0; b < surfels->blocks[0]; b++)
-        for (size_t k = 0; k < BLOCK; k++) count[b] += row->crossed[b * BLOCK + k];
-    }
+static void fill_layer(const int16_t *field, struct surfels *surfels, size_t bz,
+                       struct cells *cells) {
+  struct cell_place places[BITS];
+  for (size_t i = 0; i < BITS; i++) {
+    struct cell_place *place = &places[i];
+    *place = (struct cell_place){.x = i % BLOCK, .y = i / BLOCK % BLOCK, .z = i / BLOCK / BLOCK};
+    place->offset = (place->z * surfels->size[1] + place->y) * surfels->size[0] + place->x;
+    place->first = (uint32_t)(255 * (place->x | place->y << 10 | place->z << 20));
   }
-  if (surfels->items != NULL && row->cells.n > 0) flush_cells(&row->cells, surfels);
+  cells->n = 0;
+  cells->item = surfels->first[bz * surfels->blocks[1] * surfels->blocks[0]];
+  for (size_t by = 0; by < surfels->blocks[1]; by++)
+    for (size_t bx = 0; bx < surfels->blocks[0]; bx++)
+      fill_block(field, surfels, (size_t[3]){bx, by, bz}, places, cells);
+  if (cells->n > 0) flush_cells(cells, surfels);
 }
 
-static enum status rows_start(size_t nx, size_t threads, struct row **rows) {
+static enum status scratch_start(size_t words, size_t threads, struct scratch **scratch) {
   enum status status = STATUS_OK;
-  TRY(memory_allocate(rows, threads, sizeof **rows, "surface rows"));
+  TRY(memory_allocate(scratch, threads, sizeof **scratch, "surface rows"));
   for (size_t i = 0; i < threads; i++) {
-    TRY(memory_allocate(&(*rows)[i].grains, nx + 1, 1, "surface rows"));
-    TRY(memory_allocate(&(*rows)[i].crossed, nx + BLOCK, 1, "surface rows"));
-    TRY(memory_allocate(&(*rows)[i].at, nx + 1, sizeof(uint32_t), "surface rows"));
+    struct scratch *one = *scratch + i;
+    TRY(memory_allocate(&one->any, (3 + BLOCK * BLOCK) * words, sizeof *one->any, "surface rows"));
+    one->all = one->any + words;
+    one->next = one->all + words;
+    one->crossed = one->next + words;
   }
 cleanup:
   return status;
 }
 
-static void rows_end(size_t threads, struct row **rows) {
-  for (size_t i = 0; i < threads && *rows != NULL; i++) {
-    memory_free(&(*rows)[i].grains);
-    memory_free(&(*rows)[i].crossed);
-    memory_free(&(*rows)[i].at);
-  }
-  memory_free(rows);
+static void scratch_end(size_t threads, struct scratch **scratch) {
+  for (size_t i = 0; i < threads && *scratch != NULL; i++) memory_free(&(*scratch)[i].any);
+  memory_free(scratch);
 }
 
-/* Chessboard distance to the nearest block with items, by two passes over 13 neighbours each. */
-static void measure_away(struct surfels *surfels) {
-  const long nx = (long)surfels->blocks[0], ny = (long)surfels->blocks[1],
-             nz = (long)surfels->blocks[2];
-  const long count = nx * ny * nz;
-  for (long b = 0; b < count; b++)
-    surfels->away[b] = surfels->first[b + 1] > surfels->first[b] ? 0 : 255;
-  for (int pass = 0; pass < 2; pass++) {
-    for (long i = 0; i < count; i++) {
-      long b = pass == 0 ? i : count - 1 - i, sign = pass == 0 ? -1 : 1;
-      long x = b % nx, y = b / nx % ny, z = b / nx / ny;
-      for (int n = 0; n < 13 && surfels->away[b] > 0; n++) { /* the 13 neighbours met before */
-        long dx = sign * (n < 9 ? n % 3 - 1 : n < 12 ? n - 10 : 1);
-        long dy = sign * (n < 9 ? n / 3 - 1 : n < 12 ? 1 : 0), dz = n < 9 ? sign : 0;
-        if (x + dx < 0 || x + dx >= nx || y + dy < 0 || y + dy >= ny || z + dz < 0 || z + dz >= nz)
-          continue;
-        uint8_t there = surfels->away[b + dx + nx * (dy + ny * dz)];
-        if (there < 254 && there + 1 < surfels->away[b]) surfels->away[b] = (uint8_t)(there + 1);
-      }
-    }
-  }
-}
-
-enum status surfels_build(const int16_t *field, const size_t size[3], const double stretch[3],
-                          struct surfels *surfels) {
+enum status surfels_build(const int16_t *field, const uint64_t *bits, const size_t size[3],
+                          const double stretch[3], struct surfels *surfels) {
   enum status status = STATUS_OK;
-  uint32_t *cursor = NULL;
-  struct row *rows = NULL;
+  struct scratch *scratch = NULL;
   const size_t threads = (size_t)omp_get_max_threads();
   memset(surfels, 0, sizeof *surfels);
   memcpy(surfels->size, size, sizeof surfels->size);
@@ -199,11 +231,15 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
   for (int d = 0; d < 3; d++) surfels->blocks[d] = (size[d] + BLOCK - 1) / BLOCK;
   size_t blocks = surfels->blocks[0] * surfels->blocks[1] * surfels->blocks[2];
   size_t layers = surfels->blocks[2];
+  TRY(memory_allocate(&surfels->crossed, blocks, sizeof *surfels->crossed, "surface blocks"));
   TRY(memory_allocate(&surfels->first, blocks + 1, sizeof *surfels->first, "surface blocks"));
-  TRY(rows_start(size[0], threads, &rows));
+  surfels->words = phase_words(surfels->blocks[0]);
+  TRY(memory_allocate(&surfels->occupied, surfels->words * surfels->blocks[1] * layers,
+                      sizeof *surfels->occupied, "surface blocks"));
+  TRY(scratch_start(phase_words(size[0]), threads, &scratch));
 #pragma omp parallel for schedule(dynamic)
   for (size_t bz = 0; bz < layers; bz++)
-    block_layer(field, surfels, bz, rows + omp_get_thread_num(), NULL);
+    find_layer(bits, surfels, bz, scratch + omp_get_thread_num());
   uint64_t total = 0;
   for (size_t b = 0; b <= blocks; b++) {
     total += surfels->first[b];
@@ -212,27 +248,23 @@ enum status surfels_build(const int16_t *field, const size_t size[3], const doub
   }
   surfels->count = (size_t)total;
   if (total == 0) goto cleanup;
-  TRY(memory_allocate(&cursor, blocks, sizeof *cursor, "surface blocks"));
-  memcpy(cursor, surfels->first, blocks * sizeof *cursor);
   surfels->pitch = surfels->count + LANES; /* whole vectors are read */
   TRY(memory_allocate(&surfels->items, 2 * surfels->pitch, sizeof *surfels->items,
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
   for (size_t bz = 0; bz < layers; bz++)
-    block_layer(field, surfels, bz, rows + omp_get_thread_num(), cursor);
-  TRY(memory_allocate(&surfels->away, blocks, 1, "surface blocks"));
-  measure_away(surfels);
+    fill_layer(field, surfels, bz, &scratch[omp_get_thread_num()].cells);
 cleanup:
-  memory_free(&cursor);
-  rows_end(threads, &rows);
+  scratch_end(threads, &scratch);
   if (status != STATUS_OK) surfels_end(surfels);
   return status;
 }
 
 void surfels_end(struct surfels *surfels) {
+  memory_free(&surfels->crossed);
   memory_free(&surfels->first);
   memory_free(&surfels->items);
-  memory_free(&surfels->away);
+  memory_free(&surfels->occupied);
   surfels->count = 0;
 }
 
@@ -266,20 +298,76 @@ TARGETS static float nearest_disc(const uint32_t *restrict places, const uint32_
   return best[0];
 }
 
-/* The nearest disc of one block, if nearer than `best`. */
-static double block_distance(const struct surfels *surfels, const size_t block[3],
-                             const double point[3], double best) {
-  size_t index = (block[2] * surfels->blocks[1] + block[1]) * surfels->blocks[0] + block[0];
-  const uint32_t first = surfels->first[index], end = surfels->first[index + 1];
+/* The search for the disc nearest to a point. */
+struct search {
+  const struct surfels *surfels;
+  double point[3], best;
+  size_t near; /* the block of the best */
+};
+
+static void look_at(struct search *search, size_t block, const size_t at[3]) {
+  const struct surfels *surfels = search->surfels;
+  const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
   float local[3], stretch[3];
-  if (first == end) return best;
+  if (first == end) return;
   for (int d = 0; d < 3; d++) {
     stretch[d] = (float)surfels->stretch[d];
-    local[d] = (float)(point[d] - ((double)(block[d] * BLOCK) + 0.5) * surfels->stretch[d]);
+    local[d] = (float)(search->point[d] - ((double)(at[d] * BLOCK) + 0.5) * surfels->stretch[d]);
   }
   const float square = nearest_disc(surfels->items + first, surfels->items + surfels->pitch + first,
                                     (int)(end - first), local, stretch);
-  return (double)square < best * best ? sqrt((double)square) : best;
+  if (!((double)square < search->best * search->best)) return;
+  search->best = sqrt((double)square);
+  search->near = block;
+}
+
+/* No disc reaches farther from its cell; a little more than its radius for rounding. */
+static double bound_of(const struct search *search) {
+  return search->best + DISC_RADIUS + 1e-3;
+}
+
+/* Square of the distance from `at`, in cells from the block's first, to the box around the crossed
+ * cells of a block. */
+static double box_gap(uint64_t crossed, const double at[3], const double stretch[3]) {
+  /* For each axis whether a cell's place along it, 0 to BLOCK - 1, is crossed. */
+  const uint64_t yz = (crossed | crossed >> 1 | crossed >> 2 | crossed >> 3) & 0x1111111111111111u;
+  const uint64_t z = (yz | yz >> 4 | yz >> 8 | yz >> 12) & 0x0001000100010001u;
+  const uint64_t layers = crossed | crossed >> 32, layer = layers | layers >> 16;
+  const unsigned x = (unsigned)(layer | layer >> 4 | layer >> 8 | layer >> 12) & 15u;
+  const uint64_t rows = yz | yz >> 32, row = (rows | rows >> 16) & 0x1111u;
+  const int low[3] = {__builtin_ctz(x), __builtin_ctzll(row) / 4, __builtin_ctzll(z) / 16};
+  const int high[3] = {32 - __builtin_clz(x), 4 - (__builtin_clzll(row) - 48) / 4,
+                       4 - __builtin_clzll(z) / 16};
+  double square = 0.0;
+  for (int d = 0; d < 3; d++) {
+    const double below = low[d] - at[d], above = at[d] - high[d];
+    const double gap = below > above ? below : above;
+    if (gap > 0.0) square += gap * stretch[d] * gap * stretch[d];
+  }
+  return square;
+}
+
+/* The blocks of a row from `low` to `high` in which a disc may be nearer. */
+static void look_along(struct search *search, size_t y, size_t z, long low, long high) {
+  const struct surfels *surfels = search->surfels;
+  const size_t row = z * surfels->blocks[1] + y;
+  for (long w = low / PHASE_WORD; w <= high / PHASE_WORD; w++) {
+    uint64_t open = surfels->occupied[row * surfels->words + (size_t)w];
+    if (low > w * PHASE_WORD) open &= ~(uint64_t)0 << (low - w * PHASE_WORD);
+    if (high < w * PHASE_WORD + PHASE_WORD - 1)
+      open &= ~(~(uint64_t)0 << (high - w * PHASE_WORD + 1));
+    for (; open != 0; open &= open - 1) {
+      const size_t at[3] = {(size_t)w * PHASE_WORD + (size_t)__builtin_ctzll(open), y, z};
+      const size_t block = row * surfels->blocks[0] + at[0];
+      double inside[3];
+      if (block == search->near) continue;
+      for (int d = 0; d < 3; d++)
+        inside[d] = search->point[d] / surfels->stretch[d] - 0.5 - (double)(at[d] * BLOCK);
+      const double bound = bound_of(search);
+      if (box_gap(surfels->crossed[block], inside, surfels->stretch) <= bound * bound)
+        look_at(search, block, at);
+    }
+  }
 }
 
 /* Distance from a coordinate to block b's cells along one axis. */
@@ -288,69 +376,77 @@ static double axis_gap(double at, long b, double stretch) {
   return at < low ? low - at : at > high ? at - high : 0.0;
 }
 
-/* Shells about `home` that hold nothing for certain; 255: all of them. */
-static long empty_shells(const struct surfels *surfels, const long home[3]) {
+/* First and last block along one axis that lie within `reach` of the point. */
+static void block_range(const struct search *search, int axis, double reach, long range[2]) {
+  const double at = search->point[axis] / search->surfels->stretch[axis] - 0.5;
+  const double width = reach / search->surfels->stretch[axis];
+  const long last = (long)search->surfels->blocks[axis] - 1;
+  range[0] = (long)floor((at - width) / BLOCK);
+  range[1] = (long)floor((at + width) / BLOCK);
+  if (range[0] < 0) range[0] = 0;
+  if (range[1] > last) range[1] = last;
+}
+
+/* Step k of 0, 1, ... from `home` through first .. last, near ones first; false behind the end. */
+static bool step_out(long home, long first, long last, long k, long *at) {
+  home = home < first ? first : home > last ? last : home;
+  const long down = home - first, up = last - home, both = down < up ? down : up;
+  if (k > down + up) return false;
+  if (k <= 2 * both)
+    *at = k % 2 == 0 ? home + k / 2 : home - (k + 1) / 2;
+  else
+    *at = up > down ? home + k - both : home - (k - both);
+  return true;
+}
+
+static void search_blocks(struct search *search) {
+  const struct surfels *surfels = search->surfels;
+  long ys[2], zs[2], xs[2], home[3], y, z;
   for (int d = 0; d < 3; d++)
-    if (home[d] < 0 || home[d] >= (long)surfels->blocks[d]) return 0;
-  return surfels
-      ->away[(home[2] * (long)surfels->blocks[1] + home[1]) * (long)surfels->blocks[0] + home[0]];
-}
-
-/* Shells of blocks around the point, until the next shell must be farther than the best. */
-static double search(const struct surfels *surfels, const double point[3], double best) {
-  long home[3], reach = 0;
-  double edge = INFINITY; /* from the point to the edge of its own block */
-  for (int d = 0; d < 3; d++) {
-    double at = point[d] / surfels->stretch[d] - 0.5;
-    home[d] = (long)floor(at / BLOCK);
-    double inside = at - (double)home[d] * BLOCK;
-    edge = fmin(edge, fmin(inside, BLOCK - inside) * surfels->stretch[d]);
-    reach = (long)fmax((double)reach,
-                       fmax((double)home[d], (double)surfels->blocks[d] - 1.0 - (double)home[d]));
-  }
-  double step = BLOCK * fmin(surfels->stretch[0], fmin(surfels->stretch[1], surfels->stretch[2]));
-  for (long r = empty_shells(surfels, home); r <= reach; r++) {
-    if (r > 0 && edge + (double)(r - 1) * step > best + DISC_RADIUS) break;
-    for (long z = home[2] - r; z <= home[2] + r; z++) {
-      if (z < 0 || z >= (long)surfels->blocks[2]) continue;
-      double gz = axis_gap(point[2], z, surfels->stretch[2]);
-      if (gz > best + DISC_RADIUS) continue;
-      for (long y = home[1] - r; y <= home[1] + r; y++) {
-        if (y < 0 || y >= (long)surfels->blocks[1]) continue;
-        double gy = axis_gap(point[1], y, surfels->stretch[1]);
-        bool face = labs(z - home[2]) == r || labs(y - home[1]) == r;
-        long hop = face || r == 0 ? 1 : 2 * r;
-        for (long x = home[0] - r; x <= home[0] + r; x += hop) {
-          if (x < 0 || x >= (long)surfels->blocks[0]) continue;
-          double gx = axis_gap(point[0], x, surfels->stretch[0]);
-          double bound = best + DISC_RADIUS;
-          if (gx * gx + gy * gy + gz * gz > bound * bound) continue;
-          best = block_distance(surfels, (size_t[3]){(size_t)x, (size_t)y, (size_t)z}, point, best);
-        }
-      }
+    home[d] = (long)floor((search->point[d] / surfels->stretch[d] - 0.5) / BLOCK);
+  block_range(search, 2, bound_of(search), zs);
+  for (long k = 0; zs[0] <= zs[1] && step_out(home[2], zs[0], zs[1], k, &z); k++) {
+    const double gz = axis_gap(search->point[2], z, surfels->stretch[2]);
+    if (gz > bound_of(search)) continue;
+    block_range(search, 1, bound_of(search), ys);
+    for (long j = 0; ys[0] <= ys[1] && step_out(home[1], ys[0], ys[1], j, &y); j++) {
+      const double gy = axis_gap(search->point[1], y, surfels->stretch[1]);
+      const double bound = bound_of(search), left = bound * bound - gz * gz - gy * gy;
+      if (left < 0.0) continue;
+      block_range(search, 0, sqrt(left), xs);
+      if (xs[0] <= xs[1]) look_along(search, (size_t)y, (size_t)z, xs[0], xs[1]);
     }
   }
-  return best;
 }
 
-double surfels_distance(const struct surfels *surfels, const double point[3], double limit) {
+double surfels_distance(const struct surfels *surfels, const double point[3], double limit,
+                        size_t *near) {
+  const size_t *n = surfels->blocks;
   if (surfels->count == 0) return limit;
-  double best = search(surfels, point, limit);
-  double period[2] = {(double)surfels->size[0] * surfels->stretch[0],
-                      (double)surfels->size[1] * surfels->stretch[1]};
-  for (int iy = -1; iy <= 1; iy++) {
-    for (int ix = -1; ix <= 1; ix++) {
-      if (ix == 0 && iy == 0) continue;
-      double image[3] = {point[0] + ix * period[0], point[1] + iy * period[1], point[2]};
-      /* Cells lie between 1/2 and size + 1/2. */
-      double gap = 0.0;
-      for (int d = 0; d < 2; d++) {
-        double low = 0.5 * surfels->stretch[d], high = low + period[d];
-        double out = fmax(0.0, fmax(low - image[d], image[d] - high));
-        gap += out * out;
-      }
-      if (gap < (best + DISC_RADIUS) * (best + DISC_RADIUS)) best = search(surfels, image, best);
-    }
+  struct search search = {surfels, {point[0], point[1], point[2]}, limit, SURFELS_NOWHERE};
+  if (*near != SURFELS_NOWHERE)
+    look_at(&search, *near, (size_t[3]){*near % n[0], *near / n[0] % n[1], *near / n[0] / n[1]});
+  search_blocks(&search);
+  double period[2], low[2], high[2]; /* cells lie between 1/2 and size + 1/2 */
+  bool inside = true;
+  for (int d = 0; d < 2; d++) {
+    period[d] = (double)surfels->size[d] * surfels->stretch[d];
+    low[d] = 0.5 * surfels->stretch[d];
+    high[d] = low[d] + period[d];
+    inside &= fmin(point[d] - low[d], high[d] - point[d]) > bound_of(&search);
   }
-  return best;
+  for (int i = 0; i < 9 && !inside; i++) {
+    const int ix = i % 3 - 1, iy = i / 3 - 1;
+    if (i == 4) continue;
+    search.point[0] = point[0] + ix * period[0];
+    search.point[1] = point[1] + iy * period[1];
+    double gap = 0.0;
+    for (int d = 0; d < 2; d++) {
+      double out = fmax(0.0, fmax(low[d] - search.point[d], search.point[d] - high[d]));
+      gap += out * out;
+    }
+    if (gap < bound_of(&search) * bound_of(&search)) search_blocks(&search);
+  }
+  *near = search.near;
+  return search.best;
 }

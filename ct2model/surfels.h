@@ -17,19 +17,24 @@
 struct surfels {
   size_t size[3], blocks[3];
   double stretch[3];
-  uint32_t *first; /* of each block of 4x4x4 cells, in items; blocks + 1 values */
-  uint8_t *
-      away; /* from each block to the nearest with items, in blocks (largest of x, y, z); 255 far */
+  uint64_t *crossed; /* the cells of each block of 4x4x4 that hold a disc, a bit each */
+  uint32_t *first;   /* of each block, in items; blocks + 1 values */
+  uint64_t *occupied; /* blocks with a disc: a bit each, `words` a row */
+  size_t words;
   uint32_t *items; /* a word of each disc's place, then, `pitch` further, one of each's normal */
   size_t count, pitch;
 };
 
-/* From field[z][y][x], positive in the grain. Free with surfels_end. */
-enum status surfels_build(const int16_t *field, const size_t size[3], const double stretch[3],
-                          struct surfels *surfels);
+/* From field[z][y][x], positive in the grain, and its bits[z][y][word] (phase_row). Free with
+ * surfels_end. */
+enum status surfels_build(const int16_t *field, const uint64_t *bits, const size_t size[3],
+                          const double stretch[3], struct surfels *surfels);
 void surfels_end(struct surfels *surfels);
 /* Distance from `point` to the nearest disc, at most `limit`. Periodic images in x and y are
- * looked at; z is open. */
-double surfels_distance(const struct surfels *surfels, const double point[3], double limit);
+ * looked at; z is open. *near: the block to look at first (SURFELS_NOWHERE: none is better than
+ * others) and then that of the nearest disc, if it is nearer than `limit`. */
+#define SURFELS_NOWHERE SIZE_MAX
+double surfels_distance(const struct surfels *surfels, const double point[3], double limit,
+                        size_t *near);
 
 #endif

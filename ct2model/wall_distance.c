@@ -46,22 +46,39 @@ static double layer_centre(const struct walk *walk, size_t layer) {
   return ((double)layer + 0.5) * walk->factor[2];
 }
 
-static double pieces_distance(const struct walk *walk, const double point[3], double best) {
+/* Where the last point's nearest disc is: in a block of a piece. */
+struct nearest {
+  size_t piece, block;
+};
+
+static double piece_distance(const struct walk *walk, const double point[3], double best, size_t i,
+                             size_t *block) {
+  const struct piece *piece = &walk->pieces[i];
+  const double local[3] = {point[0], point[1], point[2] - (double)piece->first * walk->stretch[2]};
+  double low = 0.5 * walk->stretch[2];
+  double high = ((double)piece->surfels.size[2] - 0.5) * walk->stretch[2];
+  double gap = fmax(0.0, fmax(low - local[2], local[2] - high));
+  return gap < best + 1.0 ? surfels_distance(&piece->surfels, local, best, block) : best;
+}
+
+static double pieces_distance(const struct walk *walk, const double point[3], double best,
+                              struct nearest *near) {
+  const struct nearest last = *near;
+  if (last.piece < walk->piece_count)
+    best = piece_distance(walk, point, best, last.piece, &near->block);
   for (size_t i = 0; i < walk->piece_count; i++) {
-    const struct piece *piece = &walk->pieces[i];
-    const double local[3] = {point[0], point[1],
-                             point[2] - (double)piece->first * walk->stretch[2]};
-    double low = 0.5 * walk->stretch[2];
-    double high = ((double)piece->surfels.size[2] - 0.5) * walk->stretch[2];
-    double gap = fmax(0.0, fmax(low - local[2], local[2] - high));
-    if (gap < best + 1.0) best = surfels_distance(&piece->surfels, local, best);
+    size_t block = SURFELS_NOWHERE;
+    if (i == last.piece) continue;
+    best = piece_distance(walk, point, best, i, &block);
+    if (block != SURFELS_NOWHERE) *near = (struct nearest){i, block};
   }
   return best;
 }
 
 /* Distance of `point` (stretched voxels of the region) to the surface, at most `limit`. */
-static double wall_distance(const struct walk *walk, const double point[3], double limit) {
-  double best = pieces_distance(walk, point, limit);
+static double wall_distance(const struct walk *walk, const double point[3], double limit,
+                            struct nearest *near) {
+  double best = pieces_distance(walk, point, limit, near);
   if (!walk->request->mirror) return best;
   /* Images by reflection about z = 0 and about the middle of the last layer. */
   double plane = mirror_plane(walk) * walk->stretch[2];
@@ -70,7 +87,8 @@ static double wall_distance(const struct walk *walk, const double point[3], doub
     double away = i == 0 ? point[2] : plane - point[2];
     if (away > best + 1.0) continue;
     const double image[3] = {point[0], point[1], images[i]};
-    best = pieces_distance(walk, image, best);
+    struct nearest beyond = {SURFELS_NOWHERE, SURFELS_NOWHERE};
+    best = pieces_distance(walk, image, best, &beyond);
   }
   return best;
 }
@@ -101,12 +119,13 @@ static void measure_layer(const struct walk *walk, size_t layer, float *distance
 #pragma omp parallel for schedule(dynamic, 4)
   for (size_t row = layer * size[1]; row < (layer + 1) * size[1]; row++) {
     double best = walk->band;
+    struct nearest near = {SURFELS_NOWHERE, SURFELS_NOWHERE};
     for (size_t x = 0; x < size[0]; x++) {
       double point[3];
       centre_of(walk, row, x, point);
       for (int d = 0; d < 3; d++) point[d] *= walk->stretch[d];
       /* One step further the distance is at most one step more. */
-      best = wall_distance(walk, point, fmin(walk->band, 1.0001 * (best + step)));
+      best = wall_distance(walk, point, fmin(walk->band, 1.0001 * (best + step)), &near);
       float *value = &distance[row * size[0] + x];
       *value = best < walk->band ? *value * (float)(best * walk->unit) : INFINITY;
     }
@@ -126,8 +145,10 @@ static enum status add_piece(struct walk *walk, long from, long to) {
   size_t plane = walk->region->size[0] * walk->region->size[1];
   const size_t size[3] = {walk->region->size[0], walk->region->size[1], (size_t)(to - from) + 1};
   piece->first = from;
-  TRY(surfels_build(walk->window.field + (size_t)(from - walk->window.first) * plane, size,
-                    walk->stretch, &piece->surfels));
+  const size_t deep = (size_t)(from - walk->window.first);
+  TRY(surfels_build(walk->window.field + deep * plane,
+                    walk->window.bits + deep * size[1] * walk->window.words, size, walk->stretch,
+                    &piece->surfels));
   walk->piece_count++;
 cleanup:
   return status;
