@@ -130,8 +130,7 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
 /* Rows y, y + 1, y - 1 of layer `deep` of the window and row y of the layers above and below:
  * periodic in x and y, repeated at the window's ends. */
 enum { HERE, Y_NEXT, Y_LAST, Z_NEXT, Z_LAST, NEAR };
-static void near_rows(const struct grey_window *window, size_t y, size_t deep,
-                      size_t rows[NEAR]) {
+static void near_rows(const struct grey_window *window, size_t y, size_t deep, size_t rows[NEAR]) {
   const size_t ny = window->region->size[1], layer = deep * ny;
   rows[HERE] = layer + y;
   rows[Y_NEXT] = layer + (y + 1 < ny ? y + 1 : 0);
@@ -201,8 +200,8 @@ enum { GROUP = 16 };
 static void row_fractions(const int16_t *row, const int16_t *const near[NEAR],
                           const uint64_t *grain, const uint64_t *cut, size_t nx, float *shares) {
   for (size_t x = 0; x < nx; x += PHASE_WORD)
-    whole_shares(grain[x / PHASE_WORD],
-                 (uint32_t)(nx - x < PHASE_WORD ? nx - x : PHASE_WORD), shares + x);
+    whole_shares(grain[x / PHASE_WORD], (uint32_t)(nx - x < PHASE_WORD ? nx - x : PHASE_WORD),
+                 shares + x);
   for (size_t x = 0, end; x < nx; x = end + GROUP) {
     for (end = x; end < nx && (cut[end / PHASE_WORD] >> end % PHASE_WORD & 0xffffu) != 0;)
       end += GROUP;

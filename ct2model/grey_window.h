@@ -24,7 +24,7 @@ struct grey_window {
   int16_t *field;     /* [depth][y][x], positive in the grain */
   uint64_t *bits;     /* the same as phase_row makes them, [depth][y][words] */
   size_t words;
-  char *buffer;       /* slices being read, and a row of each, by thread */
+  char *buffer; /* slices being read, and a row of each, by thread */
   size_t buffer_size;
   float *row;
   uint64_t *scratch; /* for islands, then for rows of bits */

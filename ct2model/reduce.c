@@ -57,8 +57,7 @@ void reduction_start(const struct resample_axis *x, const struct resample_axis *
   reduction->open = rows_open(y);
   reduction->pitch = pitch_of(x);
   for (size_t i = 0; i < reduction->open; i++)
-    memset(scratch + i * reduction->pitch + x->in, 0,
-           (reduction->pitch - x->in) * sizeof *scratch);
+    memset(scratch + i * reduction->pitch + x->in, 0, (reduction->pitch - x->in) * sizeof *scratch);
 }
 
 void reduction_add(struct reduction *reduction, const float *row) {

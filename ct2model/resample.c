@@ -136,8 +136,7 @@ void resampler_begin(struct resampler *resampler, size_t i, struct reduction *re
                     reduction);
 }
 
-enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice,
-                            size_t i) {
+enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice, size_t i) {
   const size_t *in = resampler->in;
   float *whole = scratch_of(resampler);
   for (size_t y = 0; y < in[1]; y++) pixel_rows_read(slice, y, in[0], whole + y * in[0]);

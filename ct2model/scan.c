@@ -135,9 +135,8 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
   struct reduction reduction;
   if (by_rows) resampler_begin(&scan->resampler, place, &reduction);
   for (size_t y = 0; y < ny; y++) {
-    const float *greys = by_rows || !scan->has_levels
-                             ? pixel_rows_at(&rows, y, nx, worker->row)
-                             : NULL;
+    const float *greys =
+        by_rows || !scan->has_levels ? pixel_rows_at(&rows, y, nx, worker->row) : NULL;
     if (scan->has_levels)
       pixels_count(worker->levels, (const char *)rows.first + y * rows.stride, nx, rows.type);
     else

@@ -17,8 +17,8 @@
 struct surfels {
   size_t size[3], blocks[3];
   double stretch[3];
-  uint64_t *crossed; /* the cells of each block of 4x4x4 that hold a disc, a bit each */
-  uint32_t *first;   /* of each block, in items; blocks + 1 values */
+  uint64_t *crossed;  /* the cells of each block of 4x4x4 that hold a disc, a bit each */
+  uint32_t *first;    /* of each block, in items; blocks + 1 values */
   uint64_t *occupied; /* blocks with a disc: a bit each, `words` a row */
   size_t words;
   uint32_t *items; /* a word of each disc's place, then, `pitch` further, one of each's normal */
