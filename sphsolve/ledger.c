@@ -70,32 +70,32 @@ void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums) {
   }
 }
 
-#define NUMBERS (sizeof(struct ledger_account) / sizeof(double))
-
-enum status ledger_account_write(const struct ledger_account *account, struct h5_file *file,
-                                 const char *name) {
-  double numbers[NUMBERS];
-  size_t count = NUMBERS;
-  struct ledger_account whole;
-  memset(&whole, 0, sizeof whole); /* the gap behind `on` too */
-  whole = *account;
-  memcpy(numbers, &whole, sizeof numbers);
+enum status ledger_account_write(const struct ledger_account *account, size_t bytes,
+                                 struct h5_file *file, const char *name) {
+  enum status status = STATUS_OK;
+  size_t count = bytes / sizeof(double);
+  double *numbers = NULL;
+  TRY(memory_allocate(&numbers, count, sizeof *numbers, "the ledger"));
+  memcpy(numbers, account, bytes);
   numbers[0] = account->on;
-  return h5_write(file, name, H5_F64, 1, &count, numbers, false);
+  TRY(h5_write(file, name, H5_F64, 1, &count, numbers, false));
+cleanup:
+  memory_free(&numbers);
+  return status;
 }
 
-enum status ledger_account_read(struct ledger_account *account, struct h5_file *file,
+enum status ledger_account_read(struct ledger_account *account, size_t bytes, struct h5_file *file,
                                 const char *name) {
   enum status status = STATUS_OK;
+  const uint32_t on = account->on;
   double *numbers = NULL;
   size_t count = 0;
   TRY(h5_read(file, name, H5_F64, 1, &count, &numbers));
-  if (count != NUMBERS)
+  if (count != bytes / sizeof(double))
     TRY_FAIL(STATUS_INPUT, "%s: %s is not of this version; remove the file to start anew",
              h5_path(file), name);
-  uint32_t on = account->on;
-  memcpy(account, numbers, sizeof *account);
-  account->on = on; /* the scene's, which may have been changed */
+  memcpy(account, numbers, bytes);
+  account->on = on;
 cleanup:
   memory_free(&numbers);
   return status;

@@ -36,7 +36,6 @@
   X(SHIFTING, "shifting", "shifting", 1)                                                           \
   X(WALL_GUARD, "wall_guard", "guard at walls", 1)                                                 \
   X(STRAIGHTENING, "straightening", "straightening at open sides", 1)                              \
-  X(DIFFUSION, "pressure_diffusion", "diffusion of pressure", 1)                                   \
   X(ENERGY_BOUND, "energy_bound", "what keeps energy from rising", 1)                              \
   X(TIME_STEP, "time_step", "time stepping", 1)
 enum ledger_term {
@@ -97,10 +96,11 @@ double ledger_mass_open(const struct ledger *ledger);
 double ledger_momentum_open(const struct ledger_account *account, double open[3]);
 double ledger_energy_open(const struct ledger_account *account, double *open);
 void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums);
-/* The running account in a checkpoint, as dataset `name`. */
-enum status ledger_account_write(const struct ledger_account *account, struct h5_file *file,
-                                 const char *name);
-enum status ledger_account_read(struct ledger_account *account, struct h5_file *file,
+/* A running account in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that follow
+ * it in the same struct. `on` is the scene's and stays. */
+enum status ledger_account_write(const struct ledger_account *account, size_t bytes,
+                                 struct h5_file *file, const char *name);
+enum status ledger_account_read(struct ledger_account *account, size_t bytes, struct h5_file *file,
                                 const char *name);
 /* /run/ledger. */
 enum status ledger_write(const struct ledger *ledger, struct h5_file *file);

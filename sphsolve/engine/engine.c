@@ -366,6 +366,22 @@ static void take_velocities(struct particles *p) {
   for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
 }
 
+/* What the forces need to know: densities, or what is at the walls. */
+static void prepare(struct engine *engine) {
+  const struct pair_table *table = engine->table;
+  if (engine->settings.wall == PASS_FROZEN) {
+    run_pass(engine, table->density, false, PHASE_DENSITY);
+    if (RANKS) engine_send(engine, SENT_DENSITY);
+    run_pass(engine, table->density_wall, true, PHASE_DENSITY);
+    if (RANKS) engine_send(engine, SENT_WALL);
+  } else if (engine->settings.wall == PASS_ADAMI) {
+    run_pass(engine, table->image_velocity, true, PHASE_WALL);
+    if (RANKS) engine_send(engine, SENT_WALL);
+  } else if (engine->settings.wall == PASS_SUBVOXEL) {
+    engine_update_distance(engine);
+  }
+}
+
 /* Velocities belong to the middle of a step, positions and pressures to its ends (leapfrog). The
  * pressure is therefore carried on by the divergence half-way: on the places of the step's start it
  * would lag, and take (dt/2) |grad p|^2 a second from the flow. */
@@ -381,19 +397,10 @@ enum status engine_step(struct engine *engine) {
   engine->pass.shift_length =
       s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
   bool has_walls = p->wall_clusters > 0;
-  if (s->wall == PASS_FROZEN) {
-    run_pass(engine, table->density, false, PHASE_DENSITY);
-    if (RANKS) engine_send(engine, SENT_DENSITY);
-    run_pass(engine, table->density_wall, true, PHASE_DENSITY);
-    if (RANKS) engine_send(engine, SENT_WALL);
+  prepare(engine);
+  if (s->wall == PASS_FROZEN)
     engine->pair_interactions += (double)(engine->pairs_fluid + engine->pairs_wall);
-  } else if (s->wall == PASS_ADAMI) {
-    run_pass(engine, table->image_velocity, true, PHASE_WALL);
-    if (RANKS) engine_send(engine, SENT_WALL);
-    engine->pair_interactions += (double)engine->pairs_wall;
-  } else if (s->wall == PASS_SUBVOXEL) {
-    engine_update_distance(engine);
-  }
+  if (s->wall == PASS_ADAMI) engine->pair_interactions += (double)engine->pairs_wall;
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
   take_velocities(p);
@@ -440,6 +447,28 @@ enum status engine_pull(struct engine *engine) {
   run_pass(engine, engine->table->force[s->wall][0][0], false, PHASE_FORCE);
   engine->pass.dt = s->dt;
 cleanup:
+  return status;
+}
+
+enum status engine_account(struct engine *engine, struct pass_account *total) {
+  enum status status = STATUS_OK;
+  const struct engine_settings *s = &engine->settings;
+  struct pass *pass = &engine->pass;
+  struct pass_account *sums = NULL;
+  if (!engine->listed || engine->moved >= PATH * pass->spacing) TRY(make_lists(engine, true));
+  const size_t blocks = (engine->particles.clusters + BLOCK - 1) / BLOCK;
+  const size_t count = sizeof *sums / sizeof(double);
+  TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
+  prepare(engine);
+  pass->wall = s->wall, pass->shifts = s->shift, pass->account = sums;
+  run_pass(engine, engine->table->account, false, PHASE_FORCE);
+  TRY(engine_gather_blocks(engine, BLOCK * CLUSTER, sums, sizeof *sums));
+  memset(total, 0, sizeof *total);
+  for (size_t b = 0; b < blocks; b++)
+    for (size_t k = 0; k < count; k++) ((double *)total)[k] += ((const double *)&sums[b])[k];
+cleanup:
+  memory_free(&sums);
+  pass->account = NULL;
   return status;
 }
 

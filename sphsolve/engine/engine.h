@@ -105,6 +105,9 @@ double engine_wall_distance(const struct engine *engine, size_t slot);
 /* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v until
  * the next step. Changes no bit of what comes. */
 enum status engine_pull(struct engine *engine);
+/* What the next step's effects give the fluid, and what there is before it; changes no bit of what
+ * comes. */
+enum status engine_account(struct engine *engine, struct pass_account *total);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
  * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);

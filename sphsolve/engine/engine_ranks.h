@@ -4,8 +4,7 @@
 
 #include "sphsolve/engine/engine.h"
 
-/* Row clusters a thread takes at a time. */
-#define BLOCK 32
+#define BLOCK PASS_BLOCK
 
 static inline bool engine_is_shared(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.cut != NULL;

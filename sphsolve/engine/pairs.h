@@ -23,6 +23,18 @@ struct local {
   bool overflow; /* more columns than `capacity`: particles have clumped */
 };
 
+/* Row clusters a thread takes at a time. */
+#define PASS_BLOCK 32
+
+/* Sums over the particles of a block of rows, per mass of one particle: of velocities, what a
+ * second adds to them by each effect, and powers; see pairs_account.h. */
+struct pass_account {
+  double momentum[3], kinetic, elastic;                  /* m/s, m^2/s^2 */
+  double wall_pressure[3], friction[3], shift[3];        /* m/s^2 */
+  double force_work, pressure_work, friction_work;       /* m^2/s^3 */
+  double viscosity_work, shift_work;
+};
+
 struct pass {
   struct particles *particles;
   const struct neighbour_list *fluid_fluid, *fluid_wall, *wall_fluid;
@@ -41,6 +53,10 @@ struct pass {
   double shift_speed;      /* m/s */
   double shift_length;     /* m, A h */
   double spacing;          /* m */
+  /* For the account alone. */
+  enum pass_wall wall;
+  bool shifts;
+  struct pass_account *account;
 };
 
 typedef void pass_function(const struct pass *pass, struct local *local, size_t begin, size_t end);
@@ -57,6 +73,7 @@ struct pair_table {
   pass_function *continuity[2][2][2];
   pass_function *continuity_exact[2][2]; /* without walls, see pairs_exact.h */
   pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
+  pass_function *account;        /* changes nothing */
   /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and of
    * wall with fluid. */
   void (*count)(const struct pass *pass, struct local *local, size_t begin, size_t end,

@@ -5,6 +5,7 @@
  * A row cluster first gathers its columns into a small local buffer (pairs_gather.h). Then each row
  * runs over the buffer with full vectors. */
 #include <math.h>
+#include <string.h>
 
 #include "sphsolve/effects/density_continuity.h"
 #include "sphsolve/effects/density_summation.h"
@@ -379,6 +380,8 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
   }
 }
 
+#include "sphsolve/engine/pairs_account.h"
+
 /* ---- counting ---- */
 SIMD_INLINE uint64_t count_columns(const struct pass *pass, struct local *local,
                                    const struct reference *ref, size_t n) {
@@ -468,6 +471,7 @@ const struct pair_table TABLE_NAME(SIMD_ISA) = {
     .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
     .continuity_exact = TABLE_CONTINUITY(exact),
     .image_velocity = image_velocity,
+    .account = account,
     .count = count,
     .count_wall = count_wall,
 };

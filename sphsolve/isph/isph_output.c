@@ -289,7 +289,7 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   size_t losses[2] = {LEDGER_LOSSES, 6};
   TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
-  TRY(ledger_account_write(&s->account, file, "/state/account"));
+  TRY(ledger_account_write(&s->account, sizeof s->account, file, "/state/account"));
   double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->calm_from};
   double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
                     s->solve.residual};
@@ -364,7 +364,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));
-  TRY(ledger_account_read(&s->account, file, "/state/account"));
+  TRY(ledger_account_read(&s->account, sizeof s->account, file, "/state/account"));
 cleanup:
   return status;
 }

@@ -89,6 +89,12 @@ static bool locked(const struct wcsph_run *run) {
          fabs(way) < 0.5 * context->spacing;
 }
 
+static enum status account_now(struct wcsph_run *run) {
+  const double *dx = run->lattice->spacing;
+  return wcsph_account_sample(&run->state.engine, run->scene->fluid.density * dx[0] * dx[1] * dx[2],
+                              wcsph_run_time(run), &run->state.account);
+}
+
 static enum status march(struct wcsph_run *run, struct run_result *result) {
   enum status status = STATUS_OK;
   struct wcsph_state *state = &run->state;
@@ -108,6 +114,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
         break;
       }
     }
+    if (wcsph_account_due(state->step)) TRY(account_now(run));
     bool again = false;
     step_log_limit(recorder_step_log(run->recorder), wcsph_limiting_effect(run));
     status = engine_step(&state->engine);
@@ -142,6 +149,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
       }
     }
   }
+  if (status == STATUS_OK) TRY(account_now(run));
   result_from_darcy(run->scene, verdict.mean + 1, result);
   result->k_error = isfinite(verdict.error) ? verdict.error : NAN;
   if (isfinite(verdict.error)) {
@@ -199,6 +207,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   result->ledger = (struct ledger){.known = true, .start = run->lattice->fluid_count};
   for (size_t i = 0; i < particles_slots(&engine->particles); i++)
     result->ledger.end += engine->particles.id[i] != NO_PARTICLE;
+  if (run->state.account.samples > 0) result->ledger.account = run->state.account.ledger;
   result->wall_time = clock_seconds() - run->started;
   result->pair_interactions = engine->pair_interactions;
   result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
@@ -242,6 +251,7 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
   TRY(engine_make(lattice, &settings, &run.state.engine));
   run.copy.beside = recorder_checkpoint_name(recorder);
+  wcsph_account_begin(&run.state.engine, &run.state.account);
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
   run.pore_width = gap * plan->context.spacing;

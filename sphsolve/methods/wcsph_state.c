@@ -202,6 +202,7 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   copy->moved = state->engine.moved;
   copy->speed_max = state->engine.speed_max;
   copy->next_row = state->next_row;
+  copy->account = state->account;
 cleanup:
   return status;
 }
@@ -223,6 +224,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   for (int t = 0; t < engine->threads; t++) engine->locals[t].overflow = false;
   state->monitor.count = copy->samples;
   state->next_row = copy->next_row;
+  state->account = copy->account;
   int64_t since = (copy->step - copy->sample_from) % (state->sample_steps << copy->halvings);
   if (state->halvings < copy->halvings) {
     engine_set_dt(engine, ldexp(engine->settings.dt, state->halvings - copy->halvings));
@@ -268,6 +270,7 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       (double)engine->pairs_alone};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
+  TRY(ledger_account_write(&state->account.ledger, sizeof state->account, file, "/state/account"));
   count = 1;
   TRY(h5_write(file, "/state/step", H5_I64, 1, &count, &state->step, false));
   size_t dims[2] = {state->monitor.count, MONITOR_COMPONENTS};
@@ -301,6 +304,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
     memcpy(*list[i].array, array, slots[0] * sizeof(float));
     memory_free(&array);
   }
+  TRY(ledger_account_read(&state->account.ledger, sizeof state->account, file, "/state/account"));
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
   if (count != 15 || dims[0] != 1)

@@ -5,6 +5,7 @@
 #include "common/hdf5_file.h"
 #include "common/scratch_file.h"
 #include "sphsolve/engine/engine.h"
+#include "sphsolve/methods/wcsph_account.h"
 #include "sphsolve/monitor.h"
 #include "sphsolve/watchdog.h"
 
@@ -19,6 +20,7 @@ struct wcsph_state {
   double time_from;
   int64_t step_from, sample_from, sample_steps;
   struct watchdog dog;
+  struct wcsph_account account;
 };
 double wcsph_time(const struct wcsph_state *state);
 bool wcsph_sample_due(const struct wcsph_state *state);
@@ -34,6 +36,7 @@ struct wcsph_copy {
   int64_t step, sample_from;
   double time, moved, speed_max, next_row;
   int halvings;
+  struct wcsph_account account;
 };
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* The step stays as it is now, unless it was shorter then. */

@@ -10,6 +10,8 @@
 #endif
 
 #include "sphsolve/isph/isph_account.h"
+#include "sphsolve/methods/wcsph_account.h"
+#include "tests/unit/engine_march.h"
 #include "tests/unit/isph_scene.h"
 
 static void assert_near(double value, double expected, double tolerance) {
@@ -149,11 +151,119 @@ static void threads_keep_one_account(void **state) {
 #endif
 }
 
+/* A slit of water, each wall scheme: friction takes what the force gives. Of the start-up there is
+ * left 8/pi^2 exp(-pi^2 nu t/w^2), 2e-5 of the force. */
+static void walls_take_the_force_of_a_slit(void **state) {
+  (void)state;
+  const double dx = 1e-4, nu = 1e-6, f = 1e-3;
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
+  for (int k = 0; k < 3; k++) {
+    struct lattice lattice = test_slit(4, 0.5, dx);
+    const double wide = (walls[k] == PASS_FROZEN ? 5 : 4) * dx;
+    struct march march = {.wall = walls[k], .nu = nu, .force = {f}};
+    struct engine_settings settings = test_march_settings(&lattice, &march);
+    struct engine engine;
+    struct pass_account total;
+    assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
+    for (double t = 0; t < 1.1 * wide * wide / nu; t += settings.dt)
+      assert_int_equal(engine_step(&engine), STATUS_OK);
+    assert_int_equal(engine_account(&engine, &total), STATUS_OK);
+    const double force = f * (double)lattice.fluid_count;
+    assert_near((total.friction[0] + total.wall_pressure[0] + total.shift[0]) / force, -1, 1e-4);
+    assert_near(
+        (total.friction_work + total.viscosity_work + total.pressure_work + total.shift_work) /
+            total.force_work,
+        -1, 2e-4);
+    engine_free(&engine);
+    test_lattice_free(&lattice);
+  }
+}
+
+/* Flow among balls from rest: what the account of a step says is what the step does to momentum
+ * (with walls' pressure in place of the fluid's: on the undisturbed lattice they are the same, and
+ * frozen walls' always) and to energy. Velocities are stored with 24 bits: each of n steps rounds
+ * each of N velocities by 2^-24 of the fastest at most, and what walls and fluid are told the same
+ * by sums of single precision with some thousand terms. */
+static void a_step_does_what_its_account_says(void **state) {
+  (void)state;
+  const double parameter[4] = {16, 4.5, 8, 7};
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
+  for (int k = 0; k < 3; k++) {
+    struct lattice lattice =
+        test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
+    struct march march = {.wall = walls[k], .nu = 1e-5, .force = {0, 0, -1}, .sound = 1.2};
+    struct engine_settings settings = test_march_settings(&lattice, &march);
+    struct engine engine;
+    struct wcsph_account account;
+    const int steps = 10;
+    double open[3], energy;
+    assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
+    wcsph_account_begin(&engine, &account);
+    for (int n = 0; n <= steps; n++) {
+      assert_int_equal(wcsph_account_sample(&engine, 1, n * settings.dt, &account), STATUS_OK);
+      assert_int_equal(engine_step(&engine), STATUS_OK);
+    }
+    const double n = (double)lattice.fluid_count, given = n * steps * settings.dt;
+    const double rounding = steps * n * engine.speed_max * 0x1p-24;
+    const double sums = 1e3 * 0x1p-24 * given;
+    ledger_momentum_open(&account.ledger, open);
+    ledger_energy_open(&account.ledger, &energy);
+    for (int a = 0; a < 3; a++) assert_near(open[a], 0, rounding + sums);
+    assert_near(energy, 0, rounding * engine.speed_max);
+    engine_free(&engine);
+    test_lattice_free(&lattice);
+  }
+}
+
+/* Samples change no bit of the run, and on any number of threads are the same. */
+static void samples_change_nothing(void **state) {
+  (void)state;
+#ifdef _OPENMP
+  const double parameter[4] = {16, 4.5, 8, 7};
+  struct lattice lattice =
+      test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
+  const int before = omp_get_max_threads();
+  for (int wall = 0; wall < 3; wall++) {
+    const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
+    struct march march = {.wall = walls[wall], .nu = 1e-5, .force = {0, 0, -100}, .sound = 1.2};
+    struct engine_settings settings = test_march_settings(&lattice, &march);
+    struct wcsph_account account[3] = {0};
+    struct engine engine[3];
+    for (int k = 0; k < 3; k++) {
+      omp_set_num_threads(1 + 2 * (k > 1));
+      assert_int_equal(engine_make(&lattice, &settings, &engine[k]), STATUS_OK);
+      if (k > 0) wcsph_account_begin(&engine[k], &account[k]);
+      for (int n = 0; n < 6; n++) {
+        if (k > 0)
+          assert_int_equal(wcsph_account_sample(&engine[k], 1, n * settings.dt, &account[k]),
+                           STATUS_OK);
+        assert_int_equal(engine_step(&engine[k]), STATUS_OK);
+      }
+    }
+    omp_set_num_threads(before);
+    const size_t bytes = particles_slots(&engine[0].particles) * sizeof(float);
+    for (int k = 1; k < 3; k++) {
+      assert_memory_equal(engine[0].particles.v[2], engine[k].particles.v[2], bytes);
+      assert_memory_equal(engine[0].particles.x[2], engine[k].particles.x[2], bytes);
+      assert_memory_equal(engine[0].particles.state, engine[k].particles.state, bytes);
+    }
+    assert_memory_equal(&account[1], &account[2], sizeof account[1]);
+    for (int k = 0; k < 3; k++) engine_free(&engine[k]);
+  }
+  test_lattice_free(&lattice);
+#endif
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(floor_carries_the_weight), cmocka_unit_test(a_falling_drop_keeps_its_energy),
-      cmocka_unit_test(drag_carries_the_head),    cmocka_unit_test(energy_closes_with_everything),
+      cmocka_unit_test(floor_carries_the_weight),
+      cmocka_unit_test(a_falling_drop_keeps_its_energy),
+      cmocka_unit_test(drag_carries_the_head),
+      cmocka_unit_test(energy_closes_with_everything),
       cmocka_unit_test(threads_keep_one_account),
+      cmocka_unit_test(walls_take_the_force_of_a_slit),
+      cmocka_unit_test(a_step_does_what_its_account_says),
+      cmocka_unit_test(samples_change_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,27 @@
+/* The account of momentum and energy of a wcsph run (ledger.h), by samples. */
+#ifndef TOSUI_METHODS_WCSPH_ACCOUNT_H
+#define TOSUI_METHODS_WCSPH_ACCOUNT_H
+
+#include "sphsolve/engine/engine.h"
+#include "sphsolve/ledger.h"
+
+#define WCSPH_RATES 4 /* of momentum and energy, all terms together */
+
+struct wcsph_account { /* doubles but for ledger.on: see ledger_account_write */
+  struct ledger_account ledger;
+  struct ledger_sums rate; /* of the last sample */
+  double samples, time, dt, elastic;
+  /* The same integral, of all terms together, by every sample and by every second one. */
+  double rate_all[WCSPH_RATES], every[WCSPH_RATES];
+  double second_rate[WCSPH_RATES], second[WCSPH_RATES], second_time, second_every[WCSPH_RATES];
+};
+
+/* Which terms there are. `mass`: of a particle, kg. */
+void wcsph_account_begin(const struct engine *engine, struct wcsph_account *account);
+/* Whether a sample is due before this step: each of the first, then fewer. */
+bool wcsph_account_due(int64_t step);
+/* A sample; the account is then closed at `time`, s. Changes no bit of what comes. */
+enum status wcsph_account_sample(struct engine *engine, double mass, double time,
+                                 struct wcsph_account *account);
+
+#endif
