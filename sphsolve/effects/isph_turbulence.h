@@ -19,4 +19,17 @@ static inline double eddy_viscosity(double constant, double support, double stra
   return length * length * strain * (1 - soil);
 }
 
+/* With what kinematic viscosity a wall holds water that passes it at `speed`, `distance` away: nu
+ * within the viscous layer, y+ < 11.6, beyond it what gives the stress u_*^2 = nu_wall speed /
+ * distance of the law of the wall, speed = u_* ln(9.8 distance u_* / nu) / .41 (Prandtl, Nikuradse;
+ * Pope 2000, Turbulent Flows, 7.1). Water's layer at a wall is thinner than particles are: with the
+ * eddies, and the floor under them, of the outermost particles the wall holds with a friction
+ * coefficient of .03 to .3, and not .003. */
+static inline double wall_viscosity(double nu, double speed, double distance) {
+  double friction = sqrt(nu * speed / distance);
+  if (!(friction * distance > 11.6 * nu) || nu == 0) return nu;
+  for (int k = 0; k < 8; k++) friction = 0.41 * speed / log(9.8 * friction * distance / nu);
+  return friction * friction * distance / speed;
+}
+
 #endif

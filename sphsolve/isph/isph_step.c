@@ -88,6 +88,17 @@ static void find_viscosity(struct isph *s) {
     s->thickest = fmax(s->thickest, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
 }
 
+/* With what viscosity wall particle j holds particle i, half a spacing away. */
+static double holding(const struct isph *s, size_t i, size_t j) {
+  double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
+  double square = 0, nu = s->viscosity;
+  if (s->on.turbulence && soil < 1) {
+    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - s->boundary_velocity[j][a], 2);
+    nu += (1 - soil) * (wall_viscosity(nu, sqrt(square), 0.5 * s->spacing) - nu);
+  }
+  return nu / eps;
+}
+
 /* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
  * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
 static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
@@ -99,10 +110,13 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - s->velocity[j][a]);
   }
   if (!s->on.no_slip) return;
+  int last = -1; /* box */
+  double hold = 0;
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
-    double r[3], mirror[3], ratio, weight = 2 * s->wall_volume * nu * (double)chunk->wall_slope[p];
+    if (s->boundary_box[j] != last) last = s->boundary_box[j], hold = holding(s, i, j);
+    double r[3], mirror[3], ratio, weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, j, xj, mirror, &ratio);

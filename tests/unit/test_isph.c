@@ -16,6 +16,7 @@
 #endif
 
 #include "common/kernel.h"
+#include "sphsolve/effects/isph_turbulence.h"
 #include "sphsolve/isph/isph_kernel.h"
 #include "sphsolve/isph/isph_output.h"
 #include "tests/unit/isph_scene.h"
@@ -305,6 +306,20 @@ static void iterations_stay(void **state) {
   finish(&run);
 }
 
+/* The law of the wall and the viscous layer meet, and each holds on its side. */
+static void walls_hold_by_the_law_of_the_wall(void **state) {
+  (void)state;
+  const double nu = 1e-6, distance = 5e-3;
+  for (double speed = 0.1; speed < 10; speed *= 2) {
+    double friction = sqrt(wall_viscosity(nu, speed, distance) * speed / distance);
+    assert_near(speed, friction * log(9.8 * friction * distance / nu) / 0.41, 1e-3 * speed);
+  }
+  assert_near(wall_viscosity(nu, 0.9 * 11.6 * 11.6 * nu / distance, distance), nu, 1e-15);
+  assert_near(wall_viscosity(nu, 11.7 * 11.7 * nu / distance, distance), nu, 0.05 * nu);
+  assert_near(wall_viscosity(0, 1, distance), 0, 0);
+  assert_near(wall_viscosity(nu, 0, distance), nu, 0);
+}
+
 /* A column falls, wets soil and sloshes: its energy, as the history has it, rises in no step (in 347
  * of 2000, by 1.1 % of the first in all, without isph_energy). */
 static void energy_does_not_rise(void **state) {
@@ -345,6 +360,7 @@ int main(void) {
       cmocka_unit_test(moving_soil_carries_water),
       cmocka_unit_test(a_piston_pushes),
       cmocka_unit_test(iterations_stay),
+      cmocka_unit_test(walls_hold_by_the_law_of_the_wall),
       cmocka_unit_test(energy_does_not_rise),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
