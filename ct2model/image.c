@@ -17,11 +17,7 @@
 #include "ct2model/image_tiff.h"
 #include "ct2model/inflate.h"
 
-static enum status raw_read(const struct image *image, size_t page, float *out) {
-  return image_read_contiguous(image, page, out);
-}
-
-static const struct image_reader RAW = {"raw", NULL, NULL, raw_read, image_read_contiguous_stored};
+static const struct image_reader RAW = {"raw", NULL, NULL, image_read_contiguous};
 static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
                                                      &image_nrrd_reader, &image_meta_reader};
 #define READER_COUNT (sizeof READERS / sizeof *READERS)
@@ -156,31 +152,33 @@ void image_close(struct image *image) {
   image->inflated = NULL;
 }
 
-enum status image_read(const struct image *image, size_t page, float *out) {
-  enum status status = image->reader->read(image, page, out);
-  if (status != STATUS_OK || !image->invert) return status;
-  double low, high;
-  if (!pixel_levels(image->type, &low, &high)) low = high = 0.0;
-  for (size_t i = 0; i < image->size[0] * image->size[1]; i++)
-    out[i] = (float)(low + high - (double)out[i]);
-  return STATUS_OK;
-}
-
 bool image_has_levels(const struct image *image) {
   double low, high;
-  return image->plain && !image->invert && pixel_levels(image->type, &low, &high);
+  return image->plain && pixel_levels(image->type, &low, &high);
 }
 
 enum status image_read_stored(const struct image *image, size_t page, void *out) {
+  const size_t bytes = image->size[0] * image->size[1] * pixel_size(image->type);
+  enum status status = image->reader->read(image, page, out);
+  unsigned char *pixels = out;
+  /* White for black among all levels, signed or not, is every bit the other way. */
+  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++)
+    pixels[i] = (unsigned char)~pixels[i];
+  return status;
+}
+
+enum status image_read(const struct image *image, size_t page, float *out) {
   enum status status = STATUS_OK;
-  size_t pixels = image->size[0] * image->size[1];
-  float *greys = NULL;
-  if (image->reader->read_stored != NULL) return image->reader->read_stored(image, page, out);
-  TRY(memory_allocate(&greys, pixels, sizeof *greys, "a slice"));
-  TRY(image->reader->read(image, page, greys));
-  pixels_of_float(out, greys, pixels, image->type);
+  const size_t pixels = image->size[0] * image->size[1];
+  const bool levels = image_has_levels(image);
+  void *stored = NULL;
+  if (!image->plain) return image->reader->read(image, page, out);
+  TRY(memory_allocate(&stored, pixels, pixel_size(image->type), "a slice"));
+  TRY(levels ? image_read_stored(image, page, stored) : image->reader->read(image, page, stored));
+  pixels_to_float(out, stored, pixels, image->type);
+  for (size_t i = 0; i < pixels && image->invert && !levels; i++) out[i] = -out[i];
 cleanup:
-  memory_free(&greys);
+  memory_free(&stored);
   return status;
 }
 
@@ -248,29 +246,13 @@ static enum status read_bytes(const char *path, uint64_t offset, size_t size, si
   return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
 }
 
-static enum status contiguous_bytes(const struct image *image, size_t page, void *out) {
-  size_t bytes = image->size[0] * image->size[1] * pixel_size(image->type);
-  uint64_t offset = image->data_offset + (uint64_t)page * bytes;
-  if (image->inflated != NULL) return inflate_read(image->inflated, offset, bytes, out);
-  return read_bytes(image->data_path != NULL ? image->data_path : image->path, offset, bytes, page,
-                    out);
-}
-
-enum status image_read_contiguous(const struct image *image, size_t page, float *out) {
-  enum status status = STATUS_OK;
-  size_t pixels = image->size[0] * image->size[1];
-  unsigned char *buffer = NULL;
-  TRY(memory_allocate(&buffer, pixels, pixel_size(image->type), "a slice"));
-  TRY(contiguous_bytes(image, page, buffer));
-  pixels_to_float(out, buffer, pixels, image->type, image->swap);
-cleanup:
-  memory_free(&buffer);
-  return status;
-}
-
-enum status image_read_contiguous_stored(const struct image *image, size_t page, void *out) {
-  enum status status = contiguous_bytes(image, page, out);
-  if (status == STATUS_OK && image->swap)
-    pixels_swap(out, image->size[0] * image->size[1], image->type);
+enum status image_read_contiguous(const struct image *image, size_t page, void *out) {
+  const size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
+  const uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  enum status status = image->inflated != NULL
+                           ? inflate_read(image->inflated, offset, bytes, out)
+                           : read_bytes(image->data_path != NULL ? image->data_path : image->path,
+                                        offset, bytes, page, out);
+  if (status == STATUS_OK && image->swap) pixels_swap(out, pixels, image->type);
   return status;
 }

@@ -1,4 +1,4 @@
-/* One image file: its header, read apart from its pixels, and its pages as float.
+/* One image file: its header, read apart from its pixels, and its pages.
  *
  * A reader is three functions; image.c lists them. Reading opens the file anew, so pages may be
  * read from several threads at once. */
@@ -39,9 +39,8 @@ struct image_reader {
   const char *name; /* "TIFF" */
   bool (*claims)(const char *path, const unsigned char *head, size_t n);
   enum status (*open)(const char *path, struct image *image);
-  enum status (*read)(const struct image *image, size_t page, float *out);
-  /* A page of a plain image in native byte order; NULL: by way of float. */
-  enum status (*read_stored)(const struct image *image, size_t page, void *out);
+  /* A page as values of the image's type, native byte order; as float if it is not plain. */
+  enum status (*read)(const struct image *image, size_t page, void *out);
 };
 
 /* Layout of headerless files from --raw. */
@@ -61,7 +60,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
 void image_close(struct image *image);
 /* Page `page` into out[size[1]][size[0]]. */
 enum status image_read(const struct image *image, size_t page, float *out);
-/* Whether all pixels are whole numbers of a type with levels, and the same as values of `type`. */
+/* Whether all pixels are values of a type with levels. */
 bool image_has_levels(const struct image *image);
 /* Of an image that has levels: page `page` as `type`, native byte order. */
 enum status image_read_stored(const struct image *image, size_t page, void *out);
@@ -69,8 +68,7 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
 bool image_name_known(const char *name);
 
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
-enum status image_read_contiguous(const struct image *image, size_t page, float *out);
-enum status image_read_contiguous_stored(const struct image *image, size_t page, void *out);
+enum status image_read_contiguous(const struct image *image, size_t page, void *out);
 /* For readers: data_offset of pixels that end the file, wherever they start. */
 #define PIXELS_AT_END UINT64_MAX
 /* For readers: the header's line `line` says that the pixels are in the file `name` beside it;

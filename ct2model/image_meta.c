@@ -97,4 +97,4 @@ cleanup:
 }
 
 const struct image_reader image_meta_reader = {"MetaImage", meta_claims, meta_open,
-                                               image_read_contiguous, image_read_contiguous_stored};
+                                               image_read_contiguous};

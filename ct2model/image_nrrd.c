@@ -138,4 +138,4 @@ cleanup:
 }
 
 const struct image_reader image_nrrd_reader = {"NRRD", nrrd_claims, nrrd_open,
-                                               image_read_contiguous, image_read_contiguous_stored};
+                                               image_read_contiguous};

@@ -96,7 +96,7 @@ cleanup:
 
 /* Colour pixels count as grey only where red, green and blue agree. */
 static enum status colour_to_grey(const struct image *image, const unsigned char *pixels,
-                                  float *out) {
+                                  unsigned char *out) {
   size_t bytes = pixel_size(image->type);
   for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
     const unsigned char *rgb = pixels + 3 * bytes * i;
@@ -105,12 +105,12 @@ static enum status colour_to_grey(const struct image *image, const unsigned char
                   "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
                   "levels",
                   image->path, i % image->size[0], i / image->size[0]);
-    pixels_to_float(out + i, rgb, 1, image->type, bytes == 2);
+    memcpy(out + bytes * i, rgb, bytes);
   }
   return STATUS_OK;
 }
 
-static enum status png_read(const struct image *image, size_t page, float *out) {
+static enum status png_read(const struct image *image, size_t page, void *out) {
   struct png_session session;
   enum status status = session_start(&session, image->path);
   (void)page;
@@ -143,13 +143,15 @@ static enum status png_read(const struct image *image, size_t page, float *out) 
   for (size_t y = 0; y < image->size[1]; y++) session.rows[y] = session.pixels + y * row;
   png_read_image(session.png, session.rows);
   png_read_end(session.png, NULL);
+  const size_t pixels = image->size[0] * image->size[1];
   if (channels == 1)
-    pixels_to_float(out, session.pixels, image->size[0] * image->size[1], image->type, true);
+    memcpy(out, session.pixels, pixels * pixel_size(image->type));
   else
     status = colour_to_grey(image, session.pixels, out);
+  pixels_swap(out, pixels, image->type); /* a PNG is big-endian */
 cleanup:
   session_end(&session);
   return status;
 }
 
-const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read, NULL};
+const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read};

@@ -64,10 +64,18 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   return STATUS_OK;
 }
 
-/* Samples are greys as they stand. */
-static bool layout_is_plain(const struct tiff_layout *layout, enum pixel_type type) {
-  return layout->samples == 1 && layout->bits == 8 * pixel_size(type) &&
-         layout->photometric != PHOTOMETRIC_PALETTE;
+/* Whether the greys of a palette are whole numbers of 8 bits (TIFF's have 16). Entries that are no
+ * grey do not count: a pixel that has one is refused. */
+static bool palette_is_whole(TIFF *tiff, const struct tiff_layout *layout) {
+  uint16_t *palette[3];
+  if (layout->photometric != PHOTOMETRIC_PALETTE || layout->bits > 8 ||
+      !TIFFGetField(tiff, TIFFTAG_COLORMAP, &palette[0], &palette[1], &palette[2]))
+    return true;
+  for (size_t i = 0; i < (size_t)1 << layout->bits; i++) {
+    const uint16_t grey = palette[0][i];
+    if (grey % 257 != 0 && grey == palette[1][i] && grey == palette[2][i]) return false;
+  }
+  return true;
 }
 
 /* Voxel size from ImageJ's description ("unit=micron", "spacing=5.83") and the resolution tags.
@@ -176,7 +184,7 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
       !description_value(description, "images", text, sizeof text) ||
       layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
-      !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
+      layout->photometric == PHOTOMETRIC_PALETTE || !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
       !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
   unsigned long long images = strtoull(text, NULL, 10);
@@ -219,6 +227,7 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
       TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
                         "the pages of a TIFF"));
     }
+    image->plain &= palette_is_whole(tiff, &layout);
     image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
   } while (TIFFReadDirectory(tiff));
   /* A clean end leaves no message; a broken chain of directories does. */
@@ -248,7 +257,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->size[0] = layout.width;
   image->size[1] = layout.height;
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
-  image->plain = layout_is_plain(&layout, image->type);
+  image->plain = true;
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
     snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
@@ -264,58 +273,80 @@ cleanup:
   return status;
 }
 
-/* One row of decoded samples to float: sub-byte samples, palettes and colours that are grey. */
+/* One row of decoded samples to values of the image's type: sub-byte samples, palettes and colours
+ * that are grey. */
 struct row_decoder {
   const struct image *image;
   struct tiff_layout layout;
   uint16_t *palette[3];
-  double palette_scale;
-  bool stored; /* plain rows are wanted as they are */
 };
 
-static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
-                              size_t n, size_t y, void *page) {
-  const struct tiff_layout *layout = &decoder->layout;
+/* Entries of the palette, in `out` where greys are whole, to greys. */
+static enum status map_palette(const struct row_decoder *decoder, const unsigned char *in, size_t n,
+                               void *out) {
   const struct image *image = decoder->image;
-  size_t bytes = pixel_size(image->type);
-  if (decoder->stored) {
-    memcpy((char *)page + (y * image->size[0] + x0) * bytes, in, n * bytes);
-    return STATUS_OK;
-  }
-  float *out = (float *)page + y * image->size[0] + x0;
-  if (layout->bits < 8) {
-    unsigned mask = (1u << layout->bits) - 1u, top = layout->photometric == 3 ? 1u : 255u / mask;
-    for (size_t x = 0; x < n; x++) {
-      size_t bit = x * layout->bits;
-      out[x] = (float)(((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask) * top);
-    }
-  } else if (layout->samples < 3 && layout->samples != 1) { /* grey with alpha */
-    for (size_t x = 0; x < n; x++)
-      pixels_to_float(out + x, in + x * bytes * layout->samples, 1, image->type, false);
-  } else if (layout->samples == 1) {
-    pixels_to_float(out, in, n, image->type, false);
-  } else {
-    for (size_t x = 0; x < n; x++) {
-      const unsigned char *rgb = in + x * bytes * layout->samples;
-      if (memcmp(rgb, rgb + bytes, bytes) != 0 || memcmp(rgb, rgb + 2 * bytes, bytes) != 0)
-        return FAIL(STATUS_INPUT,
-                    "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
-                    "levels",
-                    image->path, x0 + x, y);
-      pixels_to_float(out + x, rgb, 1, image->type, false);
-    }
-  }
-  if (layout->photometric == PHOTOMETRIC_PALETTE) {
-    for (size_t x = 0; x < n; x++) {
-      size_t entry = (size_t)out[x];
-      if (decoder->palette[0][entry] != decoder->palette[1][entry] ||
-          decoder->palette[0][entry] != decoder->palette[2][entry])
-        return FAIL(STATUS_INPUT, "%s: palette entry %zu is a colour, not grey; save as grey",
-                    image->path, entry);
-      out[x] = (float)(decoder->palette[0][entry] / decoder->palette_scale);
-    }
+  const bool bytes = image->type == PIXEL_U8;
+  for (size_t x = 0; x < n; x++) {
+    uint16_t entry = in[x];
+    if (!bytes) memcpy(&entry, in + 2 * x, 2);
+    const uint16_t grey = decoder->palette[0][entry];
+    if (grey != decoder->palette[1][entry] || grey != decoder->palette[2][entry])
+      return FAIL(STATUS_INPUT, "%s: palette entry %u is a colour, not grey; save as grey",
+                  image->path, entry);
+    if (!image->plain)
+      ((float *)out)[x] = (float)(grey / 257.0);
+    else if (bytes)
+      ((unsigned char *)out)[x] = (unsigned char)(grey / 257);
+    else
+      memcpy((char *)out + 2 * x, &grey, 2);
   }
   return STATUS_OK;
+}
+
+/* `small` holds a row of bytes. */
+static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
+                              size_t n, size_t y, unsigned char *small, void *page) {
+  const struct tiff_layout *layout = &decoder->layout;
+  const struct image *image = decoder->image;
+  const size_t bytes = pixel_size(image->type), stride = bytes * layout->samples;
+  const bool palette = layout->photometric == PHOTOMETRIC_PALETTE;
+  char *out = (char *)page + (y * image->size[0] + x0) * (image->plain ? bytes : sizeof(float));
+  if (layout->bits < 8) {
+    unsigned mask = (1u << layout->bits) - 1u, top = palette ? 1u : 255u / mask;
+    for (size_t x = 0; x < n; x++) {
+      size_t bit = x * layout->bits;
+      small[x] =
+          (unsigned char)(((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask) * top);
+    }
+    in = small;
+  }
+  if (palette) return map_palette(decoder, in, n, out);
+  if (layout->samples == 1 && !image->plain) { /* among pages with palettes */
+    pixels_to_float((float *)(void *)out, in, n, image->type);
+    return STATUS_OK;
+  }
+  if (layout->samples == 1) {
+    memcpy(out, in, n * bytes);
+    return STATUS_OK;
+  }
+  for (size_t x = 0; x < n; x++, in += stride) {
+    if (layout->samples > 2 &&
+        (memcmp(in, in + bytes, bytes) != 0 || memcmp(in, in + 2 * bytes, bytes) != 0))
+      return FAIL(STATUS_INPUT,
+                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
+                  "levels",
+                  image->path, x0 + x, y);
+    memcpy(out + x * bytes, in, bytes);
+  }
+  return STATUS_OK;
+}
+
+/* Strips of a page that is stored as it is wanted are decoded in place. */
+static bool stands_as_wanted(const struct row_decoder *decoder, size_t row) {
+  const struct image *image = decoder->image;
+  return image->plain && decoder->layout.photometric != PHOTOMETRIC_PALETTE &&
+         decoder->layout.samples == 1 && row == image->size[0] * pixel_size(image->type) &&
+         decoder->layout.bits >= 8;
 }
 
 static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, void *out) {
@@ -323,7 +354,7 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
   uint32_t rows = 0;
-  unsigned char *buffer = NULL;
+  unsigned char *buffer = NULL, *small = NULL;
   size_t row = (size_t)TIFFScanlineSize64(tiff);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rows);
   if (rows == 0 || rows > height) rows = (uint32_t)height;
@@ -331,7 +362,10 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
   if (!size_multiply(row, rows, &strip_bytes) || (tmsize_t)strip_bytes != TIFFStripSize(tiff))
     TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout; save it uncompressed",
              image->path);
-  if (!decoder->stored) TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
+  if (!stands_as_wanted(decoder, row)) {
+    TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
+    TRY(memory_allocate(&small, width, 1, "a TIFF row"));
+  }
   for (size_t y0 = 0; y0 < height; y0 += rows) {
     size_t n = height - y0 < rows ? height - y0 : rows;
     unsigned char *to = buffer == NULL ? (unsigned char *)out + y0 * row : buffer;
@@ -340,10 +374,11 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
       TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s" EXPORT_AGAIN, image->path,
                y0, y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
     for (size_t y = 0; y < n && buffer != NULL; y++)
-      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, out));
+      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, small, out));
   }
 cleanup:
   memory_free(&buffer);
+  memory_free(&small);
   return status;
 }
 
@@ -352,13 +387,14 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, voi
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
   uint32_t tile[2] = {0, 0};
-  unsigned char *buffer = NULL;
+  unsigned char *buffer = NULL, *small = NULL;
   TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile[0]);
   TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile[1]);
   size_t bytes = (size_t)TIFFTileSize(tiff), row = (size_t)TIFFTileRowSize(tiff);
   if (tile[0] == 0 || tile[1] == 0 || bytes < row * tile[1])
     TRY_FAIL(STATUS_INPUT, "%s: tiles of an unsupported layout; save it uncompressed", image->path);
   TRY(memory_allocate(&buffer, bytes, 1, "a TIFF tile"));
+  TRY(memory_allocate(&small, tile[0], 1, "a TIFF row"));
   for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
     for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
       if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
@@ -367,11 +403,12 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, voi
       size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
       size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
       for (size_t y = 0; y < ny; y++)
-        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, out));
+        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, small, out));
     }
   }
 cleanup:
   memory_free(&buffer);
+  memory_free(&small);
   return status;
 }
 
@@ -399,51 +436,21 @@ static enum status page_open(const struct image *image, size_t page, struct row_
     if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
                       &decoder->palette[2]))
       TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
-    decoder->palette_scale = image->type == PIXEL_U8 ? 257.0 : 1.0;
   }
 cleanup:
   return status;
 }
 
-static enum status page_decode(TIFF *tiff, const struct row_decoder *decoder, void *out) {
-  return TIFFIsTiled(tiff) ? read_tiles(tiff, decoder, out) : read_strips(tiff, decoder, out);
-}
-
-static enum status tiff_read(const struct image *image, size_t page, float *out) {
+static enum status tiff_read(const struct image *image, size_t page, void *out) {
   enum status status = STATUS_OK;
   TIFF *tiff = NULL;
   struct row_decoder decoder = {0};
   if (image->data_offset != 0) return image_read_contiguous(image, page, out);
   TRY(page_open(image, page, &decoder, &tiff));
-  TRY(page_decode(tiff, &decoder, out));
+  TRY(TIFFIsTiled(tiff) ? read_tiles(tiff, &decoder, out) : read_strips(tiff, &decoder, out));
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   return status;
 }
 
-static enum status tiff_read_stored(const struct image *image, size_t page, void *out) {
-  enum status status = STATUS_OK;
-  TIFF *tiff = NULL;
-  float *greys = NULL;
-  size_t pixels = image->size[0] * image->size[1];
-  struct row_decoder decoder = {0};
-  if (image->data_offset != 0) return image_read_contiguous_stored(image, page, out);
-  TRY(page_open(image, page, &decoder, &tiff));
-  decoder.stored =
-      layout_is_plain(&decoder.layout, image->type) &&
-      (TIFFIsTiled(tiff) || TIFFScanlineSize64(tiff) == image->size[0] * pixel_size(image->type));
-  if (decoder.stored) {
-    TRY(page_decode(tiff, &decoder, out));
-  } else { /* a page of another kind than the first */
-    TRY(memory_allocate(&greys, pixels, sizeof *greys, "a slice"));
-    TRY(page_decode(tiff, &decoder, greys));
-    pixels_of_float(out, greys, pixels, image->type);
-  }
-cleanup:
-  memory_free(&greys);
-  if (tiff != NULL) TIFFClose(tiff);
-  return status;
-}
-
-const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read,
-                                               tiff_read_stored};
+const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read};

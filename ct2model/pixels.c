@@ -1,6 +1,5 @@
 #include "ct2model/pixels.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "common/variants.h"
@@ -52,39 +51,39 @@ bool pixel_type_of(int bits, char format, enum pixel_type *type) {
   return false;
 }
 
-static uint16_t load16(const unsigned char *at, bool swap) {
+static uint16_t load16(const unsigned char *at) {
   uint16_t value;
   memcpy(&value, at, 2);
-  return swap ? __builtin_bswap16(value) : value;
-}
-
-static uint32_t load32(const unsigned char *at, bool swap) {
-  uint32_t value;
-  memcpy(&value, at, 4);
-  return swap ? __builtin_bswap32(value) : value;
-}
-
-static float load_f32(const unsigned char *at, bool swap) {
-  uint32_t bits = load32(at, swap);
-  float value;
-  memcpy(&value, &bits, 4);
   return value;
 }
 
-static float load_f64(const unsigned char *at, bool swap) {
-  uint64_t bits;
+static uint32_t load32(const unsigned char *at) {
+  uint32_t value;
+  memcpy(&value, at, 4);
+  return value;
+}
+
+static uint64_t load64(const unsigned char *at) {
+  uint64_t value;
+  memcpy(&value, at, 8);
+  return value;
+}
+
+static float load_f32(const unsigned char *at) {
+  float value;
+  memcpy(&value, at, 4);
+  return value;
+}
+
+static float load_f64(const unsigned char *at) {
   double value;
-  memcpy(&bits, at, 8);
-  if (swap) bits = __builtin_bswap64(bits);
-  memcpy(&value, &bits, 8);
+  memcpy(&value, at, 8);
   return (float)value;
 }
 
-/* `swap` is a constant wherever this is called, so that each loop is one of plain vectors. */
-__attribute__((always_inline)) static inline void convert(float *restrict out,
-                                                          const unsigned char *restrict bytes,
-                                                          size_t n, enum pixel_type type,
-                                                          bool swap) {
+TARGETS void pixels_to_float(float *restrict out, const void *restrict in, size_t n,
+                             enum pixel_type type) {
+  const unsigned char *restrict bytes = in;
   switch (type) {
   case PIXEL_U8:
     for (size_t i = 0; i < n; i++) out[i] = (float)bytes[i];
@@ -93,54 +92,40 @@ __attribute__((always_inline)) static inline void convert(float *restrict out,
     for (size_t i = 0; i < n; i++) out[i] = (float)(int8_t)bytes[i];
     break;
   case PIXEL_U16:
-    for (size_t i = 0; i < n; i++) out[i] = (float)load16(bytes + 2 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = (float)load16(bytes + 2 * i);
     break;
   case PIXEL_I16:
-    for (size_t i = 0; i < n; i++) out[i] = (float)(int16_t)load16(bytes + 2 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = (float)(int16_t)load16(bytes + 2 * i);
     break;
   case PIXEL_U32:
-    for (size_t i = 0; i < n; i++) out[i] = (float)load32(bytes + 4 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = (float)load32(bytes + 4 * i);
     break;
   case PIXEL_I32:
-    for (size_t i = 0; i < n; i++) out[i] = (float)(int32_t)load32(bytes + 4 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = (float)(int32_t)load32(bytes + 4 * i);
     break;
   case PIXEL_F32:
-    for (size_t i = 0; i < n; i++) out[i] = load_f32(bytes + 4 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = load_f32(bytes + 4 * i);
     break;
   case PIXEL_F64:
-    for (size_t i = 0; i < n; i++) out[i] = load_f64(bytes + 8 * i, swap);
+    for (size_t i = 0; i < n; i++) out[i] = load_f64(bytes + 8 * i);
     break;
   }
-}
-
-TARGETS void pixels_to_float(float *out, const void *in, size_t n, enum pixel_type type,
-                             bool swap) {
-  if (swap)
-    convert(out, in, n, type, true);
-  else
-    convert(out, in, n, type, false);
 }
 
 TARGETS void pixels_swap(void *data, size_t n, enum pixel_type type) {
   unsigned char *bytes = data;
-  for (size_t i = 0; i < n && pixel_size(type) == 2; i++) {
-    uint16_t value = load16(bytes + 2 * i, true);
+  const size_t size = pixel_size(type);
+  for (size_t i = 0; i < n && size == 2; i++) {
+    const uint16_t value = __builtin_bswap16(load16(bytes + 2 * i));
     memcpy(bytes + 2 * i, &value, 2);
   }
-}
-
-void pixels_of_float(void *out, const float *in, size_t n, enum pixel_type type) {
-  double low, high;
-  if (!pixel_levels(type, &low, &high)) return;
-  for (size_t i = 0; i < n; i++) {
-    double value = fmin(fmax((double)in[i], low), high);
-    long whole = lrint(value);
-    if (pixel_size(type) == 1) {
-      ((uint8_t *)out)[i] = (uint8_t)whole;
-    } else {
-      uint16_t pixel = (uint16_t)whole;
-      memcpy((char *)out + 2 * i, &pixel, 2);
-    }
+  for (size_t i = 0; i < n && size == 4; i++) {
+    const uint32_t value = __builtin_bswap32(load32(bytes + 4 * i));
+    memcpy(bytes + 4 * i, &value, 4);
+  }
+  for (size_t i = 0; i < n && size == 8; i++) {
+    const uint64_t value = __builtin_bswap64(load64(bytes + 8 * i));
+    memcpy(bytes + 8 * i, &value, 8);
   }
 }
 
@@ -164,7 +149,7 @@ void pixels_count(uint32_t *counts, const void *in, size_t n, enum pixel_type ty
     memcpy(&four, bytes + 2 * i, sizeof four);
     for (unsigned k = 0; k < IN_TURN; k++) counts[(four >> 16 * k & 0xffffu) ^ sign]++;
   }
-  for (; i < n; i++) counts[load16(bytes + 2 * i, false) ^ sign]++;
+  for (; i < n; i++) counts[load16(bytes + 2 * i) ^ sign]++;
 }
 
 uint64_t pixels_counted(const uint32_t *counts, size_t level, enum pixel_type type) {
@@ -178,7 +163,7 @@ TARGETS static void negate(float *row, size_t n) {
 }
 
 void pixel_rows_read(const struct pixel_rows *rows, size_t y, size_t n, float *out) {
-  pixels_to_float(out, (const char *)rows->first + y * rows->stride, n, rows->type, false);
+  pixels_to_float(out, (const char *)rows->first + y * rows->stride, n, rows->type);
   if (rows->scale < 0.0f) negate(out, n);
 }
 

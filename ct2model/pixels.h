@@ -24,14 +24,12 @@ const char *pixel_name(enum pixel_type type);
 bool pixel_levels(enum pixel_type type, double *low, double *high);
 /* The type of `bits` bits per sample; `format` 'u', 'i' or 'f'. False if there is none. */
 bool pixel_type_of(int bits, char format, enum pixel_type *type);
-/* n values of `type` at `in` (any alignment; bytes swapped first if `swap`) to float. */
-void pixels_to_float(float *out, const void *in, size_t n, enum pixel_type type, bool swap);
-
-/* For types with levels. Bytes of n values in place; whole numbers from float, clamped. */
+/* n values of `type` at `in` (any alignment) to float. */
+void pixels_to_float(float *out, const void *in, size_t n, enum pixel_type type);
+/* Turns the bytes of each of n values round, in place. */
 void pixels_swap(void *data, size_t n, enum pixel_type type);
-void pixels_of_float(void *out, const float *in, size_t n, enum pixel_type type);
-/* Counts n values of a type with levels in counts[PIXEL_COUNTS]; how often level i, from the
- * lowest, was met. */
+/* For types with levels: counts n values of a type with levels in counts[PIXEL_COUNTS]; how often
+ * level i, from the lowest, was met. */
 enum { PIXEL_COUNTS = 65536 };
 void pixels_count(uint32_t *counts, const void *in, size_t n, enum pixel_type type);
 uint64_t pixels_counted(const uint32_t *counts, size_t level, enum pixel_type type);

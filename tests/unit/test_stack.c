@@ -187,7 +187,7 @@ static void test_tiff_layouts(void **state) {
       unsigned char stored[NX * NY * 2];
       float again[NX * NY];
       assert_int_equal(stack_read_stored(&stack, z, stored), STATUS_OK);
-      pixels_to_float(again, stored, NX * NY, stack.type, false);
+      pixels_to_float(again, stored, NX * NY, stack.type);
       assert_memory_equal(slice, again, sizeof slice);
     }
     stack_close(&stack);

@@ -93,7 +93,8 @@ def ifd(entries, order, big, at):
 
 
 def tiff(name, kind, order="<", big=False, compression=1, rows=8, tile=0, predictor=1, photometric=1, samples=1,
-         factor=1, offset=0, description=None, resolution=None, unit=2, voxel=("nan", "nan"), expect=None):
+         factor=1, offset=0, description=None, resolution=None, unit=2, voxel=("nan", "nan"), expect=None,
+         palette=257):
     size = struct.calcsize(CODES[kind])
     out = bytearray((b"II" if order == "<" else b"MM") + (struct.pack(order + "HHHQ", 43, 8, 0, 16) if big else
                                                           struct.pack(order + "HI", 42, 8)))
@@ -127,7 +128,7 @@ def tiff(name, kind, order="<", big=False, compression=1, rows=8, tile=0, predic
         else:
             entries += [(273, where, places), (278, 3, [rows]), (279, long, lengths)]
         if photometric == 3:
-            entries.append((320, 3, [i * 257 for i in range(256)] * 3))
+            entries.append((320, 3, [i * palette for i in range(256)] * 3))
         if description and z == 0:
             entries.append((270, 2, description))
         if resolution:
@@ -221,6 +222,10 @@ def main():
     tiff("rgb16.tif", "u16", ">", samples=3, photometric=2, compression=5, factor=256)
     tiff("grey_alpha.tif", "u8", samples=2)
     tiff("palette.tif", "u8", photometric=3)
+    tiff("palette_fractions.tif", "u8", photometric=3, palette=256, expect=(256 / 257, 0))
+    tiff("palette_tiled.tif", "u8", photometric=3, tile=16, compression=5)
+    tiff("white_is_zero_signed.tif", "i16", photometric=0, factor=100, expect=(-100, -1))
+    tiff("white_is_zero_float.tif", "f32", photometric=0, factor=0.5, expect=(-0.5, 0))
     tiff("centimetres.tif", "u8", resolution=(1715266, 1000), unit=3, voxel=("5.83", "nan"))
     tiff("page_dpi.tif", "u8", resolution=(600, 1))
     imagej = "ImageJ=1.53t\nimages=3\nslices=3\nunit=%s\nspacing=%s\n"
