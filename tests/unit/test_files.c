@@ -13,10 +13,12 @@
 #include <cmocka.h>
 
 #include "common/hdf5_file.h"
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/model_file.h"
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
+#include "sphsolve/checkpoint_file.h"
 
 static char folder[] = "/tmp/tosui-files-XXXXXX";
 static char path[64];
@@ -168,9 +170,77 @@ static void test_snapshot(void **state) {
   snapshot_close(&snapshot);
 }
 
+static size_t read_bytes(const char *name, char **bytes) {
+  FILE *file = fopen(name, "rb");
+  assert_non_null(file);
+  fseek(file, 0, SEEK_END);
+  size_t size = (size_t)ftell(file);
+  rewind(file);
+  *bytes = malloc(size);
+  assert_int_equal(fread(*bytes, 1, size, file), size);
+  fclose(file);
+  return size;
+}
+static void write_bytes(const char *name, const char *bytes, size_t size) {
+  FILE *file = fopen(name, "wb");
+  assert_int_equal(fwrite(bytes, 1, size, file), size);
+  fclose(file);
+}
+
+/* Which of the checkpoints written is opened; -1: none, as both are damaged. */
+static double opened_checkpoint(const char *prefix) {
+  struct h5_file *file;
+  double number = 0;
+  enum status status = checkpoint_open(prefix, &file);
+  if (status != STATUS_OK) {
+    refused(status, "remove both to start anew");
+    return -1;
+  }
+  assert_int_equal(h5_read_attribute(file, "/state", "number", H5_F64, 1, &number), STATUS_OK);
+  h5_close(file);
+  return number;
+}
+
+/* A thousand times a bit is flipped or the end cut off, anywhere: always known, and the checkpoint
+ * before is taken; with that damaged too, none is. */
+static void test_damaged_checkpoints(void **state) {
+  (void)state;
+  char prefix[64], newest[80], older[80], *bytes, *before;
+  struct h5_file *file;
+  uint64_t random = 10;
+  log_start("test", LOG_QUIET);
+  snprintf(prefix, sizeof prefix, "%s/run", folder);
+  snprintf(newest, sizeof newest, "%s.ckpt.hdf", prefix);
+  snprintf(older, sizeof older, "%s.ckpt.1.hdf", prefix);
+  for (double number = 1; number <= 2; number++) {
+    assert_int_equal(checkpoint_create(prefix, &file), STATUS_OK);
+    assert_int_equal(h5_make_group(file, "/state"), STATUS_OK);
+    assert_int_equal(h5_write_attribute(file, "/state", "number", H5_F64, 1, &number), STATUS_OK);
+    assert_int_equal(checkpoint_commit(prefix, file), STATUS_OK);
+  }
+  assert_true(opened_checkpoint(prefix) == 2);
+  const size_t size = read_bytes(newest, &bytes), size_before = read_bytes(older, &before);
+  for (int i = 0; i < 1000; i++) {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    const size_t place = (size_t)((random >> 16) % size);
+    const char flip = (char)(1 << (random >> 61));
+    bytes[place] ^= flip;
+    write_bytes(newest, bytes, i % 4 ? size : place);
+    bytes[place] ^= flip;
+    if (opened_checkpoint(prefix) != 1) fail_msg("damage at byte %zu of %zu passed", place, size);
+    if (i % 10) continue;
+    write_bytes(older, before, place % size_before);
+    assert_true(opened_checkpoint(prefix) == -1);
+    write_bytes(older, before, size_before);
+  }
+  free(before);
+  free(bytes);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_trip),
                                      cmocka_unit_test(test_not_hdf5), cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot)};
+                                     cmocka_unit_test(test_snapshot),
+                                     cmocka_unit_test(test_damaged_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
