@@ -352,18 +352,6 @@ enum status config_number(struct config *config, config_node *group, const char 
   return config_quantity(config, group, name, DIM_NONE, value, given);
 }
 
-enum status config_integer(struct config *config, config_node *group, const char *name,
-                           long long *value, bool *given) {
-  config_node *node = config_child(config, group, name);
-  if (given != NULL) *given = node != NULL;
-  if (node == NULL) return STATUS_OK;
-  int type = config_setting_type(node);
-  if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
-    return config_error(config, node, "a whole number is wanted");
-  *value = config_setting_get_int64(node);
-  return STATUS_OK;
-}
-
 enum status config_bool(struct config *config, config_node *group, const char *name, bool *value,
                         bool *given) {
   config_node *node = config_child(config, group, name);

@@ -46,8 +46,6 @@ enum status config_quantity(struct config *config, config_node *group, const cha
                             struct dimension dimension, double *value, bool *given);
 enum status config_number(struct config *config, config_node *group, const char *name,
                           double *value, bool *given);
-enum status config_integer(struct config *config, config_node *group, const char *name,
-                           long long *value, bool *given);
 enum status config_bool(struct config *config, config_node *group, const char *name, bool *value,
                         bool *given);
 enum status config_string(struct config *config, config_node *group, const char *name,

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <hdf5.h>
 
 #include "common/hdf5_file.h"
 #include "common/log.h"
@@ -80,6 +81,72 @@ static void test_round_trip(void **state) {
   h5_close(file);
   assert_int_equal(access(part, F_OK), -1);
   assert_int_equal(access(other, F_OK), -1);
+}
+
+/* What others write into HDF5 files and we do not: texts of any length, odd types and filters. */
+static void write_foreign(const char *name) {
+  const char *words[2] = {"some", "words"};
+  const hsize_t two = 2;
+  const double numbers[2] = {1, 2};
+  hid_t file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t text = H5Tcopy(H5T_C_S1), pair = H5Screate_simple(1, &two, NULL);
+  hid_t scalar = H5Screate(H5S_SCALAR), checked = H5Pcreate(H5P_DATASET_CREATE);
+  H5Tset_size(text, H5T_VARIABLE);
+  hid_t set = H5Dcreate2(file, "words", text, pair, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Dwrite(set, text, H5S_ALL, H5S_ALL, H5P_DEFAULT, words);
+  hid_t one = H5Acreate2(set, "one", text, scalar, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t many = H5Acreate2(set, "many", text, pair, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t number = H5Acreate2(set, "number", H5T_NATIVE_DOUBLE, scalar, H5P_DEFAULT, H5P_DEFAULT);
+  H5Awrite(one, text, words);
+  H5Awrite(many, text, words);
+  H5Awrite(number, H5T_NATIVE_DOUBLE, numbers);
+  H5Aclose(one);
+  H5Aclose(many);
+  H5Aclose(number);
+  H5Dclose(set);
+  H5Pset_chunk(checked, 1, &two);
+  H5Pset_fletcher32(checked);
+  set = H5Dcreate2(file, "checked", H5T_NATIVE_DOUBLE, pair, H5P_DEFAULT, checked, H5P_DEFAULT);
+  H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers);
+  H5Dclose(set);
+  H5Pclose(checked);
+  H5Sclose(scalar);
+  H5Sclose(pair);
+  H5Tclose(text);
+  H5Fclose(file);
+}
+
+static void test_foreign(void **state) {
+  (void)state;
+  struct h5_file *file;
+  char *text, **names;
+  double *values, number;
+  size_t count, dims[2] = {1};
+  int rank;
+  write_foreign(path);
+  assert_int_equal(h5_open(path, &file), STATUS_OK);
+  assert_int_equal(h5_read_texts(file, "/words", &count, &names), STATUS_OK);
+  assert_string_equal(names[1], "words");
+  h5_free_texts(count, &names);
+  refused(h5_read_text(file, "/words", &text), "2 texts, one is wanted");
+  refused(h5_read_text(file, "/checked", &text), "no text");
+  assert_int_equal(h5_read_attribute_text(file, "/words", "one", &text), STATUS_OK);
+  assert_string_equal(text, "some");
+  memory_free(&text);
+  refused(h5_read_attribute_text(file, "/words", "many", &text), "is no text");
+  refused(h5_read_attribute_text(file, "/words", "number", &text), "is no text");
+  refused(h5_read_attribute(file, "/words", "one", H5_F64, 1, &number), "wrong type");
+  assert_true(isnan(h5_attribute_or_nan(file, "/words", "one")));
+  refused(h5_list(file, "/none", &count, &names), "no group");
+  refused(h5_list_attributes(file, "/none", &count, &names), "no object");
+  refused(h5_shape(file, "/words", 0, &rank, dims), "at most 0 are wanted");
+  /* Rows of a dataset, as each rank takes its own. */
+  assert_int_equal(h5_read_share(file, "/checked", H5_F64, 1, 2, 1, dims, &values), STATUS_OK);
+  assert_true(values[0] == 2 && dims[0] == 1);
+  memory_free(&values);
+  refused(h5_read_share(file, "/checked", H5_F64, 1, 2, 2, dims, &values), "has 2 rows, 3 are");
+  refused(h5_read_share(file, "/checked", H5_F64, 1, 3, 0, dims, &values), "has 2 rows, not 3");
+  h5_close(file);
 }
 
 static void test_not_hdf5(void **state) {
@@ -156,7 +223,8 @@ static void test_model(void **state) {
 static void test_snapshot(void **state) {
   (void)state;
   double points[6] = {0, 1, 2, 3, 4, 5}, velocity[6] = {1, 0, 0, 0, 0, 2}, *read;
-  struct snapshot_field field = {"velocity", "m/s", "velocity of the fluid", H5_F64, 3, velocity, NULL, NULL},
+  struct snapshot_field field = {"velocity", "m/s", "velocity of the fluid", H5_F64, 3, velocity,
+                                 NULL,       NULL},
                         at = {.type = H5_F64, .components = 3, .data = points};
   struct snapshot snapshot;
   assert_int_equal(snapshot_write(path, 0.5, 7, 2, &at, 1, &field), STATUS_OK);
@@ -238,9 +306,9 @@ static void test_damaged_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_trip),
-                                     cmocka_unit_test(test_not_hdf5), cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_damaged_checkpoints)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_round_trip), cmocka_unit_test(test_foreign),
+      cmocka_unit_test(test_not_hdf5),   cmocka_unit_test(test_model),
+      cmocka_unit_test(test_snapshot),   cmocka_unit_test(test_damaged_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
