@@ -461,7 +461,7 @@ enum status engine_account(struct engine *engine, struct pass_account *total) {
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
   prepare(engine);
   pass->wall = s->wall, pass->shifts = s->shift, pass->account = sums;
-  run_pass(engine, engine->table->account, false, PHASE_FORCE);
+  run_pass(engine, engine->table->account, false, PHASE_ACCOUNT);
   TRY(engine_gather_blocks(engine, BLOCK * CLUSTER, sums, sizeof *sums));
   memset(total, 0, sizeof *total);
   for (size_t b = 0; b < blocks; b++)

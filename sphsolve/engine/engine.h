@@ -32,6 +32,7 @@ enum engine_phase {
   PHASE_CONTINUITY,
   PHASE_DRIFT,
   PHASE_LISTS,
+  PHASE_ACCOUNT,
   PHASE_COUNT
 };
 

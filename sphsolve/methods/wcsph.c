@@ -226,6 +226,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   add_force_times(run, s[PHASE_FORCE]);
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
+  recorder_add_time(run->recorder, "ledger", s[PHASE_ACCOUNT]);
   recorder_count_traffic(run->recorder);
   if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);

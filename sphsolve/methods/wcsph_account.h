@@ -11,9 +11,10 @@ struct wcsph_account { /* doubles but for ledger.on: see ledger_account_write */
   struct ledger_account ledger;
   struct ledger_sums rate; /* of the last sample */
   double samples, time, dt, elastic;
-  /* The same integral, of all terms together, by every sample and by every second one. */
-  double rate_all[WCSPH_RATES], every[WCSPH_RATES];
-  double second_rate[WCSPH_RATES], second[WCSPH_RATES], second_time, second_every[WCSPH_RATES];
+  /* Of all terms together: the integral since the last second sample by every sample and without
+   * the one between; and of these pairs the sums of the differences and of their squares. */
+  double rate_all[WCSPH_RATES], every[WCSPH_RATES], second_rate[WCSPH_RATES], second_time;
+  double defect[WCSPH_RATES], squares[WCSPH_RATES];
 };
 
 /* Which terms there are. `mass`: of a particle, kg. */
