@@ -11,6 +11,7 @@
 #include "analyze/page_assets.h"
 #include "analyze/page_flow.h"
 #include "analyze/page_html.h"
+#include "analyze/page_ledger.h"
 #include "analyze/page_record.h"
 #include "analyze/page_specimen.h"
 #include "analyze/pdf.h"
@@ -408,6 +409,12 @@ static enum status write_body(struct page *page) {
                "extrapolated k against wall-clock time.");
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
   TRY(page_effects(&page->runs[0], out));
+  bool ledger;
+  TRY(page_has_ledger(page->runs, page->n, &ledger));
+  if (ledger) {
+    fputs("</section>\n<section id=\"ledger\"><h2>Ledger</h2>\n", out);
+    TRY(page_ledger(page->runs, page->n, out));
+  }
   fputs("</section>\n<section id=\"methods\"><h2>Methods</h2>\n", out);
   TRY(page_methods(page->runs, page->n, out));
   fputs("</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n", out);

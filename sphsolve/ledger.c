@@ -112,7 +112,7 @@ double ledger_mass_open(const struct ledger *l) {
 /* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
 static enum status write_account(const struct ledger_account *account, struct h5_file *file) {
   enum status status = STATUS_OK;
-  const char *group = "/run/ledger", *names[LEDGER_TERMS];
+  const char *group = "/run/ledger", *names[LEDGER_TERMS], *words[LEDGER_TERMS];
   double impulse[LEDGER_TERMS][3], work[LEDGER_TERMS], open[3], energy_open;
   uint8_t numerical[LEDGER_TERMS];
   size_t n = 0;
@@ -121,6 +121,7 @@ static enum status write_account(const struct ledger_account *account, struct h5
     memcpy(impulse[n], account->sums.impulse[t], sizeof *impulse);
     work[n] = account->sums.work[t];
     numerical[n] = terms[t].numerical;
+    words[n] = terms[t].words;
     names[n++] = terms[t].name;
   }
   double momentum_share = ledger_momentum_open(account, open);
@@ -144,6 +145,7 @@ static enum status write_account(const struct ledger_account *account, struct h5
     TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
                            numbers[i].values));
   TRY(h5_write_texts(file, "/run/ledger/term", n, names));
+  TRY(h5_write_texts(file, "/run/ledger/words", n, words));
   TRY(h5_write(file, "/run/ledger/impulse", H5_F64, 2, shape, impulse, false));
   TRY(h5_write(file, "/run/ledger/work", H5_F64, 1, &n, work, false));
   TRY(h5_write(file, "/run/ledger/numerical", H5_U8, 1, &n, numerical, false));
