@@ -226,7 +226,7 @@ EFFECT_OF(isph_shifting, isph_shifting_wanted, NULL, FIELD_BIT(VELOCITY),
 EFFECT_OF(isph_calming, isph_calming_wanted, NULL, FIELD_BIT(VELOCITY), FIELD_BIT(VELOCITY),
           "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)", "docs/physics.md");
 EFFECT_OF(isph_energy, isph_energy_wanted, NULL, FIELD_BIT(VELOCITY),
-          FIELD_BIT(VELOCITY) | FIELD_BIT(POSITION), "a step that would give energy goes less far",
+          FIELD_BIT(VELOCITY) | FIELD_BIT(POSITION), "what a step lifts out of nothing is let down",
           "docs/physics.md");
 EFFECT_OF(isph_wall_no_slip, isph_no_slip_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(IMAGE_VELOCITY), "mirrored images v_w + (v_w - v) d_w/d",

@@ -266,10 +266,9 @@ void isph_energy_relax(struct isph *s, double tau, double dt);
 /* What relaxation added in a step where the water is crowded as a whole, J or J/m; after the
  * projection. */
 double isph_energy_given(const struct isph *s, double tau, double dt);
-/* Of velocities and ways what keeps within the budget, 0 .. 1. */
-double isph_energy_share(const struct isph *s, double (*way)[3], double budget);
-/* Takes velocities and ways times `share`. */
-void isph_energy_hold(struct isph *s, double (*way)[3], double share);
+/* Lets down by the ways ahead what they lift beyond the budget, kinetic energy before the step and
+ * what relaxation gave. */
+void isph_energy_settle(struct isph *s, double (*way)[3], double budget);
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
 

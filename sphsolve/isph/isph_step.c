@@ -273,9 +273,9 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
 
 /* dx/dt = v/eps and the shift, guarded at walls. Without a surface v is the mean of the old and the
  * new velocity (Cummins, Rudman 1999, eq. 24); with one, where that would be an explicit scheme for
- * the surface's waves and make them grow, the new one. `budget`: isph_energy_share's. */
+ * the surface's waves and make them grow, the new one. `budget`: isph_energy_settle's. */
 static void move(struct isph *s, double dt, double budget) {
-  double(*way)[3] = s->predicted, share = 1; /* v* is not needed any more */
+  double(*way)[3] = s->predicted; /* v* is not needed any more */
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -304,8 +304,7 @@ static void move(struct isph *s, double dt, double budget) {
       isph_account_way(s, sums, LEDGER_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) share = isph_energy_share(s, way, budget);
-  if (share != 1) isph_energy_hold(s, way, share);
+  if (s->on.energy) isph_energy_settle(s, way, budget);
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += way[i][a];
