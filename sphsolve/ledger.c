@@ -33,8 +33,8 @@ static const struct {
 #undef X
 };
 
-static bool is_on(const struct ledger_account *account, int term) {
-  return account->on >> term & 1;
+const char *ledger_name(int term) {
+  return terms[term].name;
 }
 
 static double length(const double v[3]) {
@@ -46,7 +46,7 @@ double ledger_momentum_open(const struct ledger_account *account, double open[3]
   for (int a = 0; a < 3; a++) open[a] = account->momentum[1][a] - account->momentum[0][a];
   largest = length(open);
   for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!is_on(account, t)) continue;
+    if (!ledger_is_on(account, t)) continue;
     for (int a = 0; a < 3; a++) open[a] -= account->sums.impulse[t][a];
     largest = fmax(largest, length(account->sums.impulse[t]));
   }
@@ -56,7 +56,7 @@ double ledger_momentum_open(const struct ledger_account *account, double open[3]
 double ledger_energy_open(const struct ledger_account *account, double *open) {
   double largest = fabs(*open = account->energy[1] - account->energy[0]);
   for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!is_on(account, t)) continue;
+    if (!ledger_is_on(account, t)) continue;
     *open -= account->sums.work[t];
     largest = fmax(largest, fabs(account->sums.work[t]));
   }
@@ -117,7 +117,7 @@ static enum status write_account(const struct ledger_account *account, struct h5
   uint8_t numerical[LEDGER_TERMS];
   size_t n = 0;
   for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!is_on(account, t)) continue;
+    if (!ledger_is_on(account, t)) continue;
     memcpy(impulse[n], account->sums.impulse[t], sizeof *impulse);
     work[n] = account->sums.work[t];
     numerical[n] = terms[t].numerical;
@@ -222,10 +222,10 @@ static void print_account(const struct ledger_account *account) {
   double energy_share = ledger_energy_open(account, &energy_open);
   printf("           momentum (kg m/s): ");
   for (int t = 0; t < LEDGER_TERMS; t++)
-    if (is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
+    if (ledger_is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
   for (int t = 0; t < LEDGER_TERMS; t++) {
     const double *p = account->sums.impulse[t];
-    if (is_on(account, t) && largest > 0 && length(p) > PRINTED * largest)
+    if (ledger_is_on(account, t) && largest > 0 && length(p) > PRINTED * largest)
       printf("%s (%.4g, %.4g, %.4g), ", terms[t].words, p[0], p[1], p[2]);
   }
   printf("not accounted for %.2g %% of the largest", 100 * momentum_share);
@@ -233,9 +233,9 @@ static void print_account(const struct ledger_account *account) {
   printf("\n           energy (J): %.4g to %.4g; ", account->energy[0], account->energy[1]);
   largest = 0;
   for (int t = 0; t < LEDGER_TERMS; t++)
-    if (is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
+    if (ledger_is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
   for (int t = 0; t < LEDGER_TERMS; t++)
-    if (is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
+    if (ledger_is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
       printf("%s %.4g, ", terms[t].words, account->sums.work[t]);
   printf("not accounted for %.3g, %.2g %% of the largest", energy_open, 100 * energy_share);
   if (account->energy_error > 0) printf(" (sampling: %.2g J)", account->energy_error);

@@ -91,6 +91,10 @@ void ledger_account(struct ledger *ledger, size_t rows, const struct ledger_row 
 int64_t ledger_particles_open(const struct ledger *ledger);
 /* The same of the mass, kg. */
 double ledger_mass_open(const struct ledger *ledger);
+static inline bool ledger_is_on(const struct ledger_account *account, int term) {
+  return account->on >> term & 1;
+}
+const char *ledger_name(int term);
 /* How far an account does not close: end - start - sum of the terms; as a vector and over the
  * largest of the terms and of the change, 0 where all are 0. */
 double ledger_momentum_open(const struct ledger_account *account, double open[3]);

@@ -121,6 +121,11 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
   TRY(recorder_add_column(recorder, "front_high", "m", 3));
   TRY(recorder_add_column(recorder, "iterations", "1", 1));
   TRY(recorder_add_column(recorder, "particles", "1", 1));
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    if (!ledger_is_on(&s->account, t)) continue;
+    snprintf(name, sizeof name, "work_%s", ledger_name(t));
+    TRY(recorder_add_column(recorder, name, "J", 1));
+  }
   for (size_t k = 0; k < s->scene->region_count; k++) {
     static const char *const kinds[] = {"water", "porous", "wall", "inflow", "empty"};
     snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1, kinds[s->scene->regions[k].type]);
@@ -157,7 +162,7 @@ static double volume_in_region(const struct isph *s, size_t k) {
 enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt) {
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
   double *extra = NULL, squares = 0, potential = 0;
-  size_t n = 12 + s->scene->region_count + s->scene->gauge_count + s->scene->plane_count, c = 0;
+  size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count + s->scene->plane_count, c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -192,6 +197,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   for (int a = 0; a < 3; a++) extra[c++] = high[a];
   extra[c++] = s->solve.iterations;
   extra[c++] = (double)s->count;
+  for (int t = 0; t < LEDGER_TERMS; t++)
+    if (ledger_is_on(&s->account, t)) extra[c++] = s->account.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
   for (size_t k = 0; k < s->scene->gauge_count; k++)
     extra[c++] = isph_pressure_at(s, s->scene->gauges[k].at);
