@@ -15,7 +15,7 @@
 #ifndef TRIAL_SECONDS
 #define TRIAL_SECONDS 20
 #endif
-#define READ_LIMIT (1u << 22) /* bytes of one object; more of the same would show nothing new */
+#define READ_LIMIT (1u << 22)    /* bytes of one object; more of the same would show nothing new */
 #define HUNGER_LIMIT (1ul << 28) /* bytes for the library's own ends: a damaged size took 4 GB */
 enum { HUNGRY = 2, LOST };       /* exit codes of the child */
 
@@ -27,19 +27,29 @@ enum { HUNGRY = 2, LOST };       /* exit codes of the child */
 #define LEAVE(code) _exit(code)
 #endif
 
-/* Reads a dataset or attribute of `space` and `type` if it is small, texts on the heap included. */
-static void read_small(hid_t id, hid_t type, hid_t space, bool is_attribute) {
-  hssize_t points = H5Sget_simple_extent_npoints(space);
-  size_t width = H5Tget_size(type);
-  if (points <= 0 || width == 0 || width > READ_LIMIT || points > (hssize_t)(READ_LIMIT / width))
-    return;
-  void *values = calloc((size_t)points, width);
+/* Reads a dataset or attribute of `space` into values of `type`, texts on the heap included. */
+static void read_as(hid_t id, hid_t type, hid_t space, size_t points, bool is_attribute) {
+  void *values = calloc(points, H5Tget_size(type));
   if (values == NULL) return;
   herr_t failed = is_attribute ? H5Aread(id, type, values)
                                : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
   if (failed >= 0 && H5Tis_variable_str(type) > 0)
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, values);
   free(values);
+}
+
+/* Reads what is small as it is stored, and numbers as readers do: converting a type whose bits lie
+ * outside it reads past the memory too. */
+static void read_small(hid_t id, hid_t type, hid_t space, bool is_attribute) {
+  hssize_t points = H5Sget_simple_extent_npoints(space);
+  size_t width = H5Tget_size(type);
+  if (points <= 0 || width == 0 || width > READ_LIMIT || points > (hssize_t)(READ_LIMIT / width))
+    return;
+  read_as(id, type, space, (size_t)points, is_attribute);
+  const H5T_class_t class = H5Tget_class(type);
+  if (class == H5T_INTEGER) read_as(id, H5T_NATIVE_INT64, space, (size_t)points, is_attribute);
+  if (class == H5T_INTEGER || class == H5T_FLOAT)
+    read_as(id, H5T_NATIVE_DOUBLE, space, (size_t)points, is_attribute);
 }
 
 static herr_t try_attribute(hid_t object, const char *name, const H5A_info_t *info, void *unused) {
