@@ -3,7 +3,7 @@ import math
 import re
 
 import numpy as np
-from suite import Run, case, engine, explain, force_power, holds, in_model, model, row, sand, slit, slit_velocity, spheres, whole
+from suite import RUNS, Run, case, engine, explain, force_power, holds, in_model, model, row, sand, slit, slit_velocity, spheres, whole
 
 W, NU = 8e-4, 1e-6
 MIDPOINT = "midpoint rule of the parabola: 0.5/N^2 (numerics.md), twice"
@@ -98,6 +98,7 @@ def dt_limit_by_bisection():
             yield row(f"the same over explain's limit, {kind}", "within 10 %", found / own, 1, 0.1)
         else:
             yield row(f"explain's limit beyond the one found, {kind}", "explain leaves out what diffusion allows more: never beyond", max(0.0, own / found - 1), 0, 0.1)
+    RUNS.mine.clear()  # half of them are beyond their limit: what they balance means nothing
 
 
 @case("Sound too slow: density loses its meaning (u/c, gL/c^2); too fast: rounding of single precision, steps without end", fast=True)
