@@ -100,9 +100,25 @@ static json_t *error_json(const struct error_split *split) {
                    number_or_null(split->slope_threshold));
 }
 
+/* What of the ledger does not close; null where a method keeps no such account. */
+static json_t *ledger_json(const struct ledger *ledger) {
+  double open[3], energy_open, momentum = NAN, energy = NAN;
+  if (ledger->account.on != 0) {
+    momentum = ledger_momentum_open(&ledger->account, open);
+    energy = ledger_energy_open(&ledger->account, &energy_open);
+  }
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
+                   number_or_null(ledger->known ? (double)ledger->lost : NAN), "particles_open",
+                   number_or_null(ledger->known ? (double)ledger_particles_open(ledger) : NAN),
+                   "mass_open", number_or_null(ledger->known ? ledger_mass_open(ledger) : NAN),
+                   "momentum_open_share", number_or_null(momentum), "energy_open_share",
+                   number_or_null(energy), "force_open",
+                   number_or_null(ledger->steady ? ledger->force_open : NAN));
+}
+
 static enum status print_json(const struct run_result *result) {
   json_t *object = json_pack(
-      "{s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s}", "k",
+      "{s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
       number_or_null(result->k), "k_relative_error",
       number_or_null(error_split_total(&result->error)), "error", error_json(&result->error),
       "intrinsic_permeability", number_or_null(result->intrinsic_permeability), "darcy_velocity",
@@ -110,7 +126,8 @@ static enum status print_json(const struct run_result *result) {
       number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
       "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
       number_or_null(result->pair_interactions), "pair_interactions_per_second",
-      number_or_null(result->pair_interactions_per_second), "status", result->status);
+      number_or_null(result->pair_interactions_per_second), "status", result->status, "ledger",
+      ledger_json(&result->ledger));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
   putchar('\n');
