@@ -56,7 +56,7 @@ $(BUILD)/config.mk: Makefile scripts/install-deps
 	$(Q)mkdir -p $(@D)
 	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" "$$(pkg-config --libs $(PACKAGES))" > $@
 # sphsolve-mpi takes parallel HDF5 instead; the headers of libraries are not ours to be warned about.
-MPI_PACKAGES = hdf5-openmpi ompi-c $(filter-out hdf5-serial,$(PACKAGES))
+MPI_PACKAGES = hdf5-openmpi ompi-c PETSc $(filter-out hdf5-serial,$(PACKAGES))
 $(BUILD)/config-mpi.mk: Makefile scripts/install-deps
 	$(Q)scripts/install-deps $(if $(INSTALLS),,--check) --mpi
 	$(Q)mkdir -p $(@D)

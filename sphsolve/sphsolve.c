@@ -201,8 +201,6 @@ static enum status run(const struct options *options, struct job *job) {
   TRY(prepare(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
-  if (ranks_count() > 1 && job->plan.context.method == METHOD_ISPH)
-    TRY_FAIL(STATUS_USAGE, "method isph runs on one rank only; start it without mpirun");
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
   static enum status (*const methods[])(

@@ -241,7 +241,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* their memory is the keys' */
-    if (RANKS) TRY(engine_gather(engine));
+    if (RANKS) engine_gather(engine);
     TRY(particles_sort(p));
     if (RANKS) TRY(engine_share_out(engine));
     engine->moved = 0;
@@ -254,7 +254,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
   if (RANKS)
-    TRY(ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes));
+    ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes);
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (engine->fields.wall_state) {

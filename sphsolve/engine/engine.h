@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "sphsolve/engine/ghosts.h"
 #include "sphsolve/engine/pairs.h"
+#include "sphsolve/ghosts.h"
 
 struct engine_settings {
   enum pass_wall wall;
@@ -76,7 +76,7 @@ enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts under way. */
 void engine_settle(struct engine *engine);
 /* Collective: every rank then has what all particles are, not its own and their ghosts alone. */
-enum status engine_gather(struct engine *engine);
+void engine_gather(struct engine *engine);
 /* Collective, where clusters were put in place by hand. */
 enum status engine_share_out(struct engine *engine);
 /* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;

@@ -1,31 +1,40 @@
 #include "sphsolve/engine/engine_ranks.h"
 
+#include <math.h>
 #include <omp.h>
 
 #include "common/memory.h"
 
+/* Cuts lie at multiples of so many clusters: blocks of sums belong to one rank. */
+#define UNIT 256
+#define FIELD_BYTES (CLUSTER * sizeof(float))
+
 enum status engine_share_out(struct engine *engine) {
   enum status status = STATUS_OK;
   struct engine_ranks *ranks = &engine->ranks;
-  const size_t count = (size_t)ranks_count();
-  double *work = NULL;
-  size_t *start = NULL;
   ranks->fluid.tag = 3;
   ranks->walls.tag = 4;
-  if (ranks->work > 0) {
-    TRY(memory_allocate(&work, count, sizeof *work, "work of the ranks"));
-    TRY(memory_allocate(&start, count + 1, sizeof *start, "work of the ranks"));
-    for (size_t r = 0; r <= count; r++) start[r] = r;
-    work[ranks_own()] = ranks->work - 1;
-    ranks_gather(work, start, sizeof *work);
-  }
-  TRY(ghosts_cut(&ranks->fluid, engine->particles.clusters, work));
+  ranks->fluid.bytes_most = ranks->walls.bytes_most = GHOST_FIELDS * FIELD_BYTES;
+  TRY(ghosts_cut(&ranks->fluid, engine->particles.clusters, UNIT, fmax(0, ranks->work - 1)));
   if (ranks->walls.cut == NULL)
-    TRY(ghosts_cut(&ranks->walls, engine->particles.wall_clusters, NULL));
+    TRY(ghosts_cut(&ranks->walls, engine->particles.wall_clusters, UNIT, 0));
 cleanup:
-  memory_free(&work);
-  memory_free(&start);
   return status;
+}
+
+/* Which clusters of others the rows [begin, end) of a list name: marked as wanted. Returns whether
+ * there is any. */
+static bool want(struct ghosts *g, const struct neighbour_list *list, size_t begin, size_t end) {
+  bool any = false;
+  for (size_t row = begin; row < end; row++) {
+    size_t words;
+    struct list_reader reader = {.word = list_row(list, row, &words)};
+    reader.end = reader.word + words;
+    while (list_next(&reader))
+      for (size_t c = reader.cluster; c <= reader.cluster + (reader.pair ? 1 : 0); c++)
+        if (c < g->begin || c >= g->end) g->wanted[c] = any = true;
+  }
+  return any;
 }
 
 static double words_of(const struct neighbour_list *list, size_t begin, size_t end) {
@@ -55,11 +64,11 @@ enum status engine_find_ghosts(struct engine *engine) {
   for (size_t b = 0; b < blocks; b++) {
     const size_t begin = fluid->begin + b * BLOCK;
     const size_t end = begin + BLOCK < fluid->end ? begin + BLOCK : fluid->end;
-    bool ghost = ghosts_want(fluid, &engine->fluid_fluid, begin, end);
-    if (states) ghost = ghosts_want(walls, &engine->fluid_wall, begin, end) || ghost;
+    bool ghost = want(fluid, &engine->fluid_fluid, begin, end);
+    if (states) ghost = want(walls, &engine->fluid_wall, begin, end) || ghost;
     ranks->blocks[ghost ? --outer : ranks->inner++] = (uint32_t)b;
   }
-  if (states) ghosts_want(fluid, &engine->wall_fluid, walls->begin, walls->end);
+  if (states) want(fluid, &engine->wall_fluid, walls->begin, walls->end);
   TRY(ghosts_agree(fluid, p->clusters));
   if (states) TRY(ghosts_agree(walls, p->wall_clusters));
   /* Work is what the pair loops look at; 1 tells that there is any. */
@@ -71,11 +80,16 @@ cleanup:
   return status;
 }
 
+#define FIELD(name)                                                                                \
+  { p->name, FIELD_BYTES }
+
 void engine_send(struct engine *engine, enum engine_sent what) {
   struct particles *p = &engine->particles;
-  void *const all[] = {p->x[0], p->x[1], p->x[2], p->v[0], p->v[1], p->v[2], p->state};
-  void *const place[] = {p->x[0], p->x[1], p->x[2], p->state};
-  void *const wall[] = {p->wall_state, p->wall_v[0], p->wall_v[1], p->wall_v[2]};
+  const struct ghost_field all[] = {FIELD(x[0]), FIELD(x[1]), FIELD(x[2]), FIELD(v[0]),
+                                    FIELD(v[1]), FIELD(v[2]), FIELD(state)};
+  const struct ghost_field place[] = {FIELD(x[0]), FIELD(x[1]), FIELD(x[2]), FIELD(state)};
+  const struct ghost_field wall[] = {FIELD(wall_state), FIELD(wall_v[0]), FIELD(wall_v[1]),
+                                     FIELD(wall_v[2])};
   const bool frozen = engine->settings.wall == PASS_FROZEN;
   if (!engine_is_shared(engine)) return;
   switch (what) {
@@ -131,20 +145,17 @@ void engine_run_shared(struct engine *engine, pass_function *function, bool wall
              end);
 }
 
-enum status engine_gather(struct engine *engine) {
-  enum status status = STATUS_OK;
+void engine_gather(struct engine *engine) {
   struct particles *p = &engine->particles;
-  if (!engine_is_shared(engine)) return STATUS_OK;
+  if (!engine_is_shared(engine)) return;
   engine_settle(engine);
-  const size_t size = CLUSTER * sizeof(float);
+  const size_t size = FIELD_BYTES;
   for (int a = 0; a < 3; a++) {
-    TRY(ghosts_gather(&engine->ranks.fluid, p->x[a], size));
-    TRY(ghosts_gather(&engine->ranks.fluid, p->v[a], size));
-    if (p->shift[a] != NULL) TRY(ghosts_gather(&engine->ranks.fluid, p->shift[a], size));
+    ghosts_gather(&engine->ranks.fluid, p->x[a], size);
+    ghosts_gather(&engine->ranks.fluid, p->v[a], size);
+    if (p->shift[a] != NULL) ghosts_gather(&engine->ranks.fluid, p->shift[a], size);
   }
-  TRY(ghosts_gather(&engine->ranks.fluid, p->state, size));
-cleanup:
-  return status;
+  ghosts_gather(&engine->ranks.fluid, p->state, size);
 }
 
 enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,

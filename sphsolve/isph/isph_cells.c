@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/isph/isph_kernel.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 #define CANDIDATES 8192 /* of a particle, with room for a second search */
 
@@ -276,7 +277,7 @@ enum status isph_probe(const struct isph *s, const double x[3], double *filling,
 }
 
 static enum status shape_chunks(struct isph *s) {
-  size_t n = (s->count + CHUNK - 1) / CHUNK;
+  size_t n = (s->share.end - s->share.begin + CHUNK - 1) / CHUNK;
   if (n > s->chunk_capacity) {
     enum status status = memory_resize(&s->chunks, n, sizeof *s->chunks, "neighbour lists");
     if (status != STATUS_OK) return status;
@@ -284,8 +285,8 @@ static enum status shape_chunks(struct isph *s) {
   }
   s->chunk_count = n;
   for (size_t c = 0; c < n; c++) {
-    s->chunks[c].begin = c * CHUNK;
-    s->chunks[c].end = c + 1 < n ? (c + 1) * CHUNK : s->count;
+    s->chunks[c].begin = s->share.begin + c * CHUNK;
+    s->chunks[c].end = c + 1 < n ? s->chunks[c].begin + CHUNK : s->share.end;
   }
   return STATUS_OK;
 }
@@ -301,8 +302,16 @@ enum status isph_find_neighbours(struct isph *s) {
       status = here;
     }
   }
+  TRY(ranks_agree(status));
+  TRY(isph_find_ghosts(s));
+  if (s->on.surface)
+    isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->imbalance)});
   if (s->on.soil) isph_moment_even(s);
+  isph_gather(s, s->filling);
+  s->pairs_now = 0;
   for (size_t c = 0; c < s->chunk_count; c++)
-    s->pair_interactions += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
+    s->pairs_now += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
+  s->pair_interactions += s->pairs_now;
+cleanup:
   return status;
 }

@@ -1,4 +1,4 @@
-#include "sphsolve/isph/isph_state.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 #include <math.h>
 
@@ -70,12 +70,13 @@ static void spare_surface(struct isph *s) {
         near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
     }
   }
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
     for (int k = 0; k < 6; k++) s->moment_lack[i][k] *= (float)(1 - near[i]);
 }
 
 void isph_moment_even(struct isph *s) {
   if (s->on.surface) spare_surface(s);
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_lack)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];

@@ -6,6 +6,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/isph_kernel.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 static double domain_volume(const struct isph *s) {
   return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);
@@ -209,14 +210,17 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   return status;
 }
 
-/* In the order of the particles' numbers, so that snapshots can be compared line by line. */
+/* In the order of the particles' numbers, so that snapshots can be compared line by line; each rank
+ * writes a run of lines. */
 enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
-  size_t n = s->count;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const size_t first = s->count * own / ranks, n = s->count * (own + 1) / ranks - first;
   double(*points)[3] = NULL, (*velocity)[3] = NULL, *pressure = NULL, *density = NULL;
   double *porosity = NULL, *surface = NULL, *volume = NULL;
   uint64_t *id = NULL;
   uint32_t *place = NULL;
+  if (s->on.surface) isph_gather(s, s->surface);
   TRY(memory_allocate(&points, n, sizeof *points, "a snapshot"));
   TRY(memory_allocate(&velocity, n, sizeof *velocity, "a snapshot"));
   TRY(memory_allocate(&pressure, n, sizeof *pressure, "a snapshot"));
@@ -226,11 +230,11 @@ enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder)
   TRY(memory_allocate(&volume, n, sizeof *volume, "a snapshot"));
   TRY(memory_allocate(&id, n, sizeof *id, "a snapshot"));
   TRY(memory_allocate(&place, s->next_id, sizeof *place, "a snapshot"));
-  for (size_t i = 0; i < n; i++) place[s->id[i]] = (uint32_t)i + 1;
-  size_t k = 0;
+  for (size_t i = 0; i < s->count; i++) place[s->id[i]] = (uint32_t)i + 1;
+  size_t line = 0;
   for (uint64_t number = 0; number < s->next_id; number++) {
-    if (place[number] == 0) continue;
-    size_t i = place[number] - 1;
+    if (place[number] == 0 || line++ < first || line > first + n) continue;
+    size_t i = place[number] - 1, k = line - 1 - first;
     memcpy(points[k], s->position[i], sizeof *points);
     memcpy(velocity[k], s->velocity[i], sizeof *velocity);
     pressure[k] = s->pressure[i];
@@ -238,7 +242,7 @@ enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder)
     porosity[k] = s->porosity != NULL ? s->porosity[i] : 1;
     surface[k] = s->surface != NULL ? s->surface[i] : 0;
     volume[k] = s->volume[i] * s->thickness;
-    id[k++] = number;
+    id[k] = number;
   }
   struct snapshot_field fields[] = {
       {"velocity", "m/s", "Darcy velocity", H5_F64, 3, velocity, NULL, NULL},

@@ -7,6 +7,7 @@
 #include "sphsolve/isph/isph_account.h"
 #include "sphsolve/isph/isph_kernel.h"
 #include "sphsolve/isph/isph_multigrid.h"
+#include "sphsolve/isph/isph_petsc.h"
 
 /* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
  * with a support of a few spacings misses 1 are taken out of every operator. */
@@ -186,6 +187,8 @@ cleanup:
 
 void isph_free(struct isph *s) {
   multigrid_free(s);
+  isph_petsc_free(s);
+  ghosts_free(&s->share);
 
   for (size_t c = 0; c < s->chunk_capacity; c++) {
     memory_free(&s->chunks[c].pair);

@@ -6,6 +6,7 @@
 #include "sphsolve/effects/isph_relaxation.h"
 #include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/isph/isph_multigrid.h"
+#include "sphsolve/isph/isph_petsc.h"
 
 #define BLOCK 1024
 #define ITERATIONS_MAX 2000
@@ -95,8 +96,8 @@ void isph_assemble(struct isph *s, double tau) {
       s->tied[i] = tied;
     }
   }
-  for (size_t i = 0; i < s->count; i++) fixed += s->tied[i];
-  s->closed = fixed == 0;
+  for (size_t i = s->share.begin; i < s->share.end; i++) fixed += s->tied[i];
+  s->closed = ranks_sum(fixed) == 0;
 }
 
 static void multiply(const struct isph *s, const double *x, double *y) {
@@ -128,6 +129,7 @@ enum status isph_solve_pressure(struct isph *s) {
   enum status status;
   if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
   if (n == 0) return STATUS_OK;
+  if (RANKS && ranks_count() > 1) return isph_petsc_solve(s);
   if (s->closed) {
     for (size_t i = 0; i < n; i++) q[i] = 1;
     remove_mean(n, b, q);

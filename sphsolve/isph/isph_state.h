@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "sphsolve/ghosts.h"
 #include "sphsolve/lattice.h"
 #include "sphsolve/ledger.h"
 #include "sphsolve/scene.h"
@@ -95,6 +96,7 @@ struct isph_solve {
 };
 
 struct isph_multigrid;
+struct isph_petsc;
 
 struct isph {
   const struct scene *scene;
@@ -116,6 +118,8 @@ struct isph {
   int64_t step;
 
   size_t count, capacity;
+  struct ghosts share; /* of the ranks: this one computes [share.begin, share.end) */
+  double pairs_now;    /* of the own particles */
   uint64_t next_id;
   uint64_t *id;
   double (*position)[3], (*velocity)[3];
@@ -140,6 +144,7 @@ struct isph {
   struct isph_applied *applied;
   double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
+  struct isph_petsc *petsc;
   double *work[4];                   /* r, z, p, q of CG */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
@@ -185,6 +190,7 @@ struct isph {
     double since, reference[3];
   } settling;
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
+  double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
 };
 
 /* Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */

@@ -10,6 +10,7 @@
 #include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/effects/isph_turbulence.h"
 #include "sphsolve/isph/isph_account.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 static double size_of(const struct isph *s, double volume) {
   return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
@@ -21,7 +22,7 @@ static double size_of(const struct isph *s, double volume) {
 static void update_volumes(struct isph *s) {
   double ratio = s->scene->isph.support_ratio;
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = 1;
     if (s->on.soil) {
       struct soil_point soil;
@@ -42,6 +43,11 @@ static void update_volumes(struct isph *s) {
     s->volume[i] = s->mass[i] / (eps * s->density);
     s->support[i] = fmin(ratio * size_of(s, s->volume[i]), s->support_max);
   }
+  isph_gather(s, s->volume);
+  isph_gather(s, s->support);
+  if (s->on.soil) isph_gather(s, s->porosity);
+  if (s->on.soil) isph_gather(s, s->inertia);
+  if (s->on.soil && s->on.open_sides) isph_gather(s, s->soil_share);
   s->support_now = 0;
   for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);
 }
@@ -76,16 +82,18 @@ static void find_viscosity(struct isph *s) {
   const double constant = s->scene->isph.smagorinsky;
   double calm = s->calm = s->on.calming ? calming_viscosity(s) : 0;
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
     s->eddy[i] = (s->viscosity + fmax(eddies, calm)) / eps;
   }
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
   s->thickest = 0;
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
     s->thickest = fmax(s->thickest, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
+  s->thickest = ranks_max(s->thickest);
 }
 
 /* With what viscosity wall particle j holds particle i, half a spacing away. */
@@ -304,9 +312,13 @@ static void move(struct isph *s, double dt, double budget) {
       isph_account_way(s, sums, LEDGER_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) isph_energy_settle(s, way, budget);
+  if (s->on.energy) {
+    isph_gather(s, s->velocity);
+    isph_gather(s, way);
+    isph_energy_settle(s, way, budget);
+  }
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += way[i][a];
     wrap(s, s->position[i]);
   }
@@ -321,11 +333,13 @@ static enum status project_again(struct isph *s, double tau) {
   memcpy(first, s->pressure, s->count * sizeof *first);
   memset(s->pressure, 0, s->count * sizeof *first);
   s->solve.again = true;
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   isph_assemble(s, tau);
   double before = clock_seconds();
   TRY(isph_solve_pressure(s));
   before = clock_seconds() - before;
   s->seconds_solve += before, s->seconds_correct -= before;
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
   for (size_t i = 0; i < s->count; i++) s->pressure[i] += first[i];
 cleanup:
@@ -334,7 +348,7 @@ cleanup:
 }
 
 static enum status check_finite(const struct isph *s) {
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
     for (int a = 0; a < 3; a++)
       if (!isfinite(s->velocity[i][a]))
         return FAIL(
@@ -347,6 +361,7 @@ enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
   TRY(isph_sort(s));
+  TRY(isph_share_out(s));
   update_volumes(s);
   TRY(isph_find_neighbours(s));
   s->seconds_lists += clock_seconds() - start;
@@ -367,8 +382,14 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
-  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
+  if (s->on.energy || s->on.open_sides) isph_gather(s, s->predicted);
+  if (s->on.energy && s->on.relaxation) {
+    if (s->on.surface) isph_gather(s, s->surface);
+    if (s->on.soil) isph_gather(s, s->drag_left);
+    isph_energy_relax(s, tau, dt);
+  }
   if (s->on.open_sides) isph_open_straighten(s);
+  isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
   isph_assemble(s, tau);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
@@ -376,14 +397,22 @@ enum status isph_advance(struct isph *s, double dt) {
   /* Water with a surface is not torn: it parts. */
   if (s->on.surface)
     for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
   if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));
-  TRY(check_finite(s));
+  TRY(ranks_agree(check_finite(s)));
+  if (s->on.open_sides) isph_gather(s, s->velocity);
   TRY(isph_open_measure(s));
-  if (s->on.energy) given = isph_energy_given(s, tau, dt);
+  if (s->on.energy) {
+    isph_gather(s, s->pressure);
+    given = isph_energy_given(s, tau, dt);
+  }
   isph_account_forces(s, tau, dt);
   move(s, dt, kinetic + given);
-  isph_account_moved(s);
+  isph_gather(s, s->position);
+  isph_gather(s, s->velocity);
+  isph_gather(s, s->pressure);
+  TRY(isph_account_moved(s));
   isph_remove_outside(s);
   TRY(isph_open_move(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);

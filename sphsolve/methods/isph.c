@@ -379,6 +379,12 @@ static void find_k(const struct isph *s, const struct plan *plan, const struct r
       result->k * s->viscosity / (strength > 0 ? strength : GRAVITY_STANDARD);
 }
 
+/* Pairs of the busiest rank over the mean. */
+static double imbalance_of(const struct isph *s) {
+  const double total = ranks_sum(s->pairs_now);
+  return total > 0 ? ranks_max(s->pairs_now) * ranks_count() / total : 1;
+}
+
 enum status isph_run(const struct scene *scene, const struct plan *plan,
                      const struct lattice *lattice, struct recorder *recorder,
                      struct run_result *result) {
@@ -401,12 +407,16 @@ cleanup:
     find_k(s, plan, recorder, result);
     result->reynolds = isph_reynolds(s, result->darcy_velocity);
     result->steps = s->step;
+    s->pair_interactions = ranks_sum(s->pair_interactions);
     result->pair_interactions = s->pair_interactions;
     result->pair_interactions_per_second = s->pair_interactions / fmax(s->seconds_lists, 1e-9);
     recorder_add_time(recorder, "neighbours", s->seconds_lists);
     recorder_add_time(recorder, "predictor", s->seconds_predict);
     recorder_add_time(recorder, "pressure", s->seconds_solve);
     recorder_add_time(recorder, "corrector", s->seconds_correct);
+    recorder_count_traffic(recorder);
+    if (RANKS) recorder_set_fact(recorder, "imbalance", imbalance_of(s));
+    if (RANKS) recorder_set_clock(recorder, "pressure_setup_seconds", s->seconds_setup);
     recorder_set_fact(recorder, "iterations_mean",
                       s->solve.iterations_total / fmax(1, s->solve.solves));
     recorder_set_fact(recorder, "residual", s->solve.residual);

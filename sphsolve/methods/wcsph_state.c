@@ -185,7 +185,7 @@ size_t wcsph_copy_bytes(const struct particle_fields *fields) {
 
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   enum status status = STATUS_OK;
-  TRY(engine_gather(&state->engine));
+  engine_gather(&state->engine);
   struct particles p = state->engine.particles; /* pointers only */
   struct stored list[16];
   size_t n = stored_arrays(&p, list), slots = particles_slots(&p);

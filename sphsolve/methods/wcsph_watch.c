@@ -127,7 +127,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   TRY(wcsph_sum(&state->engine, false, &totals));
   enum watch_bound worst = judge(run, &totals, &share);
   if (share >= 1) {
-    TRY(engine_gather(&state->engine)); /* the particle may be another rank's */
+    engine_gather(&state->engine); /* the particle may be another rank's */
     describe(run, worst, &totals, what);
     *again = true;
     TRY(wcsph_step_back(run, wcsph_run_time(run), what));

@@ -1,4 +1,4 @@
-#include "sphsolve/engine/ghosts.h"
+#include "sphsolve/ghosts.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,7 +7,6 @@
 
 /* Cut anew by work where the busiest rank has so much more than the mean. */
 #define IMBALANCE_MOST 1.05
-#define FIELD_BYTES (CLUSTER * sizeof(float))
 
 /* The place, as a share of all clusters, up to which the runs of the last cut held `wanted` work.
  */
@@ -23,18 +22,24 @@ static double place_of(const size_t *cut, const double *work, double wanted) {
   return 1;
 }
 
-enum status ghosts_cut(struct ghosts *g, size_t clusters, const double *work) {
+enum status ghosts_cut(struct ghosts *g, size_t items, size_t unit, double own_work) {
   enum status status = STATUS_OK;
   const int ranks = ranks_count();
-  size_t *old = g->cut;
+  size_t *old = g->cut, *each = NULL;
+  double *work = NULL;
   if (ranks == 1) {
-    g->end = clusters;
+    g->end = items;
     return STATUS_OK;
   }
   double total = 0, most = 0;
   g->cut = NULL;
   TRY(memory_allocate(&g->cut, (size_t)ranks + 1, sizeof *g->cut, "shares of the ranks"));
-  for (int r = 0; r < ranks && work != NULL; r++) {
+  TRY(memory_allocate(&each, (size_t)ranks + 1, sizeof *each, "shares of the ranks"));
+  TRY(memory_allocate(&work, (size_t)ranks, sizeof *work, "shares of the ranks"));
+  for (int r = 0; r <= ranks; r++) each[r] = (size_t)r;
+  work[ranks_own()] = own_work;
+  ranks_gather(work, each, sizeof *work);
+  for (int r = 0; r < ranks; r++) {
     total += work[r];
     most = fmax(most, work[r]);
   }
@@ -44,14 +49,16 @@ enum status ghosts_cut(struct ghosts *g, size_t clusters, const double *work) {
     if (old != NULL && total > 0)
       place = g->imbalance > IMBALANCE_MOST ? place_of(old, work, total * r / ranks)
                                             : (double)old[r] / (double)old[ranks];
-    size_t units = (size_t)lrint(place * (double)clusters / GHOST_UNIT);
-    g->cut[r] = units * GHOST_UNIT < clusters ? units * GHOST_UNIT : clusters;
+    size_t units = (size_t)lrint(place * (double)items / (double)unit);
+    g->cut[r] = units * unit < items ? units * unit : items;
   }
-  g->cut[ranks] = clusters;
+  g->cut[ranks] = items;
   g->begin = g->cut[ranks_own()];
   g->end = g->cut[ranks_own() + 1];
 cleanup:
   memory_free(&old);
+  memory_free(&each);
+  memory_free(&work);
   return status;
 }
 
@@ -66,20 +73,7 @@ void ghosts_free(struct ghosts *g) {
   memory_free(&g->in);
 }
 
-bool ghosts_want(struct ghosts *g, const struct neighbour_list *list, size_t begin, size_t end) {
-  bool any = false;
-  for (size_t row = begin; row < end; row++) {
-    size_t words;
-    struct list_reader reader = {.word = list_row(list, row, &words)};
-    reader.end = reader.word + words;
-    while (list_next(&reader))
-      for (size_t c = reader.cluster; c <= reader.cluster + (reader.pair ? 1 : 0); c++)
-        if (c < g->begin || c >= g->end) g->wanted[c] = any = true;
-  }
-  return any;
-}
-
-enum status ghosts_agree(struct ghosts *g, size_t clusters) {
+enum status ghosts_agree(struct ghosts *g, size_t items) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
   size_t n = 0, *counts = NULL;
@@ -92,7 +86,7 @@ enum status ghosts_agree(struct ghosts *g, size_t clusters) {
     TRY(memory_allocate(&g->receive_start, ranks + 1, sizeof *counts, "ghosts"));
   }
   TRY(memory_allocate(&counts, 2 * ranks, sizeof *counts, "ghosts"));
-  for (size_t c = 0; c < clusters; c++) n += g->wanted[c];
+  for (size_t c = 0; c < items; c++) n += g->wanted[c];
   TRY(memory_allocate(&g->receive, n + 1, sizeof *g->receive, "ghosts"));
   n = 0;
   for (size_t r = 0; r < ranks; r++) {
@@ -106,8 +100,8 @@ enum status ghosts_agree(struct ghosts *g, size_t clusters) {
   for (size_t r = 0; r < ranks; r++) g->send_start[r + 1] = g->send_start[r] + counts[ranks + r];
   const size_t m = g->send_start[ranks];
   TRY(memory_allocate(&g->send, m + 1, sizeof *g->send, "ghosts"));
-  TRY(memory_allocate(&g->out, (m + 1) * GHOST_FIELDS, FIELD_BYTES, "messages to ranks"));
-  TRY(memory_allocate(&g->in, (n + 1) * GHOST_FIELDS, FIELD_BYTES, "messages from ranks"));
+  TRY(memory_allocate(&g->out, m + 1, g->bytes_most, "messages to ranks"));
+  TRY(memory_allocate(&g->in, n + 1, g->bytes_most, "messages from ranks"));
   for (size_t r = 0; r < ranks; r++) {
     const size_t to = g->send_start[r], from = g->receive_start[r];
     if (g->send_start[r + 1] > to)
@@ -122,39 +116,39 @@ cleanup:
   return status;
 }
 
-void ghosts_post(struct ghosts *g, int fields, void *const *arrays) {
-  const size_t ranks = (size_t)ranks_count(), width = (size_t)fields * FIELD_BYTES;
+void ghosts_post(struct ghosts *g, int count, const struct ghost_field *fields) {
+  const size_t ranks = (size_t)ranks_count();
+  size_t width = 0;
   ghosts_finish(g);
-  g->fields = fields;
+  for (int f = 0; f < count; f++) {
+    g->field[f] = fields[f];
+    width += fields[f].size;
+  }
+  g->fields = count;
   g->pending = true;
-  memcpy(g->array, arrays, (size_t)fields * sizeof *arrays);
-  char *out = (char *)g->out, *in = (char *)g->in;
+  char *to = g->out;
   for (size_t k = 0; k < g->send_start[ranks]; k++)
-    for (int f = 0; f < fields; f++)
-      memcpy(out + k * width + (size_t)f * FIELD_BYTES,
-             (const char *)arrays[f] + g->send[k] * FIELD_BYTES, FIELD_BYTES);
+    for (int f = 0; f < count; to += fields[f++].size)
+      memcpy(to, (const char *)fields[f].data + g->send[k] * fields[f].size, fields[f].size);
   for (size_t r = 0; r < ranks; r++) {
-    const size_t from = g->send_start[r], to = g->receive_start[r];
-    if (g->receive_start[r + 1] > to)
-      ranks_receive(in + to * width, (g->receive_start[r + 1] - to) * width, (int)r, g->tag);
-    if (g->send_start[r + 1] > from)
-      ranks_send(out + from * width, (g->send_start[r + 1] - from) * width, (int)r, g->tag);
+    const size_t out = g->send_start[r], in = g->receive_start[r];
+    if (g->receive_start[r + 1] > in)
+      ranks_receive(g->in + in * width, (g->receive_start[r + 1] - in) * width, (int)r, g->tag);
+    if (g->send_start[r + 1] > out)
+      ranks_send(g->out + out * width, (g->send_start[r + 1] - out) * width, (int)r, g->tag);
   }
 }
 
 void ghosts_finish(struct ghosts *g) {
-  const size_t ranks = (size_t)ranks_count(), width = (size_t)g->fields * FIELD_BYTES;
   if (!g->pending) return;
   ranks_wait();
   g->pending = false;
-  const char *in = (const char *)g->in;
-  for (size_t k = 0; k < g->receive_start[ranks]; k++)
-    for (int f = 0; f < g->fields; f++)
-      memcpy((char *)g->array[f] + g->receive[k] * FIELD_BYTES,
-             in + k * width + (size_t)f * FIELD_BYTES, FIELD_BYTES);
+  const char *from = g->in;
+  for (size_t k = 0; k < g->receive_start[ranks_count()]; k++)
+    for (int f = 0; f < g->fields; from += g->field[f++].size)
+      memcpy((char *)g->field[f].data + g->receive[k] * g->field[f].size, from, g->field[f].size);
 }
 
-enum status ghosts_gather(const struct ghosts *g, void *array, size_t size) {
+void ghosts_gather(const struct ghosts *g, void *array, size_t size) {
   if (g->cut != NULL) ranks_gather(array, g->cut, size);
-  return STATUS_OK;
 }
