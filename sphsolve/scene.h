@@ -13,6 +13,7 @@ enum method { METHOD_AUTO, METHOD_WCSPH, METHOD_STOKES, METHOD_ISPH };
 enum wall_scheme { WALL_FROZEN, WALL_ADAMI, WALL_SUBVOXEL };
 enum equation_of_state { EOS_GAUGE, EOS_ABSOLUTE };
 enum unified_form { FORM_AKBARI, FORM_M15 };
+enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
 enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
@@ -123,6 +124,7 @@ struct scene {
     double dt;            /* s; NAN: auto */
     double tolerance;     /* of the pressure solve */
     bool slip;            /* outer and default walls */
+    enum pressure_solver solver;
     double smagorinsky;   /* C_s */
     bool porosity_paper;  /* porosity = "m15": equation (32) instead of the clamp */
   } isph;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 #include "common/units.h"
 
 static const char *const wall_names[] = {"frozen", "adami", "subvoxel", NULL};
@@ -13,6 +14,7 @@ static const char *const kernel_names[] = {"quintic", "cubic", NULL};
 static const char *const stokes_kernel_names[] = {"quintic", "cubic", "wendland", NULL};
 static const char *const form_names[] = {"akbari", "m15", NULL};
 static const char *const switch_names[] = {"auto", "on", "off", NULL};
+static const char *const solver_names[] = {"grid", "petsc", NULL};
 static const char *const porosity_names[] = {"clamp", "m15", NULL};
 
 static const char *const field_names[] = {"velocity", "pressure", "density", "id",
@@ -45,7 +47,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   scene->stokes.wall = (enum wall_scheme)wall;
 
   group = config_child(config, root, "isph");
-  int form = FORM_AKBARI, porosity = 0;
+  int form = FORM_AKBARI, porosity = 0, solver = SOLVER_GRID;
   bool alpha_given, tau_given;
   kernel = KERNEL_CUBIC;
   scene->isph.support_ratio = 2.4;
@@ -60,6 +62,11 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   TRY(config_number(config, group, "alpha", &scene->isph.alpha, &alpha_given));
   TRY(scene_positive(config, group, "dt", DIM_TIME, &scene->isph.dt));
   TRY(config_number(config, group, "tolerance", &scene->isph.tolerance, NULL));
+  TRY(config_choice(config, group, "solver", solver_names, &solver, NULL));
+  scene->isph.solver = (enum pressure_solver)solver;
+  if (!RANKS && solver == SOLVER_PETSC)
+    TRY(config_error(config, config_child(config, group, "solver"),
+                     "PETSc is part of sphsolve-mpi (make MPI=1)"));
   TRY(config_number(config, group, "smagorinsky", &scene->isph.smagorinsky, NULL));
   TRY(config_choice(config, group, "porosity", porosity_names, &porosity, NULL));
   config_node *isph_wall = config_child(config, group, "wall");

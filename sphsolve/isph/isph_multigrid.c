@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 #define LEVELS 12
 #define COARSEST_SWEEPS 12
@@ -344,6 +345,8 @@ enum status multigrid_build(struct isph *s) {
     TRY(memory_allocate(&s->multigrid, 1, sizeof *s->multigrid, "the preconditioner"));
   struct isph_multigrid *grid = s->multigrid;
   TRY(shape(s, grid));
+  isph_gather(s, s->mobility);
+  isph_gather(s, s->tied);
   struct level *fine = &grid->levels[0];
   if (s->count > grid->capacity) {
     size_t n = s->count + s->count / 4;
@@ -393,13 +396,14 @@ cleanup:
   return status;
 }
 
-void multigrid_apply(struct isph *s, const double *r, double *z) {
+void multigrid_apply(struct isph *s, double *r, double *z) {
   struct isph_multigrid *grid = s->multigrid;
   struct level *fine = &grid->levels[0];
+  isph_gather(s, r);
   gather(grid, r, fine->b);
   cycle(grid, 0);
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
     double weight[8], sum = r[i] / s->diagonal[i];
     size_t node[8];
     int n = particle_corners(grid, i, node);
@@ -407,6 +411,42 @@ void multigrid_apply(struct isph *s, const double *r, double *z) {
     for (int c = 0; c < n; c++) sum += weight[c] * fine->x[node[c]];
     z[i] = sum;
   }
+}
+
+size_t multigrid_nodes(const struct isph *s) {
+  return s->multigrid->levels[0].node_count;
+}
+
+size_t multigrid_row_before(const struct isph *s, const double x[3]) {
+  const struct isph_multigrid *grid = s->multigrid;
+  const struct level *fine = &grid->levels[0];
+  int at[3] = {0};
+  for (int a = 1; a < 3; a++)
+    if (grid->used[a])
+      at[a] = (int)fmin(fmax(0, (x[a] - grid->origin[a]) / fine->h[a]), fine->cells[a] - 1);
+  return node_at(fine, 0, at[1], at[2]);
+}
+
+int multigrid_interpolation(const struct isph *s, size_t i, size_t node[8], double weight[8]) {
+  weights_of(s->multigrid, i, weight);
+  return particle_corners(s->multigrid, i, node);
+}
+
+int multigrid_row(const struct isph *s, size_t node, size_t column[27], double value[27]) {
+  const struct level *fine = &s->multigrid->levels[0];
+  const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
+  const size_t i = node % nx, j = node / nx % ny, k = node / nx / ny;
+  const int at[3][3] = {{fine->lower[0][i], (int)i, fine->upper[0][i]},
+                        {fine->lower[1][j], (int)j, fine->upper[1][j]},
+                        {fine->lower[2][k], (int)k, fine->upper[2][k]}};
+  int n = 0;
+  for (int c = 0; c < 27; c++) {
+    const double entry = (double)fine->stencil[27 * node + (size_t)c];
+    if (entry == 0 && c != 13) continue;
+    column[n] = node_at(fine, at[0][c % 3], at[1][c / 3 % 3], at[2][c / 9]);
+    value[n++] = entry;
+  }
+  return n;
 }
 
 void multigrid_free(struct isph *s) {

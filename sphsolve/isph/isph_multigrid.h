@@ -9,9 +9,19 @@
 #include "common/error.h"
 #include "sphsolve/isph/isph_state.h"
 
-/* For the particles where they are now; memory is kept between calls. */
+/* Collective. For the particles where they are now; memory is kept between calls. */
 enum status multigrid_build(struct isph *s);
-void multigrid_apply(struct isph *s, const double *r, double *z);
+/* Collective: z of the own particles; every rank has the whole grid, and all of r afterwards. */
+void multigrid_apply(struct isph *s, double *r, double *z);
+
+/* What it takes to have B from PETSc. */
+size_t multigrid_nodes(const struct isph *s);
+/* First node of the row of nodes below x. */
+size_t multigrid_row_before(const struct isph *s, const double x[3]);
+/* Nodes around own particle i and their weights; returns how many. */
+int multigrid_interpolation(const struct isph *s, size_t i, size_t node[8], double weight[8]);
+/* A row of the grid's matrix; a node may stand there twice. Returns how many entries. */
+int multigrid_row(const struct isph *s, size_t node, size_t column[27], double value[27]);
 void multigrid_free(struct isph *s);
 
 #endif

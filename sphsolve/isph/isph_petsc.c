@@ -13,21 +13,32 @@ void isph_petsc_free(struct isph *s) {
 #else
 #include <math.h>
 #include <petscksp.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/isph/isph_multigrid.h"
 
 #define ITERATIONS_MAX 2000
 
+/* Rows under way to PETSc. */
+struct rows {
+  PetscInt *start, *column;
+  PetscScalar *value;
+  size_t room, entry_room;
+};
+
 struct isph_petsc {
-  Mat matrix;
+  struct isph *state;
+  Mat matrix;              /* isph_multiply */
+  Mat interpolation, grid; /* the preconditioner of isph_multigrid.h, */
+  Vec down, up;            /* and vectors of its nodes; or */
+  PC cycle;
+  Mat assembled; /* the matrix itself, for a preconditioner that PETSC_OPTIONS names */
   Vec load, solution;
   MatNullSpace constant;
   KSP solver;
-  PetscInt *row, *column;
-  PetscScalar *value;
-  size_t row_room, entry_room;
-  const struct isph *state;
+  struct rows rows;
   double energy, error;
 };
 
@@ -38,11 +49,11 @@ struct isph_petsc {
       TRY_FAIL(STATUS_RUN, "PETSc fails with error %d in the pressure solve", (int)failed_);       \
   } while (0)
 
-/* What PETSc does unless the environment variable PETSC_OPTIONS says otherwise. */
+/* What PETSc does unless the environment variable PETSC_OPTIONS says otherwise: of the grid. */
 static const char *const defaults[][2] = {
-    {"-ksp_type", "cg"},
-    {"-pc_type", "hypre"},
-    {"-pc_hypre_type", "boomeramg"},
+    {"-grid_pc_type", "hypre"},
+    {"-grid_pc_hypre_type", "boomeramg"},
+    {"-grid_pc_hypre_boomeramg_relax_type_coarse", "symmetric-SOR/Jacobi"},
     {"-pc_hypre_boomeramg_relax_type_coarse", "symmetric-SOR/Jacobi"},
 };
 
@@ -87,27 +98,46 @@ static PetscInt merge_row(PetscInt *column, PetscScalar *value, PetscInt n) {
   return kept + 1;
 }
 
-static enum status make_matrix(const struct isph *s, struct isph_petsc *p) {
+static enum status reserve_rows(struct rows *rows, size_t n, size_t entries) {
+  enum status status = STATUS_OK;
+  if (n + 1 > rows->room) {
+    TRY(memory_resize(&rows->start, n + n / 4 + 1, sizeof *rows->start, "pressure matrix"));
+    rows->room = n + n / 4 + 1;
+  }
+  if (entries > rows->entry_room) {
+    const size_t room = entries + entries / 8;
+    TRY(memory_resize(&rows->column, room, sizeof *rows->column, "pressure matrix"));
+    TRY(memory_resize(&rows->value, room, sizeof *rows->value, "pressure matrix"));
+    rows->entry_room = room;
+  }
+  rows->start[0] = 0;
+cleanup:
+  return status;
+}
+
+/* Rows [0, n) that hold `columns` own columns. */
+static enum status make_matrix(const struct rows *rows, size_t n, size_t columns, Mat *matrix) {
+  enum status status = STATUS_OK;
+  TRY_PETSC(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, (PetscInt)n, (PetscInt)columns,
+                                      PETSC_DETERMINE, PETSC_DETERMINE, rows->start, rows->column,
+                                      rows->value, matrix));
+cleanup:
+  return status;
+}
+
+static enum status assemble_particles(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
   const size_t begin = s->share.begin, own = s->share.end - begin;
+  struct rows *rows = &p->rows;
   size_t entries = own;
   PetscInt used = 0;
   for (size_t c = 0; c < s->chunk_count; c++) entries += s->chunks[c].pair_count;
-  if (own + 1 > p->row_room) {
-    p->row_room = own + own / 4 + 1;
-    TRY(memory_resize(&p->row, p->row_room, sizeof *p->row, "pressure matrix"));
-  }
-  if (entries > p->entry_room) {
-    p->entry_room = entries + entries / 8;
-    TRY(memory_resize(&p->column, p->entry_room, sizeof *p->column, "pressure matrix"));
-    TRY(memory_resize(&p->value, p->entry_room, sizeof *p->value, "pressure matrix"));
-  }
-  p->row[0] = 0;
+  TRY(reserve_rows(rows, own, entries));
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      PetscInt n = 0, *column = p->column + used;
-      PetscScalar *value = p->value + used;
+      PetscInt n = 0, *column = rows->column + used;
+      PetscScalar *value = rows->value + used;
       column[n] = (PetscInt)i;
       value[n++] = s->diagonal[i];
       for (size_t q = s->pair_first[i], end = q + s->pair_number[i]; q < end; q++) {
@@ -115,23 +145,104 @@ static enum status make_matrix(const struct isph *s, struct isph_petsc *p) {
         value[n++] = -(double)chunk->matrix[q];
       }
       used += merge_row(column, value, n);
-      p->row[i - begin + 1] = used;
+      rows->start[i - begin + 1] = used;
     }
   }
-  TRY_PETSC(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, (PetscInt)own, (PetscInt)own,
-                                      (PetscInt)s->count, (PetscInt)s->count, p->row, p->column,
-                                      p->value, &p->matrix));
-  TRY_PETSC(MatSetOption(p->matrix, MAT_SPD, s->closed ? PETSC_FALSE : PETSC_TRUE));
+  TRY(make_matrix(rows, own, own, &p->assembled));
+cleanup:
+  return status;
+}
+
+/* The nodes of the grid go to the ranks that have the particles above them. */
+static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
+  enum status status = STATUS_OK;
+  struct rows *rows = &p->rows;
+  const int ranks = ranks_count();
+  const size_t begin = s->share.begin, own = s->share.end - begin;
+  size_t node[27], first = 0, end = multigrid_nodes(s);
+  double value[27];
+  for (int r = 1; r < ranks && s->share.cut[r] < s->count; r++) {
+    const size_t cut = multigrid_row_before(s, s->position[s->share.cut[r]]);
+    if (r <= ranks_own() && cut > first) first = cut;
+    if (r == ranks_own() + 1) end = cut > first ? cut : first;
+  }
+  if (own == 0) first = end;
+  const size_t nodes = end - first;
+  PetscInt used = 0;
+  TRY(reserve_rows(rows, own, 8 * own));
+  for (size_t i = 0; i < own; i++) {
+    const int n = multigrid_interpolation(s, begin + i, node, value);
+    for (int c = 0; c < n; c++) {
+      rows->column[used + c] = (PetscInt)node[c];
+      rows->value[used + c] = value[c];
+    }
+    used += merge_row(rows->column + used, rows->value + used, n);
+    rows->start[i + 1] = used;
+  }
+  TRY(make_matrix(rows, own, nodes, &p->interpolation));
+  TRY(reserve_rows(rows, nodes, 27 * nodes));
+  used = 0;
+  for (size_t i = 0; i < nodes; i++) {
+    const int n = multigrid_row(s, first + i, node, value);
+    for (int c = 0; c < n; c++) {
+      rows->column[used + c] = (PetscInt)node[c];
+      rows->value[used + c] = value[c];
+    }
+    used += merge_row(rows->column + used, rows->value + used, n);
+    rows->start[i + 1] = used;
+  }
+  TRY(make_matrix(rows, nodes, nodes, &p->grid));
+  TRY_PETSC(MatCreateVecs(p->grid, &p->down, &p->up));
+  TRY_PETSC(PCCreate(PETSC_COMM_WORLD, &p->cycle));
+  TRY_PETSC(PCSetOptionsPrefix(p->cycle, "grid_"));
+  TRY_PETSC(PCSetOperators(p->cycle, p->grid, p->grid));
+  TRY_PETSC(PCSetFromOptions(p->cycle));
+  TRY_PETSC(PCSetUp(p->cycle));
 cleanup:
   return status;
 }
 
 static void drop(struct isph_petsc *p) {
   KSPDestroy(&p->solver);
-  VecDestroy(&p->load);
-  VecDestroy(&p->solution);
+  PCDestroy(&p->cycle);
+  Vec *const vectors[] = {&p->load, &p->solution, &p->down, &p->up};
+  for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) VecDestroy(vectors[k]);
   MatNullSpaceDestroy(&p->constant);
-  MatDestroy(&p->matrix);
+  Mat *const matrices[] = {&p->matrix, &p->assembled, &p->interpolation, &p->grid};
+  for (size_t k = 0; k < sizeof matrices / sizeof *matrices; k++) MatDestroy(matrices[k]);
+}
+
+/* z = r/diagonal + P B P^T r */
+static PetscErrorCode precondition(PC solver, Vec r, Vec z) {
+  struct isph_petsc *p;
+  PetscCall(PCShellGetContext(solver, &p));
+  const struct isph *s = p->state;
+  const double *from;
+  double *to;
+  PetscCall(MatMultTranspose(p->interpolation, r, p->down));
+  PetscCall(PCApply(p->cycle, p->down, p->up));
+  PetscCall(MatMult(p->interpolation, p->up, z));
+  PetscCall(VecGetArrayRead(r, &from));
+  PetscCall(VecGetArray(z, &to));
+  for (size_t i = s->share.begin, k = 0; i < s->share.end; i++, k++)
+    to[k] += from[k] / s->diagonal[i];
+  PetscCall(VecRestoreArray(z, &to));
+  return VecRestoreArrayRead(r, &from);
+}
+
+static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
+  struct isph *s;
+  const double *from;
+  double *to;
+  PetscCall(MatShellGetContext(matrix, &s));
+  const size_t begin = s->share.begin, bytes = (s->share.end - begin) * sizeof *to;
+  PetscCall(VecGetArrayRead(x, &from));
+  PetscCall(VecGetArray(y, &to));
+  if (bytes > 0) memcpy(s->work[0] + begin, from, bytes);
+  isph_multiply(s, s->work[0], s->work[1]);
+  if (bytes > 0) memcpy(to, s->work[1] + begin, bytes);
+  PetscCall(VecRestoreArray(y, &to));
+  return VecRestoreArrayRead(x, &from);
 }
 
 /* As in isph_pressure.c: r.M^-1 r, whose root PETSc's natural norm is, over x.b. */
@@ -153,19 +264,36 @@ static PetscErrorCode judge(KSP solver, PetscInt iteration, PetscReal norm,
 
 static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
-  const PetscInt own = (PetscInt)(s->share.end - s->share.begin), all = (PetscInt)s->count;
+  const PetscInt own = (PetscInt)(s->share.end - s->share.begin);
+  PetscBool named;
+  PC preconditioner;
   drop(p);
-  TRY(make_matrix(s, p));
-  TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, all, s->source + s->share.begin,
-                                  &p->load));
-  TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, all, s->pressure + s->share.begin,
-                                  &p->solution));
+  TRY_PETSC(PetscOptionsHasName(NULL, NULL, "-pc_type", &named));
+  TRY_PETSC(MatCreateShell(PETSC_COMM_WORLD, own, own, PETSC_DETERMINE, PETSC_DETERMINE, s,
+                           &p->matrix));
+  TRY_PETSC(MatShellSetOperation(p->matrix, MATOP_MULT, (void (*)(void))multiply));
+  TRY_PETSC(MatSetOption(p->matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, PETSC_DETERMINE,
+                                  s->source + s->share.begin, &p->load));
+  TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, PETSC_DETERMINE,
+                                  s->pressure + s->share.begin, &p->solution));
+  TRY_PETSC(KSPCreate(PETSC_COMM_WORLD, &p->solver));
+  TRY_PETSC(KSPSetType(p->solver, KSPCG));
+  TRY_PETSC(KSPGetPC(p->solver, &preconditioner));
+  if (named) {
+    TRY(assemble_particles(s, p));
+  } else {
+    TRY(multigrid_build(s));
+    TRY(assemble_grid(s, p));
+    TRY_PETSC(PCSetType(preconditioner, PCSHELL));
+    TRY_PETSC(PCShellSetContext(preconditioner, p));
+    TRY_PETSC(PCShellSetApply(preconditioner, precondition));
+  }
+  TRY_PETSC(KSPSetOperators(p->solver, p->matrix, named ? p->assembled : p->matrix));
   if (s->closed) {
     TRY_PETSC(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_TRUE, 0, NULL, &p->constant));
     TRY_PETSC(MatSetNullSpace(p->matrix, p->constant));
   }
-  TRY_PETSC(KSPCreate(PETSC_COMM_WORLD, &p->solver));
-  TRY_PETSC(KSPSetOperators(p->solver, p->matrix, p->matrix));
   TRY_PETSC(KSPSetFromOptions(p->solver));
   TRY_PETSC(KSPSetNormType(p->solver, KSP_NORM_NATURAL));
   TRY_PETSC(KSPSetInitialGuessNonzero(p->solver, PETSC_TRUE));
@@ -220,9 +348,9 @@ cleanup:
 void isph_petsc_free(struct isph *s) {
   if (s->petsc == NULL) return;
   drop(s->petsc);
-  memory_free(&s->petsc->row);
-  memory_free(&s->petsc->column);
-  memory_free(&s->petsc->value);
+  memory_free(&s->petsc->rows.start);
+  memory_free(&s->petsc->rows.column);
+  memory_free(&s->petsc->rows.value);
   memory_free(&s->petsc);
 }
 #endif

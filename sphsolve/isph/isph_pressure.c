@@ -7,27 +7,24 @@
 #include "sphsolve/effects/isph_surface.h"
 #include "sphsolve/isph/isph_multigrid.h"
 #include "sphsolve/isph/isph_petsc.h"
+#include "sphsolve/isph/isph_ranks.h"
 
-#define BLOCK 1024
 #define ITERATIONS_MAX 2000
 
-/* Sum over blocks of fixed size, the blocks in their order: the same bits for any thread count. */
-double isph_dot(size_t n, const double *a, const double *b) {
+/* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
+ * and ranks, whose shares begin with a block. */
+double isph_dot(struct isph *s, const double *a, const double *b) {
+  const size_t first = s->share.begin / ISPH_BLOCK, n = s->share.end;
   double total = 0;
-  size_t blocks = (n + BLOCK - 1) / BLOCK;
-  enum { BATCH = 1024 };
-  double partial[BATCH];
-  for (size_t first = 0; first < blocks; first += BATCH) {
-    size_t here = blocks - first < BATCH ? blocks - first : BATCH;
 #pragma omp parallel for schedule(static)
-    for (size_t k = 0; k < here; k++) {
-      size_t begin = (first + k) * BLOCK, end = begin + BLOCK < n ? begin + BLOCK : n;
-      double sum = 0;
-      for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
-      partial[k] = sum;
-    }
-    for (size_t k = 0; k < here; k++) total += partial[k];
+  for (size_t k = first; k < (n + ISPH_BLOCK - 1) / ISPH_BLOCK; k++) {
+    size_t begin = k * ISPH_BLOCK, end = begin + ISPH_BLOCK < n ? begin + ISPH_BLOCK : n;
+    double sum = 0;
+    for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
+    s->partial[k] = sum;
   }
+  isph_gather_blocks(s, s->partial);
+  for (size_t k = 0; k < (s->count + ISPH_BLOCK - 1) / ISPH_BLOCK; k++) total += s->partial[k];
   return total;
 }
 
@@ -100,10 +97,11 @@ void isph_assemble(struct isph *s, double tau) {
   s->closed = ranks_sum(fixed) == 0;
 }
 
-static void multiply(const struct isph *s, const double *x, double *y) {
+static void multiply_chunks(const struct isph *s, bool outer, const double *x, double *y) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
+    if (chunk->outer != outer) continue;
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       double sum = s->diagonal[i] * x[i];
       const uint32_t *pair = chunk->pair + s->pair_first[i];
@@ -115,9 +113,19 @@ static void multiply(const struct isph *s, const double *x, double *y) {
   }
 }
 
-static void remove_mean(size_t n, double *values, const double *ones) {
-  double mean = isph_dot(n, values, ones) / (double)n;
-  for (size_t i = 0; i < n; i++) values[i] -= mean;
+void isph_multiply(struct isph *s, double *x, double *y) {
+  if (isph_is_shared(s)) ghosts_post(&s->share, 1, &ISPH_FIELD(x));
+  multiply_chunks(s, false, x, y);
+  if (!isph_is_shared(s)) return;
+  ghosts_finish(&s->share);
+  multiply_chunks(s, true, x, y);
+}
+
+static void remove_mean(struct isph *s, double *values) {
+  double *ones = s->work[3];
+  for (size_t i = s->share.begin; i < s->share.end; i++) ones[i] = 1;
+  double mean = isph_dot(s, values, ones) / (double)s->count;
+  for (size_t i = s->share.begin; i < s->share.end; i++) values[i] -= mean;
 }
 
 enum status isph_solve_pressure(struct isph *s) {
@@ -129,12 +137,9 @@ enum status isph_solve_pressure(struct isph *s) {
   enum status status;
   if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
   if (n == 0) return STATUS_OK;
-  if (RANKS && ranks_count() > 1) return isph_petsc_solve(s);
-  if (s->closed) {
-    for (size_t i = 0; i < n; i++) q[i] = 1;
-    remove_mean(n, b, q);
-  }
-  double norm = sqrt(isph_dot(n, b, b));
+  if (RANKS && s->scene->isph.solver == SOLVER_PETSC) return isph_petsc_solve(s);
+  if (s->closed) remove_mean(s, b);
+  double norm = sqrt(isph_dot(s, b, b));
   solve->residual = 0;
   if (!(norm > 0)) {
     if (norm != 0)
@@ -146,9 +151,9 @@ enum status isph_solve_pressure(struct isph *s) {
     return STATUS_OK;
   }
   if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;
-  multiply(s, x, q);
+  isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < n; i++) r[i] = b[i] - q[i];
+  for (size_t i = s->share.begin; i < s->share.end; i++) r[i] = b[i] - q[i];
   /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
    * the velocities the pressure makes: one tolerance means the same whatever the number of
    * particles (the plain norm of r asks for more the smoother b is on its scale). */
@@ -156,18 +161,18 @@ enum status isph_solve_pressure(struct isph *s) {
   int iteration = 0;
   for (;; iteration++) {
     multigrid_apply(s, r, z);
-    double rz_new = isph_dot(n, r, z), beta = iteration > 0 ? rz_new / rz : 0;
-    double whole = fmax(isph_dot(n, x, b), solve->energy);
+    double rz_new = isph_dot(s, r, z), beta = iteration > 0 ? rz_new / rz : 0;
+    double whole = fmax(isph_dot(s, x, b), solve->energy);
     rz = rz_new;
     error = rz > 0 ? sqrt(rz / fmax(whole, 1e-300)) : rz;
     energy = whole;
     if (!(error > tolerance) || iteration == ITERATIONS_MAX) break;
 #pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < n; i++) p[i] = z[i] + beta * p[i];
-    multiply(s, p, q);
-    double step = rz / isph_dot(n, p, q);
+    for (size_t i = s->share.begin; i < s->share.end; i++) p[i] = z[i] + beta * p[i];
+    isph_multiply(s, p, q);
+    double step = rz / isph_dot(s, p, q);
 #pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < n; i++) x[i] += step * p[i], r[i] -= step * q[i];
+    for (size_t i = s->share.begin; i < s->share.end; i++) x[i] += step * p[i], r[i] -= step * q[i];
   }
   solve->energy = energy;
   solve->iterations += iteration;
@@ -178,9 +183,6 @@ enum status isph_solve_pressure(struct isph *s) {
                 "t = %.4g s: the pressure solve stands at a relative error of %.2g after "
                 "%d iterations; use a smaller isph.dt",
                 s->time, error, iteration);
-  if (s->closed) {
-    for (size_t i = 0; i < n; i++) q[i] = 1;
-    remove_mean(n, x, q);
-  }
+  if (s->closed) remove_mean(s, x);
   return STATUS_OK;
 }

@@ -22,6 +22,7 @@
 #include "sphsolve/watchdog.h"
 
 #define CHUNK 512    /* particles per chunk of the neighbour lists */
+#define ISPH_BLOCK 64 /* particles of a sum, and what ranks share out */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
@@ -74,6 +75,7 @@ struct isph_applied {
 struct isph_chunk {
   size_t begin, end;
   struct ledger_sums account; /* of the step */
+  bool outer;                 /* reads particles of other ranks */
   size_t pair_count, pair_capacity;
   uint32_t *pair; /* neighbour | image << PAIR_BITS */
   float *slope;   /* -W'(r)/r of the pair, normalised */
@@ -119,6 +121,7 @@ struct isph {
 
   size_t count, capacity;
   struct ghosts share; /* of the ranks: this one computes [share.begin, share.end) */
+  size_t *block_cut;   /* [ranks + 1]: the same in blocks */
   double pairs_now;    /* of the own particles */
   uint64_t next_id;
   uint64_t *id;
@@ -146,6 +149,7 @@ struct isph {
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
   double *work[4];                   /* r, z, p, q of CG */
+  double *partial;                   /* sums over blocks of ISPH_BLOCK */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
   size_t chunk_count, chunk_capacity;
@@ -281,7 +285,10 @@ void isph_energy_trim(struct isph *s, double most);
 /* isph_pressure.c */
 void isph_assemble(struct isph *s, double tau);
 enum status isph_solve_pressure(struct isph *s);
-double isph_dot(size_t n, const double *a, const double *b);
+/* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
+void isph_multiply(struct isph *s, double *x, double *y);
+/* Collective: a.b */
+double isph_dot(struct isph *s, const double *a, const double *b);
 
 /* isph_open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
