@@ -31,7 +31,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/memory.h"
 #include "sphsolve/effects/isph_relaxation.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 static double porosity_of(const struct isph *s, size_t i) {
   return s->on.soil ? s->porosity[i] : 1;
@@ -219,9 +221,21 @@ void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledge
   if (term != LEDGER_FORCE) sums->work[term] -= given;
 }
 
-void isph_account_moved(struct isph *s) {
-  for (size_t c = 0; c < s->chunk_count; c++) ledger_add(&s->account.sums, &s->chunks[c].account);
+enum status isph_account_moved(struct isph *s) {
+  enum status status = STATUS_OK;
+  const size_t own = s->share.begin / CHUNK, all = (s->count + CHUNK - 1) / CHUNK;
+  struct ledger_sums *chunks = NULL;
+  if (isph_is_shared(s)) {
+    TRY(memory_allocate(&chunks, all + 1, sizeof *chunks, "the account"));
+    for (size_t c = 0; c < s->chunk_count; c++) chunks[own + c] = s->chunks[c].account;
+    isph_gather_chunks(s, chunks, sizeof *chunks);
+  }
+  for (size_t c = 0; c < all; c++)
+    ledger_add(&s->account.sums, chunks != NULL ? &chunks[c] : &s->chunks[c].account);
   if (s->on.soil) held(s, s->account_held, &s->account_held[3]);
+cleanup:
+  memory_free(&chunks);
+  return status;
 }
 
 void isph_account_gone(struct isph *s, enum ledger_term term, size_t i) {

@@ -17,7 +17,7 @@ void isph_account_change(const struct isph *s, struct ledger_sums *sums, enum le
 void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
                       size_t i, const double way[3]);
 /* Sums the chunks and, in soil, what there is before the particles' soil is found anew. */
-void isph_account_moved(struct isph *s);
+enum status isph_account_moved(struct isph *s);
 /* Particle i, still with the soil it had, leaves. */
 void isph_account_gone(struct isph *s, enum ledger_term term, size_t i);
 /* A particle comes in. */

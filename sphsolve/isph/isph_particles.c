@@ -72,7 +72,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
   for (int k = 0; k < 4; k++) TRY(memory_resize(&s->work[k], n, sizeof *s->work[k], what));
-  TRY(memory_resize(&s->partial, n / ISPH_BLOCK + 1, sizeof *s->partial, what));
+  TRY(memory_resize(&s->partial, n / CHUNK + 1, sizeof *s->partial, what));
   TRY(memory_resize(&s->pair_first, n, sizeof *s->pair_first, what));
   TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
   TRY(memory_resize(&s->pair_number, n, sizeof *s->pair_number, what));
@@ -231,7 +231,7 @@ void isph_free(struct isph *s) {
                     &s->work[2],
                     &s->work[3],
                     &s->partial,
-                    &s->block_cut,
+                    &s->chunk_cut,
                     &s->pair_first,
                     &s->wall_first,
                     &s->pair_number,

@@ -14,17 +14,17 @@
 /* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
  * and ranks, whose shares begin with a block. */
 double isph_dot(struct isph *s, const double *a, const double *b) {
-  const size_t first = s->share.begin / ISPH_BLOCK, n = s->share.end;
+  const size_t first = s->share.begin / CHUNK, n = s->share.end;
   double total = 0;
 #pragma omp parallel for schedule(static)
-  for (size_t k = first; k < (n + ISPH_BLOCK - 1) / ISPH_BLOCK; k++) {
-    size_t begin = k * ISPH_BLOCK, end = begin + ISPH_BLOCK < n ? begin + ISPH_BLOCK : n;
+  for (size_t k = first; k < (n + CHUNK - 1) / CHUNK; k++) {
+    size_t begin = k * CHUNK, end = begin + CHUNK < n ? begin + CHUNK : n;
     double sum = 0;
     for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
     s->partial[k] = sum;
   }
-  isph_gather_blocks(s, s->partial);
-  for (size_t k = 0; k < (s->count + ISPH_BLOCK - 1) / ISPH_BLOCK; k++) total += s->partial[k];
+  isph_gather_chunks(s, s->partial, sizeof *s->partial);
+  for (size_t k = 0; k < (s->count + CHUNK - 1) / CHUNK; k++) total += s->partial[k];
   return total;
 }
 

@@ -8,9 +8,11 @@ enum status isph_share_out(struct isph *s) {
   enum status status = STATUS_OK;
   s->share.tag = TAG;
   s->share.bytes_most = sizeof(double[6]);
-  if (s->block_cut == NULL)
-    TRY(memory_allocate(&s->block_cut, (size_t)ranks_count() + 1, sizeof *s->block_cut, "shares"));
-  TRY(ghosts_cut(&s->share, s->count, ISPH_BLOCK, s->pairs_now));
+  if (s->chunk_cut == NULL)
+    TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
+  TRY(ghosts_cut(&s->share, s->count, CHUNK, s->pairs_now));
+  for (int r = 0; isph_is_shared(s) && r <= ranks_count(); r++)
+    s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
 cleanup:
   return status;
 }
@@ -40,9 +42,6 @@ void isph_send(struct isph *s, int count, const struct ghost_field *fields) {
   ghosts_finish(&s->share);
 }
 
-void isph_gather_blocks(struct isph *s, double *sums) {
-  const size_t *cut = s->share.cut, ranks = (size_t)ranks_count();
-  if (!isph_is_shared(s)) return;
-  for (size_t r = 0; r <= ranks; r++) s->block_cut[r] = (cut[r] + ISPH_BLOCK - 1) / ISPH_BLOCK;
-  ranks_gather(sums, s->block_cut, sizeof *sums);
+void isph_gather_chunks(struct isph *s, void *data, size_t size) {
+  if (isph_is_shared(s)) ranks_gather(data, s->chunk_cut, size);
 }

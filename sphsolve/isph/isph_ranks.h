@@ -15,8 +15,9 @@ enum status isph_share_out(struct isph *s);
 enum status isph_find_ghosts(struct isph *s);
 /* Collective: sends fields of the own particles to the ranks that read them. */
 void isph_send(struct isph *s, int count, const struct ghost_field *fields);
-/* Collective: of sums over blocks, each rank has those of its particles; then all have all. */
-void isph_gather_blocks(struct isph *s, double *sums);
+/* Collective: of an item for each chunk of all particles, each rank has those of its own; then all
+ * have all. */
+void isph_gather_chunks(struct isph *s, void *data, size_t size);
 #define ISPH_FIELD(array) ((struct ghost_field){(array), sizeof *(array)})
 /* Collective: afterwards all ranks have all of the array. */
 #define isph_gather(s, array) ghosts_gather(&(s)->share, (array), sizeof *(array))

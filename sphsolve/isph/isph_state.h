@@ -21,8 +21,7 @@
 #include "sphsolve/scene.h"
 #include "sphsolve/watchdog.h"
 
-#define CHUNK 512    /* particles per chunk of the neighbour lists */
-#define ISPH_BLOCK 64 /* particles of a sum, and what ranks share out */
+#define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
@@ -121,7 +120,7 @@ struct isph {
 
   size_t count, capacity;
   struct ghosts share; /* of the ranks: this one computes [share.begin, share.end) */
-  size_t *block_cut;   /* [ranks + 1]: the same in blocks */
+  size_t *chunk_cut;   /* [ranks + 1]: the same in chunks */
   double pairs_now;    /* of the own particles */
   uint64_t next_id;
   uint64_t *id;
@@ -149,7 +148,7 @@ struct isph {
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
   double *work[4];                   /* r, z, p, q of CG */
-  double *partial;                   /* sums over blocks of ISPH_BLOCK */
+  double *partial;                   /* [chunks of all]: of a sum */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
   size_t chunk_count, chunk_capacity;

@@ -77,9 +77,9 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
   run on 3 sphsolve-mpi run nowhere.cfg -o none
   [ "$status" -eq 3 ]
   [ "$(grep -c 'nowhere.cfg' <<< "$output")" -eq 1 ]
-  run on 2 sphsolve-mpi run "$ROOT/data-samples/scenes/still-tank.cfg" -o none
-  [ "$status" -eq 2 ]
-  [[ "$output" == *"one rank"* ]]
+  run sphsolve run "$ROOT/data-samples/scenes/still-tank.cfg" -o none --set isph.solver=petsc
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"sphsolve-mpi"* ]]
 }
 
 wcsph() { # NAME [options]
@@ -144,4 +144,47 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
   done
   /usr/bin/python3 "$ROOT/tests/cli/blank_clock.py" {one,two}/{creep,flow}.hdf
   for f in creep creep-0000 flow flow-0000 flow-0001 flow-0002; do cmp one/$f.hdf two/$f.hdf; done
+}
+
+isph() { # SCENE END NAME [options]
+  local scene=$1 end=$2 name=$3; shift 3
+  echo run "$ROOT/data-samples/scenes/$scene.cfg" --set scene.end_time="$end" -o "$name" --quiet "$@"
+}
+
+@test "isph: every bit of histories and snapshots of the sample scenes on 1, 2, 3, 4 ranks" {
+  local scene n
+  for scene in dam-break:0.05s:3 gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-heads:0.05s:4 still-tank:0.02s:1; do
+    n=${scene##*:} end=${scene#*:} scene=${scene%%:*}
+    sphsolve $(isph "$scene" "${end%:*}" "serial-$scene") > /dev/null
+    on "$n" sphsolve-mpi $(isph "$scene" "${end%:*}" "$scene") > /dev/null
+    same "serial-$scene" "$scene"
+  done
+}
+
+@test "isph: stopped on 2 ranks, taken up by 3 and by one, bit for bit" {
+  sphsolve $(isph dam-break 0.02s whole --set checkpoint.interval=1us) > /dev/null
+  on 2 sphsolve-mpi $(isph dam-break 0.02s part --set checkpoint.interval=1us) > /dev/null
+  [ -e part.ckpt.hdf ]
+  for f in part*; do cp "$f" "lone-$f"; done
+  sphsolve $(isph dam-break 0.04s whole --resume) > /dev/null
+  on 3 sphsolve-mpi $(isph dam-break 0.04s part --resume) > /dev/null
+  same whole part
+  sphsolve $(isph dam-break 0.04s lone-part --resume) > /dev/null
+  same whole lone-part
+}
+
+@test "isph: one step with PETSc on 1, 2, 4 ranks, whatever the preconditioner" {
+  local scene n
+  for scene in dam-break seepage-heads; do
+    sphsolve $(isph $scene 1e-3s exact --set isph.tolerance=1e-13) > /dev/null
+    for n in 1 2 4; do
+      on $n sphsolve-mpi $(isph $scene 1e-3s petsc --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
+      $AGREE exact.hdf petsc.hdf 1e-12 history/darcy_velocity history/kinetic_energy history/momentum
+      $AGREE exact-0000.hdf petsc-0000.hdf 1e-12 VTKHDF/PointData/pressure VTKHDF/Points
+    done
+  done
+  for petsc in "-grid_pc_type gamg" "-pc_type hypre" "-pc_type gamg" "-pc_type bjacobi"; do
+    PETSC_OPTIONS=$petsc on 2 sphsolve-mpi $(isph $scene 1e-3s petsc --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
+    $AGREE exact.hdf petsc.hdf 1e-12 history/darcy_velocity history/kinetic_energy
+  done
 }
