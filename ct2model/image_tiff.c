@@ -160,14 +160,14 @@ static void read_voxel_size(TIFF *tiff, const char *description, struct image *i
 
 /* Channels and time steps are no slices. */
 static enum status refuse_hyperstack(const char *path, const char *description) {
-  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=", "SizeT="};
+  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=\"", "SizeT=\""};
   char text[40];
   if (description == NULL) return STATUS_OK;
   bool imagej = strncmp(description, "ImageJ=", 7) == 0;
   bool ome = strstr(description, "<OME") != NULL;
   for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
     const char *at = ome ? strstr(description, OME[i]) : NULL;
-    int count = at != NULL ? atoi(at + strlen(OME[i]) + 1) : 1;
+    int count = at != NULL ? atoi(at + strlen(OME[i])) : 1;
     if (imagej && description_value(description, KEYS[i], text, sizeof text)) count = atoi(text);
     if (count > 1)
       return FAIL(STATUS_INPUT, "%s: a hyperstack of %d %s; save one of them as a stack", path,
