@@ -113,7 +113,7 @@ double ledger_mass_open(const struct ledger *l) {
 static enum status write_account(const struct ledger_account *account, struct h5_file *file) {
   enum status status = STATUS_OK;
   const char *group = "/run/ledger", *names[LEDGER_TERMS], *words[LEDGER_TERMS];
-  double impulse[LEDGER_TERMS][3], work[LEDGER_TERMS], open[3], energy_open;
+  double impulse[LEDGER_TERMS][3], work[LEDGER_TERMS], open[3] = {0}, energy_open;
   uint8_t numerical[LEDGER_TERMS];
   size_t n = 0;
   for (int t = 0; t < LEDGER_TERMS; t++) {
@@ -217,7 +217,7 @@ cleanup:
 #define PRINTED 1e-4
 
 static void print_account(const struct ledger_account *account) {
-  double open[3], energy_open, largest = 0;
+  double open[3] = {0}, energy_open, largest = 0;
   double momentum_share = ledger_momentum_open(account, open);
   double energy_share = ledger_energy_open(account, &energy_open);
   printf("           momentum (kg m/s): ");

@@ -102,7 +102,7 @@ static json_t *error_json(const struct error_split *split) {
 
 /* What of the ledger does not close; null where a method keeps no such account. */
 static json_t *ledger_json(const struct ledger *ledger) {
-  double open[3], energy_open, momentum = NAN, energy = NAN;
+  double open[3] = {0}, energy_open, momentum = NAN, energy = NAN;
   if (ledger->account.on != 0) {
     momentum = ledger_momentum_open(&ledger->account, open);
     energy = ledger_energy_open(&ledger->account, &energy_open);

@@ -102,11 +102,11 @@ void isph_account_begin(struct isph *s) {
 static void account_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                           double scale, const double u[3], struct ledger_sums *sums) {
   const double *x = s->position[i];
-  double f[3];
+  double f[3] = {0};
   for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-    double r[3], weight = scale * s->wall_volume * (double)chunk->wall_slope[p];
+    double r[3] = {0}, weight = scale * s->wall_volume * (double)chunk->wall_slope[p];
     isph_separation(s, x, s->boundary_position, entry, r);
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
       const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);
@@ -129,7 +129,7 @@ static void account_soil(const struct isph *s, const struct isph_chunk *chunk, s
   if (s->on.moving_soil) soil = s->soil_velocity[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3], d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
+    double r[3] = {0}, d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
     isph_separation(s, x, s->position, chunk->pair[p], r);
     for (int a = 0; a < 3; a++) g[a] += d * r[a];
   }
@@ -141,7 +141,7 @@ static void account_soil(const struct isph *s, const struct isph_chunk *chunk, s
 static void account_drag(const struct isph *s, size_t i, double scale, const double before[3],
                          const double u[3], struct ledger_sums *sums) {
   const double *v = s->velocity[i], eps = s->porosity[i];
-  double own[3] = {0}, linear[3], forchheimer[3], square = 0;
+  double own[3] = {0}, linear[3] = {0}, forchheimer[3] = {0}, square = 0;
   for (int a = 0; a < 3; a++) {
     if (s->on.moving_soil) own[a] = eps * s->soil_velocity[i][a];
     square += (before[a] - own[a]) * (before[a] - own[a]);
@@ -177,7 +177,7 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
       const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), *f = s->force;
       const double inertia = inertia_of(s, i), *v = s->velocity[i];
       const double *applied = s->applied[i].pressure;
-      double u[3], before[3], pressed[3], square = 0;
+      double u[3] = {0}, before[3], pressed[3] = {0}, square = 0;
       for (int a = 0; a < 3; a++) {
         u[a] = v[a] / eps;
         before[a] = 2 * s->predicted[i][a] - v[a]; /* see correct() */
