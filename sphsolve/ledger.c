@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -215,31 +216,51 @@ cleanup:
 
 /* Terms below this share of the largest are not printed; all are in the file. */
 #define PRINTED 1e-4
+#define LINE 98 /* characters */
+
+/* A piece of a line that goes on below where it would become too long. */
+__attribute__((format(printf, 2, 3))) static void print_piece(int *column, const char *format,
+                                                              ...) {
+  char piece[160];
+  va_list list;
+  va_start(list, format);
+  const int length_of = vsnprintf(piece, sizeof piece, format, list);
+  va_end(list);
+  if (*column + length_of > LINE)
+    *column = printf("\n             %s", piece) - 1;
+  else
+    *column += printf(" %s", piece);
+}
 
 static void print_account(const struct ledger_account *account) {
   double open[3] = {0}, energy_open, largest = 0;
   double momentum_share = ledger_momentum_open(account, open);
   double energy_share = ledger_energy_open(account, &energy_open);
-  printf("           momentum (kg m/s): ");
+  int column = printf("           momentum (kg m/s):");
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
   for (int t = 0; t < LEDGER_TERMS; t++) {
     const double *p = account->sums.impulse[t];
-    if (ledger_is_on(account, t) && largest > 0 && length(p) > PRINTED * largest)
-      printf("%s (%.4g, %.4g, %.4g), ", terms[t].words, p[0], p[1], p[2]);
+    if (ledger_is_on(account, t) && length(p) > PRINTED * largest)
+      print_piece(&column, "%s (%.4g, %.4g, %.4g),", terms[t].words, p[0], p[1], p[2]);
   }
-  printf("not accounted for %.2g %% of the largest", 100 * momentum_share);
-  if (account->momentum_error > 0) printf(" (sampling: %.2g kg m/s)", account->momentum_error);
-  printf("\n           energy (J): %.4g to %.4g; ", account->energy[0], account->energy[1]);
+  print_piece(&column, "not accounted for %.2g %% of the largest%s", 100 * momentum_share,
+              account->momentum_error > 0 ? "," : "");
+  if (account->momentum_error > 0)
+    print_piece(&column, "samples may miss %.2g", account->momentum_error);
+  putchar('\n');
+  column = printf("           energy (J): %.4g to %.4g:", account->energy[0], account->energy[1]);
   largest = 0;
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
-      printf("%s %.4g, ", terms[t].words, account->sums.work[t]);
-  printf("not accounted for %.3g, %.2g %% of the largest", energy_open, 100 * energy_share);
-  if (account->energy_error > 0) printf(" (sampling: %.2g J)", account->energy_error);
-  printf("\n");
+      print_piece(&column, "%s %.4g,", terms[t].words, account->sums.work[t]);
+  print_piece(&column, "not accounted for %.2g, %.2g %% of the largest%s", energy_open,
+              100 * energy_share, account->energy_error > 0 ? "," : "");
+  if (account->energy_error > 0)
+    print_piece(&column, "samples may miss %.2g", account->energy_error);
+  putchar('\n');
 }
 
 void ledger_print(const struct ledger *l) {
