@@ -144,18 +144,24 @@ cleanup:
   return status;
 }
 
-/* Volume of water (not of bulk) whose particles stand in a region's box, where its soil is now. */
+/* Volume of water (not of bulk) in a region's box, where its soil is now. A particle counts by as
+ * much of it, a cube of its bulk volume, as is inside; water at a side of the domain is inside of
+ * what touches that side. (By its middle alone, whole rows come and go: .04 of the water in a tank
+ * 12 particles across.) */
 static double volume_in_region(const struct isph *s, size_t k) {
   const struct region *region = &s->scene->regions[k];
-  double volume = 0;
+  double volume = 0, near = 1e-6 * s->spacing;
   for (size_t i = 0; i < s->count; i++) {
-    bool inside = true;
+    double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]), inside = 1;
     for (int a = 0; a < 3; a++) {
+      if (s->dimensions == 2 && a == 1) continue;
+      double low = region->box[a], high = region->box[a + 3];
       double x = s->position[i][a] - s->soil_offset[k][a];
-      if (s->dimensions == 3 || a != 1)
-        inside = inside && x >= region->box[a] && x < region->box[a + 3];
+      double from = low <= s->low[a] + near ? -INFINITY : low,
+             to = high >= s->high[a] - near ? INFINITY : high;
+      inside *= fmax(0, fmin(x + 0.5 * size, to) - fmax(x - 0.5 * size, from)) / size;
     }
-    if (inside) volume += s->mass[i] / s->density;
+    volume += inside * s->mass[i] / s->density;
   }
   return volume * s->thickness;
 }
