@@ -120,7 +120,7 @@ static void dam_break(void) {
       front = (front + .5 * run.scene.spacing) / .146;
       snprintf(name, sizeof name, "dam break: front x/L at t* = %g, %g mm", t[k], 1e3 * dx);
       report(name, computed[fine][k], front, .05 * computed[fine][k], started);
-      snprintf(name, sizeof name, "dam break: the same, experiment of 1996, %g mm", 1e3 * dx);
+      snprintf(name, sizeof name, "dam break: experiment of 1996, t* = %g, %g mm", t[k], 1e3 * dx);
       report(name, seen[k], front, .05 * seen[k], started);
     }
     finish(&run);
