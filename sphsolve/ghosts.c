@@ -149,6 +149,29 @@ void ghosts_finish(struct ghosts *g) {
       memcpy((char *)g->field[f].data + g->receive[k] * g->field[f].size, from, g->field[f].size);
 }
 
+void ghosts_add(struct ghosts *g, uint32_t *sums, size_t count) {
+  const size_t ranks = (size_t)ranks_count(), width = count * sizeof *sums;
+  ghosts_finish(g);
+  /* The messages of ghosts_post backwards. */
+  char *out = g->in, *in = g->out;
+  for (size_t k = 0; k < g->receive_start[ranks]; k++)
+    memcpy(out + k * width, sums + g->receive[k] * count, width);
+  for (size_t r = 0; r < ranks; r++) {
+    const size_t from = g->receive_start[r], to = g->send_start[r];
+    if (g->send_start[r + 1] > to)
+      ranks_receive(in + to * width, (g->send_start[r + 1] - to) * width, (int)r, g->tag);
+    if (g->receive_start[r + 1] > from)
+      ranks_send(out + from * width, (g->receive_start[r + 1] - from) * width, (int)r, g->tag);
+  }
+  ranks_wait();
+  for (size_t k = 0; k < g->send_start[ranks]; k++)
+    for (size_t i = 0; i < count; i++) {
+      uint32_t share;
+      memcpy(&share, in + k * width + i * sizeof share, sizeof share);
+      sums[g->send[k] * count + i] += share;
+    }
+}
+
 void ghosts_gather(const struct ghosts *g, void *array, size_t size) {
   if (g->cut != NULL) ranks_gather(array, g->cut, size);
 }

@@ -39,6 +39,9 @@ enum status ghosts_agree(struct ghosts *ghosts, size_t items);
 /* Collective: puts fields under way; ghosts_finish waits, and fills the ghosts. */
 void ghosts_post(struct ghosts *ghosts, int count, const struct ghost_field *fields);
 void ghosts_finish(struct ghosts *ghosts);
+/* Collective: what this rank has summed for its ghosts, `count` numbers each, goes to their owners,
+ * who add it to theirs. */
+void ghosts_add(struct ghosts *ghosts, uint32_t *sums, size_t count);
 /* Collective: afterwards every rank has the whole array; `size` bytes an item. */
 void ghosts_gather(const struct ghosts *ghosts, void *array, size_t size);
 

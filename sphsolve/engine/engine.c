@@ -26,7 +26,7 @@
 #define MEAN_STEPS 16
 #define MEAN_BLOCK 2048
 /* For engine_bytes_*: slots per particle, as clusters are cut; bytes of lists per particle and per
- * wall slot of frozen walls; of boxes and bins, per slot, while lists are made. */
+ * wall slot of adami's walls; of boxes and bins, per slot, while lists are made. */
 #define SLOTS_FLUID 1.05
 #define SLOTS_WALL 1.02
 #define LISTS_FLUID 23.0
@@ -88,6 +88,8 @@ static enum status make_locals(struct engine *engine) {
     TRY(memory_allocate(&local->field[0], capacity * LOCAL_FIELDS, sizeof(float),
                         "columns of a cluster"));
     for (int f = 1; f < LOCAL_FIELDS; f++) local->field[f] = local->field[0] + (size_t)f * capacity;
+    if (engine->threads > 1 && engine->settings.wall == PASS_FROZEN)
+      TRY(memory_allocate(&local->collected, 1, sizeof *local->collected, "shares of walls"));
   }
 cleanup:
   return status;
@@ -171,8 +173,10 @@ void engine_drop_lists(struct engine *engine) {
 }
 
 void engine_free(struct engine *engine) {
-  for (int t = 0; t < engine->threads && engine->locals != NULL; t++)
+  for (int t = 0; t < engine->threads && engine->locals != NULL; t++) {
     memory_free(&engine->locals[t].field[0]);
+    memory_free(&engine->locals[t].collected);
+  }
   memory_free(&engine->locals);
   engine_drop_lists(engine);
   cluster_bins_free(&engine->wall_bins);
@@ -190,11 +194,15 @@ static void run_pass(struct engine *engine, pass_function *function, bool wall,
     engine_run_shared(engine, function, wall);
     clusters = 0;
   }
+  const size_t blocks = (clusters + BLOCK - 1) / BLOCK;
+  /* Rows that add to sums of others: few long runs, for they meet where runs do. */
+  const bool adds = engine->locals[0].collected != NULL && phase == PHASE_DENSITY;
+  const int run = adds ? 1 + (int)(blocks / (16 * (size_t)engine->threads)) : 1;
 #pragma omp parallel num_threads(engine->threads)
   {
     struct local *local = &engine->locals[omp_get_thread_num()];
-#pragma omp for schedule(dynamic, 1)
-    for (size_t block = 0; block < (clusters + BLOCK - 1) / BLOCK; block++) {
+#pragma omp for schedule(dynamic, run)
+    for (size_t block = 0; block < blocks; block++) {
       size_t end = (block + 1) * BLOCK;
       function(&engine->pass, local, block * BLOCK, end < clusters ? end : clusters);
     }
@@ -226,6 +234,8 @@ static void count_pairs(struct engine *engine) {
   engine->pairs_fluid = (uint64_t)sums[0];
   engine->pairs_alone = (uint64_t)sums[1];
   engine->pairs_wall = (uint64_t)sums[2];
+  if (engine->settings.wall == PASS_FROZEN) /* the same pairs seen from their other end */
+    engine->pairs_wall = engine->pairs_fluid - engine->pairs_alone;
 }
 
 /* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have
@@ -235,6 +245,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
   struct particles *p = &engine->particles;
+  const struct engine_settings *s = &engine->settings;
   struct cluster_set wall_boxes = {0};
   struct cluster_bins bins = {0};
   double spacing = engine->pass.spacing, path = PATH * spacing;
@@ -257,7 +268,7 @@ static enum status make_lists(struct engine *engine, bool order) {
     ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes);
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
-  if (engine->fields.wall_state) {
+  if (s->wall == PASS_ADAMI) {
     TRY(cluster_boxes_wall(p, &wall_boxes));
     if (engine_is_shared(engine)) {
       wall_boxes.begin = engine->ranks.walls.begin;
@@ -370,9 +381,10 @@ static void take_velocities(struct particles *p) {
 static void prepare(struct engine *engine) {
   const struct pair_table *table = engine->table;
   if (engine->settings.wall == PASS_FROZEN) {
+    engine_clear_wall_sums(engine);
     run_pass(engine, table->density, false, PHASE_DENSITY);
+    engine_settle_wall_sums(engine);
     if (RANKS) engine_send(engine, SENT_DENSITY);
-    run_pass(engine, table->density_wall, true, PHASE_DENSITY);
     if (RANKS) engine_send(engine, SENT_WALL);
   } else if (engine->settings.wall == PASS_ADAMI) {
     run_pass(engine, table->image_velocity, true, PHASE_WALL);
@@ -482,11 +494,12 @@ double engine_bytes_fluid(const struct engine_settings *settings) {
 double engine_bytes_wall(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
   return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS) +
-         (fields.wall_state ? BOXES + LISTS_WALL : 0);
+         (settings->wall == PASS_ADAMI ? BOXES + LISTS_WALL : 0);
 }
 
 double engine_bytes_thread(const struct lattice *lattice, double support) {
-  return LOCAL_FIELDS * sizeof(float) * (double)local_capacity(lattice, support);
+  return LOCAL_FIELDS * sizeof(float) * (double)local_capacity(lattice, support) +
+         sizeof(struct collected);
 }
 
 double engine_density(const struct engine *engine, size_t slot) {

@@ -68,7 +68,7 @@ enum status engine_find_ghosts(struct engine *engine) {
     if (states) ghost = want(walls, &engine->fluid_wall, begin, end) || ghost;
     ranks->blocks[ghost ? --outer : ranks->inner++] = (uint32_t)b;
   }
-  if (states) want(fluid, &engine->wall_fluid, walls->begin, walls->end);
+  if (engine->wall_fluid.rows > 0) want(fluid, &engine->wall_fluid, walls->begin, walls->end);
   TRY(ghosts_agree(fluid, p->clusters));
   if (states) TRY(ghosts_agree(walls, p->wall_clusters));
   /* Work is what the pair loops look at; 1 tells that there is any. */

@@ -1,6 +1,7 @@
 #include "sphsolve/engine/engine_walls.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/kernel.h"
 #include "common/log.h"
@@ -114,4 +115,39 @@ void engine_update_distance(struct engine *engine) {
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
   for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
   engine->seconds[PHASE_WALL] += clock_seconds() - start;
+}
+
+void engine_clear_wall_sums(struct engine *engine) {
+  const struct ghosts *walls = &engine->ranks.walls;
+  uint32_t *sums = engine->particles.wall_sum;
+  size_t begin = 0, end = engine->particles.wall_clusters;
+  if (engine_is_shared(engine)) {
+    begin = walls->begin;
+    end = walls->end;
+    for (size_t g = 0; g < walls->receive_start[ranks_count()]; g++)
+      memset(sums + walls->receive[g] * CLUSTER, 0, CLUSTER * sizeof *sums);
+  }
+  if (end > begin) memset(sums + begin * CLUSTER, 0, (end - begin) * CLUSTER * sizeof *sums);
+}
+
+void engine_settle_wall_sums(struct engine *engine) {
+  const double start = clock_seconds();
+  const struct ghosts *walls = &engine->ranks.walls;
+  const struct particles *p = &engine->particles;
+  size_t begin = 0, end = p->wall_clusters;
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (int t = 0; t < engine->threads; t++)
+    if (engine->locals[t].collected != NULL)
+      collected_give_all(engine->locals[t].collected, p->wall_sum);
+  if (engine_is_shared(engine)) {
+    ghosts_add(&engine->ranks.walls, p->wall_sum, CLUSTER);
+    begin = walls->begin;
+    end = walls->end;
+  }
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t w = begin * CLUSTER; w < end * CLUSTER; w++) {
+    const double own = (double)p->wall_base[w], sum = WALL_SUM_UNIT * (double)p->wall_sum[w];
+    p->wall_state[w] = (float)(1 / (own + sum));
+  }
+  engine->seconds[PHASE_DENSITY] += clock_seconds() - start;
 }

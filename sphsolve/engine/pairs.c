@@ -3,6 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Two sums at once: they stay below 2^32, so that none runs over into its neighbour. */
+void collected_give(struct collected *from, size_t at, uint32_t *sums) {
+  uint64_t *to = (uint64_t *)(void *)(sums + (size_t)from->cluster[at] * CLUSTER);
+  for (int i = 0; i < CLUSTER / 2; i++) {
+    if (from->sum[at][i] != 0) __atomic_fetch_add(&to[i], from->sum[at][i], __ATOMIC_RELAXED);
+    from->sum[at][i] = 0;
+  }
+}
+
+void collected_give_all(struct collected *from, uint32_t *sums) {
+  for (size_t at = 0; at < COLLECTED; at++) collected_give(from, at, sums);
+}
+
 enum status pair_table_choose(const struct pair_table **table) {
   const struct pair_table *known[] = {&pair_table_baseline, &pair_table_avx2, &pair_table_avx512};
   bool runs[] = {

@@ -15,11 +15,27 @@
 /* What stands at the wall; decides which form of the equations the rows take. */
 enum pass_wall { PASS_FROZEN, PASS_OPEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_WALLS };
 
+/* Sums of wall densities are counted in this part of rho_0: up to 8 fit. */
+#define WALL_SUM_UNIT 0x1p-29
+
+/* Where other threads add to the same sums, a thread collects its own first, of so many clusters at
+ * a time. */
+#define COLLECTED 1024
+struct collected {
+  uint32_t cluster[COLLECTED];
+  uint64_t sum[COLLECTED][CLUSTER / 2]; /* two sums of 32 bits in each */
+};
+/* Gives the sums of one place, or of all, to `sums` of all threads, and starts anew from 0. */
+void collected_give(struct collected *from, size_t at, uint32_t *sums);
+void collected_give_all(struct collected *from, uint32_t *sums);
+
 /* Columns of a row cluster, gathered and cut to what is in reach. */
 #define LOCAL_FIELDS 8
 struct local {
   float *field[LOCAL_FIELDS];
   size_t capacity;
+  size_t entries;              /* of walls whose place was gathered */
+  struct collected *collected; /* NULL: there is no other thread */
   bool overflow; /* more columns than `capacity`: particles have clumped */
 };
 
@@ -63,9 +79,9 @@ typedef void pass_function(const struct pass *pass, struct local *local, size_t 
 
 struct pair_table {
   const char *name;
-  /* state = rho_0/rho of fluid by summation over all columns; of frozen walls by their fluid
-   * columns on top of wall_base. */
-  pass_function *density, *density_wall;
+  /* state = rho_0/rho of fluid by summation over all columns; what walls have of it is added to
+   * wall_sum. */
+  pass_function *density;
   /* v_next from v; [wall][viscosity][shift]. */
   pass_function *force[PASS_WALLS][2][2];
   /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls and

@@ -22,15 +22,66 @@
 #define MAX_SUMS 12
 
 /* ---- density by summation ---- */
-SIMD_INLINE double row_density(const struct local *local, size_t n, const vec at[3]) {
-  float tile[SIMD_LANES];
+/* Over columns [0, n); those from `walls` on take their share of the row, too, in LWEIGHT. */
+SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n,
+                               const vec at[3]) {
+  float tile[SIMD_LANES], *weight = local->field[LWEIGHT];
   for (int group = 0; group < SIMD_GROUPS; group++) {
     vec sum = vec_set(0.0f);
-    for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES)
-      density_summation_pair(pair_geometry(local, k, at).s, &sum);
+    size_t k = (size_t)group * SIMD_WIDTH;
+    for (; k < walls; k += SIMD_LANES) density_summation_pair(pair_geometry(local, k, at).s, &sum);
+    for (; k < n; k += SIMD_LANES) {
+      vec own = vec_set(0.0f);
+      density_summation_pair(pair_geometry(local, k, at).s, &own);
+      sum += own;
+      vec_store(weight + k, vec_load(weight + k) + own);
+    }
     vec_store(tile + group * SIMD_WIDTH, sum);
   }
   return (double)lanes_sum(tile);
+}
+
+/* Adds shares of a cluster to what this thread has collected. */
+SIMD_INLINE void collected_add(struct collected *to, uint32_t cluster, const uint32_t *shares,
+                               uint32_t *sums) {
+  const size_t at = cluster % COLLECTED;
+  if (__builtin_expect(to->cluster[at] != cluster, 0)) {
+    collected_give(to, at, sums);
+    to->cluster[at] = cluster;
+  }
+  uint64_t more[CLUSTER / 2];
+  memcpy(more, shares, sizeof more);
+  for (int i = 0; i < CLUSTER / 2; i++) to->sum[at][i] += more[i];
+}
+
+/* Adds the shares of a row cluster's walls, from column `n` on, to the sums of all rows. Whole
+ * numbers: any order of rows, and of threads, gives the same. */
+SIMD_INLINE void spread_density(const struct pass *pass, const struct local *local, size_t n) {
+  struct collected *collected = local->collected;
+  uint32_t *sums = pass->particles->wall_sum, share[SIMD_LANES];
+  const vec unit = vec_set((float)(pass->w_scale / WALL_SUM_UNIT));
+  const uint32_t *slots = (const uint32_t *)(const void *)local->field[LSLOT];
+  const uint32_t *masks = (const uint32_t *)(const void *)local->field[LMASK];
+  for (size_t e = 0; e < local->entries; e++) {
+    const uint32_t slot = slots[e], mask = masks[e];
+    const vec weight = vec_expand(local->field[LWEIGHT] + n, mask);
+    n += (size_t)__builtin_popcount(mask);
+    const uvec whole = (uvec)__builtin_convertvector(weight * unit + 0.5f, ivec);
+    if (collected == NULL) {
+      uvec_store(sums + slot, uvec_load(sums + slot) + whole);
+      continue;
+    }
+    uvec_store(share, whole);
+    const uint32_t first = slot % CLUSTER;
+    if (SIMD_WIDTH < CLUSTER) { /* half a cluster */
+      uint32_t all[CLUSTER] = {0};
+      memcpy(all + first, share, SIMD_WIDTH * sizeof *all);
+      collected_add(collected, slot / CLUSTER, all, sums);
+      continue;
+    }
+    for (uint32_t k = 0; k < SIMD_WIDTH; k += CLUSTER)
+      if ((mask >> k & 0xffu) != 0) collected_add(collected, (slot + k) / CLUSTER, share + k, sums);
+  }
 }
 
 static void density(const struct pass *pass, struct local *local, size_t begin, size_t end) {
@@ -38,34 +89,19 @@ static void density(const struct pass *pass, struct local *local, size_t begin, 
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, false);
-    n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 0, NULL, false);
-    n = pad_columns(local, n, 0);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, 0);
+    const size_t walls = pad_columns(local, n, 0);
+    n = gather_columns(pass, local, walls, pass->fluid_wall, c, true, &ref, 0, NULL, GATHER_PLACE);
+    const size_t all = pad_columns(local, n, 0);
+    memset(local->field[LWEIGHT] + walls, 0, (all - walls) * sizeof(float));
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
       vec at[3];
       row_position(pass, &ref, l, at);
       p->state[c * CLUSTER + (size_t)l] =
-          (float)(1.0 / (pass->w_scale * row_density(local, n, at)));
+          (float)(1.0 / (pass->w_scale * row_density(local, walls, all, at)));
     }
-  }
-}
-
-static void density_wall(const struct pass *pass, struct local *local, size_t begin, size_t end) {
-  struct particles *p = pass->particles;
-  for (size_t c = begin; c < end; c++) {
-    struct reference ref;
-    reference_make(pass, c, true, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL, false);
-    n = pad_columns(local, n, 0);
-    for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
-      vec at[3];
-      row_position(pass, &ref, l, at);
-      p->wall_state[i] =
-          (float)(1.0 / ((double)p->wall_base[i] + pass->w_scale * row_density(local, n, at)));
-    }
+    spread_density(pass, local, walls);
   }
 }
 
@@ -178,10 +214,10 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, false);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, 0);
     size_t all;
     if (wall == PASS_FROZEN || wall == PASS_ADAMI)
-      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls, false);
+      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls, 0);
     n = all = pad_columns(local, n, 4);
     if (symmetric)
       for (size_t k = 0; k < n; k += SIMD_WIDTH)
@@ -190,7 +226,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
                                           vec_set((float)pass->rest_ratio)));
     if (subvoxel) {
       all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, moving ? 3 : 0, walls,
-                           true);
+                           GATHER_DEPTH);
       all = pad_columns(local, all, 4);
     }
     /* All walls first: what a row needs of them is then there when its fluid's turn comes. */
@@ -265,11 +301,11 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
     struct reference ref;
     reference_make(pass, c, false, &ref);
     size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref,
-                              diffusion || shift ? 4 : 3, fluid, false);
+                              diffusion || shift ? 4 : 3, fluid, 0);
     size_t all = n = pad_columns(local, n, 4);
     if (walls) {
       all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3,
-                           (const float *const *)p->wall_given, false);
+                           (const float *const *)p->wall_given, 0);
       all = pad_columns(local, all, 3);
     }
     for (int l = 0; l < CLUSTER; l++) {
@@ -325,7 +361,7 @@ SIMD_INLINE void continuity_exact_rows(const struct pass *pass, struct local *lo
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, false);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, 0);
     n = pad_columns(local, n, 4);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -348,7 +384,7 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, true, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 4, fluid, false);
+    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 4, fluid, 0);
     n = pad_columns(local, n, 4);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
@@ -403,9 +439,9 @@ static void count(const struct pass *pass, struct local *local, size_t begin, si
     uint64_t self = 0, fluid;
     reference_make(pass, c, false, &ref);
     for (int l = 0; l < CLUSTER; l++) self += ref.live[l];
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, false);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, 0);
     fluid = count_columns(pass, local, &ref, n) - self;
-    n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, false);
+    n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, 0);
     *alone += fluid;
     *pairs += fluid + count_columns(pass, local, &ref, n);
   }
@@ -415,7 +451,7 @@ static void count_wall(const struct pass *pass, struct local *local, size_t begi
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
     reference_make(pass, c, true, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL, false);
+    size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 0, NULL, 0);
     *pairs += count_columns(pass, local, &ref, n);
   }
 }
@@ -466,7 +502,6 @@ CONTINUITY_EXACT(0, 0) CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_
 const struct pair_table TABLE_NAME(SIMD_ISA) = {
     .name = TEXT(SIMD_ISA),
     .density = density,
-    .density_wall = density_wall,
     .force = {TABLE_FORCE(FROZEN), TABLE_FORCE(OPEN), TABLE_FORCE(ADAMI), TABLE_FORCE(SUBVOXEL)},
     .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
     .continuity_exact = TABLE_CONTINUITY(exact),

@@ -13,7 +13,10 @@
 /* Keeps 1/r finite for a particle and itself. */
 #define TINY 2.5e-9f
 
-enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM };
+enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM, LWEIGHT = LVX, LSLOT, LMASK };
+/* What more of walls is gathered: the depth in h as LSTATE; or where the columns come from: vectors
+ * from slot LSLOT on, of which the lanes LMASK (both integers), local->entries of them. */
+enum gather_more { GATHER_DEPTH = 1, GATHER_PLACE };
 
 /* Where a row cluster stands now. */
 struct reference {
@@ -49,12 +52,11 @@ SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wa
 }
 
 /* Appends the columns of one list that the cluster can reach to the buffer from `n` on; `fields`
- * values each from `source` (NULL: zeros) behind the position, and with `depth` the wall's depth in
- * h as LSTATE. Returns the new count. */
+ * values each from `source` (NULL: zeros) behind the position. Returns the new count. */
 SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, size_t n,
                                   const struct neighbour_list *list, size_t row, bool wall,
                                   const struct reference *ref, int fields,
-                                  const float *const *source, bool depth) {
+                                  const float *const *source, int more) {
   const struct particles *p = pass->particles;
   size_t words;
   struct list_reader reader = {.word = list_row(list, row, &words)};
@@ -71,6 +73,7 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
                                   (uint32_t)p->frame.site_shift[1],
                                   (uint32_t)p->frame.site_shift[2]};
   const size_t capacity = local->capacity;
+  size_t entries = 0;
   uvec origin[3];
   vec scale[3], half[3], limit = vec_set(pass->radius * pass->radius), zero = vec_set(0.0f);
   vec depth_unit = vec_set((float)(p->depth_unit / pass->smoothing_length));
@@ -117,12 +120,19 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
       for (int f = 0; f < fields; f++)
         vec_compress(field[LVX + f] + n, mask,
                      source[f] == NULL ? zero : vec_load(source[f] + slot));
-      if (depth)
+      if (more == GATHER_PLACE) {
+        const uint32_t from = (uint32_t)slot;
+        memcpy(field[LSLOT] + entries, &from, sizeof from);
+        memcpy(field[LMASK] + entries, &mask, sizeof mask);
+        entries += mask != 0;
+      }
+      if (more == GATHER_DEPTH)
         vec_compress(field[LSTATE] + n, mask,
                      vec_from(uvec_load16(p->wall_depth + slot)) * depth_unit);
       n += (size_t)__builtin_popcount(mask);
     }
   }
+  if (more == GATHER_PLACE) local->entries = entries;
   return n;
 }
 

@@ -360,6 +360,7 @@ static enum status make_walls(const struct lattice *lattice, double range,
   for (size_t f = 0; f < arrays; f++)
     if (list[f].wanted)
       TRY(memory_allocate(list[f].array, capacity, sizeof(float), "wall particles"));
+  p->wall_sum = (uint32_t *)(void *)p->wall_state;
 cleanup:
   memory_free(&near);
   memory_free(&scratch);

@@ -55,6 +55,7 @@ struct particles {
   size_t wall_count, wall_clusters; /* only walls that fluid can reach are kept */
   uint32_t *site;                   /* frame_wall_index */
   float *wall_state;                /* as state; frozen and adami */
+  uint32_t *wall_sum;               /* frozen: in its memory, while densities are summed */
   float *wall_base;                 /* sum of W over wall neighbours / alpha; frozen */
   uint16_t *wall_depth;             /* below the surface, in units of depth_unit, subvoxel */
   double depth_unit;                /* m */

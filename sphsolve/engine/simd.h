@@ -47,6 +47,9 @@ SIMD_INLINE uvec uvec_load(const uint32_t *from) {
   memcpy(&v, from, sizeof v);
   return v;
 }
+SIMD_INLINE void uvec_store(uint32_t *to, uvec v) {
+  memcpy(to, &v, sizeof v);
+}
 /* Signed integers to floats. */
 SIMD_INLINE vec vec_from(uvec v) {
   return __builtin_convertvector((ivec)v, vec);
@@ -82,6 +85,10 @@ SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
 /* The lanes of `mask`, in order, to `to`; writes up to SIMD_WIDTH floats. */
 SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
   _mm512_storeu_ps(to, _mm512_maskz_compress_ps((__mmask16)mask, (__m512)a));
+}
+/* The other way: floats in order into the lanes of `mask`, 0 into the others. */
+SIMD_INLINE vec vec_expand(const float *from, uint32_t mask) {
+  return (vec)_mm512_maskz_expandloadu_ps((__mmask16)mask, from);
 }
 #else
 #if SIMD_WIDTH == 8
@@ -136,6 +143,11 @@ SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
   float lanes[SIMD_WIDTH];
   vec_store(lanes, a);
   for (; mask != 0; mask &= mask - 1) *to++ = lanes[__builtin_ctz(mask)];
+}
+SIMD_INLINE vec vec_expand(const float *from, uint32_t mask) {
+  float lanes[SIMD_WIDTH] = {0};
+  for (; mask != 0; mask &= mask - 1) lanes[__builtin_ctz(mask)] = *from++;
+  return vec_load(lanes);
 }
 #endif
 
