@@ -108,7 +108,7 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
     struct reference ref;
     vec at[3];
     reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fields, false);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fields, 0);
     n = pad_columns(local, n, 4);
     gather_terms(pass, local, n);
     for (int l = 0; l < CLUSTER; l++) {
@@ -123,7 +123,7 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
                          !subvoxel ? 4
                          : moving  ? 3
                                    : 0,
-                         wall_fields, subvoxel);
+                         wall_fields, subvoxel ? GATHER_DEPTH : 0);
     n = pad_columns(local, n, 4);
     if (!subvoxel) gather_terms(pass, local, n);
     for (int l = 0; l < CLUSTER; l++) {
