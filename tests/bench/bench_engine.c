@@ -174,7 +174,7 @@ static enum status suite(const char *path, double largest) {
   const struct pair_table *table;
   double first = NAN, worst = 1, start = clock_seconds(), shares[PHASE_COUNT];
   static const char *const phases[PHASE_COUNT] = {"density",    "wall distance", "forces",
-                                                  "continuity", "drift",         "lists"};
+                                                  "continuity", "drift",         "lists", "account"};
   omp_set_num_threads(1);
   TRY(pair_table_choose(&table));
   double flops = peak_flops(table->name), bytes = peak_bytes();
