@@ -23,7 +23,35 @@ static void format_fields(unsigned long long fields, char *text, size_t size) {
       used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
 }
 
-void explain_print(const struct plan *plan) {
+static enum foreseen_term worst_of(const struct foreseen *f) {
+  enum foreseen_term worst = FORESEEN_IN_FULL;
+  for (enum foreseen_term t = FORESEEN_IN_FULL; t < FORESEEN_TERMS; t++)
+    if (f->seconds[t] > f->seconds[worst]) worst = t;
+  return worst;
+}
+
+static void print_foreseen(const struct foreseen *f) {
+  char text[64];
+  duration_format(f->total, text, sizeof text);
+  printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%", f->ranks,
+         f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
+         100 * f->efficiency);
+  if (f->used > 1)
+    printf("; beside compute most is %s, %.0f %% of the time", foreseen_name(worst_of(f)),
+           100 * f->seconds[worst_of(f)] / f->total);
+  printf("\n");
+}
+
+static json_t *foreseen_json(const struct foreseen *f) {
+  return json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ranks", f->ranks, "used",
+                   f->used, "memory_bytes", f->memory_bytes, "seconds", f->total, "efficiency",
+                   f->efficiency, "seconds_compute", f->seconds[FORESEEN_COMPUTE],
+                   "seconds_in_full", f->seconds[FORESEEN_IN_FULL], "seconds_gathered",
+                   f->seconds[FORESEEN_GATHERED], "seconds_ghosts", f->seconds[FORESEEN_GHOSTS],
+                   "seconds_sums", f->seconds[FORESEEN_SUMS]);
+}
+
+void explain_print(const struct plan *plan, const struct foreseen *foreseen) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char text[512], more[64];
@@ -78,6 +106,7 @@ void explain_print(const struct plan *plan) {
   duration_format(plan->seconds, text, sizeof text);
   printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
          strncmp(text, "under", 5) ? "about " : "", text);
+  if (foreseen != NULL) print_foreseen(foreseen);
   const struct expectation *e = &plan->expected;
   if (isfinite(e->error))
     printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
@@ -97,7 +126,8 @@ static json_t *plan_pores_json(const struct plan *plan) {
                    "frozen_shift", shape->outer, "adami_shift", shape->middle);
 }
 
-enum status explain_print_json(const struct plan *plan, const struct cheapest *cheapest) {
+enum status explain_print_json(const struct plan *plan, const struct foreseen *foreseen,
+                               const struct cheapest *cheapest) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char fields[512];
@@ -130,6 +160,7 @@ enum status explain_print_json(const struct plan *plan, const struct cheapest *c
       "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
       plan->expected.why, "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  if (foreseen != NULL) json_object_set_new(object, "ranks", foreseen_json(foreseen));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');

@@ -29,13 +29,14 @@ static const struct option_entry entries[] = {
     {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
     {"error", 0, "E", EXPLAIN,
      "wanted error of k, like 5%: names the cheapest settings that reach it"},
+    {"ranks", 0, "N", EXPLAIN, "foretells memory and time on N ranks, each a processor"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
 static const struct option_command commands[] = {
     {"run", "SCENE.cfg -o OUT [--set path=value]... [--resume]", "runs a scene",
      "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
-    {"explain", "SCENE.cfg [--error E] [--set path=value]...",
+    {"explain", "SCENE.cfg [--error E] [--ranks N] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
      "sphsolve explain dense.cfg", 1, 1},
     {0}};
@@ -46,6 +47,8 @@ static const struct option_table table = {
 
 /* Below it inertia changes k by less than a thousandth (its share goes with the square). */
 #define REYNOLDS_CREEPING 0.1
+
+#define RANKS_MOST 10000000
 
 struct job {
   struct scene scene;
@@ -250,14 +253,23 @@ static enum status parse_error(const char *text, double *wanted) {
 static enum status explain(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct cheapest cheapest = {0};
+  struct foreseen foreseen, *ranks = NULL;
+  long long count = 0;
   bool wanted = options_given(options, "error");
   if (wanted) TRY(parse_error(options_text(options, "error"), &cheapest.wanted));
   TRY(prepare(options, job));
+  if (options_given(options, "ranks")) {
+    TRY(options_integers(options, "ranks", ',', 1, &count));
+    if (count < 1 || count > RANKS_MOST)
+      TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", count, RANKS_MOST);
+    ranks = &foreseen;
+    foresee(&job->plan, (int)count, ranks);
+  }
   if (wanted) TRY(cheapest_find(&job->scene, &job->lattice, &job->plan, thread_count(), &cheapest));
   if (options_json(options)) {
-    TRY(explain_print_json(&job->plan, wanted ? &cheapest : NULL));
+    TRY(explain_print_json(&job->plan, ranks, wanted ? &cheapest : NULL));
   } else {
-    explain_print(&job->plan);
+    explain_print(&job->plan, ranks);
     if (wanted) cheapest_print(&job->plan, &cheapest);
   }
 cleanup:

@@ -31,3 +31,23 @@ setup_file() {
     [ -e "$ROOT/data-samples/scenes/$(basename "$golden" .txt).cfg" ]
   done
 }
+
+@test "explain --ranks: one rank is the plan itself; many have less memory each, and no less than their share of the time" {
+  cd "$BATS_FILE_TMPDIR"
+  for scene in "s06.cfg --set model.file=dense.hdf" "s06.cfg --set model.file=dense.hdf --set scene.method=stokes" dam-break.cfg; do
+    for ranks in 1 3 1000; do
+      sphsolve explain "$ROOT/data-samples/scenes/"$scene --threads 1 --json --ranks $ranks > "ranks$ranks.json"
+    done
+    /usr/bin/python3 - <<'END'
+import json
+one, three, many = (json.load(open(f"ranks{n}.json")) for n in (1, 3, 1000))
+close = lambda a, b: abs(a - b) <= 1e-9 * abs(b)
+assert close(one["ranks"]["memory_bytes"], one["memory_bytes"]) and close(one["ranks"]["seconds"], one["seconds"])
+assert many["ranks"]["memory_bytes"] < three["ranks"]["memory_bytes"] < one["memory_bytes"]
+assert one["seconds"] / 3 <= three["ranks"]["seconds"] and three["ranks"]["efficiency"] <= 1
+assert many["ranks"]["used"] <= 1000 and many["ranks"]["efficiency"] < three["ranks"]["efficiency"]
+END
+  done
+  run sphsolve explain "$ROOT/data-samples/scenes/dam-break.cfg" --ranks 0
+  [ "$status" -eq 2 ]
+}
