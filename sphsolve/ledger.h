@@ -31,7 +31,7 @@
   X(VISCOSITY, "viscosity", "viscosity", 0)                                                        \
   X(TURBULENCE, "turbulence", "eddy viscosity", 0)                                                 \
   X(RELAXATION, "relaxation", "relaxation of density", 1)                                          \
-  X(PROJECTION, "projection", "pressure where it should do no work", 1)                            \
+  X(PROJECTION, "projection", "pressure that nothing returns", 1)                            \
   X(CALMING, "calming", "calming", 1)                                                              \
   X(SHIFTING, "shifting", "shifting", 1)                                                           \
   X(WALL_GUARD, "wall_guard", "guard at walls", 1)                                                 \

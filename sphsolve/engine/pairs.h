@@ -46,6 +46,7 @@ struct local {
  * second adds to them by each effect, and powers; see pairs_account.h. */
 struct pass_account {
   double momentum[3], kinetic, elastic;                  /* m/s, m^2/s^2 */
+  double pressure[3], viscosity[3];                      /* m/s^2 */
   double wall_pressure[3], friction[3], shift[3];        /* m/s^2 */
   double force_work, pressure_work, friction_work;       /* m^2/s^3 */
   double viscosity_work, shift_work;

@@ -81,7 +81,9 @@ static void account_row(const struct pass *pass, size_t i, const struct row_forc
     sum->momentum[a] += v;
     sum->kinetic += 0.5 * v * v;
     sum->force_work += pass->force[a] * mean;
+    sum->pressure[a] += pressed;
     sum->pressure_work += pressed * mean;
+    sum->viscosity[a] += viscous;
     sum->viscosity_work += viscous * mean;
     sum->friction[a] += friction;
     sum->friction_work += friction * mean;

@@ -9,9 +9,9 @@
  * to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
  *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (isph_drag.h)
  * and grad P that of isph_step.c's correct. Then come what is no force: the guards at walls,
- * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the bound
- * of isph_energy.c; and
- * particles that move on into other soil at the same v_D (soil_entry), come and go.
+ * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the
+ * bound of isph_energy.c; and particles that move on into other soil at the same v_D (soil_entry),
+ * come and go.
  *
  * Pressure is the one force that acts both on the water and back on something else, and there the
  * two sides are summed by themselves. Momentum: walls, from the pressure of the particles before
@@ -21,11 +21,13 @@
  * (with the pairs of a planar wall and a P linear in space it is exactly the integral of P over the
  * face, for sum V slope r r = 1: a pair n spacings long crosses it n times, at P's mean on the
  * face); open sides the same with their own pressure; soil sum V P grad eps. The water gets -grad
- * P by differences that know no wall. So what is not accounted for in momentum is by how much
- * action and reaction differ, of pressure and of viscous pairs (m_i V_j is not m_j V_i between
- * particles of different porosity). Energy: the pressure's work on the water is counted particle by
- * particle, that of walls that move, open sides and the relaxation (P div v as it was asked for) by
- * itself; the rest is work where an exact projection would do none (projection). */
+ * P by differences that know no wall, summed particle by particle. What the two differ by, action
+ * without reaction, is a term of its own (projection); so is what viscous pairs do not give each
+ * other (m_i V_j is not m_j V_i between particles of different porosity). Energy: the pressure's
+ * work on the water is counted particle by particle, that of walls that move, open sides and the
+ * relaxation (P div v as it was asked for) by itself; the rest is work where an exact projection
+ * would do none. What then is not accounted for, in momentum and energy, is what no effect has
+ * counted: rounding. */
 #include "sphsolve/isph/isph_account.h"
 
 #include <math.h>
@@ -129,7 +131,8 @@ static void account_soil(const struct isph *s, const struct isph_chunk *chunk, s
   if (s->on.moving_soil) soil = s->soil_velocity[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3] = {0}, d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
+    double r[3] = {0},
+           d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
     isph_separation(s, x, s->position, chunk->pair[p], r);
     for (int a = 0; a < 3; a++) g[a] += d * r[a];
   }
@@ -160,10 +163,11 @@ static void account_viscosity(const struct isph *s, size_t i, double scale, cons
                               struct ledger_sums *sums) {
   const struct isph_applied *applied = &s->applied[i];
   const double eps = porosity_of(s, i), thick = s->eddy[i] * eps;
-  const double own = thick > 0 ? s->viscosity / thick : 1, work = scale * dot(applied->viscous, u);
+  const double own = thick > 0 ? s->viscosity / thick : 1;
   const bool calming = s->on.calming && (!s->on.turbulence || thick - s->viscosity <= s->calm);
-  sums->work[LEDGER_VISCOSITY] += own * work;
-  sums->work[calming ? LEDGER_CALMING : LEDGER_TURBULENCE] += (1 - own) * work;
+  const enum ledger_term more = calming ? LEDGER_CALMING : LEDGER_TURBULENCE;
+  give(sums, LEDGER_VISCOSITY, scale * own, applied->viscous, u);
+  give(sums, more, scale * (1 - own), applied->viscous, u);
   give(sums, LEDGER_WALL_FRICTION, scale, applied->friction, u);
 }
 
@@ -185,7 +189,7 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
         square += (v[a] - before[a]) * (v[a] - before[a]);
         sums->impulse[LEDGER_FORCE][a] += m * dt * f[a];
       }
-      sums->work[LEDGER_PROJECTION] += m * dt * dot(pressed, u);
+      give(sums, LEDGER_PROJECTION, m * dt, pressed, u);
       sums->work[LEDGER_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscosity) account_viscosity(s, i, m * dt, u, sums);
       if (s->on.soil) account_drag(s, i, m * dt, before, u, sums);
@@ -202,8 +206,10 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
     }
     const enum ledger_term does[] = {LEDGER_WALL_PRESSURE, LEDGER_OPEN_SIDES, LEDGER_RELAXATION,
                                      LEDGER_SOIL_PRESSURE};
-    for (size_t t = 0; t < sizeof does / sizeof *does; t++)
+    for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
       sums->work[LEDGER_PROJECTION] -= sums->work[does[t]];
+      for (int a = 0; a < 3; a++) sums->impulse[LEDGER_PROJECTION][a] -= sums->impulse[does[t]][a];
+    }
   }
 }
 

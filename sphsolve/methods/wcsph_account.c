@@ -12,7 +12,8 @@
  * Energy is kinetic and elastic. Pressure turns one into the other; its power on the particles is
  * summed, the elastic energy is that of their pressures, and what the two differ by is
  * LEDGER_PROJECTION: diffusion of pressure, what shifting carries, and how far gradient and
- * divergence are not each other's adjoint. Frozen grains' own compression is not in it. */
+ * divergence are not each other's adjoint. Frozen grains' own compression is not in it. In momentum
+ * it is what pressure gives the fluid beyond what walls take of it. */
 #include "sphsolve/methods/wcsph_account.h"
 
 #include <math.h>
@@ -60,6 +61,8 @@ static void take_rates(const struct pass_account *total, const double force[3], 
     rate->impulse[LEDGER_WALL_PRESSURE][a] = mass * total->wall_pressure[a];
     rate->impulse[LEDGER_WALL_FRICTION][a] = mass * total->friction[a];
     rate->impulse[LEDGER_SHIFTING][a] = mass * total->shift[a];
+    rate->impulse[LEDGER_VISCOSITY][a] = mass * total->viscosity[a];
+    rate->impulse[LEDGER_PROJECTION][a] = mass * (total->pressure[a] - total->wall_pressure[a]);
   }
   rate->work[LEDGER_FORCE] = mass * total->force_work;
   rate->work[LEDGER_WALL_FRICTION] = mass * total->friction_work;

@@ -131,11 +131,11 @@ def whole(run, work=None, backs=False):
 def balances(run):
     """The account of momentum and energy, of a run that ended (docs/physics.md).
 
-    Energy is an identity of the steps, as long as no effect is forgotten. Each of S steps adds some ten numbers a
-    particle, as large as the energy that is there, T + M f L, with a rounding of 2^-53 (isph), or keeps velocities with
-    one of 2^-24 (wcsph): at most 10 S (T + M f L) of it. What wcsph does not sample is bounded by its own rule.
+    Both are identities of the steps, as long as no effect is forgotten. Each of S steps adds some ten numbers a
+    particle, as large as the energy that is there, T + M f L, and as M f t, with a rounding of 2^-53 (isph), or keeps
+    velocities with one of 2^-24 (wcsph): at most 10 S of it. What wcsph does not sample is bounded by its own rule.
 
-    Momentum: what walls, soil and windows give by their own pressure against what the water feels.
+    Action against reaction: what walls, soil and windows give by their own pressure against what the water feels.
     - isph. Gradients take no pairs with walls and surfaces: beside one a half of the neighbourhood's second moment is
       missing, and up to half of what the pressure and the force give along it. So at most half the impulse of those
       particles, the share that stands within a support of a side or is on the surface (here: at the end). Across a face of soil
@@ -158,9 +158,11 @@ def balances(run):
     rounding = 10 * run.facts["steps"] * (2.0 ** -53 if isph else 2.0 ** -24)
     yield row("energy not accounted for, of all there is", "10 roundings a particle and step" + ("" if isph else ", and what samples may miss"),
               abs(ledger["energy_open"]) / max(size, 1e-300), 0, rounding + ledger["energy_sampling_error"] / max(size, 1e-300))
-    largest = max([np.linalg.norm(v) for v in run.impulse.values()] + [np.linalg.norm(ledger["momentum_end"] - ledger["momentum_start"]), 1e-300])
-    share = np.linalg.norm(ledger["momentum_open"]) / largest
-    sampled = ledger["momentum_sampling_error"] / largest
+    scale = max([np.linalg.norm(v) for v in run.impulse.values()] + [np.linalg.norm(ledger["account_momentum_start"]), np.linalg.norm(ledger["account_momentum_end"]), 1e-300])
+    sampled = ledger["momentum_sampling_error"] / scale
+    yield row("momentum not accounted for, of the largest term", "10 roundings a particle and step" + ("" if isph else ", and what samples may miss"),
+              np.linalg.norm(ledger["momentum_open"]) / scale, 0, rounding + sampled)
+    share, what = np.linalg.norm(run.impulse["projection"]) / scale, "pressure that nothing returns, of the largest term"
     if isph:
         data = run.snapshot()
         support, low, used = 2.4 * run.facts["spacing"].max(), run.facts["origin"] - 0.5 * run.facts["spacing"], run.facts["size"] > 1
@@ -168,13 +170,13 @@ def balances(run):
         near = data["surface"] > 0
         if "wall_pressure" in run.impulse:  # there are walls: which sides are closed no file says
             near |= ((x - low[used] < support) | (low[used] + sides[used] - x < support)).any(axis=1)
-        yield row("momentum not accounted for, of the largest term", "particles beside walls and surfaces miss half a moment; the solver's tolerance", share, 0,
+        yield row(what, "particles beside walls and surfaces miss half a moment; the solver's tolerance", share, 0,
                   0.5 * near.mean() + 0.2 ** 2 * ("soil_pressure" in run.impulse) + 1e-6)
     elif wall == "frozen":
-        yield row("momentum not accounted for, of the largest term", "pairs are symmetric: roundings and samples", share, 0, sampled + rounding)
+        yield row(what, "pairs are symmetric: roundings and samples", share, 0, sampled + rounding)
     else:
         pressure = np.abs(run.snapshot()["pressure"]).mean() / (32 * run.facts["smoothing_length"] * run.facts["density"] * max(acceleration, 1e-300))
-        yield row("momentum not accounted for, of the largest term", "2 V P grad C, h |grad C| = 1/64; roundings, samples", share, 0, sampled + rounding + pressure)
+        yield row(what, "2 V P grad C, h |grad C| = 1/64; roundings, samples", share, 0, sampled + rounding + pressure)
 
 
 def force_power(acceleration):

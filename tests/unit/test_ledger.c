@@ -20,12 +20,14 @@ static void assert_near(double value, double expected, double tolerance) {
   assert_true(fabs(value - expected) <= tolerance);
 }
 
-/* Energy is an identity, particle by particle: sums of N numbers round to N 2^-53 of the largest.
+/* The account is an identity, particle by particle: sums of N numbers round to N 2^-53 of the
+ * largest.
  */
-static void assert_energy_closes(struct run *run) {
-  double open;
+static void assert_closes(struct run *run) {
+  double open, vector[3];
   isph_account_end(&run->s);
   assert_true(ledger_energy_open(&run->s.account, &open) < 1e-11);
+  assert_true(ledger_momentum_open(&run->s.account, vector) < 1e-11);
 }
 
 static double impulse(const struct run *run, enum ledger_term term, int axis) {
@@ -49,7 +51,7 @@ static void floor_carries_the_weight(void **state) {
   assert_near(impulse(&run, LEDGER_FORCE, 2), -weight, 1e-9 * weight);
   assert_near(impulse(&run, LEDGER_WALL_PRESSURE, 2), weight, 0.025 * weight);
   assert_near(impulse(&run, LEDGER_WALL_PRESSURE, 0), 0, 1e-6 * weight);
-  assert_energy_closes(&run);
+  assert_closes(&run);
   finish(&run);
 }
 
@@ -64,7 +66,7 @@ static void a_falling_drop_keeps_its_energy(void **state) {
   for (int k = 0; k < 100; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
   const double m = 1000 * 0.01 * 0.01 * 0.01, g = 9.81, t = 0.1, dt = 1e-3;
   const struct ledger_account *account = &run.s.account;
-  assert_energy_closes(&run);
+  assert_closes(&run);
   assert_true(ledger_momentum_open(account, open) < 1e-11);
   assert_near(account->momentum[1][2], -m * g * t, 1e-9 * m * g * t);
   assert_near(account->energy[1], 0.5 * m * g * g * t * t, 1e-9 * m);
@@ -87,7 +89,7 @@ static void drag_carries_the_head(void **state) {
         "isph = { dt = \"1 ms\"; };\n");
   for (int k = 0; k < 200; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
   const struct ledger_account *account = &run.s.account;
-  assert_energy_closes(&run);
+  assert_closes(&run);
   assert_true(ledger_momentum_open(account, open) < run.scene.isph.tolerance);
   /* Steady within a millisecond: in 200 all but a hundredth goes into drag. */
   assert_near(impulse(&run, LEDGER_DRAG_LINEAR, 2) + impulse(&run, LEDGER_DRAG_FORCHHEIMER, 2),
@@ -99,7 +101,7 @@ static void drag_carries_the_head(void **state) {
 
 /* Water that falls into soil in a tank, a piston, moving soil, open sides, eddies: whatever a step
  * does is in the account. */
-static void energy_closes_with_everything(void **state) {
+static void the_account_closes_with_everything(void **state) {
   (void)state;
   static const char *const scenes[] = {
       TANK
@@ -127,7 +129,7 @@ static void energy_closes_with_everything(void **state) {
     struct run run;
     start(&run, scenes[k]);
     advance(&run, 0.2);
-    assert_energy_closes(&run);
+    assert_closes(&run);
     finish(&run);
   }
 }
@@ -208,7 +210,10 @@ static void a_step_does_what_its_account_says(void **state) {
     const double sums = 1e3 * 0x1p-24 * given;
     ledger_momentum_open(&account.ledger, open);
     ledger_energy_open(&account.ledger, &energy);
-    for (int a = 0; a < 3; a++) assert_near(open[a], 0, rounding + sums);
+    for (int a = 0; a < 3; a++) {
+      assert_near(open[a], 0, rounding);
+      assert_near(account.ledger.sums.impulse[LEDGER_PROJECTION][a], 0, rounding + sums);
+    }
     assert_near(energy, 0, rounding * engine.speed_max);
     engine_free(&engine);
     test_lattice_free(&lattice);
@@ -259,7 +264,7 @@ int main(void) {
       cmocka_unit_test(floor_carries_the_weight),
       cmocka_unit_test(a_falling_drop_keeps_its_energy),
       cmocka_unit_test(drag_carries_the_head),
-      cmocka_unit_test(energy_closes_with_everything),
+      cmocka_unit_test(the_account_closes_with_everything),
       cmocka_unit_test(threads_keep_one_account),
       cmocka_unit_test(walls_take_the_force_of_a_slit),
       cmocka_unit_test(a_step_does_what_its_account_says),
