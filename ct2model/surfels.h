@@ -12,6 +12,11 @@
 
 #include "common/error.h"
 
+/* A disc is two words: its place in the block, three times ten bits, to 1/255 of a cell, and its
+ * normal, three times eight bits, to 1/127: errors under 0.006 voxels. Whole vectors are read. */
+enum { SURFELS_BLOCK = 4, SURFELS_LANES = 16 };
+#define SURFELS_RADIUS 0.71 /* half the diagonal of a cell's face */
+
 /* Lengths are in voxels times `stretch` (1 for cubic voxels); the centre of voxel i lies at
  * (i + 1/2) stretch. The field is periodic in x and y and open in z. */
 struct surfels {
