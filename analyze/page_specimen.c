@@ -59,27 +59,88 @@ static void write_percolation(FILE *stream, struct h5_file *file) {
   fputs("</td></tr>\n", stream);
 }
 
-/* Spread of the void ratio between windows, the largest of which there are several. */
+/* The first `count` of a list in /quality; NULL where the file has none. */
+static double *quality_list(struct h5_file *file, const char *name, size_t *count) {
+  double *values = NULL;
+  char path[64];
+  snprintf(path, sizeof path, "/quality/%s", name);
+  *count = 0;
+  if (!h5_exists(file, "/quality") || !h5_exists(file, path)) return NULL;
+  if (h5_read(file, path, H5_F64, 1, count, &values) != STATUS_OK) error_clear();
+  return values;
+}
+
+/* Bars of values[i] percent over texts, as an SVG of its own. */
+struct bar {
+  double percent;
+  char text[24];
+};
+static void write_bars(FILE *stream, const struct bar *bars, size_t n, const char *caption) {
+  const double width = 420.0, height = 150.0, foot = 34.0, head = 14.0;
+  double most = 0.0, step = width / (double)n;
+  for (size_t i = 0; i < n; i++) most = fmax(most, bars[i].percent);
+  if (!(most > 0.0)) return;
+  fprintf(stream,
+          "<figure class=\"bars\"><svg viewBox=\"0 0 %g %g\" width=\"%g\" font-size=\"10\" "
+          "text-anchor=\"middle\" fill=\"currentColor\">",
+          width, height, width);
+  for (size_t i = 0; i < n; i++) {
+    const double tall = (height - foot - head) * bars[i].percent / most;
+    const double middle = ((double)i + 0.5) * step, top = height - foot - tall;
+    fprintf(stream,
+            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>"
+            "<text x=\"%.1f\" y=\"%.1f\">%.3g %%</text><text x=\"%.1f\" y=\"%.1f\">",
+            middle - 0.4 * step, top, 0.8 * step, tall, plot_colours[0], middle, top - 3.0,
+            bars[i].percent, middle, height - foot + 12.0);
+    html_text(stream, bars[i].text);
+    fputs("</text>", stream);
+  }
+  fputs("</svg><figcaption>", stream);
+  html_text(stream, caption);
+  fputs("</figcaption></figure>\n", stream);
+}
+
+enum { BARS = 16 };
+
+/* Widths of the pores: bins of the file, one a voxel, those behind the last bar in it. */
+static void write_widths(FILE *stream, struct h5_file *file) {
+  struct bar bars[BARS] = {0};
+  size_t count = 0, n = 0;
+  double *shares = quality_list(file, "local_thickness", &count);
+  for (size_t i = 0; i < count && shares != NULL; i++) {
+    const size_t bar = i < BARS ? i : BARS - 1;
+    bars[bar].percent += 100.0 * shares[i];
+    snprintf(bars[bar].text, sizeof bars[bar].text, bar == i ? "%zu-%zu" : "%zu+", bar, bar + 1);
+    if (shares[i] > 0.0) n = bar + 1;
+  }
+  if (n > 0)
+    write_bars(stream, bars, n,
+               "Pore widths: share of the pores by the ball, in voxels, that fits there");
+  memory_free(&shares);
+}
+
+/* Spread of the void ratio from one window to the next, for each size of which there are several.
+ */
 static void write_windows(FILE *stream, struct h5_file *file) {
   static const char *const NAMES[] = {"window", "windows", "void_ratio", "void_ratio_deviation"};
   double *values[4] = {NULL};
-  size_t count = 0, least = SIZE_MAX, last = SIZE_MAX;
-  for (int i = 0; i < 4 && h5_exists(file, "/quality"); i++) {
-    char name[64];
-    snprintf(name, sizeof name, "/quality/%s", NAMES[i]);
-    if (!h5_exists(file, name) || h5_read(file, name, H5_F64, 1, &count, &values[i]) != STATUS_OK)
-      goto cleanup;
+  struct bar bars[BARS] = {0};
+  size_t least = BARS, n = 0;
+  for (int i = 0; i < 4; i++) {
+    size_t count;
+    values[i] = quality_list(file, NAMES[i], &count);
+    if (values[i] == NULL) count = 0;
     least = count < least ? count : least;
   }
-  for (size_t i = 0; least != SIZE_MAX && i < least; i++)
-    if (values[1][i] > 1.0) last = i;
-  if (last == SIZE_MAX) goto cleanup;
-  fprintf(
-      stream,
-      "<tr><th>Void ratio between windows of %.4g &micro;m</th><td>&plusmn; %.2g %%</td></tr>\n",
-      1e6 * values[0][last], 100.0 * values[3][last] / values[2][last]);
-cleanup:
-  error_clear();
+  for (size_t i = 0; i < least; i++) {
+    if (!(values[1][i] > 1.0) || !(values[2][i] > 0.0)) continue;
+    bars[n].percent = 100.0 * values[3][i] / values[2][i];
+    snprintf(bars[n++].text, sizeof bars[0].text, "%.4g \xC2\xB5m", 1e6 * values[0][i]);
+  }
+  if (n > 0)
+    write_bars(stream, bars, n,
+               "Representative volume: spread of the void ratio from one window of this size to "
+               "the next");
   for (int i = 0; i < 4; i++) memory_free(&values[i]);
 }
 
@@ -115,8 +176,10 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
       100.0 * h5_attribute_or_nan(file, "/model", "expected_error_of_k"), "%");
   row(stream, "Correlation length", 1e6 * h5_attribute_or_nan(file, "/model", "correlation_length"),
       "&micro;m");
+  fputs("</tbody></table>\n<div class=\"pictures\">", stream);
+  write_widths(stream, file);
   write_windows(stream, file);
-  fputs("</tbody></table>\n", stream);
+  fputs("</div>\n", stream);
 }
 
 /* Datasets of /calibration: at the model's resolution, then the scan's own where it is stored. */

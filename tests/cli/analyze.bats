@@ -245,8 +245,15 @@ with h5py.File("beside/sand.hdf", "w") as f:
     f["/calibration/slice"] = (100 * rng.random((20, 30))).astype(np.float32)
     c = f["/calibration"].attrs
     c["pore_peak"], c["grain_peak"], c["threshold_original"], c["dthreshold_dvoid_ratio"] = 20.0, 100.0, 60.0, 70.0
+    f["/quality/local_thickness"] = [0.125, 0.5, 0.375] + [0.0] * 61
+    f["/quality/window"], f["/quality/windows"] = [4e-5, 8e-5], [5.0, 1.0]
+    f["/quality/void_ratio"], f["/quality/void_ratio_deviation"] = [0.8, 0.8], [0.2, 0.0]
 PY
   analyze report beside/run.hdf -o specimen.html
+  # Pore widths and windows as bars: their shares, and no bar for a size of which there is one window.
+  grep -q "Pore widths" specimen.html
+  for share in "12.5 %" "50 %" "37.5 %" "25 %"; do grep -q ">$share</text>" specimen.html; done
+  grep -q ">40 .m</text>" specimen.html && ! grep -q ">80 .m</text>" specimen.html
   grep -q "A slice through the middle of the scan" specimen.html
   grep -q "Void ratio, measured on the specimen</th><td>0.74<" specimen.html
   grep -q 'data-part="calibration"' specimen.html
