@@ -152,7 +152,8 @@ void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
   for (size_t row = z0 * ny; row < z1 * ny; row++) {
     size_t rows[NEAR];
-    near_rows(window, row % ny, (size_t)((long)(row / ny) - window->first), rows);
+    const size_t y = row % ny, z = row / ny; // NOLINT: a row lies in a slice of ny > 0
+    near_rows(window, y, (size_t)((long)z - window->first), rows);
     const uint64_t *at = window->bits + rows[HERE] * words;
     for (size_t w = 0; w < words; w++) {
       const uint64_t next = at[w] >> 1 | (w + 1 < words ? at[w + 1] << 63 : 0);
@@ -160,9 +161,8 @@ void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
       const uint64_t both = pairs < PHASE_WORD ? ((uint64_t)1 << pairs) - 1 : ~(uint64_t)0;
       cx += (size_t)__builtin_popcountll((at[w] ^ next) & both);
     }
-    if (row % ny + 1 < ny) cy += differing(at, window->bits + rows[Y_NEXT] * words, words);
-    // NOLINTNEXTLINE: a row lies in a slice of ny > 0
-    if (row / ny + 1 < window->region->size[2])
+    if (y + 1 < ny) cy += differing(at, window->bits + rows[Y_NEXT] * words, words);
+    if (z + 1 < window->region->size[2])
       cz += differing(at, window->bits + rows[Z_NEXT] * words, words);
   }
   changes[0] += cx;
