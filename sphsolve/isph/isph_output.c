@@ -277,14 +277,15 @@ cleanup:
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  size_t vectors[2] = {s->count, 3}, regions[2] = {s->scene->region_count, 3};
+  const size_t first = s->share.begin, own = s->share.end - first;
+  size_t vectors[2] = {own, 3}, regions[2] = {s->scene->region_count, 3};
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
-  TRY(h5_write(file, "/state/position", H5_F64, 2, vectors, s->position, true));
-  TRY(h5_write(file, "/state/velocity", H5_F64, 2, vectors, s->velocity, true));
-  TRY(h5_write(file, "/state/pressure", H5_F64, 1, &s->count, s->pressure, true));
-  TRY(h5_write(file, "/state/mass", H5_F64, 1, &s->count, s->mass, true));
-  TRY(h5_write(file, "/state/id", H5_U64, 1, &s->count, s->id, true));
+  TRY(h5_write_share(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
+  TRY(h5_write_share(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
+  TRY(h5_write_share(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
+  TRY(h5_write_share(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
+  TRY(h5_write_share(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
