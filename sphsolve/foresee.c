@@ -42,7 +42,7 @@ const char *foreseen_name(enum foreseen_term term) {
   return names[term];
 }
 
-void foresee(const struct plan *plan, int ranks, struct foreseen *f) {
+void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, steps = plan->steps;
   const double share = fluid / fmax(sites, 1);
@@ -51,7 +51,7 @@ void foresee(const struct plan *plan, int ranks, struct foreseen *f) {
     const double nx = (double)l->size[0], ny = (double)l->size[1], planes = (double)l->size[2];
     r = fmin(r, fmax(1, floor(planes / SLAB_LEAST)));
     uneven = ceil(fmax(1, planes / SLAB_LEAST) / r) * r / fmax(1, planes / SLAB_LEAST);
-    in_full = steps * COARSE_SECONDS * sites * (1 - 1 / r);
+    in_full = steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
     told = (1 - 1 / r) * sites * STOKES_GATHERINGS / 64 * sizeof(float);
     ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
     messages = STOKES_MESSAGES, sums = STOKES_SUMS;

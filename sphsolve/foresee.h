@@ -21,8 +21,8 @@ struct foreseen {
   double memory_bytes; /* of a rank, at most */
 };
 
-/* `plan` is that of one rank. */
-void foresee(const struct plan *plan, int ranks, struct foreseen *foreseen);
+/* `plan` is that of one rank, of so many threads. */
+void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *foreseen);
 const char *foreseen_name(enum foreseen_term term);
 
 #endif

@@ -29,7 +29,7 @@ static const struct option_entry entries[] = {
     {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
     {"error", 0, "E", EXPLAIN,
      "wanted error of k, like 5%: names the cheapest settings that reach it"},
-    {"ranks", 0, "N", EXPLAIN, "foretells memory and time on N ranks, each a processor"},
+    {"ranks", 0, "N", EXPLAIN, "foretells memory and time on N ranks of --threads each"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
@@ -263,7 +263,7 @@ static enum status explain(const struct options *options, struct job *job) {
     if (count < 1 || count > RANKS_MOST)
       TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", count, RANKS_MOST);
     ranks = &foreseen;
-    foresee(&job->plan, (int)count, ranks);
+    foresee(&job->plan, (int)count, thread_count(), ranks);
   }
   if (wanted) TRY(cheapest_find(&job->scene, &job->lattice, &job->plan, thread_count(), &cheapest));
   if (options_json(options)) {

@@ -312,14 +312,27 @@ static void weights_of(const struct isph_multigrid *grid, size_t i, double weigh
             (a ? f[0] : 1 - f[0]) * (top ? (b ? f[1] : 1 - f[1]) : 1) * (c ? f[2] : 1 - f[2]);
 }
 
+/* As corners_of, for the cell of particle i. */
 static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
   const struct level *fine = &grid->levels[0];
-  uint32_t base = grid->base[i];
-  int corner[8][3];
-  int x = (int)(base % (uint32_t)fine->nodes[0]);
-  int y = (int)(base / (uint32_t)fine->nodes[0] % (uint32_t)fine->nodes[1]);
-  int z = (int)(base / (uint32_t)fine->nodes[0] / (uint32_t)fine->nodes[1]);
-  return corners_of(grid, fine, x, y, z, node, corner);
+  const uint32_t base = grid->base[i], row = base / (uint32_t)fine->nodes[0];
+  const uint32_t x = base - row * (uint32_t)fine->nodes[0], z = row / (uint32_t)fine->nodes[1];
+  const uint32_t y = row - z * (uint32_t)fine->nodes[1];
+  const size_t right = (size_t)fine->upper[0][x] - x;
+  const int above = fine->upper[2][z];
+  node[0] = base;
+  node[1] = base + right;
+  if (!grid->used[1]) {
+    node[2] = node_at(fine, (int)x, (int)y, above);
+    node[3] = node[2] + right;
+    return 4;
+  }
+  const int behind = fine->upper[1][y];
+  node[2] = node_at(fine, (int)x, behind, (int)z);
+  node[4] = node_at(fine, (int)x, (int)y, above);
+  node[6] = node_at(fine, (int)x, behind, above);
+  for (int c = 2; c < 8; c += 2) node[c + 1] = node[c] + right;
+  return 8;
 }
 
 /* Adds value[i] of all particles to the nodes around, by layers of two colours. */
