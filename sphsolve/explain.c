@@ -89,7 +89,7 @@ void explain_print(const struct plan *plan, const struct foreseen *foreseen) {
     printf("           %.1f MB beside it while a state to go back to is kept\n",
            plan->bytes_copy / 1e6);
   if (plan->bytes_disk > 0)
-    printf("           on disk %.1f MB while a state to go back to is kept\n",
+    printf("           on disk, beside the results, up to %.1f MB while it runs\n",
            plan->bytes_disk / 1e6);
   if (plan->bytes_split > 0)
     printf("           %.1f MB after it to split the error of k\n", plan->bytes_split / 1e6);
@@ -153,12 +153,12 @@ enum status explain_print_json(const struct plan *plan, const struct foreseen *f
       "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
       "memory_bytes", plan->bytes_total, "memory_method_bytes", plan->bytes_method,
       "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split,
-      "disk_bytes", plan->bytes_disk, "dt",
-      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
-      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
-      number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),
-      "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
-      plan->expected.why, "pores", plan_pores_json(plan));
+      "disk_bytes", plan->bytes_disk, "dt", number_or_null(plan->dt), "dt_limit",
+      number_or_null(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
+      number_or_null(plan->steps), "seconds", number_or_null(plan->seconds), "expected_error",
+      number_or_null(plan->expected.error), "expected_error_least",
+      number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
+      plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (foreseen != NULL) json_object_set_new(object, "ranks", foreseen_json(foreseen));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));

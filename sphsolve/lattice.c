@@ -246,6 +246,48 @@ void lattice_free(struct lattice *lattice) {
   memory_free(&lattice->region);
 }
 
+/* Distances lie first in the file, then regions. */
+enum status lattice_distances_aside(struct lattice *l, const char *beside,
+                                    struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  if (l->wall_distance == NULL) return STATUS_OK;
+  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
+  TRY(scratch_write(&aside->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
+  memory_free(&l->wall_distance);
+  aside->distances = true;
+cleanup:
+  return status;
+}
+
+enum status lattice_regions_aside(struct lattice *l, const char *beside,
+                                  struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  if (l->region == NULL) return STATUS_OK;
+  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
+  TRY(scratch_write(&aside->file, l->count * sizeof *l->wall_distance, l->region,
+                    l->count * sizeof *l->region));
+  memory_free(&l->region);
+  aside->regions = true;
+cleanup:
+  return status;
+}
+
+enum status lattice_take_back(struct lattice *l, struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  const size_t distances = l->count * sizeof *l->wall_distance;
+  if (aside->distances) {
+    TRY(memory_allocate(&l->wall_distance, l->count, sizeof *l->wall_distance, "wall distances"));
+    TRY(scratch_read(&aside->file, 0, l->wall_distance, distances));
+  }
+  if (aside->regions) {
+    TRY(memory_allocate(&l->region, l->count, sizeof *l->region, "the lattice"));
+    TRY(scratch_read(&aside->file, distances, l->region, l->count * sizeof *l->region));
+  }
+cleanup:
+  scratch_close(&aside->file);
+  return status;
+}
+
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
   const size_t *n = lattice->size;
   faces[0] = faces[1] = faces[2] = 0;

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "common/scratch_file.h"
 #include "sphsolve/scene.h"
 
 enum site_kind { SITE_EMPTY = 0, SITE_FLUID = 1, SITE_WALL = 2 };
@@ -35,8 +36,21 @@ struct lattice {
   uint64_t model_hash; /* of the model file; 0 without */
 };
 
+struct lattice_aside {
+  struct scratch_file file;
+  bool distances, regions;
+};
+
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
 void lattice_free(struct lattice *lattice);
+
+/* What a method does not look at while it runs lies on disk (`beside` its results) meanwhile.
+ * Taking it back frees `aside`, also where it fails. */
+enum status lattice_distances_aside(struct lattice *lattice, const char *beside,
+                                    struct lattice_aside *aside);
+enum status lattice_regions_aside(struct lattice *lattice, const char *beside,
+                                  struct lattice_aside *aside);
+enum status lattice_take_back(struct lattice *lattice, struct lattice_aside *aside);
 
 /* Faces between sites of different kind, by the axis they are normal to; periodic. */
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);

@@ -8,15 +8,16 @@
 #include "sphsolve/recorder.h"
 #include "sphsolve/scene.h"
 
-/* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. */
+/* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
+ * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */
 enum status wcsph_run(const struct scene *scene, const struct plan *plan,
-                      const struct lattice *lattice, struct recorder *recorder,
+                      struct lattice *lattice, struct recorder *recorder,
                       struct run_result *result);
 enum status stokes_run(const struct scene *scene, const struct plan *plan,
-                       const struct lattice *lattice, struct recorder *recorder,
+                       struct lattice *lattice, struct recorder *recorder,
                        struct run_result *result);
 enum status isph_run(const struct scene *scene, const struct plan *plan,
-                     const struct lattice *lattice, struct recorder *recorder,
+                     struct lattice *lattice, struct recorder *recorder,
                      struct run_result *result);
 
 #endif

@@ -207,7 +207,7 @@ static enum status run(const struct options *options, struct job *job) {
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
   static enum status (*const methods[])(
-      const struct scene *, const struct plan *, const struct lattice *, struct recorder *,
+      const struct scene *, const struct plan *, struct lattice *, struct recorder *,
       struct run_result *) = {NULL, wcsph_run, stokes_run, isph_run};
   status =
       methods[job->plan.context.method](&job->scene, &job->plan, &job->lattice, recorder, &result);

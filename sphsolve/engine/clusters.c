@@ -115,9 +115,11 @@ enum status cluster_bins_make(const struct frame *frame, const struct cluster_se
     TRY(memory_allocate(&bins->half[a], n, sizeof **bins->half, "cluster cells"));
     for (size_t m = 0; m < n; m++) {
       const struct cluster_box *box = &set->boxes[bins->member[m]];
-      bins->centre[a][m] = box->centre[a];
-      bins->half[a][m] = box->half[a];
-      if (box->half[a] > bins->half_max[a]) bins->half_max[a] = box->half[a];
+      bins->centre[a][m] = (uint16_t)(box->centre[a] >> 16);
+      /* The centre as kept lies up to 2^15 units off. */
+      bins->half[a][m] = (uint16_t)((box->half[a] + 0x17fffu) >> 16);
+      const uint32_t half = cluster_bins_half(bins, a, m);
+      if (half > bins->half_max[a]) bins->half_max[a] = half;
     }
   }
 cleanup:

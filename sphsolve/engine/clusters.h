@@ -29,9 +29,16 @@ struct cluster_bins {
   size_t clusters;
   int cells[3];
   uint32_t *start, *member;
-  uint32_t *centre[3], *half[3]; /* of the members, in their order */
+  uint16_t *centre[3],
+      *half[3]; /* of the members, in their order: upper halves of boxes around theirs */
   uint32_t half_max[3];
 };
+static inline uint32_t cluster_bins_centre(const struct cluster_bins *bins, int axis, size_t m) {
+  return (uint32_t)bins->centre[axis][m] << 16 | 0x8000u;
+}
+static inline uint32_t cluster_bins_half(const struct cluster_bins *bins, int axis, size_t m) {
+  return (uint32_t)bins->half[axis][m] << 16;
+}
 
 /* Cells at least `size` m wide. */
 enum status cluster_bins_make(const struct frame *frame, const struct cluster_set *set, double size,

@@ -32,7 +32,7 @@
 #define LISTS_FLUID 23.0
 #define LISTS_WALL 7.0
 #define BOXES 3.0
-#define BINS 3.6
+#define BINS 2.1
 
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
@@ -264,8 +264,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
-  if (RANKS)
-    ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes);
+  if (RANKS) ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes);
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (s->wall == PASS_ADAMI) {
@@ -429,8 +428,9 @@ enum status engine_step(struct engine *engine) {
     /* Beside sub-voxel walls the force pass has done all but the pairs of fluid. */
     bool done = s->wall == PASS_SUBVOXEL;
     pass_function *continuity =
-        s->wall == PASS_OPEN ? table->continuity_exact[s->diffusion][s->shift]
-                             : table->continuity[has_walls && !done][s->diffusion][s->shift && !done];
+        s->wall == PASS_OPEN
+            ? table->continuity_exact[s->diffusion][s->shift]
+            : table->continuity[has_walls && !done][s->diffusion][s->shift && !done];
     run_pass(engine, continuity, false, PHASE_CONTINUITY);
     engine->pair_interactions += (double)engine->pairs_fluid;
     swap(&p->state, &p->v_next[0]);

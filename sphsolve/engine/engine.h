@@ -103,8 +103,8 @@ double engine_pressure(const struct engine *engine, size_t slot);
  * where the field at the nearest site changes faster than a distance can (noise): the curvature of
  * the velocity is then left out. */
 double engine_wall_distance(const struct engine *engine, size_t slot);
-/* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v until
- * the next step. Changes no bit of what comes. */
+/* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v
+ * until the next step. Changes no bit of what comes. */
 enum status engine_pull(struct engine *engine);
 /* What the next step's effects give the fluid, and what there is before it; changes no bit of what
  * comes. */

@@ -12,7 +12,8 @@ enum status engine_sum_wall_base(struct engine *engine);
  * bends (see engine_wall_distance). */
 void engine_update_distance(struct engine *engine);
 
-/* Frozen walls, density of their fluid: before rows are summed, and after (of this rank's walls). */
+/* Frozen walls, density of their fluid: before rows are summed, and after (of this rank's walls).
+ */
 void engine_clear_wall_sums(struct engine *engine);
 void engine_settle_wall_sums(struct engine *engine);
 

@@ -103,8 +103,8 @@ TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, siz
   for (size_t m = begin; m < end; m++) {
     float sum = 0;
     for (int a = 0; a < 3; a++) {
-      float d = fabsf((float)(int32_t)(bins->centre[a][m] - from[a]));
-      float gap = (d - (float)(int32_t)(bins->half[a][m] + half[a])) * unit[a];
+      float d = fabsf((float)(int32_t)(cluster_bins_centre(bins, a, m) - from[a]));
+      float gap = (d - (float)(int32_t)(cluster_bins_half(bins, a, m) + half[a])) * unit[a];
       gap = gap > 0 ? gap : 0;
       sum += gap * gap;
     }
@@ -154,7 +154,8 @@ static enum status search_box(const struct frame *frame, const struct cluster_bi
               int bits = frame->image_bits[a];
               from[a] = row->centre[a];
               if (bits == 0) continue;
-              uint32_t own = (at[a] - (bins->centre[a][m] >> (32 - bits))) & ((1u << bits) - 1);
+              uint32_t own =
+                  (at[a] - (cluster_bins_centre(bins, a, m) >> (32 - bits))) & ((1u << bits) - 1);
               from[a] -= own << (32 - bits);
               image |= own << (IMAGE_BITS * a);
             }
@@ -229,8 +230,9 @@ static void place_found(const struct frame *frame, const struct cluster_bins *bi
       uint32_t own = image >> (IMAGE_BITS * a) & ((1u << IMAGE_BITS) - 1);
       uint32_t offset = bits == 0 ? 0 : own << (32 - bits);
       found->at[a][i] =
-          (float)(int32_t)(bins->centre[a][m] + offset - group->centre[a]) * (float)frame->unit[a];
-      found->half[a][i] = (float)bins->half[a][m] * (float)frame->unit[a];
+          (float)(int32_t)(cluster_bins_centre(bins, a, m) + offset - group->centre[a]) *
+          (float)frame->unit[a];
+      found->half[a][i] = (float)cluster_bins_half(bins, a, m) * (float)frame->unit[a];
     }
   }
 }

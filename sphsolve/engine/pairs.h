@@ -36,7 +36,7 @@ struct local {
   size_t capacity;
   size_t entries;              /* of walls whose place was gathered */
   struct collected *collected; /* NULL: there is no other thread */
-  bool overflow; /* more columns than `capacity`: particles have clumped */
+  bool overflow;               /* more columns than `capacity`: particles have clumped */
 };
 
 /* Row clusters a thread takes at a time. */
@@ -85,14 +85,14 @@ struct pair_table {
   pass_function *density;
   /* v_next from v; [wall][viscosity][shift]. */
   pass_function *force[PASS_WALLS][2][2];
-  /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls and
-   * shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
+  /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls
+   * and shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
   pass_function *continuity[2][2][2];
   pass_function *continuity_exact[2][2]; /* without walls, see pairs_exact.h */
-  pass_function *image_velocity; /* wall_v and wall_state of adami's walls */
-  pass_function *account;        /* changes nothing */
-  /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and of
-   * wall with fluid. */
+  pass_function *image_velocity;         /* wall_v and wall_state of adami's walls */
+  pass_function *account;                /* changes nothing */
+  /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and
+   * of wall with fluid. */
   void (*count)(const struct pass *pass, struct local *local, size_t begin, size_t end,
                 uint64_t *pairs, uint64_t *alone);
   void (*count_wall)(const struct pass *pass, struct local *local, size_t begin, size_t end,

@@ -23,8 +23,7 @@
 
 /* ---- density by summation ---- */
 /* Over columns [0, n); those from `walls` on take their share of the row, too, in LWEIGHT. */
-SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n,
-                               const vec at[3]) {
+SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n, const vec at[3]) {
   float tile[SIMD_LANES], *weight = local->field[LWEIGHT];
   for (int group = 0; group < SIMD_GROUPS; group++) {
     vec sum = vec_set(0.0f);
@@ -66,7 +65,7 @@ SIMD_INLINE void spread_density(const struct pass *pass, const struct local *loc
     const uint32_t slot = slots[e], mask = masks[e];
     const vec weight = vec_expand(local->field[LWEIGHT] + n, mask);
     n += (size_t)__builtin_popcount(mask);
-    const uvec whole = (uvec)__builtin_convertvector(weight * unit + 0.5f, ivec);
+    const uvec whole = (uvec) __builtin_convertvector(weight * unit + 0.5f, ivec);
     if (collected == NULL) {
       uvec_store(sums + slot, uvec_load(sums + slot) + whole);
       continue;
@@ -477,11 +476,12 @@ FORCES(SUBVOXEL)
 CONTINUITIES(0)
 CONTINUITIES(1)
 #define CONTINUITY_EXACT(diffusion, shift)                                                         \
-  static void continuity_exact_##diffusion##_##shift(                                              \
-      const struct pass *pass, struct local *local, size_t begin, size_t end) {                    \
+  static void continuity_exact_##diffusion##_##shift(const struct pass *pass, struct local *local, \
+                                                     size_t begin, size_t end) {                   \
     continuity_exact_rows(pass, local, begin, end, diffusion, shift);                              \
   }
-CONTINUITY_EXACT(0, 0) CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
+CONTINUITY_EXACT(0, 0)
+CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
 
 #define TABLE_FORCE(wall)                                                                          \
   {                                                                                                \
@@ -499,14 +499,15 @@ CONTINUITY_EXACT(0, 0) CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_
 #define TABLE_NAME(isa) TABLE_NAME_(isa)
 #define TEXT_(isa) #isa
 #define TEXT(isa) TEXT_(isa)
-const struct pair_table TABLE_NAME(SIMD_ISA) = {
-    .name = TEXT(SIMD_ISA),
-    .density = density,
-    .force = {TABLE_FORCE(FROZEN), TABLE_FORCE(OPEN), TABLE_FORCE(ADAMI), TABLE_FORCE(SUBVOXEL)},
-    .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
-    .continuity_exact = TABLE_CONTINUITY(exact),
-    .image_velocity = image_velocity,
-    .account = account,
-    .count = count,
-    .count_wall = count_wall,
+    const struct pair_table TABLE_NAME(SIMD_ISA) = {
+        .name = TEXT(SIMD_ISA),
+        .density = density,
+        .force = {TABLE_FORCE(FROZEN), TABLE_FORCE(OPEN), TABLE_FORCE(ADAMI),
+                  TABLE_FORCE(SUBVOXEL)},
+        .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
+        .continuity_exact = TABLE_CONTINUITY(exact),
+        .image_velocity = image_velocity,
+        .account = account,
+        .count = count,
+        .count_wall = count_wall,
 };

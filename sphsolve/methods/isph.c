@@ -386,7 +386,7 @@ static double imbalance_of(const struct isph *s) {
 }
 
 enum status isph_run(const struct scene *scene, const struct plan *plan,
-                     const struct lattice *lattice, struct recorder *recorder,
+                     struct lattice *lattice, struct recorder *recorder,
                      struct run_result *result) {
   enum status status = STATUS_OK;
   struct isph state = {0}, *s = &state;

@@ -226,7 +226,7 @@ cleanup:
 }
 
 enum status stokes_run(const struct scene *scene, const struct plan *plan,
-                       const struct lattice *lattice, struct recorder *recorder,
+                       struct lattice *lattice, struct recorder *recorder,
                        struct run_result *result) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};

@@ -234,14 +234,14 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 
-enum status wcsph_run(const struct scene *scene, const struct plan *plan,
-                      const struct lattice *lattice, struct recorder *recorder,
-                      struct run_result *result) {
+enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                      struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct wcsph_run run = {.scene = scene, .plan = plan, .lattice = lattice, .recorder = recorder};
   double(*region_velocity)[3] = NULL;
   struct engine_settings settings;
   struct wcsph_totals totals;
+  struct lattice_aside aside = {0};
   bool flows = true, resumed, again;
   run.started = clock_seconds();
   result->k = result->k_error = NAN;
@@ -250,8 +250,11 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
   wcsph_settings(scene, plan, region_velocity, &settings);
   /* Before the engine is there: both take memory. */
   if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
-  TRY(engine_make(lattice, &settings, &run.state.engine));
   run.copy.beside = recorder_checkpoint_name(recorder);
+  if (settings.wall != PASS_SUBVOXEL)
+    TRY(lattice_distances_aside(lattice, run.copy.beside, &aside));
+  TRY(engine_make(lattice, &settings, &run.state.engine));
+  TRY(lattice_regions_aside(lattice, run.copy.beside, &aside));
   wcsph_account_begin(&run.state.engine, &run.state.account);
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
@@ -288,6 +291,8 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan,
 cleanup:
   monitor_free(&run.state.monitor);
   engine_free(&run.state.engine);
+  const enum status back = lattice_take_back(lattice, &aside);
+  if (status == STATUS_OK) status = back;
   wcsph_copy_free(&run.copy);
   memory_free(&region_velocity);
   return status;

@@ -83,10 +83,11 @@ enum status wcsph_scales(struct plan *plan) {
     context->sound_speed = scene->wcsph.sound_speed;
     /* Little less is for the watchdog; this is another unit. */
     if (context->sound_speed < 1e-4 * speed)
-      return scene_error(scene, AT_SOUND,
-                         "%g m/s is far below the largest velocity expected, %g m/s; write \"auto\", "
-                         "or ten times that velocity",
-                         context->sound_speed, speed);
+      return scene_error(
+          scene, AT_SOUND,
+          "%g m/s is far below the largest velocity expected, %g m/s; write \"auto\", "
+          "or ten times that velocity",
+          context->sound_speed, speed);
     snprintf(why, EFFECT_WHY, "the scene says so");
   } else if (10 * speed > fmax(head, creep)) {
     context->sound_speed = 10 * speed;
@@ -188,11 +189,14 @@ enum status wcsph_plan(struct plan *plan, int threads) {
                                                                                : PASS_SUBVOXEL,
                                      .shift = plan_has(plan, "shifting"),
                                      .wall_moves = plan_has(plan, "wall_moving")};
-  double site = 1 + (lattice->wall_distance ? 4 : 0) + (lattice->region ? 2 : 0);
+  const bool subvoxel = settings.wall == PASS_SUBVOXEL;
+  double site = 1 + (lattice->wall_distance != NULL && subvoxel ? sizeof(float) : 0);
   plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
   struct particle_fields fields = engine_fields(&settings);
-  plan->bytes_disk = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count;
+  plan->bytes_disk = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count +
+                     (double)lattice->count * ((lattice->region != NULL ? 2 : 0) +
+                                               (lattice->wall_distance && !subvoxel ? 4 : 0));
   plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +
                        plan->bytes_wall * (double)lattice->wall_count +
                        threads * engine_bytes_thread(lattice, context->support);

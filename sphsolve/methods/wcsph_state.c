@@ -10,8 +10,8 @@
 #define SUM_BLOCK 2048
 
 /* What the ends of lines of sites at a wall add to a particle's share of the volume integral of the
- * velocity: factors of its velocity and of force and pressure gradient (stokes_wall_subvoxel.h, Euler
- * and Maclaurin). Off the lines of the lattice it is right on the average. */
+ * velocity: factors of its velocity and of force and pressure gradient (stokes_wall_subvoxel.h,
+ * Euler and Maclaurin). Off the lines of the lattice it is right on the average. */
 struct end_of_line {
   double velocity, pull; /* 1, s */
 };
@@ -54,8 +54,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   enum status status = STATUS_OK;
   const struct particles *p = &engine->particles;
   struct wcsph_totals *part = NULL;
-  const bool ends =
-      flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
+  const bool ends = flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
   /* First, since it may make new lists, and with them another number of slots. */
   if (ends) TRY(engine_pull(engine));
   const size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
@@ -191,8 +190,7 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
   const size_t size = slots * sizeof(float); /* of each */
   if (copy->file.file == NULL) TRY(scratch_open(copy->beside, &copy->file));
-  for (size_t i = 0; i < n; i++)
-    TRY(scratch_write(&copy->file, i * size, *list[i].array, size));
+  for (size_t i = 0; i < n; i++) TRY(scratch_write(&copy->file, i * size, *list[i].array, size));
   copy->clusters = p.clusters;
   copy->samples = state->monitor.count;
   copy->step = state->step;
@@ -215,8 +213,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   TRY(particles_resize(p, copy->clusters));
   struct stored list[16];
   const size_t n = stored_arrays(p, list), size = particles_slots(p) * sizeof(float);
-  for (size_t i = 0; i < n; i++)
-    TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
+  for (size_t i = 0; i < n; i++) TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
   TRY(engine_share_out(engine));
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;

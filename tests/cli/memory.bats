@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # Memory: what explain promises of wcsph, a run keeps, as its own count of every allocation says, from
-# reading the model to the last snapshot; with the default walls at most 100 bytes per fluid site and 16
+# reading the model to the last snapshot; with subvoxel and frozen walls at most 100 bytes per fluid site and 16
 # per grain site. A state to go back to, kept near a bound, lies on disk; the error of k is split afterwards, by method
 # stokes and with its memory: the whole program keeps to the larger of the two.
 
@@ -72,10 +72,11 @@ assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method'
 }
 
-@test "frozen grains: the same, with their own densities and lists" {
+@test "frozen grains: the same, with densities of their own" {
   march '"frozen"' '
 assert run["list_rebuilds"] >= 3
-assert plan["bytes_per_fluid_site"] <= 100
+assert plan["bytes_per_fluid_site"] <= 100 and plan["bytes_per_wall_site"] <= 16
+assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method'
 }
 

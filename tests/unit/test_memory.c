@@ -47,10 +47,10 @@ static void test_full_scan_fits(void **state) {
   lattice.wall_count = lattice.count - lattice.fluid_count;
   struct plan plan;
   assert_int_equal(plan_make(&scene, &lattice, METHOD_WCSPH, "test", 2, &plan), STATUS_OK);
-  print_message(
-      "%zu sites: %.2f GB: %.2f GB, then %.2f GB, and %.2f GB of disk; %.1f and %.1f bytes a site\n",
-      lattice.count, 1e-9 * plan.bytes_total, 1e-9 * plan.bytes_method, 1e-9 * plan.bytes_split,
-      1e-9 * plan.bytes_disk, plan.bytes_fluid, plan.bytes_wall);
+  print_message("%zu sites: %.2f GB: %.2f GB, then %.2f GB, and %.2f GB of disk; %.1f and %.1f "
+                "bytes a site\n",
+                lattice.count, 1e-9 * plan.bytes_total, 1e-9 * plan.bytes_method,
+                1e-9 * plan.bytes_split, 1e-9 * plan.bytes_disk, plan.bytes_fluid, plan.bytes_wall);
   assert_true(plan.bytes_disk > 0 && plan.bytes_split > 0);
   assert_true(plan.bytes_total >= plan.bytes_method);
   assert_true(plan.bytes_total >= plan.bytes_split);
