@@ -133,7 +133,7 @@ def drop_in_free_flight():
     s, t = run.snapshot(), 0.2
     dt = run.history["dt"].max()
     yield row("x after 0.2 s, m", "exact", s["position"][0, 0], 0.105 + 0.5 * t, 1e-6)
-    yield row("z after 0.2 s, m", "first order in time: g t dt/2", s["position"][0, 2], 0.305 - G * t * t / 2, G * t * dt / 2 * 1.01)
+    yield row("z after 0.2 s, m", "first order in time: g t dt/2, and rounding", s["position"][0, 2], 0.305 - G * t * t / 2, G * t * dt / 2 * (1 + 1e-9))
 
 
 @case("Free flight of more than a drop: gravity that comes by the gradient of a pressure is felt as far as there are neighbours", fast=True)
@@ -145,10 +145,12 @@ def sheets_and_blocks_in_free_flight():
         run = Run(scene((0.4, 0.4), 0.01, regions, t))
         yield holds(f"{name}: the run ends, none lost", "", run.code == 0 and not run.facts.get("particles_lost", 0), run.message.strip()[-150:])
         h, s = run.history, run.snapshot()
-        yield row(f"{name}: fall, m", "g t^2/2; first order in time, g t dt/2", (h["potential_energy"][0] - h["potential_energy"][-1]) / (h["mass"][0] * G), G * t * t / 2, G * t * h["dt"].max() / 2 * 1.01)
+        yield row(f"{name}: fall, m", "g t^2/2; first order in time, g t dt/2", (h["potential_energy"][0] - h["potential_energy"][-1]) / (h["mass"][0] * G), G * t * t / 2, G * t * h["dt"].max() / 2)
         ends = np.array(box or (0.2, 0.3, 0.23, 0.31))
         stretched = np.ptp(s["position"][:, [0, 2]], axis=0) - (ends[2:] - ends[:2] - 0.01)
-        yield row(f"{name}: its extent, change, m", "nothing pulls: the fall of neighbours may differ by 1 % of g", abs(stretched).max(), 0, 0.01 * G * t * t / 2)
+        inside = name == "ten by ten"
+        yield row(f"{name}: its extent, change, m", "issue: 0.1 dx, as for levels" if inside else "all of it is surface, where P = 0: tolerance of the solver, 1e-6 g t^2/2",
+                  abs(stretched).max(), 0, 1e-3 if inside else 1e-6 * G * t * t / 2)
 
 
 @case("A jet against a wall: impact pressure, thin sheets along it")
@@ -238,7 +240,7 @@ def much_head_on_thin_soil():
     run, mean, noise = layered(0.4, 5e-3, 0.04, 0.8, 0.01, 40)
     yield from whole(run, DOWN)
     yield row("v_D over exact, mean while 39 rows enter", "issue: flux within 3 %", mean, 1, 0.03)
-    yield row("rms of v_D about its mean", "issue: flux within 3 %", noise, 0, 0.03)
+    yield row("rms of v_D about its mean", "issue: flux within 3 %, at each time as in the mean (rows that are drawn out to 2.5 spacings and counted by the smeared layer: 10 %)", noise, 0, 0.03)
 
 
 @case("A tank 1,000 times longer than deep: conditioning of the pressure equation grows as (L/dx)^2")
