@@ -133,7 +133,8 @@ def balances(run):
 
     Both are identities of the steps, as long as no effect is forgotten. Each of S steps adds some ten numbers a
     particle, as large as the energy that is there, T + M f L, and as M f t, with a rounding of 2^-53 (isph), or keeps
-    velocities with one of 2^-24 (wcsph): at most 10 S of it. What wcsph does not sample is bounded by its own rule.
+    velocities with one of 2^-24 (wcsph): at most 10 S of it. What is there at the end is a sum over N particles, one by one,
+    that rounds N times by 2^-53. What wcsph does not sample is bounded by its own rule.
 
     Action against reaction: what walls, soil and windows give by their own pressure against what the water feels.
     - isph. Gradients take no pairs with walls and surfaces: beside one a half of the neighbourhood's second moment is
@@ -155,12 +156,12 @@ def balances(run):
     method, wall = (bytes(run.facts[name]).decode() for name in ("method", "wall"))
     isph = method == "isph"
     size = max(h["kinetic_energy"].max(), abs(ledger["energy_start"]), abs(ledger["energy_end"])) + h["mass"].max() * acceleration * sides.max()
-    rounding = 10 * run.facts["steps"] * (2.0 ** -53 if isph else 2.0 ** -24)
-    yield row("energy not accounted for, of all there is", "10 roundings a particle and step" + ("" if isph else ", and what samples may miss"),
+    rounding = 10 * run.facts["steps"] * (2.0 ** -53 if isph else 2.0 ** -24) + run.facts["fluid_count"] * 2.0 ** -53
+    yield row("energy not accounted for, of all there is", "10 roundings a particle and step, and one of each in the last sum" + ("" if isph else ", and what samples may miss"),
               abs(ledger["energy_open"]) / max(size, 1e-300), 0, rounding + ledger["energy_sampling_error"] / max(size, 1e-300))
     scale = max([np.linalg.norm(v) for v in run.impulse.values()] + [np.linalg.norm(ledger["account_momentum_start"]), np.linalg.norm(ledger["account_momentum_end"]), 1e-300])
     sampled = ledger["momentum_sampling_error"] / scale
-    yield row("momentum not accounted for, of the largest term", "10 roundings a particle and step" + ("" if isph else ", and what samples may miss"),
+    yield row("momentum not accounted for, of the largest term", "10 roundings a particle and step, and one of each in the last sum" + ("" if isph else ", and what samples may miss"),
               np.linalg.norm(ledger["momentum_open"]) / scale, 0, rounding + sampled)
     share, what = np.linalg.norm(run.impulse["projection"]) / scale, "pressure that nothing returns, of the largest term"
     if isph:
