@@ -52,15 +52,18 @@ static size_t select_inside(const struct roi *roi, const struct stack *stack, si
   return n;
 }
 
+/* Of the stack's size, or one slice that counts for all. */
 static enum status open_mask(const struct roi *roi, const struct stack *stack, struct stack *mask) {
   enum status status = stack_open(&roi->path, 1, NULL, mask);
   if (status != STATUS_OK) return error_context(status, "--roi");
-  if (memcmp(mask->size, stack->size, sizeof mask->size) == 0) return STATUS_OK;
-  status = FAIL(STATUS_INPUT, "--roi %s: %zux%zux%zu, but the stack is %zux%zux%zu", roi->path,
-                mask->size[0], mask->size[1], mask->size[2], stack->size[0], stack->size[1],
-                stack->size[2]);
-  stack_close(mask);
-  return status;
+  if (memcmp(mask->size, stack->size, 2 * sizeof *mask->size) == 0 &&
+      (mask->size[2] == stack->size[2] || mask->size[2] == 1))
+    return stack_keep_labels(mask, 0);
+  return FAIL(STATUS_INPUT,
+              "--roi %s: %zux%zux%zu, but the stack is %zux%zux%zu; a mask is as large as the "
+              "stack, or one slice that counts for all",
+              roi->path, mask->size[0], mask->size[1], mask->size[2], stack->size[0],
+              stack->size[1], stack->size[2]);
 }
 
 enum status roi_count(const struct roi *roi, const struct region *region,
@@ -84,7 +87,7 @@ enum status roi_count(const struct roi *roi, const struct region *region,
     if (roi->kind == ROI_BOX && !(middle > roi->value[2] && middle < roi->value[2] + roi->value[5]))
       continue;
     TRY(region_read(&whole, &z, 1, slice));
-    if (inside != NULL) TRY(stack_read(&mask, z, inside));
+    if (inside != NULL && (z == 0 || mask.size[2] > 1)) TRY(stack_read(&mask, z, inside));
     grey_histogram_add(histogram, slice, select_inside(roi, stack, z, inside, slice));
   }
   if (histogram->total == 0) TRY_FAIL(STATUS_INPUT, "--roi: no voxel of the stack is inside");
