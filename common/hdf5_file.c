@@ -118,7 +118,8 @@ static enum status open_file(const char *path, bool try_first, struct h5_file **
   if (access(path, R_OK) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   if (try_first && !idle()) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file->id < 0) TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged; make or copy it anew", path);
+  if (file->id < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: is no HDF5 file, or is damaged; make or copy it anew", path);
 cleanup:
   if (status != STATUS_OK) {
     h5_close(file);
@@ -210,8 +211,16 @@ hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool co
   }
   H5Pset_chunk(list, rank, chunk);
   H5Pset_shuffle(list);
-  H5Pset_deflate(list, 2);
+  H5Pset_deflate(list, H5_DEFLATE);
   return list;
+}
+
+/* As files of this program are. */
+static bool is_little_endian(void) {
+  const uint16_t one = 1;
+  uint8_t first;
+  memcpy(&first, &one, 1);
+  return first == 1;
 }
 
 enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
@@ -231,8 +240,14 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
       empty ? H5Pcreate(H5P_DATASET_CREATE) : h5_dataset_layout(type, rank, dims, compress);
   hid_t set =
       H5Dcreate2(file->id, name, h5_disk_type(type), space, H5P_DEFAULT, layout, H5P_DEFAULT);
-  if (set < 0 || output_fails() ||
-      (!empty && H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+  hsize_t chunk[H5S_MAX_RANK];
+  bool written = set >= 0 && !output_fails();
+  if (written && H5Pget_layout(layout) == H5D_CHUNKED && is_little_endian() &&
+      H5Pget_chunk(layout, rank, chunk) == rank)
+    status = h5_write_chunks(set, type, rank, dims, chunk, data, &written);
+  else if (written && !empty)
+    written = H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+  if (status == STATUS_OK && !written)
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
   if (set >= 0 && H5Dclose(set) < 0 && status == STATUS_OK)
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);

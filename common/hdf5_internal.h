@@ -16,6 +16,11 @@ hid_t h5_memory_type(enum h5_type type);
 hid_t h5_disk_type(enum h5_type type);
 /* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
 hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress);
+enum { H5_DEFLATE = 2 }; /* level */
+/* Writes all of a dataset of that layout, whose chunks are `chunk`, its parts compressed by several
+ * threads to the bytes that HDF5's filters would give. *written: whether the file took them. */
+enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
+                            const hsize_t *chunk, const void *data, bool *written);
 /* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
  * without times of their own, so that two equal runs give equal bytes. */
 enum status h5_make_groups(struct h5_file *file, const char *name, bool last);
