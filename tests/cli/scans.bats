@@ -170,10 +170,11 @@ P
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/scan-study" --size 96x96x48 --voxel-size 8.745um \
     --noise 4 --ways bicubic,bicubic-point,nlm --output study
+  for drawing in wrong surface-model surface-full; do grep -q "$drawing.svg" study/index.html; done
   python3 - <<'P'
 import json
 rows = {(r["noise_ratio"], r["way"]): r for r in json.load(open("study/rows.json"))}
-assert [r["status"] for r in json.load(open("study/results.json"))] == ["pass"]
+assert [r["status"] for r in json.load(open("study/results.json"))] == ["pass"] * 4 # the ways compared; three void ratios
 ours, paper = rows[4, "bicubic"], rows[4, "bicubic-point"]
 assert ours["wrong"] < paper["wrong"] and abs(ours["surface_model"]) < abs(paper["surface_model"])
 for row in rows.values():
