@@ -42,29 +42,28 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
       .wall_state = frozen || adami,
       .wall_base = frozen,
       .wall_depth = s->wall == PASS_SUBVOXEL,
-      .wall_v = adami || s->wall_moves,
-      .wall_given = adami && s->wall_moves,
+      .wall_v = adami,
+      .wall_region = s->wall_moves && s->region_count > 0,
   };
 }
 
-static void set_velocities(struct engine *engine) {
+static enum status set_velocities(struct engine *engine) {
+  enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   const struct lattice *lattice = engine->lattice;
   const struct engine_settings *s = &engine->settings;
-  if (lattice->region == NULL || s->region_velocity == NULL) return;
+  if (lattice->region == NULL || s->region_velocity == NULL) return STATUS_OK;
   for (size_t i = 0; i < particles_slots(p); i++) {
     size_t region = p->id[i] == NO_PARTICLE ? 0 : lattice->region[p->id[i]];
     for (int a = 0; a < 3 && region > 0; a++) p->v[a][i] = (float)s->region_velocity[region - 1][a];
   }
-  float **to = p->wall_given[0] != NULL ? p->wall_given : p->wall_v;
-  for (size_t w = 0; w < particles_wall_slots(p) && s->wall_moves; w++) {
-    if (p->site[w] == NO_SITE) continue;
-    size_t at[3] = {0};
-    for (int a = 0; a < 3; a++) at[a] = frame_wall_index(&p->frame, a, p->site[w]);
-    size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
-    size_t region = lattice->region[site];
-    for (int a = 0; a < 3 && region > 0; a++) to[a][w] = (float)s->region_velocity[region - 1][a];
-  }
+  if (p->wall_region == NULL) return STATUS_OK;
+  TRY(memory_allocate(&p->wall_velocity, s->region_count + 1, sizeof *p->wall_velocity,
+                      "region velocities"));
+  for (size_t r = 0; r < s->region_count; r++)
+    for (int a = 0; a < 3; a++) p->wall_velocity[r + 1][a] = (float)s->region_velocity[r][a];
+cleanup:
+  return status;
 }
 
 /* Columns that the buffer of a row cluster takes: half of what fits where a cluster can see, and
@@ -118,7 +117,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
-  set_velocities(engine);
+  TRY(set_velocities(engine));
   TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
   TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
   TRY(make_locals(engine));
@@ -494,6 +493,7 @@ double engine_bytes_fluid(const struct engine_settings *settings) {
 double engine_bytes_wall(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
   return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS) +
+         (fields.wall_region ? (double)sizeof(uint16_t) / CLUSTER : 0) +
          (settings->wall == PASS_ADAMI ? BOXES + LISTS_WALL : 0);
 }
 

@@ -99,7 +99,7 @@ static void account_row(const struct pass *pass, size_t i, const struct row_forc
 
 static void account(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   const struct particles *p = pass->particles;
-  const bool subvoxel = pass->wall == PASS_SUBVOXEL, moving = p->wall_v[0] != NULL;
+  const bool subvoxel = pass->wall == PASS_SUBVOXEL, moving = p->wall_velocity != NULL;
   const float *fields[4] = {p->v[0], p->v[1], p->v[2], p->state};
   const float *wall_fields[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
   struct pass_account *sum = &pass->account[begin / PASS_BLOCK];
@@ -125,7 +125,9 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
                          !subvoxel ? 4
                          : moving  ? 3
                                    : 0,
-                         wall_fields, subvoxel ? GATHER_DEPTH : 0);
+                         wall_fields,
+                         (subvoxel ? GATHER_DEPTH : 0) |
+                             (pass->wall == PASS_ADAMI ? 0 : GATHER_MOVE));
     n = pad_columns(local, n, 4);
     if (!subvoxel) gather_terms(pass, local, n);
     for (int l = 0; l < CLUSTER; l++) {

@@ -208,7 +208,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   const bool symmetric = wall == PASS_FROZEN, subvoxel = wall == PASS_SUBVOXEL;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
   const float *walls[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
-  const bool moving = p->wall_v[0] != NULL;
+  const bool moving = p->wall_velocity != NULL;
   double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
@@ -216,7 +216,8 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
     size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, 0);
     size_t all;
     if (wall == PASS_FROZEN || wall == PASS_ADAMI)
-      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls, 0);
+      n = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 4, walls,
+                         wall == PASS_FROZEN ? GATHER_MOVE : 0);
     n = all = pad_columns(local, n, 4);
     if (symmetric)
       for (size_t k = 0; k < n; k += SIMD_WIDTH)
@@ -225,7 +226,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
                                           vec_set((float)pass->rest_ratio)));
     if (subvoxel) {
       all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, moving ? 3 : 0, walls,
-                           GATHER_DEPTH);
+                           GATHER_DEPTH | GATHER_MOVE);
       all = pad_columns(local, all, 4);
     }
     /* All walls first: what a row needs of them is then there when its fluid's turn comes. */
@@ -303,8 +304,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
                               diffusion || shift ? 4 : 3, fluid, 0);
     size_t all = n = pad_columns(local, n, 4);
     if (walls) {
-      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3,
-                           (const float *const *)p->wall_given, 0);
+      all = gather_columns(pass, local, n, pass->fluid_wall, c, true, &ref, 3, NULL, GATHER_MOVE);
       all = pad_columns(local, all, 3);
     }
     for (int l = 0; l < CLUSTER; l++) {
@@ -379,6 +379,7 @@ SIMD_INLINE void continuity_exact_rows(const struct pass *pass, struct local *lo
 static void image_velocity(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   struct particles *p = pass->particles;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
+  const float(*moving)[3] = (const float(*)[3])p->wall_velocity;
   double head = 2 * pass->smoothing_length / (pass->sound_speed * pass->sound_speed);
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
@@ -406,7 +407,7 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
       bool reached = sum[0] > 1e-6;
       double hydrostatic = 0;
       for (int a = 0; a < 3; a++) {
-        double wall = p->wall_given[0] != NULL ? (double)p->wall_given[a][i] : 0;
+        double wall = moving != NULL ? (double)moving[p->wall_region[c]][a] : 0;
         p->wall_v[a][i] = (float)(reached ? 2 * wall - sum[1 + a] / sum[0] : wall);
         hydrostatic -= head * pass->force[a] * sum[5 + a];
       }
@@ -481,7 +482,8 @@ CONTINUITIES(1)
     continuity_exact_rows(pass, local, begin, end, diffusion, shift);                              \
   }
 CONTINUITY_EXACT(0, 0)
-CONTINUITY_EXACT(0, 1) CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
+CONTINUITY_EXACT(0, 1)
+CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
 
 #define TABLE_FORCE(wall)                                                                          \
   {                                                                                                \

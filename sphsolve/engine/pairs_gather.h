@@ -14,9 +14,10 @@
 #define TINY 2.5e-9f
 
 enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM, LWEIGHT = LVX, LSLOT, LMASK };
-/* What more of walls is gathered: the depth in h as LSTATE; or where the columns come from: vectors
- * from slot LSLOT on, of which the lanes LMASK (both integers), local->entries of them. */
-enum gather_more { GATHER_DEPTH = 1, GATHER_PLACE };
+/* What more of walls is gathered: the depth in h as LSTATE; where the columns come from: vectors
+ * from slot LSLOT on, of which the lanes LMASK (both integers), local->entries of them; and the
+ * prescribed velocity, as the first three fields. */
+enum gather_more { GATHER_DEPTH = 1, GATHER_PLACE = 2, GATHER_MOVE = 4 };
 
 /* Where a row cluster stands now. */
 struct reference {
@@ -117,22 +118,30 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
       }
       mask &= vec_below(sum, limit);
       for (int a = 0; a < 3; a++) vec_compress(field[a] + n, mask, x[a]);
-      for (int f = 0; f < fields; f++)
-        vec_compress(field[LVX + f] + n, mask,
-                     source[f] == NULL ? zero : vec_load(source[f] + slot));
-      if (more == GATHER_PLACE) {
+      for (int f = 0; f < fields; f++) {
+        vec value = zero;
+        if (f < 3 && more & GATHER_MOVE) {
+          if (p->wall_velocity != NULL)
+            value = vec_halves(p->wall_velocity[p->wall_region[slot / CLUSTER]][f],
+                               p->wall_velocity[p->wall_region[slot / CLUSTER + 1]][f]);
+        } else if (source[f] != NULL) {
+          value = vec_load(source[f] + slot);
+        }
+        vec_compress(field[LVX + f] + n, mask, value);
+      }
+      if (more & GATHER_PLACE) {
         const uint32_t from = (uint32_t)slot;
         memcpy(field[LSLOT] + entries, &from, sizeof from);
         memcpy(field[LMASK] + entries, &mask, sizeof mask);
         entries += mask != 0;
       }
-      if (more == GATHER_DEPTH)
+      if (more & GATHER_DEPTH)
         vec_compress(field[LSTATE] + n, mask,
                      vec_from(uvec_load16(p->wall_depth + slot)) * depth_unit);
       n += (size_t)__builtin_popcount(mask);
     }
   }
-  if (more == GATHER_PLACE) local->entries = entries;
+  if (more & GATHER_PLACE) local->entries = entries;
   return n;
 }
 

@@ -134,8 +134,6 @@ static size_t wall_arrays(struct particles *p, const struct particle_fields *fie
   list[n++] = (struct each){(void **)&p->wall_state, fields->wall_state};
   list[n++] = (struct each){(void **)&p->wall_base, fields->wall_base};
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->wall_v[a], fields->wall_v};
-  for (int a = 0; a < 3; a++)
-    list[n++] = (struct each){(void **)&p->wall_given[a], fields->wall_given};
   return n;
 }
 
@@ -328,7 +326,10 @@ static enum status make_walls(const struct lattice *lattice, double range,
     }
     site_of(lattice, i, at);
     for (int a = 0; a < 3; a++) x[a] = frame_site_position(frame, a, (uint32_t)at[a]);
-    if (!cutter_takes(&cutter, x))
+    const bool turns = fields->wall_region && lattice->region != NULL && k > 0 &&
+                       lattice->region[i] != lattice->region[(uint32_t)entries[k - 1]];
+    if (turns) cutter.members = 0;
+    if (!cutter_takes(&cutter, x) || turns)
       while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
     order[used++] = (uint32_t)i;
   }
@@ -341,6 +342,11 @@ static enum status make_walls(const struct lattice *lattice, double range,
   if (fields->wall_depth) {
     p->depth_unit = DEEPEST * range / UINT16_MAX;
     TRY(memory_allocate(&p->wall_depth, capacity, sizeof *p->wall_depth, "wall depths"));
+  }
+  if (fields->wall_region && lattice->region != NULL) {
+    TRY(memory_allocate(&p->wall_region, capacity / CLUSTER, sizeof *p->wall_region, "wall sites"));
+    for (size_t c = 0; c < p->wall_clusters; c++)
+      p->wall_region[c] = lattice->region[order[c * CLUSTER]];
   }
   for (size_t s = 0; s < capacity; s++) {
     size_t i = s < used ? order[s] : NO_PARTICLE, at[3];
@@ -408,6 +414,8 @@ void particles_free(struct particles *p) {
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
   memory_free(&p->site);
   memory_free(&p->wall_depth);
+  memory_free(&p->wall_region);
+  memory_free(&p->wall_velocity);
   memset(p, 0, sizeof *p);
 }
 

@@ -59,14 +59,15 @@ struct particles {
   float *wall_base;                 /* sum of W over wall neighbours / alpha; frozen */
   uint16_t *wall_depth;             /* below the surface, in units of depth_unit, subvoxel */
   double depth_unit;                /* m */
-  float *wall_v[3];     /* m/s: prescribed, or adami's dummy velocity; NULL where all are 0 */
-  float *wall_given[3]; /* m/s: prescribed velocity beside adami's; NULL where all are 0 */
+  float *wall_v[3];                 /* m/s: adami's dummy velocity */
+  uint16_t *wall_region;            /* of each cluster, where walls move: lattice->region */
+  float (*wall_velocity)[3];        /* m/s, of each region; NULL where nothing moves */
 };
 
 /* What the effects of a run need; the rest stays NULL. */
 struct particle_fields {
   bool shift, rate;
-  bool wall_state, wall_base, wall_depth, wall_v, wall_given;
+  bool wall_state, wall_base, wall_depth, wall_v, wall_region;
 };
 
 /* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */

@@ -82,6 +82,10 @@ SIMD_INLINE uint32_t uvec_differ(uvec a, uvec b) {
 SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
   return (uvec)_mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)from));
 }
+/* a in the first 8 lanes, b in those beyond, if any. */
+SIMD_INLINE vec vec_halves(float a, float b) {
+  return (vec)_mm512_insertf32x8(_mm512_set1_ps(a), _mm256_set1_ps(b), 1);
+}
 /* The lanes of `mask`, in order, to `to`; writes up to SIMD_WIDTH floats. */
 SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
   _mm512_storeu_ps(to, _mm512_maskz_compress_ps((__mmask16)mask, (__m512)a));
@@ -132,6 +136,10 @@ SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
   return (uvec){from[0], from[1], from[2], from[3]};
 }
 #endif
+SIMD_INLINE vec vec_halves(float a, float b) {
+  (void)b;
+  return vec_set(a);
+}
 SIMD_INLINE vec vec_beyond(vec a, vec half) {
   return a - vec_max(vec_min(a, half), -half);
 }
