@@ -1,6 +1,7 @@
-/* One dataset written by all ranks. The first rank has the file to itself but here, where all open
+/* One dataset written, or read, by all ranks. For writing the first rank has the file to itself but here, where all open
  * it together: so every file is laid out the same by any number of ranks. */
 #include <stdint.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "common/hdf5_internal.h"
@@ -13,8 +14,55 @@ enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type 
                            const size_t *dims, const void *data, bool compress) {
   return h5_write(file, name, type, rank, dims, data, compress);
 }
+enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                             size_t *dims, void *data) {
+  return h5_read(file, name, type, rank, dims, data);
+}
 
 #else
+/* Rows [start[own], start[own + 1]) in their place in an array for all; start is filled. */
+static enum status read_own_rows(struct h5_file *file, const char *name, enum h5_type type,
+                                 int rank, size_t *dims, size_t *start, size_t *row_bytes,
+                                 char **data) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  size_t share[H5S_MAX_RANK], all, row = h5_type_size(type);
+  int found;
+  TRY(h5_shape(file, name, H5S_MAX_RANK, &found, dims));
+  if (found != rank)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, %d are wanted", file->path, name, found,
+             rank);
+  for (size_t r = 0; r <= ranks; r++) start[r] = dims[0] / ranks * r + dims[0] % ranks * r / ranks;
+  share[0] = start[own + 1] - start[own];
+  TRY(h5_read_share(file, name, type, rank, dims[0], start[own], share, data));
+  for (int i = 1; i < rank; i++)
+    if (!size_multiply(row, dims[i], &row)) row = 0;
+  if (row == 0 || !size_multiply(row, dims[0], &all))
+    TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
+  TRY(memory_resize(data, dims[0], row, name));
+  memmove(*data + start[own] * row, *data, share[0] * row);
+  *row_bytes = row;
+cleanup:
+  return status;
+}
+
+enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                             size_t *dims, void *data) {
+  enum status status = STATUS_OK;
+  size_t *start = NULL, row = 0;
+  char *values = NULL;
+  if (ranks_count() == 1) return h5_read(file, name, type, rank, dims, data);
+  TRY(memory_allocate(&start, (size_t)ranks_count() + 1, sizeof *start, name));
+  TRY(ranks_agree(read_own_rows(file, name, type, rank, dims, start, &row, &values)));
+  ranks_gather(values, start, row);
+  memcpy(data, &values, sizeof values);
+  values = NULL;
+cleanup:
+  memory_free(&values);
+  memory_free(&start);
+  return status;
+}
+
 static hid_t open_together(const char *path) {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);

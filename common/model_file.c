@@ -22,7 +22,7 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
   size_t dims[3];
   *values = NULL;
   if (!h5_exists(file, name)) return STATUS_OK;
-  TRY(h5_read(file, name, H5_F32, 3, dims, values));
+  TRY(h5_read_together(file, name, H5_F32, 3, dims, values));
   for (int a = 0; a < 3; a++)
     if (dims[a] != model->size[2 - a])
       TRY_FAIL(STATUS_INPUT, "%s: %s is %zux%zux%zu, but /model/solid is %zux%zux%zu (z, y, x)",
@@ -55,7 +55,7 @@ enum status model_read(const char *path, struct voxel_model *model) {
   TRY(h5_open(path, &file));
   if (!h5_exists(file, "/model/solid"))
     TRY_FAIL(STATUS_INPUT, "%s: has no /model/solid; is it a model (ct2model build)?", path);
-  TRY(h5_read(file, "/model/solid", H5_U8, 3, dims, &model->solid));
+  TRY(h5_read_together(file, "/model/solid", H5_U8, 3, dims, &model->solid));
   for (int a = 0; a < 3; a++) {
     model->size[a] = dims[2 - a];
     if (dims[a] == 0 || dims[a] > 1u << 20)
