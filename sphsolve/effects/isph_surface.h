@@ -46,6 +46,7 @@ static inline double surface_weight(const struct isph *s, double support, double
 static inline double surface_carried(const struct isph *s, size_t i, double size) {
   const double *f = s->force;
   double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  if (force == 0) return 1; /* P = q */
   return fmin(1, s->pressure[i] / fmax(0.25 * size * s->density * force, 1e-300));
 }
 

@@ -291,6 +291,19 @@ static enum status shape_chunks(struct isph *s) {
   return STATUS_OK;
 }
 
+/* How close each particle is to the surface. */
+static void find_near(struct isph *s) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      s->near[i] = s->surface[i];
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+        s->near[i] = fmax(s->near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
+    }
+  }
+}
+
 enum status isph_find_neighbours(struct isph *s) {
   enum status status = shape_chunks(s);
   if (status != STATUS_OK) return status;
@@ -306,6 +319,7 @@ enum status isph_find_neighbours(struct isph *s) {
   TRY(isph_find_ghosts(s));
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->imbalance)});
+  if (s->near != NULL) find_near(s);
   if (s->on.soil) isph_moment_even(s);
   isph_gather(s, s->filling);
   s->pairs_now = 0;

@@ -62,6 +62,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
   if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
+  if (isph_is_free(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
   if (s->on.turbulence || s->on.shifting || s->on.calming)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -218,6 +219,7 @@ void isph_free(struct isph *s) {
                     &s->correction,
                     &s->moment_lack,
                     &s->surface,
+                    &s->near,
                     &s->gradient,
                     &s->mobility,
                     &s->eddy,

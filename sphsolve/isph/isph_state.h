@@ -138,6 +138,7 @@ struct isph {
   float (*correction)[9];           /* L, gradient correction */
   float (*moment_lack)[6];          /* C of isph_moment.c; NULL without soil */
   double *surface;                  /* 0 bulk .. 1 surface; NULL without */
+  double *near;                     /* its largest in the neighbourhood; NULL unless water is free */
   float (*gradient)[9];             /* dv_a/dx_b; NULL if nobody asks */
   double *drag_left;                /* B: share of v_D left by the drag; NULL without */
   double *mobility;                 /* k = B T G / rho_w */
@@ -308,6 +309,12 @@ enum status isph_open_move(struct isph *s, double dt);
 /* isph_cells.c: filling of a point by water, and the mean velocity of water there. */
 enum status isph_probe(const struct isph *s, const double x[3], double *filling,
                        double velocity[3]);
+
+/* Whether nothing acts on water with a surface but itself and walls. */
+static inline bool isph_is_free(const struct isph *s) {
+  const double *f = s->force;
+  return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
+}
 
 /* r = x_i - x_j for a pair entry. */
 static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],

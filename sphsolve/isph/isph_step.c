@@ -109,8 +109,8 @@ static double holding(const struct isph *s, size_t i, size_t j) {
 
 /* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
  * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
-static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                    double force[3], double friction[3]) {
+static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
+                    double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
@@ -124,7 +124,8 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
     if (s->boundary_box[j] != last) last = s->boundary_box[j], hold = holding(s, i, j);
-    double r[3], mirror[3], ratio, weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
+    double r[3], mirror[3], ratio,
+        weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
@@ -238,6 +239,15 @@ static void correct(struct isph *s) {
   }
 }
 
+/* Water with a surface is not torn: under a force, which presses it together elsewhere, it parts.
+ * Where nothing acts on it tension holds it, but for what hangs at its surface: a body that turns
+ * has P < 0 inside, and fell apart without. */
+static void part(struct isph *s) {
+  bool holds = isph_is_free(s);
+  for (size_t i = 0; i < s->count; i++)
+    s->pressure[i] = fmax(holds ? (1 - s->surface[i]) * s->pressure[i] : 0, s->pressure[i]);
+}
+
 static void wrap(const struct isph *s, double x[3]) {
   for (int a = 0; a < 3; a++) {
     if (!s->periodic[a]) continue;
@@ -279,16 +289,18 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
             (double)g[3 * a + 2] * step[2];
 }
 
-/* dx/dt = v/eps and the shift, guarded at walls. Without a surface v is the mean of the old and the
- * new velocity (Cummins, Rudman 1999, eq. 24); with one, where that would be an explicit scheme for
- * the surface's waves and make them grow, the new one. `budget`: isph_energy_settle's. */
+/* dx/dt = v/eps and the shift, guarded at walls. Without a surface, and where there can
+ * be no waves on it, v is the mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24);
+ * else, where that would be an explicit scheme for the waves and make them grow, the new one.
+ * `budget`: isph_energy_settle's. */
 static void move(struct isph *s, double dt, double budget) {
   double(*way)[3] = s->predicted; /* v* is not needed any more */
+  const bool waves = s->on.surface && !isph_is_free(s);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
-      const double *carried = s->on.surface ? v : s->predicted[i];
+      const double *carried = waves ? v : s->predicted[i];
       struct ledger_sums *sums = &s->chunks[c].account;
       double step[3] = {0}, speed[3], beyond[3], held[3], guided[3];
       memcpy(held, v, sizeof held);
@@ -301,8 +313,7 @@ static void move(struct isph *s, double dt, double budget) {
         held[a] *= dt / eps;
       }
       isph_account_way(s, sums, LEDGER_FORCE, i, held);
-      isph_account_way(s, sums, s->on.surface ? LEDGER_WALL_GUARD : LEDGER_TIME_STEP, i,
-                       beyond);
+      isph_account_way(s, sums, s->on.surface ? LEDGER_WALL_GUARD : LEDGER_TIME_STEP, i, beyond);
       if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
       isph_account_change(s, sums, LEDGER_SHIFTING, i, guided);
       isph_account_way(s, sums, LEDGER_SHIFTING, i, step);
@@ -376,6 +387,7 @@ enum status isph_advance(struct isph *s, double dt) {
   double tau = scene->isph.tau;
   if (!isnan(scene->isph.alpha))
     tau = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
+  tau = fmax(tau, dt); /* beyond, it would overshoot */
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
   size_t count = s->count;
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
@@ -394,9 +406,7 @@ enum status isph_advance(struct isph *s, double dt) {
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
-  /* Water with a surface is not torn: it parts. */
-  if (s->on.surface)
-    for (size_t i = 0; i < s->count; i++) s->pressure[i] = fmax(0, s->pressure[i]);
+  if (s->on.surface) part(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
   if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));

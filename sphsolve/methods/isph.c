@@ -93,6 +93,7 @@ enum status isph_plan(struct plan *plan, int threads) {
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
   if (!isnan(plan->dt)) guess = plan->dt;
   plan->bytes_fluid = 516 + 1.3 * neighbours * 12;
+  if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
