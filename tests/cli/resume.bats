@@ -108,7 +108,7 @@ END
   done
 }
 
-@test "a full disk leaves no half file and ends with exit code 1" {
+@test "a full disk leaves no half file and ends with exit code 1; with room again the run is as ever" {
   for method in wcsph stokes isph; do
     (
       ulimit -f 8 # blocks of 1 KB: no snapshot fits
@@ -119,5 +119,8 @@ END
     )
     [ ! -e full.hdf ] && [ -z "$(ls full*.part full*.new.hdf 2> /dev/null)" ]
     [ "$(wc -l < err.log)" -eq 1 ] && grep -q "full\|large" err.log
+    # With room again the run goes on from what it could keep.
+    (resumable_start $method full --resume > /dev/null 2>&1)
+    resumable_same whole-$method full
   done
 }
