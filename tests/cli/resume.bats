@@ -110,6 +110,7 @@ END
 
 @test "a full disk leaves no half file and ends with exit code 1; with room again the run is as ever" {
   for method in wcsph stokes isph; do
+    rm -f full*
     (
       ulimit -f 8 # blocks of 1 KB: no snapshot fits
       trap '' XFSZ
