@@ -117,6 +117,8 @@ static enum status read_output(struct config *config, struct scene *scene) {
   TRY(scene_positive(config, group, "interval", DIM_TIME, &scene->output_interval));
   TRY(scene_positive(config, group, "history_interval", DIM_TIME, &scene->history_interval));
   config_node *fields = config_child(config, group, "fields");
+  if (fields != NULL && !config_is_list(fields))
+    TRY(config_error(config, fields, "a list is wanted, like [\"velocity\", \"pressure\"]"));
   scene->output_field_count = config_count(fields);
   TRY(memory_allocate(&scene->output_fields, scene->output_field_count,
                       sizeof *scene->output_fields, "output fields"));
