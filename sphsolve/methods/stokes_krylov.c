@@ -79,19 +79,17 @@ static void scale(struct stokes_krylov *k, double factor, float *x) {
   for (size_t i = 0; i < k->length; i++) x[i] *= f;
 }
 
-int stokes_krylov_correct(struct stokes_krylov *k, float *residual, double reduction, double *x,
-                          double *reached) {
+int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, double *reached) {
   double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
-  const double start = stokes_krylov_norm(k, residual);
+  const double start = stokes_krylov_norm(k, k->basis);
   *reached = start > 0.0 ? 1.0 : 0.0;
   if (!(start > 0.0)) return 0;
-  memcpy(k->basis, residual, k->length * sizeof *residual);
   scale(k, 1.0 / start, k->basis);
   g[0] = start;
   int n = 0;
   while (n<k->basis_max && * reached> reduction) {
     float *w = k->basis + (size_t)(n + 1) * k->length;
-    k->precondition(k->system, k->basis + (size_t)n * k->length, k->work);
+    k->precondition(k->system, k->basis + (size_t)n * k->length, w, k->work);
     k->apply(k->system, k->work, w);
     for (int i = 0; i <= n; i++) {
       const float *v = k->basis + (size_t)i * k->length;
@@ -125,16 +123,20 @@ int stokes_krylov_correct(struct stokes_krylov *k, float *residual, double reduc
     for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
     g[i] /= h[i][i];
   }
-  if (n == 0) return 0;
+  if (n == 0) {
+    scale(k, start, k->basis);
+    return 0;
+  }
   /* Both sums in place, in the last and the first vector of the basis. */
   float *first = k->basis, *last = k->basis + (size_t)n * k->length;
   scale(k, left[n], last);
   for (int i = 0; i < n; i++) subtract(k, -left[i], k->basis + (size_t)i * k->length, last);
   scale(k, g[0], first);
   for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
-  k->precondition(k->system, first, k->work);
+  float *free_one = n < k->basis_max ? last + k->length : first + k->length;
+  k->precondition(k->system, first, free_one, k->work);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
-  memcpy(residual, last, k->length * sizeof *residual);
+  memcpy(first, last, k->length * sizeof *first);
   return n;
 }

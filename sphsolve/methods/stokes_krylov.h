@@ -10,22 +10,22 @@
 struct stokes_krylov {
   size_t length;
   int basis_max;   /* vectors kept */
-  float *basis;    /* [basis_max + 1][length] */
+  float *basis;    /* [basis_max + 1][length]; the first is the residual between corrections */
   float *work;     /* [length] */
   double *partial; /* of the sums */
   void *system;
   void (*apply)(void *system, const float *x, float *y);        /* y = K x */
-  void (*precondition)(void *system, const float *x, float *y); /* y = M^-1 x */
+  void (*precondition)(void *system, const float *x, float *work, float *y); /* y = M^-1 x */
 };
 
 enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *krylov);
 void stokes_krylov_free(struct stokes_krylov *krylov);
 
 /* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
- * the basis is full. `residual` becomes what is left of it; `precondition` may overwrite it before.
+ * the basis is full. The residual is the first vector of the basis, and becomes what is left of it.
  * Returns the iterations; *reached the shrinkage. */
-int stokes_krylov_correct(struct stokes_krylov *krylov, float *residual, double reduction,
-                          double *x, double *reached);
+int stokes_krylov_correct(struct stokes_krylov *krylov, double reduction, double *x,
+                          double *reached);
 
 double stokes_krylov_norm(struct stokes_krylov *krylov, const float *x);
 

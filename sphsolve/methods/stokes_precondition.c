@@ -134,12 +134,11 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   stokes_multigrid_coarsen(&pc->pressure);
 }
 
-enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
+enum status stokes_preconditioner_build(struct stokes_operator *op,
                                         struct stokes_preconditioner *pc) {
   enum status status = STATUS_OK;
   memset(pc, 0, sizeof *pc);
   pc->op = op;
-  pc->work = work;
   size_t coarse[3];
   for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
@@ -183,10 +182,11 @@ static void solve_velocity(struct stokes_preconditioner *pc, const float *x, flo
   for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
 }
 
-void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *y) {
+void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *work,
+                                 float *y) {
   struct stokes_operator *op = pc->op;
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
-  float *p = y + axes * n, *r = pc->work, *product = pc->work + axes * n;
+  float *p = y + axes * n, *r = work, *product = work + axes * n;
   solve_pressure(pc, x + axes * n, p);
   stokes_operator_apply_gradient(op, p, r);
   for (size_t a = 0; a < axes; a++) {

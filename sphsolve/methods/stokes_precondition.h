@@ -15,17 +15,15 @@
 struct stokes_preconditioner {
   struct stokes_operator *op;
   float *kappa; /* [n] */
-  float *work;  /* [components][n], not owned */
   struct stokes_multigrid velocity, pressure;
 };
 
-/* `work` [components][n] is overwritten by every application. */
-enum status stokes_preconditioner_build(struct stokes_operator *op, float *work,
+enum status stokes_preconditioner_build(struct stokes_operator *op,
                                         struct stokes_preconditioner *preconditioner);
 void stokes_preconditioner_free(struct stokes_preconditioner *preconditioner);
 
-/* y ~ K^-1 x; a fixed linear operation. */
+/* y ~ K^-1 x; a fixed linear operation. `work` [components][n] is overwritten. */
 void stokes_preconditioner_apply(struct stokes_preconditioner *preconditioner, const float *x,
-                                 float *y);
+                                 float *work, float *y);
 
 #endif

@@ -98,7 +98,7 @@ int main(int argc, char **argv) {
   TRY(h5_write(file, "/flux", H5_F64, 1, &three, flux, false));
   stokes_operator_residual(&s.operator, s.force, s.x, (double *)(void *)s.krylov.basis, y);
   TRY(write_vector(file, "residual", n, y));
-  stokes_preconditioner_apply(&s.preconditioner, x, y);
+  stokes_preconditioner_apply(&s.preconditioner, x, s.krylov.basis, y);
   TRY(write_vector(file, "preconditioner", n, y));
   status = h5_commit(file);
   file = NULL;
