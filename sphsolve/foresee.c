@@ -24,11 +24,11 @@
  * particle told to all per step, and per iteration; iterations. */
 #define WCSPH_CUT 2048.0 /* slots: cuts lie at multiples */
 #define ISPH_IN_FULL 0.09
-#define ISPH_TOLD 96.0
+#define ISPH_TOLD 200.0
 #define ISPH_RESIDUAL 8.0
 #define ISPH_ITERATIONS 10.0
 #define ISPH_WHOLE 520.0
-#define ISPH_GHOST 200.0
+#define ISPH_GHOST 130.0
 
 /* Sites within `reach` of a rank's cube, at most all others. */
 static double around(double sites, double ranks, double reach) {
@@ -65,8 +65,8 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   } else {
     in_full = ISPH_IN_FULL * (1 - 1 / r) * plan->seconds;
     told = (1 - 1 / r) * (ISPH_TOLD + ISPH_RESIDUAL * ISPH_ITERATIONS) * fluid;
-    ghosts = fmin(ISPH_GHOST * around(fluid, r, plan->context.scene->isph.support_ratio),
-                  ISPH_GHOST * fluid);
+    ghosts = ISPH_GHOST * plan->context.scene->isph.support_ratio * pow(fluid, 2.0 / 3) *
+             fmin(2, r - 1); /* slabs */
     messages = (6 + ISPH_ITERATIONS) * fmin(r - 1, 6), sums = 4 * ISPH_ITERATIONS;
     whole = ISPH_WHOLE * fluid;
   }
