@@ -5,6 +5,10 @@
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
 
+/* Chunks on their way, three times a chunk each, take no more than a fifth of what is written: a
+ * method's memory has room for that, see tests/cli/memory.bats. */
+#define SHARE_UNDER_WAY 16
+
 /* What h5_dataset_layout makes: chunks are runs of memory, cut along one axis. */
 struct runs {
   const char *data;
@@ -50,7 +54,7 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
                             const hsize_t *chunk, const void *data, bool *written) {
   enum status status = STATUS_OK;
   struct runs runs = {.data = data, .item = h5_type_size(type), .row = h5_type_size(type)};
-  const size_t batch = 2 * (size_t)omp_get_max_threads();
+  size_t batch = 2 * (size_t)omp_get_max_threads();
   struct packed *packed = NULL;
   size_t chunks = 1, made = 0;
   for (int i = 0; i < rank; i++)
@@ -61,6 +65,11 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
   runs.step = chunk[runs.axis];
   runs.count = (runs.length + runs.step - 1) / runs.step;
   chunks *= runs.count;
+  if (batch > chunks / SHARE_UNDER_WAY) batch = chunks / SHARE_UNDER_WAY;
+  if (batch < 2) {
+    *written = H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+    return STATUS_OK;
+  }
   const size_t bytes = runs.step * runs.row, room = compressBound(bytes);
   TRY(memory_allocate(&packed, batch, sizeof *packed, "chunks"));
   for (; made < batch; made++) {
