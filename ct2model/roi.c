@@ -39,6 +39,11 @@ static bool is_inside(const struct roi *roi, size_t x, size_t y, size_t z) {
   return inside;
 }
 
+static bool is_at_height(const struct roi *roi, size_t z) {
+  const double middle = (double)z + 0.5;
+  return roi->kind != ROI_BOX || (middle > roi->value[2] && middle < roi->value[2] + roi->value[5]);
+}
+
 /* Moves the greys inside to the front of `slice`; how many. `mask` is NULL but for masks. */
 static size_t select_inside(const struct roi *roi, const struct stack *stack, size_t z,
                             const float *mask, float *slice) {
@@ -73,7 +78,7 @@ enum status roi_count(const struct roi *roi, const struct region *region,
   size_t pixels = stack->size[0] * stack->size[1];
   struct region whole = *region;
   struct stack mask = {0};
-  float *slice = NULL, *inside = NULL;
+  float *slices = NULL, *inside = NULL;
   whole.turned = NULL;
   memset(whole.origin, 0, sizeof whole.origin);
   memcpy(whole.size, stack->size, sizeof whole.size);
@@ -81,19 +86,25 @@ enum status roi_count(const struct roi *roi, const struct region *region,
     TRY(open_mask(roi, stack, &mask));
     TRY(memory_allocate(&inside, pixels, sizeof *inside, "a slice of the mask"));
   }
-  TRY(memory_allocate(&slice, pixels, sizeof *slice, "a slice"));
-  for (size_t z = 0; z < stack->size[2]; z++) {
-    double middle = (double)z + 0.5;
-    if (roi->kind == ROI_BOX && !(middle > roi->value[2] && middle < roi->value[2] + roi->value[5]))
-      continue;
-    TRY(region_read(&whole, &z, 1, slice));
-    if (inside != NULL && (z == 0 || mask.size[2] > 1)) TRY(stack_read(&mask, z, inside));
-    grey_histogram_add(histogram, slice, select_inside(roi, stack, z, inside, slice));
+  const size_t batch = region_batch(&whole);
+  size_t numbers[64];
+  TRY(memory_allocate(&slices, batch * pixels, sizeof *slices, "slices"));
+  for (size_t z = 0; z < stack->size[2];) {
+    size_t n = 0;
+    for (; z < stack->size[2] && n < batch; z++)
+      if (is_at_height(roi, z)) numbers[n++] = z;
+    TRY(region_read(&whole, numbers, n, slices));
+    for (size_t i = 0; i < n; i++) {
+      float *slice = slices + i * pixels;
+      if (inside != NULL && (numbers[i] == 0 || mask.size[2] > 1))
+        TRY(stack_read(&mask, numbers[i], inside));
+      grey_histogram_add(histogram, slice, select_inside(roi, stack, numbers[i], inside, slice));
+    }
   }
   if (histogram->total == 0) TRY_FAIL(STATUS_INPUT, "--roi: no voxel of the stack is inside");
 cleanup:
   stack_close(&mask);
-  memory_free(&slice);
+  memory_free(&slices);
   memory_free(&inside);
   return status;
 }
