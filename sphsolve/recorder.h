@@ -98,8 +98,9 @@ void recorder_add_time(struct recorder *recorder, const char *name, double secon
 /* A fact for /run as an attribute ("residual", "iterations", ...). Overwrites. */
 void recorder_set_fact(struct recorder *recorder, const char *name, double value);
 
-/* What a clock measured, s, as an attribute of /run/timing. Overwrites. */
-void recorder_set_clock(struct recorder *recorder, const char *name, double seconds);
+/* What was measured and differs from run to run, s or bytes, as an attribute of /run/timing.
+ * Overwrites. */
+void recorder_set_clock(struct recorder *recorder, const char *name, double value);
 
 /* What the ranks have sent each other so far, as facts; nothing in a build without MPI. */
 void recorder_count_traffic(struct recorder *recorder);

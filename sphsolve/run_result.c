@@ -34,5 +34,5 @@ void recorder_count_traffic(struct recorder *recorder) {
   recorder_set_clock(recorder, "waiting_seconds", ranks_max(t.seconds));
   recorder_set_clock(recorder, "busy_seconds", ranks_sum(t.busy));
   recorder_set_clock(recorder, "busy_seconds_most", ranks_max(t.busy));
-  recorder_set_fact(recorder, "memory_peak_bytes_all", ranks_sum((double)memory_peak()));
+  recorder_set_clock(recorder, "memory_peak_bytes_all", ranks_sum((double)memory_peak()));
 }

@@ -50,7 +50,8 @@ import json
 plan = json.load(open("plan.json"))
 run = h5py.File("out.hdf")["run"].attrs
 fluid, wall = plan["fluid_sites"], plan["wall_sites"]
-peak, whole, total = float(run["method_peak_bytes"]), float(run["memory_peak_bytes"]), plan["memory_bytes"]
+measured = h5py.File("out.hdf")["run/timing"].attrs
+peak, whole, total = float(measured["method_peak_bytes"]), float(measured["memory_peak_bytes"]), plan["memory_bytes"]
 said = fluid * plan["bytes_per_fluid_site"] + wall * plan["bytes_per_wall_site"]
 method = plan["memory_method_bytes"]
 print(f"{fluid} fluid, {wall} wall: peak {peak / 1e6:.2f} MB, said {said / 1e6:.2f} MB; "
