@@ -47,11 +47,6 @@ static enum status check_extent(struct config *config, config_node *group,
                           "%g to %g m in %c is narrower than the spacing (%g m) and holds no "
                           "particle; use a smaller domain.spacing or a wider box",
                           region->box[a], region->box[a + 3], 'x' + a, scene->spacing);
-  if (region->type == REGION_POROUS && region->grain_size > thickness(scene, region))
-    return config_error(config, config_child(config, group, "grain_size"),
-                        "grains of %g m in soil %g m thick are no porous medium; use smaller "
-                        "grains, or make each a wall",
-                        region->grain_size, thickness(scene, region));
   if (region->type != REGION_INFLOW) return STATUS_OK;
   const int side = scene_inflow_axis(scene, region, &at_low);
   if (side < 0)
