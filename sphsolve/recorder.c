@@ -390,6 +390,6 @@ void recorder_add_time(struct recorder *recorder, const char *name, double secon
 void recorder_set_fact(struct recorder *recorder, const char *name, double value) {
   set_named(recorder->facts, &recorder->fact_count, name, value, false);
 }
-void recorder_set_clock(struct recorder *recorder, const char *name, double value) {
-  set_named(recorder->clocks, &recorder->clock_count, name, value, false);
+void recorder_set_measured(struct recorder *recorder, const char *name, double value) {
+  set_named(recorder->measured, &recorder->measured_count, name, value, false);
 }

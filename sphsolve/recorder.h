@@ -100,7 +100,7 @@ void recorder_set_fact(struct recorder *recorder, const char *name, double value
 
 /* What was measured and differs from run to run, s or bytes, as an attribute of /run/timing.
  * Overwrites. */
-void recorder_set_clock(struct recorder *recorder, const char *name, double value);
+void recorder_set_measured(struct recorder *recorder, const char *name, double value);
 
 /* What the ranks have sent each other so far, as facts; nothing in a build without MPI. */
 void recorder_count_traffic(struct recorder *recorder);

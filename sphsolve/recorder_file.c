@@ -76,9 +76,9 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   /* Which lists grow side by side is the threads' luck. */
   const double peak = (double)memory_peak();
   TRY(h5_write_attribute(file, "/run/timing", "memory_peak_bytes", H5_F64, 1, &peak));
-  for (size_t i = 0; i < recorder->clock_count; i++)
-    TRY(h5_write_attribute(file, "/run/timing", recorder->clocks[i].name, H5_F64, 1,
-                           &recorder->clocks[i].value));
+  for (size_t i = 0; i < recorder->measured_count; i++)
+    TRY(h5_write_attribute(file, "/run/timing", recorder->measured[i].name, H5_F64, 1,
+                           &recorder->measured[i].value));
 cleanup:
   return status;
 }

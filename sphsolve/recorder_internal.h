@@ -40,8 +40,8 @@ struct recorder {
   double *snapshot_times;
   double next_snapshot;
 
-  size_t timing_count, fact_count, clock_count;
-  struct named_value timings[NAMED_MAX], facts[NAMED_MAX], clocks[NAMED_MAX];
+  size_t timing_count, fact_count, measured_count;
+  struct named_value timings[NAMED_MAX], facts[NAMED_MAX], measured[NAMED_MAX];
   struct step_log step_log;
   char checkpoint_name[4096];
 

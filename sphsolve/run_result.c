@@ -31,8 +31,8 @@ void recorder_count_traffic(struct recorder *recorder) {
   recorder_set_fact(recorder, "ghost_bytes_most", ranks_max((double)t.bytes));
   recorder_set_fact(recorder, "gathered_bytes", ranks_sum((double)t.gathered_bytes));
   recorder_set_fact(recorder, "reductions", ranks_max((double)t.reductions));
-  recorder_set_clock(recorder, "waiting_seconds", ranks_max(t.seconds));
-  recorder_set_clock(recorder, "busy_seconds", ranks_sum(t.busy));
-  recorder_set_clock(recorder, "busy_seconds_most", ranks_max(t.busy));
-  recorder_set_clock(recorder, "memory_peak_bytes_all", ranks_sum((double)memory_peak()));
+  recorder_set_measured(recorder, "waiting_seconds", ranks_max(t.seconds));
+  recorder_set_measured(recorder, "busy_seconds", ranks_sum(t.busy));
+  recorder_set_measured(recorder, "busy_seconds_most", ranks_max(t.busy));
+  recorder_set_measured(recorder, "memory_peak_bytes_all", ranks_sum((double)memory_peak()));
 }

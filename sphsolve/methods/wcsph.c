@@ -230,7 +230,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   recorder_count_traffic(run->recorder);
   if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
-  recorder_set_clock(run->recorder, "method_peak_bytes", (double)memory_peak());
+  recorder_set_measured(run->recorder, "method_peak_bytes", (double)memory_peak());
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 
