@@ -77,10 +77,21 @@ static bool seal_holds(const char *path) {
   return holds;
 }
 
+/* A run that was killed may have left a part, or a whole checkpoint that was yet to be renamed,
+ * perhaps with the newest already gone from its place. */
+static void clear_up(const char *newest, const char *fresh) {
+  char part[4096 + 6];
+  snprintf(part, sizeof part, "%s.part", fresh);
+  unlink(part);
+  if (access(newest, F_OK) == 0 || !seal_holds(fresh) || rename(fresh, newest) != 0) unlink(fresh);
+}
+
 enum status checkpoint_open(const char *prefix, struct h5_file **file) {
   char newest[4096], older[4096], fresh[4096];
   paths(prefix, newest, older, fresh);
   *file = NULL;
+  if (ranks_own() == 0) clear_up(newest, fresh);
+  (void)ranks_agree(STATUS_OK);
   bool any = access(newest, F_OK) == 0 || access(older, F_OK) == 0;
   if (!any) return STATUS_OK;
   if (seal_holds(newest)) return h5_open_sealed(newest, file);

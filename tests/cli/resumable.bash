@@ -23,7 +23,8 @@ output = { interval = "0.1 s"; };
 END
 }
 
-# METHOD NAME [options]: becomes the program, so that a signal to a subshell's $! meets it. VOICE may be --verbose.
+# METHOD NAME [options]: becomes the program, so that a signal to a subshell's $! meets it, or `under` of it. VOICE may be
+# --verbose.
 resumable_start() {
   local method=$1 name=$2
   shift 2
@@ -33,21 +34,28 @@ resumable_start() {
     stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 "$@" ;;
     isph) set -- all.cfg "$@" ;;
   esac
-  exec sphsolve run "$@" --set checkpoint.interval="${CHECKPOINT:-0.1 s}" -o "$name" "${VOICE:---quiet}"
+  exec "${under[@]}" sphsolve run "$@" --set checkpoint.interval="${CHECKPOINT:-0.1 s}" -o "$name" "${VOICE:---quiet}"
 }
 
-# METHOD NAME KILLS: started or resumed and killed at random moments, KILLS times, and then resumed to its end.
+# METHOD NAME KILLS: started or resumed and killed by SIGKILL, KILLS times, and then resumed to its end. Every third kill is
+# aimed at a write: in turn at a checkpoint, a snapshot, a row of the history and the record. Counts in fell_CHECKPOINT and
+# so on what the kills, random ones too, fell into; those that came when the run had ended do not count.
 resumable_tear() {
-  local method=$1 name=$2
-  torn=0
-  for ((kill = 0; kill < $3; kill++)); do
-    (resumable_start "$method" "$name" --resume --threads 1 > /dev/null 2>&1) &
-    sleep "0.$(printf %03d $((RANDOM % 900 + 20)))"
-    kill -9 $! 2> /dev/null || true
-    wait $! 2> /dev/null || true
-    compgen -G "$name*.part" > /dev/null || compgen -G "$name*.new.hdf" > /dev/null && torn=$((torn + 1))
+  local method=$1 name=$2 what skip delay fell
+  local -a aims=(checkpoint snapshot history record)
+  for ((kill = 0; kill < $3;)); do
+    what=moment skip=0 delay=0.$(printf %03d $((RANDOM % 900 + 20)))
+    if [ $((tried++ % 3)) -eq 0 ]; then
+      what=${aims[$((aimed++ % 4))]} delay=0.00$(printf %02d $((RANDOM % 30)))
+      case $what in checkpoint) skip=$((RANDOM % 3)) ;; history) skip=$((RANDOM % 20)) delay=0.0000 ;; esac
+    fi
+    fell=$(under=(/usr/bin/python3 "$ROOT/tests/cli/kill_at.py" "$name" $what $skip $delay)
+      resumable_start "$method" "$name" --resume --threads 1) || return 1
+    declare -g "fell_$fell=$((fell_$fell + 1))"
+    [ "$fell" = over ] || kill=$((kill + 1))
   done
   (resumable_start "$method" "$name" --resume > /dev/null 2>&1)
+  ! compgen -G "$name*.part" > /dev/null && ! compgen -G "$name*.new.hdf" > /dev/null
 }
 
 # WHOLE NAME: both hold the same bits.

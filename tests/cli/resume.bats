@@ -27,9 +27,9 @@ torn() {
     resumable_same whole-$1 rent
   done
 }
-@test "wcsph: killed by SIGKILL at random moments, and resumed" { torn wcsph; }
-@test "stokes: killed by SIGKILL at random moments, and resumed" { torn stokes; }
-@test "isph: killed by SIGKILL at random moments, and resumed" { torn isph; }
+@test "wcsph: killed by SIGKILL, at random and while it writes, and resumed" { torn wcsph; }
+@test "stokes: killed by SIGKILL, at random and while it writes, and resumed" { torn stokes; }
+@test "isph: killed by SIGKILL, at random and while it writes, and resumed" { torn isph; }
 
 @test "a crash loses no row of the history" {
   for method in wcsph isph; do

@@ -293,23 +293,26 @@ static double opened_checkpoint(const char *prefix) {
   return number;
 }
 
+static void write_checkpoint(const char *prefix, double number) {
+  struct h5_file *file;
+  assert_int_equal(checkpoint_create(prefix, &file), STATUS_OK);
+  assert_int_equal(h5_make_group(file, "/state"), STATUS_OK);
+  assert_int_equal(h5_write_attribute(file, "/state", "number", H5_F64, 1, &number), STATUS_OK);
+  assert_int_equal(checkpoint_commit(prefix, file), STATUS_OK);
+}
+
 /* A thousand times a bit is flipped or the end cut off, anywhere: always known, and the checkpoint
  * before is taken; with that damaged too, none is. */
 static void test_damaged_checkpoints(void **state) {
   (void)state;
   char prefix[64], newest[80], older[80], *bytes, *before;
-  struct h5_file *file;
   uint64_t random = 10;
   log_start("test", LOG_QUIET);
   snprintf(prefix, sizeof prefix, "%s/run", folder);
   snprintf(newest, sizeof newest, "%s.ckpt.hdf", prefix);
   snprintf(older, sizeof older, "%s.ckpt.1.hdf", prefix);
-  for (double number = 1; number <= 2; number++) {
-    assert_int_equal(checkpoint_create(prefix, &file), STATUS_OK);
-    assert_int_equal(h5_make_group(file, "/state"), STATUS_OK);
-    assert_int_equal(h5_write_attribute(file, "/state", "number", H5_F64, 1, &number), STATUS_OK);
-    assert_int_equal(checkpoint_commit(prefix, file), STATUS_OK);
-  }
+  write_checkpoint(prefix, 1);
+  write_checkpoint(prefix, 2);
   assert_true(opened_checkpoint(prefix) == 2);
   const size_t size = read_bytes(newest, &bytes), size_before = read_bytes(older, &before);
   for (int i = 0; i < 1000; i++) {
@@ -329,6 +332,30 @@ static void test_damaged_checkpoints(void **state) {
   free(bytes);
 }
 
+/* Killed at any moment of its writing, a checkpoint leaves nothing behind but checkpoints. */
+static void test_torn_checkpoints(void **state) {
+  (void)state;
+  char prefix[64], newest[80], fresh[80], part[96], *bytes;
+  snprintf(prefix, sizeof prefix, "%s/torn", folder);
+  snprintf(newest, sizeof newest, "%s.ckpt.hdf", prefix);
+  snprintf(fresh, sizeof fresh, "%s.ckpt.new.hdf", prefix);
+  snprintf(part, sizeof part, "%s.part", fresh);
+  write_checkpoint(prefix, 1);
+  write_checkpoint(prefix, 2);
+  const size_t size = read_bytes(newest, &bytes);
+  /* While it is written, and before it is sealed. */
+  write_bytes(part, bytes, size / 2);
+  write_bytes(fresh, bytes, size - 16);
+  assert_true(opened_checkpoint(prefix) == 2);
+  assert_true(access(part, F_OK) != 0 && access(fresh, F_OK) != 0);
+  /* Between the two renames: the newest is the one not yet in place. */
+  assert_int_equal(unlink(newest), 0);
+  write_bytes(fresh, bytes, size);
+  assert_true(opened_checkpoint(prefix) == 2);
+  assert_true(access(newest, F_OK) == 0 && access(fresh, F_OK) != 0);
+  free(bytes);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_trip),
                                      cmocka_unit_test(test_chunks),
@@ -336,6 +363,7 @@ int main(void) {
                                      cmocka_unit_test(test_not_hdf5),
                                      cmocka_unit_test(test_model),
                                      cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_damaged_checkpoints)};
+                                     cmocka_unit_test(test_damaged_checkpoints),
+                                     cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
