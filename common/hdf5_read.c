@@ -78,6 +78,20 @@ cleanup:
   return status;
 }
 
+/* The widest number and the longest text of fixed length that any file of ours or others' holds;
+ * the library makes room for what a damaged type claims, 4 GB a number. */
+#define WIDEST_NUMBER 16
+#define LONGEST_TEXT (1u << 24)
+
+static bool holds_numbers(hid_t stored) {
+  H5T_class_t class = H5Tget_class(stored);
+  return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= WIDEST_NUMBER;
+}
+
+static bool holds_texts(hid_t stored) {
+  return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= LONGEST_TEXT;
+}
+
 /* `rows` of the slowest axis from `first` on; SIZE_MAX: all. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t first, size_t rows, size_t *dims, void *data) {
@@ -92,10 +106,8 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
              rank);
   TRY(open_dataset(file, name, &set));
   stored = H5Dget_type(set);
-  H5T_class_t class = H5Tget_class(stored);
-  if (class != H5T_INTEGER && class != H5T_FLOAT)
-    TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
-  if (class == H5T_FLOAT && type != H5_F32 && type != H5_F64)
+  if (!holds_numbers(stored)) TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
+  if (H5Tget_class(stored) == H5T_FLOAT && type != H5_F32 && type != H5_F64)
     TRY_FAIL(STATUS_INPUT, "%s: %s holds floats, integers are wanted", file->path, name);
   if (!h5_filters_known(set))
     TRY_FAIL(STATUS_INPUT,
@@ -175,7 +187,7 @@ enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count,
   stored = H5Dget_type(set);
   space = H5Dget_space(set);
   hssize_t points = H5Sget_simple_extent_npoints(space);
-  if (H5Tget_class(stored) != H5T_STRING || points < 0 || !h5_filters_known(set))
+  if (!holds_texts(stored) || points < 0 || !h5_filters_known(set))
     TRY_FAIL(STATUS_INPUT, "%s: %s holds no text", file->path, name);
   n = (size_t)points;
   TRY(memory_allocate(&copies, n, sizeof *copies, name));
@@ -291,10 +303,9 @@ enum status h5_read_attribute(struct h5_file *file, const char *name, const char
   TRY(open_attribute(file, name, attribute, &id));
   stored = H5Aget_type(id);
   space = H5Aget_space(id);
-  H5T_class_t class = H5Tget_class(stored);
   hssize_t points = H5Sget_simple_extent_npoints(space);
-  if ((class != H5T_INTEGER && class != H5T_FLOAT) ||
-      (class == H5T_FLOAT && type != H5_F32 && type != H5_F64))
+  if (!holds_numbers(stored) ||
+      (H5Tget_class(stored) == H5T_FLOAT && type != H5_F32 && type != H5_F64))
     TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s has the wrong type", file->path, attribute,
              name);
   if (points != (hssize_t)count)
@@ -325,7 +336,7 @@ enum status h5_read_attribute_text(struct h5_file *file, const char *name, const
   TRY(open_attribute(file, name, attribute, &id));
   stored = H5Aget_type(id);
   space = H5Aget_space(id);
-  if (H5Tget_class(stored) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+  if (!holds_texts(stored) || H5Sget_simple_extent_npoints(space) != 1)
     TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s is no text", file->path, attribute, name);
   if (H5Tis_variable_str(stored) > 0) {
     if (H5Aread(id, stored, &variable) < 0)
