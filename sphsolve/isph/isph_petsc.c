@@ -115,6 +115,16 @@ cleanup:
   return status;
 }
 
+static void add_row(struct rows *rows, size_t row, int n, const size_t *node, const double *value,
+                    PetscInt *used) {
+  for (int c = 0; c < n; c++) {
+    rows->column[*used + c] = (PetscInt)node[c];
+    rows->value[*used + c] = value[c];
+  }
+  *used += merge_row(rows->column + *used, rows->value + *used, n);
+  rows->start[row + 1] = *used;
+}
+
 /* Rows [0, n) that hold `columns` own columns. */
 static enum status make_matrix(const struct rows *rows, size_t n, size_t columns, Mat *matrix) {
   enum status status = STATUS_OK;
@@ -172,24 +182,14 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   TRY(reserve_rows(rows, own, 8 * own));
   for (size_t i = 0; i < own; i++) {
     const int n = multigrid_interpolation(s, begin + i, node, value);
-    for (int c = 0; c < n; c++) {
-      rows->column[used + c] = (PetscInt)node[c];
-      rows->value[used + c] = value[c];
-    }
-    used += merge_row(rows->column + used, rows->value + used, n);
-    rows->start[i + 1] = used;
+    add_row(rows, i, n, node, value, &used);
   }
   TRY(make_matrix(rows, own, nodes, &p->interpolation));
   TRY(reserve_rows(rows, nodes, 27 * nodes));
   used = 0;
   for (size_t i = 0; i < nodes; i++) {
     const int n = multigrid_row(s, first + i, node, value);
-    for (int c = 0; c < n; c++) {
-      rows->column[used + c] = (PetscInt)node[c];
-      rows->value[used + c] = value[c];
-    }
-    used += merge_row(rows->column + used, rows->value + used, n);
-    rows->start[i + 1] = used;
+    add_row(rows, i, n, node, value, &used);
   }
   TRY(make_matrix(rows, nodes, nodes, &p->grid));
   TRY_PETSC(MatCreateVecs(p->grid, &p->down, &p->up));
