@@ -125,7 +125,10 @@ enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type 
   layout = h5_dataset_layout(type, rank, whole_dims, compress);
   whole = H5Screate_simple(rank, full, NULL);
   set = H5Dcreate2(together, name, h5_disk_type(type), whole, H5P_DEFAULT, layout, H5P_DEFAULT);
-  if (set < 0 || output_fails() || !write_rows(set, whole, type, rank, start, extent, data))
+  /* All write, or none: who came alone would wait for ever. */
+  bool ready = set >= 0 && !output_fails();
+  if (!ranks_any(!ready)) ready = write_rows(set, whole, type, rank, start, extent, data);
+  if (!ready)
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
 cleanup:
   if (set >= 0) H5Dclose(set);

@@ -63,6 +63,8 @@ int ranks_end(enum status status) {
     }
     usleep(1000);
   }
+  /* To finalize is also HDF5's end, which crashes on a file that a full disk left half closed. */
+  if (status != STATUS_OK) MPI_Abort(MPI_COMM_WORLD, (int)status);
   MPI_Finalize();
   free(pending);
   return (int)status;
@@ -98,10 +100,15 @@ void ranks_swap_counts(const size_t *send, size_t *receive) {
   wait_end();
 }
 
+/* The first of the worst tells the others what it met. */
 enum status ranks_agree(enum status status) {
+  char cause[512];
   const int worst = (int)ranks_max((double)status);
-  if (status == STATUS_OK && worst != 0) return FAIL((enum status)worst, "another rank has failed");
-  return status;
+  if (worst == 0 || count == 1) return status;
+  const int first = count - 1 - (int)ranks_max((int)status == worst ? count - 1 - own : 0);
+  snprintf(cause, sizeof cause, "%s", error_message());
+  MPI_Bcast(cause, sizeof cause, MPI_BYTE, first, MPI_COMM_WORLD);
+  return status == STATUS_OK ? FAIL((enum status)worst, "%s", cause) : status;
 }
 
 size_t ranks_offset(size_t mine, size_t *total) {

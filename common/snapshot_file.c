@@ -16,7 +16,7 @@ static enum status write_field(struct h5_file *file, const char *name, size_t co
   enum status status = STATUS_OK;
   void *made = NULL;
   size_t dims[2] = {count, (size_t)field->components};
-  if (field->data == NULL) {
+  if (field->data == NULL && count > 0) {
     TRY(memory_allocate(&made, count * dims[1], type_size(field->type), "a field of a snapshot"));
     field->fill(field->context, made);
   }
@@ -39,7 +39,7 @@ static void fill_numbers(const void *context, void *data) {
 }
 static void fill_types(const void *context, void *data) {
   const struct cells *cells = context;
-  if (cells->count > 0) memset(data, 1, cells->count);
+  memset(data, 1, cells->count);
 }
 
 static enum status write_cells(struct h5_file *file, size_t count) {

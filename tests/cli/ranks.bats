@@ -21,6 +21,12 @@ setup() {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$BATS_FILE_TMPDIR"
 }
+killed() { # NAME JOB: a rank of it, once the second checkpoint is there; the job ends, and leaves the checkpoint
+  for _ in $(seq 400); do [ ! -e "$1.ckpt.1.hdf" ] || break; sleep 0.02; done
+  kill -9 "$(pgrep -f -- "sphsolve-mpi.* -o $1 --quiet" | tail -1)"
+  run wait "$2"
+  [ "$status" -ne 0 ] && [ -e "$1.ckpt.hdf" ] && [ ! -e "$1.hdf" ]
+}
 on() { local n=$1; shift; timeout 120 mpirun -np "$n" "$@"; }
 stokes() { # NAME [options]
   local name=$1; shift
@@ -58,13 +64,7 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
 @test "stokes: a rank killed on 3, finished on 4 and without MPI" {
   rm -f cut*
   on 3 sphsolve-mpi $(stokes cut --set checkpoint.interval=1us) > log 2>&1 &
-  local job=$! rank
-  for _ in $(seq 200); do [ ! -e cut.ckpt.1.hdf ] || break; sleep 0.05; done
-  rank=$(pgrep -f -- 'sphsolve-mpi.* -o cut --quiet' | tail -1)
-  kill -9 "$rank"
-  run wait $job
-  [ "$status" -ne 0 ]
-  [ -e cut.ckpt.hdf ] && [ ! -e cut.hdf ]
+  killed cut $!
   for f in cut.ckpt*.hdf; do cp "$f" "two${f#cut}"; done
   sphsolve $(stokes serial) > /dev/null
   on 4 sphsolve-mpi $(stokes cut --resume) > /dev/null
@@ -80,6 +80,43 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
   run sphsolve run "$ROOT/data-samples/scenes/still-tank.cfg" -o none --set isph.solver=petsc
   [ "$status" -eq 3 ]
   [[ "$output" == *"sphsolve-mpi"* ]]
+}
+
+small() { # METHOD: a run of it
+  case $1 in
+    stokes) stokes small --set checkpoint.interval=1us ;;
+    wcsph) wcsph small --set scene.end_time=1e-3s ;;
+    isph) isph dam-break 2ms small --set checkpoint.interval=1us ;;
+  esac
+}
+# FILE CODE: what a run that failed said on stderr holds one line of ours.
+one_line() {
+  [ "$2" -gt 0 ] && [ "$2" -le 4 ] && [ "$(grep -c '^sphsolve: ' "$1")" -eq 1 ] || { echo "$1: exit code $2"; cat "$1"; false; }
+}
+
+@test "an allocation or a write that fails on one of 2 ranks ends both with one line" {
+  local fault folder
+  # method:fault:rank:which of them
+  for fault in {stokes,isph}:{allocation:1:9,allocation:0:60,allocation:1:130,write:1:4,write:0:9} wcsph:{allocation:1:130,write:1:9}; do
+    folder=faults/$fault && mkdir -p "$folder" && cp s06.cfg dense.hdf "$folder"
+    (cd "$folder" && IFS=: read -r method kind rank n <<< "$fault" && code=0 &&
+      { on 2 -q ranks_faults-mpi "$kind" "$rank" "$n" $(small "$method") > out 2> said || code=$?; } && echo $code > code) &
+    while [ "$(jobs -r | wc -l)" -ge 6 ]; do sleep 0.1; done
+  done
+  wait
+  for folder in faults/*; do one_line "$folder/said" "$(cat "$folder/code")"; done
+}
+
+@test "a full disk ends all ranks with one line" {
+  local method code
+  for method in stokes wcsph isph; do
+    rm -f small* && code=0
+    # blocks of 1 KB: no snapshot fits; what Open MPI would write, and would not fit either, is done without
+    OMPI_MCA_btl=tcp,self PMIX_MCA_gds=hash on 2 -q bash -c 'ulimit -f 8; trap "" XFSZ; exec sphsolve-mpi "$@"' - $(small $method) > /dev/null 2> said || code=$?
+    one_line said $code
+    grep -q "full\|large" said
+    [ ! -e small.hdf ] && [ -z "$(ls small*.part small*.new.hdf 2> /dev/null)" ]
+  done
 }
 
 wcsph() { # NAME [options]
@@ -119,17 +156,12 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
   same long long3
 }
 
-@test "wcsph: stopped on 2 ranks, taken up by 3 and by one, bit for bit" {
+@test "wcsph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
   local pull=98
   [ -e wfrozen.hdf ] || sphsolve $(wcsph wfrozen --set wcsph.wall=frozen) > /dev/null
   rm -f stop*
   on 2 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --set checkpoint.interval=1us) > log 2>&1 &
-  local job=$! rank
-  for _ in $(seq 400); do [ ! -e stop.ckpt.1.hdf ] || break; sleep 0.02; done
-  rank=$(pgrep -f -- 'sphsolve-mpi.* -o stop --quiet' | tail -1)
-  kill -9 "$rank"
-  run wait $job
-  [ ! -e stop.hdf ]
+  killed stop $!
   mkdir -p alone && cp stop* s06.cfg dense.hdf alone
   on 3 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --resume) > /dev/null
   same wfrozen stop
@@ -161,12 +193,12 @@ isph() { # SCENE END NAME [options]
   done
 }
 
-@test "isph: stopped on 2 ranks, taken up by 3 and by one, bit for bit" {
-  sphsolve $(isph dam-break 0.02s whole --set checkpoint.interval=1us) > /dev/null
-  on 2 sphsolve-mpi $(isph dam-break 0.02s part --set checkpoint.interval=1us) > /dev/null
-  [ -e part.ckpt.hdf ]
+@test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
+  rm -f part* lone-part*
+  sphsolve $(isph dam-break 0.04s whole) > /dev/null
+  on 2 sphsolve-mpi $(isph dam-break 0.04s part --set checkpoint.interval=1us) > log 2>&1 &
+  killed part $!
   for f in part*; do cp "$f" "lone-$f"; done
-  sphsolve $(isph dam-break 0.04s whole --resume) > /dev/null
   on 3 sphsolve-mpi $(isph dam-break 0.04s part --resume) > /dev/null
   same whole part
   sphsolve $(isph dam-break 0.04s lone-part --resume) > /dev/null
