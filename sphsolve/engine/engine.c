@@ -300,7 +300,9 @@ static void drift(struct engine *engine, double share) {
       /* Within the box: centre - half <= x <= centre + half, modulo 2^32. */
       out = out || p->x[a][i] - box->centre[a] + box->half[a] > 2 * box->half[a];
     }
-    left = left || (out && p->id[i] != NO_PARTICLE);
+    /* What stands in an empty slot is no particle's, and not the same after a resume. */
+    if (p->id[i] == NO_PARTICLE) continue;
+    left = left || out;
     speed = fmax(speed, own);
     step = fmax(step, moving);
   }

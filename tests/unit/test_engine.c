@@ -127,6 +127,21 @@ static void test_neighbours_flat(void **state) {
   test_lattice_free(&lattice);
 }
 
+/* Puts `value` wherever no particle stands. */
+static void fill_empty(const struct particles *p, float value) {
+  for (size_t i = 0; i < p->capacity; i++) {
+    if (i < particles_slots(p) && p->id[i] != NO_PARTICLE) continue;
+    for (int a = 0; a < 3; a++) {
+      p->v[a][i] = p->v_next[a][i] = value;
+      p->x[a][i] = (uint32_t)i * 2654435769u;
+      if (p->shift[a] != NULL) p->shift[a][i] = value;
+    }
+    p->state[i] = value;
+  }
+}
+
+static float empty; /* what stands there after each step of a march; 0: what the engine left */
+
 /* Marches a sand model and leaves velocities and positions by id. */
 static void march(enum pass_wall wall, int threads, const char *isa, int steps, size_t n,
                   float (*v)[3], uint32_t (*x)[3]) {
@@ -142,7 +157,10 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
   omp_set_num_threads(threads);
   assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
   unsetenv("TOSUI_ISA");
-  for (int s = 0; s < steps; s++) assert_int_equal(engine_step(&engine), STATUS_OK);
+  for (int s = 0; s < steps; s++) {
+    assert_int_equal(engine_step(&engine), STATUS_OK);
+    if (empty != 0) fill_empty(&engine.particles, empty);
+  }
   assert_true(engine.rebuilds > 1);
   const struct particles *p = &engine.particles;
   memset(v, 0, lattice.count * sizeof *v);
@@ -174,6 +192,22 @@ static void test_threads_change_no_bit(void **state) {
       assert_memory_equal(v[0], v[1], sizeof v[0]);
       assert_memory_equal(x[0], x[1], sizeof x[0]);
     }
+  }
+}
+
+/* A resumed run does not know what stood in slots without a particle. */
+static void test_empty_slots_change_no_bit(void **state) {
+  (void)state;
+  static float v[2][SITES][3];
+  static uint32_t x[2][SITES][3];
+  enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
+  for (int w = 0; w < 3; w++) {
+    march(walls[w], 1, NULL, 24, SIDE, v[0], x[0]);
+    empty = 5; /* m/s: more than any particle's */
+    march(walls[w], 1, NULL, 24, SIDE, v[1], x[1]);
+    empty = 0;
+    assert_memory_equal(v[0], v[1], sizeof v[0]);
+    assert_memory_equal(x[0], x[1], sizeof x[0]);
   }
 }
 
@@ -211,10 +245,14 @@ static void test_instruction_sets_agree(void **state) {
 int main(void) {
   omp_set_num_threads(1);
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_kernel_matches),         cmocka_unit_test(test_neighbours_wide),
-      cmocka_unit_test(test_neighbours_narrow),      cmocka_unit_test(test_neighbours_anisotropic),
-      cmocka_unit_test(test_neighbours_flat),        cmocka_unit_test(test_threads_change_no_bit),
+      cmocka_unit_test(test_kernel_matches),
+      cmocka_unit_test(test_neighbours_wide),
+      cmocka_unit_test(test_neighbours_narrow),
+      cmocka_unit_test(test_neighbours_anisotropic),
+      cmocka_unit_test(test_neighbours_flat),
+      cmocka_unit_test(test_threads_change_no_bit),
       cmocka_unit_test(test_instruction_sets_agree),
+      cmocka_unit_test(test_empty_slots_change_no_bit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
