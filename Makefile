@@ -191,7 +191,7 @@ lint: $(BUILD)/config.mk
 	BUILD=$(BUILD) scripts/lint
 # A part of these runs the part of the tests: make asan PART=2/3.
 asan:
-	LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
+	ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
 ubsan:
 	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
 # GNU's OpenMP synchronises unseen by the sanitizer, which then cries wolf; archer tells it of that of LLVM's (clang, libomp-dev).
