@@ -265,6 +265,46 @@ cleanup:
   return status;
 }
 
+/* The threshold among the coarse levels: that of the same void ratio, or the same grey where one is
+ * given or only labels are there. False where levels were cut off around it. */
+static bool coarse_threshold(const struct pipeline *pipeline, double *threshold) {
+  const struct coarse *coarse = &pipeline->coarse;
+  if (coarse->step == 1) return false;
+  *threshold = (pipeline->threshold_original - coarse->low) / coarse->unit;
+  const bool inside = *threshold > 1.0 && *threshold < (double)coarse->histogram.bins - 2.0;
+  if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2)
+    *threshold = grey_histogram_quantile(
+        &coarse->histogram,
+        grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original));
+  return inside;
+}
+
+/* Distances, fractions and surface of the walls, on the scan averaged where there is one. */
+static enum status measure_walls(struct pipeline *pipeline, struct wall_request *request,
+                                 struct wall_result *walls) {
+  enum status status = STATUS_OK;
+  const struct coarse *coarse = &pipeline->coarse;
+  struct quality *quality = &pipeline->quality;
+  double volume = 1.0, threshold;
+  for (int d = 0; d < 3; d++)
+    volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
+  if (coarse_threshold(pipeline, &threshold)) {
+    const struct region region = coarse_region(coarse, &pipeline->region);
+    request->threshold = threshold;
+    request->contrast /= coarse->unit;
+    TRY(wall_measure(&region, request, walls));
+    pipeline->specks = walls->specks * coarse->step * coarse->step * coarse->step;
+  } else {
+    TRY(wall_measure(&pipeline->region, request, walls));
+    pipeline->specks = walls->specks;
+    quality->surface_original = walls->surface_area / volume;
+    quality->surface_error = NAN;
+  }
+cleanup:
+  coarse_end(&pipeline->coarse);
+  return status;
+}
+
 static enum status find_walls(struct pipeline *pipeline, bool distances) {
   enum status status = STATUS_OK;
   struct wall_result walls = {0};
@@ -274,21 +314,16 @@ static enum status find_walls(struct pipeline *pipeline, bool distances) {
                                  .contrast = contrast > 0.0 ? contrast
                                                             : pipeline->histogram.width *
                                                                   (double)pipeline->histogram.bins,
-                                 .mirror = pipeline->request->mirror,
-                                 .distances = distances};
+                                 .mirror = pipeline->request->mirror};
   memcpy(request.size, pipeline->size, sizeof request.size);
-  double volume = 1.0;
-  for (int d = 0; d < 3; d++)
-    volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
-  if (!distances) {
+  request.distances = false;
+  if (pipeline->sample.count > 0)
     TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
                                &pipeline->quality.surface_error));
-    goto cleanup;
-  }
-  TRY(wall_measure(&pipeline->region, &request, &walls));
-  pipeline->specks = walls.specks;
-  pipeline->quality.surface_original = walls.surface_area / volume;
-  pipeline->quality.surface_error = NAN;
+  surface_sample_end(&pipeline->sample);
+  if (!distances) goto cleanup;
+  request.distances = true;
+  TRY(measure_walls(pipeline, &request, &walls));
   struct voxel_model *model = &pipeline->model;
   model->wall_distance = walls.distance;
   model->grain_fraction = walls.grain_fraction;
@@ -306,13 +341,15 @@ cleanup:
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
                          bool distances, struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0};
+  *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0, .coarse = {.step = 1}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
   pipeline->resampled = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
-  if (!distances) TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
+  if (distances) TRY(coarse_start(&pipeline->region, out, &pipeline->survey, &pipeline->coarse));
+  if (!distances || pipeline->coarse.step > 1)
+    TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
   TRY(scan_take(pipeline));
   TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
@@ -338,6 +375,7 @@ void pipeline_end(struct pipeline *pipeline) {
   memory_free(&pipeline->turned);
   memory_free(&pipeline->weight);
   surface_sample_end(&pipeline->sample);
+  coarse_end(&pipeline->coarse);
   survey_end(&pipeline->survey);
   stack_close(&pipeline->stack);
 }

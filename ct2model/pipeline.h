@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/model_file.h"
 #include "ct2model/calibrate.h"
+#include "ct2model/coarse.h"
 #include "ct2model/denoise_effect.h"
 #include "ct2model/morphology.h"
 #include "ct2model/region.h"
@@ -47,7 +48,8 @@ struct pipeline {
   float *middle;     /* the middle slice of the region, full resolution */
   unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */
-  struct surface_sample sample; /* of a sweep */
+  struct surface_sample sample; /* where the scan is not read again */
+  struct coarse coarse;         /* likewise, of a build; until the walls are measured */
   struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
   double threshold_slope, threshold_slope_original; /* dT/de, reported greys */

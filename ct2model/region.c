@@ -45,13 +45,13 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
 }
 
 bool region_has_levels(const struct region *region) {
-  return region->turned == NULL && region->correction == NULL && region->stack->has_levels;
+  return region->held == NULL && region->correction == NULL && region->stack->has_levels;
 }
 
 size_t region_buffer_size(const struct region *region) {
   const struct stack *stack = region->stack;
   size_t whole = stack->size[0] * stack->size[1], part = region->size[0] * region->size[1];
-  if (region->turned != NULL) return 0;
+  if (region->held != NULL) return 0;
   if (region_has_levels(region)) return whole * pixel_size(stack->type);
   return (is_whole(region) ? whole : whole + part) * sizeof(float);
 }
@@ -66,11 +66,13 @@ enum status region_read_rows(const struct region *region, size_t z, void *buffer
         stack->size[0] * bytes, stack->type, (float)region->scale};
     return stack_read_stored(stack, region->origin[2] + z, buffer);
   }
-  *rows = (struct pixel_rows){buffer, region->size[0] * sizeof(float), PIXEL_F32, 1.0f};
-  if (region->turned != NULL) {
-    rows->first = region->turned + z * region->size[0] * region->size[1];
+  if (region->held != NULL) {
+    const size_t row = region->size[0] * pixel_size(region->held_type);
+    *rows = (struct pixel_rows){(const char *)region->held + z * row * region->size[1], row,
+                                region->held_type, 1.0f};
     return STATUS_OK;
   }
+  *rows = (struct pixel_rows){buffer, region->size[0] * sizeof(float), PIXEL_F32, 1.0f};
   float *slice = is_whole(region) ? buffer : (float *)buffer + whole;
   rows->first = slice;
   return read_one(region, z, buffer, slice);
@@ -127,7 +129,8 @@ enum status region_turn(struct region *region, int axis, float **store) {
   }
   progress_end(&progress);
   *store = turned;
-  region->turned = turned;
+  region->held = turned;
+  region->held_type = PIXEL_F32;
 cleanup:
   memory_free(&slices);
   if (status != STATUS_OK) memory_free(&turned);

@@ -17,8 +17,9 @@ struct region {
   size_t origin[3], size[3]; /* x, y, z */
   double voxel[3];           /* m */
   double scale;              /* grey = scale * stored value; negative for dark grains */
-  const float *turned;       /* the whole region with other axes, once region_turn made it */
-  double axis[2];            /* of rotation, pixels of the whole slice */
+  const void *held; /* [z][y][x] where the whole region is in memory (region_turn, coarse) */
+  enum pixel_type held_type;
+  double axis[2];                      /* of rotation, pixels of the whole slice */
   const struct correction *correction; /* NULL: greys as stored */
   enum denoise denoise;
 };

@@ -126,7 +126,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
     put(root, "denoised_surface_ratio", pipeline->denoised.surface);
   }
   put(root, "specific_surface_per_m", pipeline->quality.surface_original);
-  if (!build) put(root, "specific_surface_error_per_m", pipeline->quality.surface_error);
+  put(root, "specific_surface_error_per_m", pipeline->quality.surface_error);
   size_t original[3];
   double voxel[3];
   for (int a = 0; a < 3; a++) {

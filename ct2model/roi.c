@@ -79,7 +79,7 @@ enum status roi_count(const struct roi *roi, const struct region *region,
   struct region whole = *region;
   struct stack mask = {0};
   float *slices = NULL, *inside = NULL;
-  whole.turned = NULL;
+  whole.held = NULL;
   memset(whole.origin, 0, sizeof whole.origin);
   memcpy(whole.size, stack->size, sizeof whole.size);
   if (roi->kind == ROI_MASK) {

@@ -13,10 +13,10 @@ static const double BATCH_BYTES = 16e6; /* of reduced slices */
 
 /* What a thread keeps for itself. */
 struct worker {
-  char *buffer; /* the slice as read */
-  float *row;
-  uint32_t *levels; /* counts of a region that has levels; else `greys` */
-  uint64_t held;    /* pixels in `levels` */
+  char *buffer;      /* the slice as read */
+  float *row, *sums; /* sums of a coarse slice */
+  uint32_t *levels;  /* counts of a region that has levels; else `greys` */
+  uint64_t held;     /* pixels in `levels` */
   struct grey_histogram greys;
 };
 
@@ -62,6 +62,7 @@ static enum status scan_start(struct pipeline *pipeline, struct scan *scan) {
   struct grey_histogram *histogram = &pipeline->histogram;
   *scan = (struct scan){.region = region, .pipeline = pipeline};
   scan->batch = (size_t)fmin(BATCH_MOST, fmax(BATCH_LEAST, floor(BATCH_BYTES / reduced)));
+  scan->batch -= scan->batch % pipeline->coarse.step; // NOLINT: a step is one slice at least
   scan->has_levels = region_has_levels(region);
   if (pixel_levels(pipeline->stack.type, &scan->low, &scan->high)) {
     double first = region->scale < 0.0 ? -scan->high : scan->low;
@@ -82,6 +83,8 @@ static enum status scan_start(struct pipeline *pipeline, struct scan *scan) {
     struct worker *worker = &scan->workers[scan->worker_count];
     TRY(memory_allocate(&worker->buffer, region_buffer_size(region), 1, "a slice"));
     TRY(memory_allocate(&worker->row, region->size[0], sizeof *worker->row, "a row"));
+    TRY(memory_allocate(&worker->sums, coarse_sums(&pipeline->coarse), sizeof *worker->sums,
+                        "an averaged slice"));
     if (scan->has_levels)
       TRY(memory_allocate(&worker->levels, PIXEL_COUNTS, sizeof *worker->levels, "a histogram"));
     else
@@ -96,6 +99,7 @@ static void scan_end(struct scan *scan) {
   for (size_t i = 0; i < threads; i++) {
     memory_free(&scan->workers[i].buffer);
     memory_free(&scan->workers[i].row);
+    memory_free(&scan->workers[i].sums);
     memory_free(&scan->workers[i].levels);
     grey_histogram_end(&scan->workers[i].greys);
   }
@@ -126,6 +130,7 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
   const struct region *region = scan->region;
   const size_t nx = region->size[0], ny = region->size[1];
   struct worker *worker = &scan->workers[omp_get_thread_num()];
+  struct coarse *coarse = &scan->pipeline->coarse;
   struct pixel_rows rows;
   TRY(region_read_rows(region, z, worker->buffer, &rows));
   if (worker->held + nx * ny > UINT32_MAX) gather_counts(scan, worker);
@@ -135,14 +140,18 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
   struct reduction reduction;
   if (by_rows) resampler_begin(&scan->resampler, place, &reduction);
   for (size_t y = 0; y < ny; y++) {
-    const float *greys =
-        by_rows || !scan->has_levels ? pixel_rows_at(&rows, y, nx, worker->row) : NULL;
+    const float *greys = by_rows || !scan->has_levels || coarse->step > 1
+                             ? pixel_rows_at(&rows, y, nx, worker->row)
+                             : NULL;
     if (scan->has_levels)
       pixels_count(worker->levels, (const char *)rows.first + y * rows.stride, nx, rows.type);
     else
       grey_histogram_add(&worker->greys, greys, nx);
     if (by_rows) reduction_add(&reduction, greys);
+    if (coarse->step > 1) coarse_add(coarse, y, z, greys, worker->sums);
   }
+  if (coarse->step > 1 && (z + 1) % coarse->step == 0)
+    coarse_store(coarse, z / coarse->step, worker->sums);
   if (wanted && !by_rows) TRY(resampler_point(&scan->resampler, &rows, place));
   surface_sample_keep(&scan->pipeline->sample, z, &rows);
   for (size_t y = 0; y < ny && z == region->size[2] / 2; y++)
@@ -155,14 +164,16 @@ enum status scan_take(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct scan scan;
   struct progress progress;
-  const size_t slices = pipeline->region.size[2];
+  const size_t slices = pipeline->region.size[2], step = pipeline->coarse.step;
   TRY(scan_start(pipeline, &scan));
   progress_start(&progress, "reading", "slices", (double)slices);
   for (size_t z = 0; z < slices; z += scan.batch) {
     size_t n = slices - z < scan.batch ? slices - z : scan.batch;
 #pragma omp parallel for schedule(dynamic)
-    for (size_t i = 0; i < n; i++) {
-      enum status one = take_slice(&scan, z + i, i);
+    for (size_t first = 0; first < n; first += step) { /* a coarse slice by one thread */
+      enum status one = STATUS_OK;
+      for (size_t i = first; i < first + step && one == STATUS_OK; i++)
+        one = take_slice(&scan, z + i, i);
       if (one != STATUS_OK) {
 #pragma omp critical
         status = one;

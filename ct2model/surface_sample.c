@@ -68,7 +68,8 @@ enum status surface_sample_measure(const struct surface_sample *sample,
   for (size_t i = 0; i < sample->count; i++) {
     struct wall_result walls = {0};
     struct region mine = window;
-    mine.turned = sample->greys + i * mine.size[0] * mine.size[1] * mine.size[2];
+    mine.held_type = PIXEL_F32;
+    mine.held = sample->greys + i * mine.size[0] * mine.size[1] * mine.size[2];
     enum status one = wall_measure(&mine, &part, &walls);
     surfaces[i] = walls.surface_area / volume;
     wall_result_end(&walls);
