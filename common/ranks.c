@@ -93,6 +93,18 @@ void ranks_max_all(double *values, size_t n) {
   wait_end();
 }
 
+void ranks_sum_whole(int64_t *values, size_t n) {
+  if (count == 1) return;
+  wait_begin();
+  for (size_t done = 0; done < n; done += INT_MAX) {
+    const size_t piece = n - done < INT_MAX ? n - done : INT_MAX;
+    MPI_Allreduce(MPI_IN_PLACE, values + done, (int)piece, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  }
+  traffic.reductions++;
+  traffic.gathered_bytes += n * sizeof *values;
+  wait_end();
+}
+
 void ranks_swap_counts(const size_t *send, size_t *receive) {
   wait_begin();
   MPI_Alltoall(send, sizeof *send, MPI_BYTE, receive, sizeof *send, MPI_BYTE, MPI_COMM_WORLD);

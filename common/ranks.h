@@ -31,6 +31,8 @@ int ranks_own(void);
 /* Collective; the same bits on every rank. */
 void ranks_sum_all(double *values, size_t count);
 void ranks_max_all(double *values, size_t count);
+/* The same of whole numbers, of any count. */
+void ranks_sum_whole(int64_t *values, size_t count);
 /* Collective: send[r] goes to rank r, receive[r] comes from it. */
 void ranks_swap_counts(const size_t *send, size_t *receive);
 /* Collective: a failure of one is a failure of all. */
@@ -63,6 +65,9 @@ static inline void ranks_sum_all(double *values, size_t count) {
   (void)values, (void)count;
 }
 static inline void ranks_max_all(double *values, size_t count) {
+  (void)values, (void)count;
+}
+static inline void ranks_sum_whole(int64_t *values, size_t count) {
   (void)values, (void)count;
 }
 static inline void ranks_swap_counts(const size_t *send, size_t *receive) {

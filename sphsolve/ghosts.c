@@ -76,7 +76,8 @@ void ghosts_free(struct ghosts *g) {
 enum status ghosts_agree(struct ghosts *g, size_t items) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
-  size_t n = 0, *counts = NULL;
+  size_t n = 0, owner = 0, *counts = NULL;
+  uint32_t *asked = NULL; /* as its owner counts its own */
   memory_free(&g->send);
   memory_free(&g->receive);
   memory_free(&g->out);
@@ -88,14 +89,17 @@ enum status ghosts_agree(struct ghosts *g, size_t items) {
   TRY(memory_allocate(&counts, 2 * ranks, sizeof *counts, "ghosts"));
   for (size_t c = 0; c < items; c++) n += g->wanted[c];
   TRY(memory_allocate(&g->receive, n + 1, sizeof *g->receive, "ghosts"));
+  TRY(memory_allocate(&asked, n + 1, sizeof *asked, "ghosts"));
   n = 0;
-  for (size_t r = 0; r < ranks; r++) {
-    g->receive_start[r] = n;
-    for (size_t c = g->cut[r]; c < g->cut[r + 1]; c++)
-      if (g->wanted[c]) g->receive[n++] = (uint32_t)c;
-    counts[r] = n - g->receive_start[r];
+  for (size_t c = 0; c < items; c++) {
+    if (!g->wanted[c]) continue;
+    const size_t number = ghosts_number(g, c);
+    while (number >= g->cut[owner + 1]) g->receive_start[++owner] = n;
+    g->receive[n] = (uint32_t)c;
+    asked[n++] = (uint32_t)(number - g->cut[owner]);
+    counts[owner]++;
   }
-  g->receive_start[ranks] = n;
+  while (owner < ranks) g->receive_start[++owner] = n;
   ranks_swap_counts(counts, counts + ranks);
   for (size_t r = 0; r < ranks; r++) g->send_start[r + 1] = g->send_start[r] + counts[ranks + r];
   const size_t m = g->send_start[ranks];
@@ -107,12 +111,13 @@ enum status ghosts_agree(struct ghosts *g, size_t items) {
     if (g->send_start[r + 1] > to)
       ranks_receive(g->send + to, (g->send_start[r + 1] - to) * sizeof *g->send, (int)r, g->tag);
     if (g->receive_start[r + 1] > from)
-      ranks_send(g->receive + from, (g->receive_start[r + 1] - from) * sizeof *g->send, (int)r,
-                 g->tag);
+      ranks_send(asked + from, (g->receive_start[r + 1] - from) * sizeof *asked, (int)r, g->tag);
   }
   ranks_wait();
+  for (size_t k = 0; k < m; k++) g->send[k] += (uint32_t)g->begin;
 cleanup:
   memory_free(&counts);
+  memory_free(&asked);
   return status;
 }
 

@@ -1,7 +1,8 @@
-/* Items, particles or clusters of them, shared out among the ranks (common/ranks.h). Every rank
- * numbers and orders all items as one process would; it computes a run of them in that order, its
- * own, and of the others keeps those fresh that its neighbour lists name: ghosts. So a row sums the
- * same numbers in the same order on any number of ranks, and gives the same bits. */
+/* Items, particles or clusters of them, shared out among the ranks (common/ranks.h). All items have
+ * an order, that of one process; a rank computes a run of them, its own, and of the others keeps
+ * those fresh that its neighbour lists name: ghosts. It holds all items, or those of some runs, in
+ * that order. So a row sums the same numbers in the same order on any number of ranks, and gives
+ * the same bits. */
 #ifndef TOSUI_SPHSOLVE_GHOSTS_H
 #define TOSUI_SPHSOLVE_GHOSTS_H
 
@@ -9,7 +10,7 @@
 
 #define GHOST_FIELDS 8
 
-/* An array of all items, `size` bytes each. */
+/* An array of the items here, `size` bytes each. */
 struct ghost_field {
   void *data;
   size_t size;
@@ -19,9 +20,13 @@ struct ghosts {
   int tag;
   size_t bytes_most;        /* of an item in one message */
   size_t *cut;              /* [ranks + 1]: first item of each rank; NULL: there is one rank */
-  size_t begin, end;        /* of this rank */
+  size_t begin, end;        /* of this rank, in its arrays */
+  int runs;                 /* held; 0: all items are */
+  struct {
+    size_t here, number; /* of the first: in the arrays, and in the order of all */
+  } run[3];
   double imbalance;         /* work of the busiest over the mean, when last cut */
-  uint8_t *wanted;          /* [items] */
+  uint8_t *wanted;          /* [items here] */
   uint32_t *send, *receive; /* items, rank by rank */
   size_t *send_start, *receive_start;
   char *out, *in; /* messages under way, and where they go: */
@@ -34,7 +39,14 @@ struct ghosts {
  * is known (`own_work` of this rank, 0: not known) and uneven, by it. */
 enum status ghosts_cut(struct ghosts *ghosts, size_t items, size_t unit, double own_work);
 void ghosts_free(struct ghosts *ghosts);
-/* Collective: tells the ranks which of their items are `wanted` here. */
+/* The place of item `here` in the order of all. */
+static inline size_t ghosts_number(const struct ghosts *g, size_t here) {
+  size_t number = here;
+  for (int k = 0; k < g->runs && here >= g->run[k].here; k++)
+    number = g->run[k].number + (here - g->run[k].here);
+  return number;
+}
+/* Collective: tells the ranks which of their items are `wanted` here, of so many that are here. */
 enum status ghosts_agree(struct ghosts *ghosts, size_t items);
 /* Collective: puts fields under way; ghosts_finish waits, and fills the ghosts. */
 void ghosts_post(struct ghosts *ghosts, int count, const struct ghost_field *fields);

@@ -33,7 +33,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/memory.h"
 #include "sphsolve/effects/isph_relaxation.h"
 #include "sphsolve/isph/isph_ranks.h"
 
@@ -63,10 +62,18 @@ static void hold(double mass, double inertia, double porosity, const double v[3]
 }
 
 static void held(const struct isph *s, double momentum[3], double *energy) {
-  momentum[0] = momentum[1] = momentum[2] = *energy = 0;
-  for (size_t i = 0; i < s->count; i++)
-    hold(s->mass[i] * s->thickness, inertia_of(s, i), porosity_of(s, i), s->velocity[i], 1,
-         momentum, energy);
+  double total[4];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[4] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      hold(s->mass[i] * s->thickness, inertia_of(s, i), porosity_of(s, i), s->velocity[i], 1, sum,
+           &sum[3]);
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 4, total);
+  memcpy(momentum, total, 3 * sizeof *total);
+  *energy = total[3];
 }
 
 void isph_account_begin(struct isph *s) {
@@ -227,27 +234,16 @@ void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledge
   if (term != LEDGER_FORCE) sums->work[term] -= given;
 }
 
-enum status isph_account_moved(struct isph *s) {
-  enum status status = STATUS_OK;
-  const size_t own = s->share.begin / CHUNK, all = (s->count + CHUNK - 1) / CHUNK;
-  struct ledger_sums *chunks = NULL;
-  if (isph_is_shared(s)) {
-    TRY(memory_allocate(&chunks, all + 1, sizeof *chunks, "the account"));
-    for (size_t c = 0; c < s->chunk_count; c++) chunks[own + c] = s->chunks[c].account;
-    isph_gather_chunks(s, chunks, sizeof *chunks);
-  }
-  for (size_t c = 0; c < all; c++)
-    ledger_add(&s->account.sums, chunks != NULL ? &chunks[c] : &s->chunks[c].account);
+void isph_account_moved(struct isph *s) {
+  isph_add_accounts(s);
   if (s->on.soil) held(s, s->account_held, &s->account_held[3]);
-cleanup:
-  memory_free(&chunks);
-  return status;
 }
 
-void isph_account_gone(struct isph *s, enum ledger_term term, size_t i) {
-  const double m = s->mass[i] * s->thickness, in = inertia_of(s, i), eps = porosity_of(s, i);
-  hold(m, in, eps, s->velocity[i], -1, s->account.sums.impulse[term], &s->account.sums.work[term]);
-  hold(m, in, eps, s->velocity[i], -1, s->account_held, &s->account_held[3]);
+void isph_account_gone(struct isph *s, enum ledger_term term, const struct isph_gone *gone) {
+  const double m = gone->mass * s->thickness, in = gone->inertia, eps = gone->porosity;
+  const double *v = gone->velocity;
+  hold(m, in, eps, v, -1, s->account.sums.impulse[term], &s->account.sums.work[term]);
+  hold(m, in, eps, v, -1, s->account_held, &s->account_held[3]);
 }
 
 void isph_account_entered(struct isph *s, const double position[3], const double velocity[3],

@@ -17,9 +17,13 @@ void isph_account_change(const struct isph *s, struct ledger_sums *sums, enum le
 void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
                       size_t i, const double way[3]);
 /* Sums the chunks and, in soil, what there is before the particles' soil is found anew. */
-enum status isph_account_moved(struct isph *s);
-/* Particle i, still with the soil it had, leaves. */
-void isph_account_gone(struct isph *s, enum ledger_term term, size_t i);
+void isph_account_moved(struct isph *s);
+/* A particle, still with the soil it had, leaves. */
+struct isph_gone {
+  double position[3], velocity[3], mass, volume, inertia, porosity;
+  uint64_t id;
+};
+void isph_account_gone(struct isph *s, enum ledger_term term, const struct isph_gone *gone);
 /* A particle comes in. */
 void isph_account_entered(struct isph *s, const double position[3], const double velocity[3],
                           double mass);

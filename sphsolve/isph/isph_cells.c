@@ -15,7 +15,7 @@ static int clamp_index(double value, int count) {
   return value < count - 1 ? (int)value : count - 1;
 }
 
-static uint32_t cell_of(const struct isph_cells *cells, const double x[3]) {
+uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]) {
   int at[3];
   for (int a = 0; a < 3; a++)
     at[a] = clamp_index((x[a] - cells->origin[a]) / cells->size[a], cells->count[a]);
@@ -62,19 +62,20 @@ static void permute(struct isph *s, void *data, size_t size) {
 }
 
 enum status isph_sort(struct isph *s) {
-  if (s->cells.start == NULL) {
-    enum status status = shape_cells(s, 0, &s->cells);
-    if (status != STATUS_OK) return status;
-  }
+  enum status status = STATUS_OK;
+  if (s->cells.start == NULL) TRY(shape_cells(s, 0, &s->cells));
+  TRY(isph_share_out(s));
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) s->cell_of[i] = cell_of(&s->cells, s->position[i]);
+  for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
   sort_by_cell(&s->cells, s->count, s->cell_of, s->order);
   permute(s, s->position, sizeof *s->position);
   permute(s, s->velocity, sizeof *s->velocity);
   permute(s, s->pressure, sizeof *s->pressure);
   permute(s, s->mass, sizeof *s->mass);
   permute(s, s->id, sizeof *s->id);
-  return STATUS_OK;
+  isph_find_own(s);
+cleanup:
+  return status;
 }
 
 /* Boundary particles keep their order from the start (that of their homes), so that a resumed run
@@ -87,7 +88,7 @@ enum status isph_sort_walls(struct isph *s) {
   if (s->wall_order == NULL)
     TRY(memory_allocate(&s->wall_order, n, sizeof *s->wall_order, "walls"));
   TRY(memory_allocate(&cell, n, sizeof *cell, "walls"));
-  for (size_t j = 0; j < n; j++) cell[j] = cell_of(&s->wall_cells, s->boundary_position[j]);
+  for (size_t j = 0; j < n; j++) cell[j] = isph_cell_of(&s->wall_cells, s->boundary_position[j]);
   sort_by_cell(&s->wall_cells, n, cell, s->wall_order);
 cleanup:
   memory_free(&cell);
@@ -279,7 +280,9 @@ enum status isph_probe(const struct isph *s, const double x[3], double *filling,
 static enum status shape_chunks(struct isph *s) {
   size_t n = (s->share.end - s->share.begin + CHUNK - 1) / CHUNK;
   if (n > s->chunk_capacity) {
-    enum status status = memory_resize(&s->chunks, n, sizeof *s->chunks, "neighbour lists");
+    enum status status = memory_resize(&s->sums, n, sizeof *s->sums, "sums");
+    if (status == STATUS_OK)
+      status = memory_resize(&s->chunks, n, sizeof *s->chunks, "neighbour lists");
     if (status != STATUS_OK) return status;
     s->chunk_capacity = n;
   }
@@ -321,7 +324,6 @@ enum status isph_find_neighbours(struct isph *s) {
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->imbalance)});
   if (s->near != NULL) find_near(s);
   if (s->on.soil) isph_moment_even(s);
-  isph_gather(s, s->filling);
   s->pairs_now = 0;
   for (size_t c = 0; c < s->chunk_count; c++)
     s->pairs_now += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);

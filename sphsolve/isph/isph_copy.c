@@ -4,39 +4,39 @@
 #include "common/memory.h"
 #include "sphsolve/isph/isph_state.h"
 
-/* The arrays of a state: per particle, per boundary particle, per region. */
-static size_t copied_arrays(struct isph *s, void **array[9], size_t bytes[9]) {
+/* The arrays of a state: per own particle, per boundary particle, per region. */
+static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9]) {
+  const size_t own = s->share.end - s->share.begin;
   size_t n = 0;
-#define ADD(member, count)                                                                         \
+#define ADD(member, first, count)                                                                  \
   do {                                                                                             \
-    array[n] = (void **)&s->member;                                                                \
+    array[n] = (count) > 0 ? s->member + (first) : NULL;                                           \
     bytes[n++] = (count) * sizeof *s->member;                                                      \
   } while (0)
-  ADD(position, s->count);
-  ADD(velocity, s->count);
-  ADD(pressure, s->count);
-  ADD(mass, s->count);
-  ADD(id, s->count);
-  ADD(boundary_position, s->boundary_count);
-  ADD(wall_boxes, s->wall_box_count);
-  ADD(soil_offset, s->scene->region_count);
-  ADD(column_front, s->column_count);
+  ADD(position, s->share.begin, own);
+  ADD(velocity, s->share.begin, own);
+  ADD(pressure, s->share.begin, own);
+  ADD(mass, s->share.begin, own);
+  ADD(id, s->share.begin, own);
+  ADD(boundary_position, 0, s->boundary_count);
+  ADD(wall_boxes, 0, s->wall_box_count);
+  ADD(soil_offset, 0, s->scene->region_count);
+  ADD(column_front, 0, s->column_count);
 #undef ADD
   return n;
 }
 
 enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  struct isph at = *s; /* pointers only */
-  void **array[9];
-  size_t bytes[9], total = 0, used = 0, n = copied_arrays(&at, array, bytes);
+  void *array[9];
+  size_t bytes[9], total = 0, used = 0, n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
-    if (bytes[i] > 0) memcpy(copy->block + used, *array[i], bytes[i]);
+    if (bytes[i] > 0) memcpy(copy->block + used, array[i], bytes[i]);
     used += bytes[i];
   }
-  copy->count = s->count;
+  copy->count = s->share.end - s->share.begin;
   copy->time = s->time, copy->thickest = s->thickest;
   copy->step = s->step;
   copy->next_id = s->next_id;
@@ -51,13 +51,14 @@ cleanup:
 
 enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void **array[9];
+  void *array[9];
   size_t bytes[9], used = 0;
   TRY(isph_reserve(s, copy->count));
-  s->count = copy->count;
+  s->count = s->share.end = copy->count;
+  s->share.begin = 0;
   size_t n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) {
-    if (bytes[i] > 0) memcpy(*array[i], copy->block + used, bytes[i]);
+    if (bytes[i] > 0) memcpy(array[i], copy->block + used, bytes[i]);
     used += bytes[i];
   }
   s->time = copy->time, s->thickest = copy->thickest;

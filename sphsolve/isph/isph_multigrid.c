@@ -27,9 +27,11 @@ struct isph_multigrid {
   double origin[3];
   struct level levels[LEVELS];
   size_t capacity, layer_capacity;
-  uint32_t *base; /* [particles]: lowest node of its cell */
+  uint32_t *base; /* [own particles]: lowest node of its cell */
   float (*fraction)[3];
-  uint32_t *order; /* particles by layer of cells along z */
+  uint32_t *order; /* own particles by layer of cells along z */
+  int64_t *whole;  /* [nodes, cells]: sums in units, the same in whatever order */
+  size_t whole_room;
   uint32_t *layer_start;
 };
 
@@ -86,11 +88,15 @@ static int cells_for(double length, double wanted, bool periodic) {
 static enum status shape(struct isph *s, struct isph_multigrid *grid) {
   struct level *fine = &grid->levels[0];
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (size_t i = 0; i < s->count; i++)
+  double most[6];
+  for (size_t i = s->share.begin; i < s->share.end; i++)
     for (int a = 0; a < 3; a++) {
       low[a] = fmin(low[a], s->position[i][a]);
       high[a] = fmax(high[a], s->position[i][a]);
     }
+  for (int a = 0; a < 3; a++) most[a] = high[a], most[3 + a] = -low[a];
+  ranks_max_all(most, 6);
+  for (int a = 0; a < 3; a++) high[a] = most[a], low[a] = -most[3 + a];
   for (int a = 0; a < 3; a++) {
     grid->used[a] = s->dimensions == 3 || a != 1;
     fine->periodic[a] = s->periodic[a];
@@ -300,7 +306,7 @@ static void cycle(struct isph_multigrid *grid, int depth) {
   smooth(level, true);
 }
 
-/* Weights of the 8 corners of particle i's cell. */
+/* Weights of the 8 corners of the cell of own particle i. */
 static void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
   double f[3] = {(double)grid->fraction[i][0], (double)grid->fraction[i][1],
                  (double)grid->fraction[i][2]};
@@ -312,7 +318,7 @@ static void weights_of(const struct isph_multigrid *grid, size_t i, double weigh
             (a ? f[0] : 1 - f[0]) * (top ? (b ? f[1] : 1 - f[1]) : 1) * (c ? f[2] : 1 - f[2]);
 }
 
-/* As corners_of, for the cell of particle i. */
+/* As corners_of, for the cell of own particle i. */
 static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
   const struct level *fine = &grid->levels[0];
   const uint32_t base = grid->base[i], row = base / (uint32_t)fine->nodes[0];
@@ -335,21 +341,66 @@ static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t 
   return 8;
 }
 
+/* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
+ * alone, so that they are the same in any order, on any number of ranks; of MOST of the largest
+ * there is room for. */
+#define MOST 0x1p16
+
+static double unit_of(const struct isph *s, const double *value) {
+  double most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most)
+  for (size_t i = s->share.begin; i < s->share.end; i++) most = fmax(most, fabs(value[i]));
+  most = ranks_max(most);
+  int exponent = 0;
+  frexp(most, &exponent);
+  return most > 0 && isfinite(most) ? ldexp(MOST / 0x1p62, exponent) : 1;
+}
+
+/* `sums` are those of all ranks, times `unit`. */
+static void add_up(const struct isph_multigrid *grid, size_t n, double unit, double *sums) {
+  ranks_sum_whole(grid->whole, n);
+#pragma omp parallel for schedule(static)
+  for (size_t k = 0; k < n; k++) sums[k] = unit * (double)grid->whole[k];
+}
+
 /* Adds value[i] of all particles to the nodes around, by layers of two colours. */
-static void gather(const struct isph_multigrid *grid, const double *value, double *nodes) {
+static void gather(const struct isph *s, const double *value, double *nodes) {
+  const struct isph_multigrid *grid = s->multigrid;
   const struct level *fine = &grid->levels[0];
-  memset(nodes, 0, fine->node_count * sizeof *nodes);
+  const double unit = unit_of(s, value), scale = 1 / unit;
+  memset(grid->whole, 0, fine->node_count * sizeof *grid->whole);
   for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic, 1)
     for (int k = parity; k < fine->cells[2]; k += 2)
       for (uint32_t p = grid->layer_start[k]; p < grid->layer_start[k + 1]; p++) {
         size_t i = grid->order[p], node[8];
-        double weight[8];
+        double weight[8], scaled = scale * value[s->share.begin + i];
         int n = particle_corners(grid, i, node);
         weights_of(grid, i, weight);
-        for (int c = 0; c < n; c++) nodes[node[c]] += weight[c] * value[i];
+        for (int c = 0; c < n; c++) grid->whole[node[c]] += (int64_t)(weight[c] * scaled);
       }
   }
+  add_up(grid, fine->node_count, unit, nodes);
+}
+
+/* Mean coefficient of the cells. */
+static void find_coefficients(const struct isph *s) {
+  struct isph_multigrid *grid = s->multigrid;
+  struct level *fine = &grid->levels[0];
+  const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
+  const double volume = fine->h[0] * fine->h[1] * fine->h[2];
+  double *value = s->work[1];
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
+    value[i] = s->mobility[i] * s->volume[i] / volume;
+  const double unit = unit_of(s, value), scale = 1 / unit;
+  memset(grid->whole, 0, fine->cell_count * sizeof *grid->whole);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    const size_t base = grid->base[i - s->share.begin], row = base / nx;
+    const size_t cell = (row / ny * (size_t)fine->cells[1] + row % ny) * (size_t)fine->cells[0];
+    grid->whole[cell + base % nx] += (int64_t)(scale * value[i]);
+  }
+  add_up(grid, fine->cell_count, unit, fine->k);
 }
 
 enum status multigrid_build(struct isph *s) {
@@ -358,15 +409,18 @@ enum status multigrid_build(struct isph *s) {
     TRY(memory_allocate(&s->multigrid, 1, sizeof *s->multigrid, "the preconditioner"));
   struct isph_multigrid *grid = s->multigrid;
   TRY(shape(s, grid));
-  isph_gather(s, s->mobility);
-  isph_gather(s, s->tied);
   struct level *fine = &grid->levels[0];
-  if (s->count > grid->capacity) {
-    size_t n = s->count + s->count / 4;
+  const size_t own = s->share.end - s->share.begin, sums = fine->node_count; /* cells are fewer */
+  if (own > grid->capacity) {
+    size_t n = own + own / 4;
     TRY(memory_resize(&grid->base, n, sizeof *grid->base, "the preconditioner"));
     TRY(memory_resize(&grid->fraction, n, sizeof *grid->fraction, "the preconditioner"));
     TRY(memory_resize(&grid->order, n, sizeof *grid->order, "the preconditioner"));
     grid->capacity = n;
+  }
+  if (sums > grid->whole_room) {
+    TRY(memory_resize(&grid->whole, sums + sums / 4, sizeof *grid->whole, "the preconditioner"));
+    grid->whole_room = sums + sums / 4;
   }
   size_t layers = (size_t)fine->cells[2];
   if (layers + 1 > grid->layer_capacity) {
@@ -375,28 +429,25 @@ enum status multigrid_build(struct isph *s) {
     grid->layer_capacity = 2 * layers + 1;
   }
   memset(grid->layer_start, 0, (layers + 1) * sizeof *grid->layer_start);
-  double volume = fine->h[0] * fine->h[1] * fine->h[2];
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = 0; i < own; i++) {
     int at[3];
     for (int a = 0; a < 3; a++) {
-      double scaled = grid->used[a] ? (s->position[i][a] - grid->origin[a]) / fine->h[a] : 0;
+      const double x = s->position[s->share.begin + i][a];
+      double scaled = grid->used[a] ? (x - grid->origin[a]) / fine->h[a] : 0;
       at[a] = (int)fmin(fmax(0, floor(scaled)), fine->cells[a] - 1);
       grid->fraction[i][a] = (float)fmin(fmax(0, scaled - at[a]), 1);
     }
     grid->base[i] = (uint32_t)node_at(fine, at[0], at[1], at[2]);
     grid->layer_start[at[2] + 1]++;
-    size_t cell =
-        ((size_t)at[2] * (size_t)fine->cells[1] + (size_t)at[1]) * (size_t)fine->cells[0] +
-        (size_t)at[0];
-    fine->k[cell] += s->mobility[i] * s->volume[i] / volume;
   }
   for (size_t k = 0; k < layers; k++) grid->layer_start[k + 1] += grid->layer_start[k];
   size_t plane = (size_t)fine->nodes[0] * (size_t)fine->nodes[1];
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = 0; i < own; i++)
     grid->order[grid->layer_start[grid->base[i] / plane]++] = (uint32_t)i;
   for (size_t k = layers; k > 0; k--) grid->layer_start[k] = grid->layer_start[k - 1];
   grid->layer_start[0] = 0;
-  gather(grid, s->tied, fine->tie);
+  find_coefficients(s);
+  gather(s, s->tied, fine->tie);
   for (int l = 0; l < grid->level_count; l++) {
     if (l > 0) {
       coarsen(grid, &grid->levels[l - 1], &grid->levels[l]);
@@ -409,18 +460,17 @@ cleanup:
   return status;
 }
 
-void multigrid_apply(struct isph *s, double *r, double *z) {
+void multigrid_apply(struct isph *s, const double *r, double *z) {
   struct isph_multigrid *grid = s->multigrid;
   struct level *fine = &grid->levels[0];
-  isph_gather(s, r);
-  gather(grid, r, fine->b);
+  gather(s, r, fine->b);
   cycle(grid, 0);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->share.begin; i < s->share.end; i++) {
     double weight[8], sum = r[i] / s->diagonal[i];
     size_t node[8];
-    int n = particle_corners(grid, i, node);
-    weights_of(grid, i, weight);
+    int n = particle_corners(grid, i - s->share.begin, node);
+    weights_of(grid, i - s->share.begin, weight);
     for (int c = 0; c < n; c++) sum += weight[c] * fine->x[node[c]];
     z[i] = sum;
   }
@@ -481,6 +531,7 @@ void multigrid_free(struct isph *s) {
   memory_free(&grid->base);
   memory_free(&grid->fraction);
   memory_free(&grid->order);
+  memory_free(&grid->whole);
   memory_free(&grid->layer_start);
   memory_free(&s->multigrid);
 }

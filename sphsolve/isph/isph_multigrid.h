@@ -11,8 +11,8 @@
 
 /* Collective. For the particles where they are now; memory is kept between calls. */
 enum status multigrid_build(struct isph *s);
-/* Collective: z of the own particles; every rank has the whole grid, and all of r afterwards. */
-void multigrid_apply(struct isph *s, double *r, double *z);
+/* Collective: z of the own particles; every rank has the whole grid. */
+void multigrid_apply(struct isph *s, const double *r, double *z);
 
 /* What it takes to have B from PETSc. */
 size_t multigrid_nodes(const struct isph *s);

@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/isph_account.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 /* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
  * with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column for each cell of the
@@ -154,32 +155,46 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
     *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);
 }
 
-void isph_remove_outside(struct isph *s) {
-  size_t kept = 0;
-  for (size_t i = 0; i < s->count; i++) {
-    const double *x = s->position[i];
-    bool outside = false;
-    for (int a = 0; a < 3; a++)
-      outside =
-          outside || (used(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a]));
-    if (outside) {
-      double mass = s->mass[i] * s->thickness;
-      int side = isph_open_side_behind(s, x);
-      isph_account_gone(s, side >= 0 ? LEDGER_LEFT : LEDGER_LOST, i);
-      if (side >= 0) {
-        s->left_count++, s->left_mass += mass;
-        follow(s, side, x, s->volume[i]);
-      } else {
-        if (s->lost_count == 0)
-          log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and "
-                      "is taken out",
-                      s->time, (unsigned long long)s->id[i], x[0], x[1], x[2]);
-        if (s->lost_count < LEDGER_LOSSES) {
-          const double loss[6] = {(double)s->id[i], s->time, x[0], x[1], x[2], mass};
-          memcpy(s->losses[s->lost_count], loss, sizeof loss);
-        }
-        s->lost_count++, s->lost_mass += mass;
-      }
+static bool is_outside(const struct isph *s, const double x[3]) {
+  for (int a = 0; a < 3; a++)
+    if (used(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
+  return false;
+}
+
+static void count_gone(struct isph *s, const struct isph_gone *gone) {
+  const double *x = gone->position, mass = gone->mass * s->thickness;
+  int side = isph_open_side_behind(s, x);
+  isph_account_gone(s, side >= 0 ? LEDGER_LEFT : LEDGER_LOST, gone);
+  if (side >= 0) {
+    s->left_count++, s->left_mass += mass;
+    follow(s, side, x, gone->volume);
+    return;
+  }
+  if (s->lost_count == 0)
+    log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and is "
+                "taken out",
+                s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
+  if (s->lost_count < LEDGER_LOSSES) {
+    const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
+    memcpy(s->losses[s->lost_count], loss, sizeof loss);
+  }
+  s->lost_count++, s->lost_mass += mass;
+}
+
+enum status isph_remove_outside(struct isph *s) {
+  enum status status = STATUS_OK;
+  struct isph_gone *here = NULL, *all = NULL;
+  size_t kept = 0, gone = 0, total = 0;
+  for (size_t i = s->share.begin; i < s->share.end; i++) gone += is_outside(s, s->position[i]);
+  TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
+  gone = 0;
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    if (is_outside(s, s->position[i])) {
+      struct isph_gone *g = &here[gone++];
+      memcpy(g->position, s->position[i], sizeof g->position);
+      memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
+      g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
+      g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
       continue;
     }
     if (kept != i) {
@@ -192,6 +207,13 @@ void isph_remove_outside(struct isph *s) {
     kept++;
   }
   s->count = kept;
+  if (!ranks_any(gone > 0)) goto cleanup;
+  TRY(isph_join(here, gone, sizeof *here, &all, &total));
+  for (size_t k = 0; k < total; k++) count_gone(s, &all[k]);
+cleanup:
+  memory_free(&here);
+  memory_free(&all);
+  return status;
 }
 
 /* How far x stands in front of a window, m; INFINITY where it does not. */
@@ -211,24 +233,33 @@ void isph_open_straighten(struct isph *s) {
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];
     if (side->kind != BOUNDARY_OPEN_HEAD) continue;
-    int n = side->axis;
-    double reach = 2 * s->spacing, volume = 0, mean = 0;
+    const int n = side->axis;
+    const double reach = 2 * s->spacing;
+    double total[2], mean = 0; /* volume, and volume times velocity */
     for (int pass = 0; pass < 2; pass++) {
-      for (size_t i = 0; i < s->count; i++) {
-        double depth = depth_before(s, side, s->position[i]);
-        if (depth >= reach || (s->on.soil && s->soil_share[i] > 0)) continue;
-        double *v = s->predicted[i], *given = s->applied[i].straightened, keep = fmin(1, fmax(0, depth / s->spacing - 1));
-        if (pass == 0) {
-          volume += s->volume[i], mean += s->volume[i] * v[n];
-          continue;
+#pragma omp parallel for schedule(static)
+      for (size_t c = 0; c < s->chunk_count; c++) {
+        double sum[2] = {0};
+        for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+          double depth = depth_before(s, side, s->position[i]);
+          if (depth >= reach || (s->on.soil && s->soil_share[i] > 0)) continue;
+          double *v = s->predicted[i], *given = s->applied[i].straightened;
+          double keep = fmin(1, fmax(0, depth / s->spacing - 1));
+          if (pass == 0) {
+            sum[0] += s->volume[i], sum[1] += s->volume[i] * v[n];
+            continue;
+          }
+          for (int a = 0; a < 3; a++) given[a] -= v[a];
+          for (int a = 0; a < 3; a++)
+            if (a != n) v[a] *= keep;
+          if (mean * side->inward > 0) v[n] = keep * v[n] + (1 - keep) * mean;
+          for (int a = 0; a < 3; a++) given[a] += v[a];
         }
-        for (int a = 0; a < 3; a++) given[a] -= v[a];
-        for (int a = 0; a < 3; a++)
-          if (a != n) v[a] *= keep;
-        if (mean * side->inward > 0) v[n] = keep * v[n] + (1 - keep) * mean;
-        for (int a = 0; a < 3; a++) given[a] += v[a];
+        memcpy(s->sums[c], sum, sizeof sum);
       }
-      if (volume > 0) mean /= volume, volume = 0;
+      if (pass > 0) break;
+      isph_add_up(s, 2, total);
+      if (total[0] > 0) mean = total[1] / total[0];
     }
   }
 }
@@ -237,10 +268,25 @@ void isph_open_straighten(struct isph *s) {
 #define WATER_LEAST 0.15
 
 enum status isph_open_measure(struct isph *s) {
+  enum status status = STATUS_OK, worst = STATUS_OK;
+  double(*seen)[2] = NULL; /* [columns]: water, and its speed along the axis */
+  TRY(memory_allocate(&seen, s->column_count, sizeof *seen, "inflow regions"));
+  for (size_t c = 0; c < s->column_count; c++) {
+    const struct isph_column *column = &s->columns[c];
+    const struct isph_open_side *side = &s->sides[column->side];
+    double velocity[3];
+    if (column->dry || side->kind == BOUNDARY_OPEN_FLUX || !isph_answers_for(s, column->at))
+      continue;
+    status = isph_probe(s, column->at, &seen[c][0], velocity);
+    if (status != STATUS_OK) worst = status;
+    seen[c][1] = velocity[side->axis];
+  }
+  TRY(ranks_agree(worst));
+  if (s->column_count > 0) ranks_sum_all(&seen[0][0], 2 * s->column_count);
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
-    double porosity = 1, water, velocity[3];
+    double porosity = 1;
     struct soil_point soil;
     if (column->dry) continue;
     if (s->on.soil) {
@@ -251,12 +297,12 @@ enum status isph_open_measure(struct isph *s) {
       column->speed = side->flux / porosity;
       continue;
     }
-    enum status status = isph_probe(s, column->at, &water, velocity);
-    if (status != STATUS_OK) return status;
-    if (water < WATER_LEAST) s->column_front[c] = 0;
-    column->speed = side->inward * velocity[side->axis] / porosity;
+    if (seen[c][0] < WATER_LEAST) s->column_front[c] = 0;
+    column->speed = side->inward * seen[c][1] / porosity;
   }
-  return STATUS_OK;
+cleanup:
+  memory_free(&seen);
+  return status;
 }
 
 static enum status admit(struct isph *s, size_t c) {
@@ -274,10 +320,15 @@ static enum status admit(struct isph *s, size_t c) {
   }
   velocity[side->axis] = side->inward * column->speed * porosity;
   double mass = porosity * s->density * volume;
-  enum status status = isph_add_particle(s, x, velocity, mass);
-  if (status != STATUS_OK) return status;
-  if (side->kind == BOUNDARY_OPEN_HEAD)
-    s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
+  /* The last in the order of all. */
+  if (ranks_own() + 1 == ranks_count()) {
+    enum status status = isph_add_particle(s, x, velocity, mass);
+    if (status != STATUS_OK) return status;
+    if (side->kind == BOUNDARY_OPEN_HEAD)
+      s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
+  } else {
+    s->next_id++;
+  }
   isph_account_entered(s, x, velocity, mass);
   s->entered_count++, s->entered_mass += mass * s->thickness;
   return STATUS_OK;

@@ -13,9 +13,14 @@ static double domain_volume(const struct isph *s) {
 }
 
 void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
-  velocity[0] = velocity[1] = velocity[2] = 0;
-  for (size_t i = 0; i < s->count; i++)
-    for (int a = 0; a < 3; a++) velocity[a] += s->volume[i] * s->velocity[i][a];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[3] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      for (int a = 0; a < 3; a++) sum[a] += s->volume[i] * s->velocity[i][a];
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 3, velocity);
   for (int a = 0; a < 3; a++) velocity[a] *= s->thickness / domain_volume(s);
 }
 
@@ -74,42 +79,55 @@ static double scaled_separation(const struct isph *s, size_t i, const double poi
 }
 
 double isph_pressure_at(const struct isph *s, const double point[3]) {
-  double m[4][4] = {{0}}, b[4] = {0}, sum = 0, sum_p = 0, filled = 0;
+  enum { RIGHT = 16, WEIGHT = 20, PRESSURE, FILLED, COUNT };
+  double total[COUNT], m[4][4], b[4];
   int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
-  for (size_t i = 0; i < s->count; i++) {
-    double r[3], w, slope, length = scaled_separation(s, i, point, r);
-    if (length >= 1) continue;
-    isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
-    double basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
-    for (int p = 0; p < n; p++) {
-      b[p] += w * basis[p] * s->pressure[i];
-      for (int q = 0; q < n; q++) m[p][q] += w * basis[p] * basis[q];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r[3], w, slope, length = scaled_separation(s, i, point, r);
+      if (length >= 1) continue;
+      isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
+      double basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
+      for (int p = 0; p < n; p++) {
+        sum[RIGHT + p] += w * basis[p] * s->pressure[i];
+        for (int q = 0; q < n; q++) sum[4 * p + q] += w * basis[p] * basis[q];
+      }
+      sum[WEIGHT] += w, sum[PRESSURE] += w * s->pressure[i];
+      sum[FILLED] += w * s->volume[i] / pow(s->support[i], s->dimensions);
     }
-    sum += w, sum_p += w * s->pressure[i];
-    filled += w * s->volume[i] / pow(s->support[i], s->dimensions);
+    memcpy(s->sums[c], sum, sizeof sum);
   }
-  if (filled < 0.1) return 0;
-  for (int p = 0; p < n; p++) {
-    b[p] /= sum;
-    for (int q = 0; q < n; q++) m[p][q] /= sum;
+  isph_add_up(s, COUNT, total);
+  if (total[FILLED] < 0.1) return 0;
+  for (int p = 0; p < 4; p++) {
+    b[p] = total[RIGHT + p] / total[WEIGHT];
+    for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
   }
-  return solve_small(n, m, b) ? b[0] : sum_p / sum;
+  return solve_small(n, m, b) ? b[0] : total[PRESSURE] / total[WEIGHT];
 }
 
 /* The part of the kernel that reaches beyond a side of the domain is made up for. */
 double isph_plane_flux(const struct isph *s, int axis, double position) {
-  double flux = 0;
-  for (size_t i = 0; i < s->count; i++) {
-    double r = s->position[i][axis] - position, length = s->high[axis] - s->low[axis];
-    double h = 0.5 * s->support[i], within = 1;
-    if (s->periodic[axis])
-      r -= length * round(r / length);
-    else
-      within = kernel_integral((s->high[axis] - position) / h) -
-               kernel_integral((s->low[axis] - position) / h);
-    flux += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
-            fmax(within, 0.5);
+  double flux;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r = s->position[i][axis] - position, length = s->high[axis] - s->low[axis];
+      double h = 0.5 * s->support[i], within = 1;
+      if (s->periodic[axis])
+        r -= length * round(r / length);
+      else
+        within = kernel_integral((s->high[axis] - position) / h) -
+                 kernel_integral((s->low[axis] - position) / h);
+      sum += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
+             fmax(within, 0.5);
+    }
+    s->sums[c][0] = sum;
   }
+  isph_add_up(s, 1, &flux);
   return flux * s->thickness;
 }
 
@@ -150,60 +168,88 @@ cleanup:
  * 12 particles across.) */
 static double volume_in_region(const struct isph *s, size_t k) {
   const struct region *region = &s->scene->regions[k];
-  double volume = 0, near = 1e-6 * s->spacing;
-  for (size_t i = 0; i < s->count; i++) {
-    double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]), inside = 1;
-    for (int a = 0; a < 3; a++) {
-      if (s->dimensions == 2 && a == 1) continue;
-      double low = region->box[a], high = region->box[a + 3];
-      double x = s->position[i][a] - s->soil_offset[k][a];
-      double from = low <= s->low[a] + near ? -INFINITY : low,
-             to = high >= s->high[a] - near ? INFINITY : high;
-      inside *= fmax(0, fmin(x + 0.5 * size, to) - fmax(x - 0.5 * size, from)) / size;
+  double volume, near = 1e-6 * s->spacing;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]), inside = 1;
+      for (int a = 0; a < 3; a++) {
+        if (s->dimensions == 2 && a == 1) continue;
+        double low = region->box[a], high = region->box[a + 3];
+        double x = s->position[i][a] - s->soil_offset[k][a];
+        double from = low <= s->low[a] + near ? -INFINITY : low,
+               to = high >= s->high[a] - near ? INFINITY : high;
+        inside *= fmax(0, fmin(x + 0.5 * size, to) - fmax(x - 0.5 * size, from)) / size;
+      }
+      sum += inside * s->mass[i] / s->density;
     }
-    volume += inside * s->mass[i] / s->density;
+    s->sums[c][0] = sum;
   }
+  isph_add_up(s, 1, &volume);
   return volume * s->thickness;
+}
+
+/* Sums and extremes over all particles. */
+struct whole {
+  double mass, kinetic, potential, momentum[3], squares, filling; /* in this order in s->sums */
+  double extreme[7];                                              /* high, -low, filling */
+};
+
+static void sum_up(const struct isph *s, struct whole *whole) {
+  double total[8], most[7];
+  for (int k = 0; k < 7; k++) most[k] = -INFINITY;
+#pragma omp parallel for schedule(static) reduction(max : most[:7])
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[8] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *x = s->position[i], *v = s->velocity[i], m = s->mass[i];
+      double eps = s->porosity != NULL ? s->porosity[i] : 1, square = 0;
+      double half = 0.5 * (s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]));
+      for (int a = 0; a < 3; a++) {
+        double pore = v[a] / eps;
+        square += pore * pore;
+        sum[2] -= m * s->force[a] * x[a];
+        sum[3 + a] += m * pore;
+        most[a] = fmax(most[a], x[a] + half);
+        most[3 + a] = fmax(most[3 + a], half - x[a]);
+      }
+      sum[0] += m;
+      sum[1] += 0.5 * m * square;
+      sum[6] += square;
+      sum[7] += s->filling[i];
+      most[6] = fmax(most[6], s->filling[i]);
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 8, total);
+  memcpy(whole, total, sizeof total);
+  ranks_max_all(most, 7);
+  memcpy(whole->extreme, most, sizeof most);
 }
 
 enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt) {
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
-  double *extra = NULL, squares = 0, potential = 0;
-  size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count + s->scene->plane_count, c = 0;
+  struct whole whole;
+  double *extra = NULL;
+  size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count +
+             s->scene->plane_count, c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
-  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  double filling = 0, most = 0;
-  for (size_t i = 0; i < s->count; i++) {
-    const double *x = s->position[i], *v = s->velocity[i];
-    double eps = s->porosity != NULL ? s->porosity[i] : 1, square = 0;
-    double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
-    row.mass += s->mass[i];
-    for (int a = 0; a < 3; a++) {
-      double pore = v[a] / eps;
-      square += pore * pore;
-      row.momentum[a] += s->mass[i] * pore;
-      potential -= s->mass[i] * s->force[a] * x[a];
-      low[a] = fmin(low[a], x[a] - 0.5 * size), high[a] = fmax(high[a], x[a] + 0.5 * size);
-    }
-    row.kinetic_energy += 0.5 * s->mass[i] * square;
-    squares += square;
-    filling += s->filling[i];
-    most = fmax(most, s->filling[i]);
-  }
-  double scale = s->thickness, count = (double)(s->count > 0 ? s->count : 1);
-  row.mass *= scale, row.kinetic_energy *= scale;
-  for (int a = 0; a < 3; a++) row.momentum[a] *= scale;
-  row.density_max = s->density * most;
-  row.density_mean = s->density * filling / count;
+  sum_up(s, &whole);
+  double scale = s->thickness, count = (double)(s->total > 0 ? s->total : 1);
+  row.mass = whole.mass * scale, row.kinetic_energy = whole.kinetic * scale;
+  for (int a = 0; a < 3; a++) row.momentum[a] = whole.momentum[a] * scale;
+  row.density_max = s->density * fmax(0, whole.extreme[6]);
+  row.density_mean = s->density * whole.filling / count;
   isph_darcy_velocity(s, row.darcy_velocity);
   row.reynolds = isph_reynolds(s, row.darcy_velocity);
-  extra[c++] = potential * scale;
-  extra[c++] = sqrt(squares / count);
-  for (int a = 0; a < 3; a++) extra[c++] = low[a];
-  for (int a = 0; a < 3; a++) extra[c++] = high[a];
+  extra[c++] = whole.potential * scale;
+  extra[c++] = sqrt(whole.squares / count);
+  for (int a = 0; a < 3; a++) extra[c++] = -whole.extreme[3 + a];
+  for (int a = 0; a < 3; a++) extra[c++] = whole.extreme[a];
   extra[c++] = s->solve.iterations;
-  extra[c++] = (double)s->count;
+  extra[c++] = (double)s->total;
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(&s->account, t)) extra[c++] = s->account.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
@@ -213,64 +259,6 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     extra[c++] = isph_plane_flux(s, s->scene->planes[k].axis, s->scene->planes[k].position);
   status = recorder_row(recorder, &row, extra);
   memory_free(&extra);
-  return status;
-}
-
-/* In the order of the particles' numbers, so that snapshots can be compared line by line; each rank
- * writes a run of lines. */
-enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder) {
-  enum status status = STATUS_OK;
-  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  const size_t first = s->count * own / ranks, n = s->count * (own + 1) / ranks - first;
-  double(*points)[3] = NULL, (*velocity)[3] = NULL, *pressure = NULL, *density = NULL;
-  double *porosity = NULL, *surface = NULL, *volume = NULL;
-  uint64_t *id = NULL;
-  uint32_t *place = NULL;
-  if (s->on.surface) isph_gather(s, s->surface);
-  TRY(memory_allocate(&points, n, sizeof *points, "a snapshot"));
-  TRY(memory_allocate(&velocity, n, sizeof *velocity, "a snapshot"));
-  TRY(memory_allocate(&pressure, n, sizeof *pressure, "a snapshot"));
-  TRY(memory_allocate(&density, n, sizeof *density, "a snapshot"));
-  TRY(memory_allocate(&porosity, n, sizeof *porosity, "a snapshot"));
-  TRY(memory_allocate(&surface, n, sizeof *surface, "a snapshot"));
-  TRY(memory_allocate(&volume, n, sizeof *volume, "a snapshot"));
-  TRY(memory_allocate(&id, n, sizeof *id, "a snapshot"));
-  TRY(memory_allocate(&place, s->next_id, sizeof *place, "a snapshot"));
-  for (size_t i = 0; i < s->count; i++) place[s->id[i]] = (uint32_t)i + 1;
-  size_t line = 0;
-  for (uint64_t number = 0; number < s->next_id; number++) {
-    if (place[number] == 0 || line++ < first || line > first + n) continue;
-    size_t i = place[number] - 1, k = line - 1 - first;
-    memcpy(points[k], s->position[i], sizeof *points);
-    memcpy(velocity[k], s->velocity[i], sizeof *velocity);
-    pressure[k] = s->pressure[i];
-    density[k] = s->density * s->filling[i];
-    porosity[k] = s->porosity != NULL ? s->porosity[i] : 1;
-    surface[k] = s->surface != NULL ? s->surface[i] : 0;
-    volume[k] = s->volume[i] * s->thickness;
-    id[k] = number;
-  }
-  struct snapshot_field fields[] = {
-      {"velocity", "m/s", "Darcy velocity", H5_F64, 3, velocity, NULL, NULL},
-      {"pressure", "Pa", "pressure", H5_F64, 1, pressure, NULL, NULL},
-      {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, density, NULL, NULL},
-      {"porosity", "1", "porosity at the particle", H5_F64, 1, porosity, NULL, NULL},
-      {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, surface, NULL, NULL},
-      {"volume", "m^3", "bulk volume", H5_F64, 1, volume, NULL, NULL},
-      {"id", "1", "number of the particle", H5_U64, 1, id, NULL, NULL}};
-  const struct snapshot_field at = {.type = H5_F64, .components = 3, .data = points};
-  TRY(recorder_snapshot(recorder, s->time, s->step, n, &at, sizeof fields / sizeof *fields,
-                        fields));
-cleanup:
-  memory_free(&points);
-  memory_free(&velocity);
-  memory_free(&pressure);
-  memory_free(&density);
-  memory_free(&porosity);
-  memory_free(&surface);
-  memory_free(&volume);
-  memory_free(&id);
-  memory_free(&place);
   return status;
 }
 
@@ -321,20 +309,30 @@ cleanup:
   return status;
 }
 
-/* Reads a dataset of `count` rows of `width` numbers into an array that is there already. */
-static enum status read_into(struct h5_file *file, const char *name, enum h5_type type,
-                             size_t count, size_t width, void *to) {
+/* Reads `count` rows from the `first` on of a dataset of `rows`, of `width` numbers each, into an
+ * array that is there already. */
+static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, size_t rows,
+                             size_t first, size_t count, size_t width, void *to) {
   enum status status = STATUS_OK;
   size_t dims[2] = {0, 1};
+  int rank;
   void *data = NULL;
-  TRY(h5_read(file, name, type, width > 1 ? 2 : 1, dims, &data));
-  if (dims[0] != count || dims[1] != width)
+  TRY(h5_shape(file, name, 2, &rank, dims));
+  if (dims[0] != rows || (rank == 2 ? dims[1] : 1) != width)
     TRY_FAIL(STATUS_INPUT, "%s: %s is of another scene; remove the file to start anew",
              h5_path(file), name);
-  if (count > 0) memcpy(to, data, count * width * h5_type_size(type));
+  if (count == 0) goto cleanup;
+  dims[0] = count;
+  TRY(h5_read_share(file, name, type, rank, rows, first, dims, &data));
+  memcpy(to, data, count * width * h5_type_size(type));
 cleanup:
   memory_free(&data);
   return status;
+}
+
+static enum status read_into(struct h5_file *file, const char *name, enum h5_type type,
+                             size_t count, size_t width, void *to) {
+  return read_rows(file, name, type, count, 0, count, width, to);
 }
 
 enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
@@ -345,13 +343,16 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
-  TRY(isph_reserve(s, dims[0]));
-  s->count = dims[0];
-  TRY(read_into(file, "/state/position", H5_F64, s->count, 3, s->position));
-  TRY(read_into(file, "/state/velocity", H5_F64, s->count, 3, s->velocity));
-  TRY(read_into(file, "/state/pressure", H5_F64, s->count, 1, s->pressure));
-  TRY(read_into(file, "/state/mass", H5_F64, s->count, 1, s->mass));
-  TRY(read_into(file, "/state/id", H5_U64, s->count, 1, s->id));
+  const size_t all = dims[0], ranks = (size_t)ranks_count();
+  const size_t first = all * (size_t)ranks_own() / ranks;
+  const size_t own = all * ((size_t)ranks_own() + 1) / ranks - first;
+  TRY(isph_reserve(s, own));
+  s->count = own;
+  TRY(read_rows(file, "/state/position", H5_F64, all, first, own, 3, s->position));
+  TRY(read_rows(file, "/state/velocity", H5_F64, all, first, own, 3, s->velocity));
+  TRY(read_rows(file, "/state/pressure", H5_F64, all, first, own, 1, s->pressure));
+  TRY(read_rows(file, "/state/mass", H5_F64, all, first, own, 1, s->mass));
+  TRY(read_rows(file, "/state/id", H5_U64, all, first, own, 1, s->id));
   TRY(read_into(file, "/state/soil_offset", H5_F64, s->scene->region_count, 3, s->soil_offset));
   if (s->boundary_count > 0)
     TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,

@@ -35,7 +35,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   enum status status = STATUS_OK;
   const char *what = "water particles";
   if (n <= s->capacity) return STATUS_OK;
-  if (s->capacity > 0) n += n / 4;
+  if (s->capacity > 0) n += n / 8;
   if (n > PAIR_MASK)
     return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most", n, PAIR_MASK);
   TRY(memory_resize(&s->id, n, sizeof *s->id, what));
@@ -73,7 +73,6 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
   for (int k = 0; k < 4; k++) TRY(memory_resize(&s->work[k], n, sizeof *s->work[k], what));
-  TRY(memory_resize(&s->partial, n / CHUNK + 1, sizeof *s->partial, what));
   TRY(memory_resize(&s->pair_first, n, sizeof *s->pair_first, what));
   TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
   TRY(memory_resize(&s->pair_number, n, sizeof *s->pair_number, what));
@@ -117,8 +116,12 @@ static void site_state(const struct isph *s, const double x[3], double *porosity
   }
 }
 
+/* Each rank takes a run of the sites with water. */
 static enum status place_water(struct isph *s, const struct lattice *lattice) {
-  enum status status = isph_reserve(s, lattice->fluid_count > 0 ? lattice->fluid_count : 1);
+  const size_t fluid = lattice->fluid_count, ranks = (size_t)ranks_count();
+  const size_t first = fluid * (size_t)ranks_own() / ranks;
+  const size_t end = fluid * ((size_t)ranks_own() + 1) / ranks;
+  enum status status = isph_reserve(s, end > first ? end - first : 1);
   if (status != STATUS_OK) return status;
   double volume = lattice->spacing[0] * lattice->spacing[2], porosity;
   if (s->dimensions == 3) volume *= lattice->spacing[1];
@@ -127,6 +130,10 @@ static enum status place_water(struct isph *s, const struct lattice *lattice) {
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++, site++) {
         if (lattice->kind[site] != SITE_FLUID) continue;
+        if (s->next_id < first || s->next_id >= end) {
+          s->next_id++;
+          continue;
+        }
         const double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
                              lattice->origin[1] + (double)j * lattice->spacing[1],
                              lattice->origin[2] + (double)k * lattice->spacing[2]};
@@ -233,7 +240,9 @@ void isph_free(struct isph *s) {
                     &s->work[2],
                     &s->work[3],
                     &s->partial,
+                    &s->sums,
                     &s->chunk_cut,
+                    &s->layer_start,
                     &s->pair_first,
                     &s->wall_first,
                     &s->pair_number,

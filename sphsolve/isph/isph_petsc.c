@@ -18,6 +18,7 @@ void isph_petsc_free(struct isph *s) {
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/isph/isph_multigrid.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 #define ITERATIONS_MAX 2000
 
@@ -148,10 +149,10 @@ static enum status assemble_particles(struct isph *s, struct isph_petsc *p) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       PetscInt n = 0, *column = rows->column + used;
       PetscScalar *value = rows->value + used;
-      column[n] = (PetscInt)i;
+      column[n] = (PetscInt)ghosts_number(&s->share, i);
       value[n++] = s->diagonal[i];
       for (size_t q = s->pair_first[i], end = q + s->pair_number[i]; q < end; q++) {
-        column[n] = (PetscInt)(chunk->pair[q] & PAIR_MASK);
+        column[n] = (PetscInt)ghosts_number(&s->share, chunk->pair[q] & PAIR_MASK);
         value[n++] = -(double)chunk->matrix[q];
       }
       used += merge_row(column, value, n);
@@ -167,21 +168,23 @@ cleanup:
 static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
   struct rows *rows = &p->rows;
-  const int ranks = ranks_count();
   const size_t begin = s->share.begin, own = s->share.end - begin;
-  size_t node[27], first = 0, end = multigrid_nodes(s);
+  size_t node[27], first = 0, end = multigrid_nodes(s), ranks, *cut = NULL;
   double value[27];
-  for (int r = 1; r < ranks && s->share.cut[r] < s->count; r++) {
-    const size_t cut = multigrid_row_before(s, s->position[s->share.cut[r]]);
-    if (r <= ranks_own() && cut > first) first = cut;
-    if (r == ranks_own() + 1) end = cut > first ? cut : first;
+  const size_t here = own > 0 ? multigrid_row_before(s, s->position[begin]) : end;
+  TRY(isph_join(&here, 1, sizeof here, &cut, &ranks));
+  for (size_t r = ranks - 1; r > 0; r--) /* of a rank without particles: the next one's */
+    if (s->share.cut[r] == s->share.cut[r + 1]) cut[r] = r + 1 < ranks ? cut[r + 1] : end;
+  for (size_t r = 1; r < ranks; r++) {
+    if (r <= (size_t)ranks_own() && cut[r] > first) first = cut[r];
+    if (r == (size_t)ranks_own() + 1) end = cut[r] > first ? cut[r] : first;
   }
   if (own == 0) first = end;
   const size_t nodes = end - first;
   PetscInt used = 0;
   TRY(reserve_rows(rows, own, 8 * own));
   for (size_t i = 0; i < own; i++) {
-    const int n = multigrid_interpolation(s, begin + i, node, value);
+    const int n = multigrid_interpolation(s, i, node, value);
     add_row(rows, i, n, node, value, &used);
   }
   TRY(make_matrix(rows, own, nodes, &p->interpolation));
@@ -199,6 +202,7 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   TRY_PETSC(PCSetFromOptions(p->cycle));
   TRY_PETSC(PCSetUp(p->cycle));
 cleanup:
+  memory_free(&cut);
   return status;
 }
 

@@ -14,17 +14,17 @@
 /* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
  * and ranks, whose shares begin with a block. */
 double isph_dot(struct isph *s, const double *a, const double *b) {
-  const size_t first = s->share.begin / CHUNK, n = s->share.end;
-  double total = 0;
+  const size_t first = s->share.begin, n = s->share.end;
+  double total = 0, *own = s->partial + isph_first_chunk(s);
 #pragma omp parallel for schedule(static)
-  for (size_t k = first; k < (n + CHUNK - 1) / CHUNK; k++) {
-    size_t begin = k * CHUNK, end = begin + CHUNK < n ? begin + CHUNK : n;
+  for (size_t k = 0; k < (n - first + CHUNK - 1) / CHUNK; k++) {
+    size_t begin = first + k * CHUNK, end = begin + CHUNK < n ? begin + CHUNK : n;
     double sum = 0;
     for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
-    s->partial[k] = sum;
+    own[k] = sum;
   }
-  isph_gather_chunks(s, s->partial, sizeof *s->partial);
-  for (size_t k = 0; k < (s->count + CHUNK - 1) / CHUNK; k++) total += s->partial[k];
+  isph_gather_chunks(s, s->partial);
+  for (size_t k = 0; k < (s->total + CHUNK - 1) / CHUNK; k++) total += s->partial[k];
   return total;
 }
 
@@ -124,7 +124,7 @@ void isph_multiply(struct isph *s, double *x, double *y) {
 static void remove_mean(struct isph *s, double *values) {
   double *ones = s->work[3];
   for (size_t i = s->share.begin; i < s->share.end; i++) ones[i] = 1;
-  double mean = isph_dot(s, values, ones) / (double)s->count;
+  double mean = isph_dot(s, values, ones) / (double)s->total;
   for (size_t i = s->share.begin; i < s->share.end; i++) values[i] -= mean;
 }
 
@@ -136,7 +136,7 @@ enum status isph_solve_pressure(struct isph *s) {
   struct isph_solve *solve = &s->solve;
   enum status status;
   if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
-  if (n == 0) return STATUS_OK;
+  if (s->total == 0) return STATUS_OK;
   if (RANKS && s->scene->isph.solver == SOLVER_PETSC) return isph_petsc_solve(s);
   if (s->closed) remove_mean(s, b);
   double norm = sqrt(isph_dot(s, b, b));
@@ -147,7 +147,7 @@ enum status isph_solve_pressure(struct isph *s) {
                   "t = %.4g s: the pressure equation has no finite "
                   "right-hand side; use a smaller isph.dt",
                   s->time);
-    memset(x, 0, n * sizeof *x);
+    if (n > 0) memset(x, 0, n * sizeof *x);
     return STATUS_OK;
   }
   if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;

@@ -1,20 +1,177 @@
 #include "sphsolve/isph/isph_ranks.h"
 
+#include <math.h>
+#include <string.h>
+
 #include "common/memory.h"
 
-#define TAG 5
+enum { TAG = 5, TAG_ITEMS, TAG_SUMS };
+
+/* What a particle is known by. */
+struct particle {
+  double position[3], velocity[3], pressure, mass;
+  uint64_t id;
+};
+
+static size_t layer_cells(const struct isph *s) {
+  return (size_t)s->cells.count[0] * (size_t)s->cells.count[1];
+}
+
+/* The layer that holds the particle of that number in the order of all. */
+static int layer_of(const struct isph *s, size_t number) {
+  int low = 0, high = s->cells.count[2] - 1;
+  while (low < high) {
+    const int middle = (low + high + 1) / 2;
+    if (s->layer_start[middle] <= (double)number)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+
+/* Layers that rank r answers for: those of its own particles, and empty ones beside them. */
+static bool layers_of(const struct isph *s, int r, int *low, int *high) {
+  const size_t from = s->share.cut[r], to = s->share.cut[r + 1];
+  if (from == to) return false;
+  *low = from == 0 ? 0 : layer_of(s, from);
+  *high = s->cells.count[2] - 1;
+  if (to < s->total) {
+    *high = layer_of(s, to);
+    if (s->layer_start[*high] >= (double)to) --*high;
+  }
+  return true;
+}
+
+/* Whether rank r holds the particles of a layer. */
+static bool is_held(const struct isph *s, int low, int high, int layer) {
+  const int beyond = (int)ceil(s->support_max / s->cells.size[2] - 1e-9), n = s->cells.count[2];
+  low -= beyond, high += beyond;
+  if (layer >= low && layer <= high) return true;
+  return s->periodic[2] && (layer + n <= high || layer - n >= low);
+}
+
+bool isph_answers_for(const struct isph *s, const double x[3]) {
+  if (!isph_is_shared(s)) return true;
+  const int layer = (int)(isph_cell_of(&s->cells, x) / layer_cells(s));
+  for (int r = 0, low, high; r < ranks_count(); r++)
+    if (layers_of(s, r, &low, &high) && layer <= high) return r == ranks_own();
+  return false;
+}
+
+static struct particle particle_at(const struct isph *s, size_t i) {
+  struct particle p = {.pressure = s->pressure[i], .mass = s->mass[i], .id = s->id[i]};
+  memcpy(p.position, s->position[i], sizeof p.position);
+  memcpy(p.velocity, s->velocity[i], sizeof p.velocity);
+  return p;
+}
+
+/* Cuts the order of all, from how many particles each layer of cells has. */
+static enum status cut(struct isph *s) {
+  enum status status = STATUS_OK;
+  const size_t layers = (size_t)s->cells.count[2], plane = layer_cells(s);
+  if (s->layer_start == NULL) {
+    TRY(memory_allocate(&s->layer_start, layers + 1, sizeof *s->layer_start, "shares"));
+    TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
+  }
+  memset(s->layer_start, 0, (layers + 1) * sizeof *s->layer_start);
+  for (size_t i = 0; i < s->count; i++) s->layer_start[s->cell_of[i] / plane + 1]++;
+  ranks_sum_all(s->layer_start, layers + 1);
+  for (size_t l = 0; l < layers; l++) s->layer_start[l + 1] += s->layer_start[l];
+  s->total = (size_t)s->layer_start[layers];
+  s->share.tag = TAG;
+  s->share.bytes_most = sizeof(double[6]);
+  TRY(ghosts_cut(&s->share, s->total, CHUNK, s->pairs_now));
+  for (int r = 0; r <= ranks_count(); r++) s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
+cleanup:
+  return status;
+}
+
+/* Each rank gets from all others what it is to hold. */
+static enum status bring(struct isph *s) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
+  struct particle *out = NULL, *in = NULL;
+  size_t *send = NULL, *start = NULL, n = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    if (pass == 0) {
+      TRY(memory_allocate(&send, ranks, sizeof *send, "shares"));
+      TRY(memory_allocate(&start, ranks + 1, sizeof *start, "shares"));
+    } else {
+      TRY(memory_allocate(&out, n + 1, sizeof *out, "particles that change hands"));
+      n = 0;
+    }
+    for (size_t r = 0; r < ranks; r++) {
+      int low, high;
+      if (!layers_of(s, (int)r, &low, &high) || (pass == 1 && r == own)) continue;
+      for (size_t i = 0; i < s->count; i++) {
+        if (!is_held(s, low, high, (int)(s->cell_of[i] / plane))) continue;
+        if (pass == 0)
+          send[r]++, n += r != own;
+        else
+          out[n++] = particle_at(s, i);
+      }
+    }
+  }
+  TRY(isph_exchange(sizeof *out, send, out, start, &in));
+  memory_free(&out);
+  int low, high;
+  if (layers_of(s, (int)own, &low, &high))
+    for (size_t i = 0, to = start[own]; i < s->count; i++)
+      if (is_held(s, low, high, (int)(s->cell_of[i] / plane))) in[to++] = particle_at(s, i);
+  TRY(isph_reserve(s, start[ranks]));
+  s->count = start[ranks];
+  for (size_t i = 0; i < s->count; i++) {
+    memcpy(s->position[i], in[i].position, sizeof in[i].position);
+    memcpy(s->velocity[i], in[i].velocity, sizeof in[i].velocity);
+    s->pressure[i] = in[i].pressure;
+    s->mass[i] = in[i].mass;
+    s->id[i] = in[i].id;
+  }
+cleanup:
+  memory_free(&send);
+  memory_free(&start);
+  memory_free(&out);
+  memory_free(&in);
+  return status;
+}
 
 enum status isph_share_out(struct isph *s) {
   enum status status = STATUS_OK;
-  s->share.tag = TAG;
-  s->share.bytes_most = sizeof(double[6]);
-  if (s->chunk_cut == NULL)
-    TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
-  TRY(ghosts_cut(&s->share, s->count, CHUNK, s->pairs_now));
-  for (int r = 0; isph_is_shared(s) && r <= ranks_count(); r++)
-    s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
+  s->total = s->count;
+  if (ranks_count() > 1) {
+    for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
+    TRY(cut(s));
+    TRY(bring(s));
+  }
+  if (s->total / CHUNK + 1 > s->partial_room) {
+    s->partial_room = s->total / CHUNK * 9 / 8 + 1;
+    TRY(memory_resize(&s->partial, s->partial_room, sizeof *s->partial, "sums"));
+  }
 cleanup:
   return status;
+}
+
+void isph_find_own(struct isph *s) {
+  struct ghosts *g = &s->share;
+  g->begin = 0, g->end = s->count;
+  if (!isph_is_shared(s)) return;
+  const size_t plane = layer_cells(s), from = g->cut[ranks_own()];
+  int low, high;
+  bool before = false;
+  g->runs = 0, g->end = 0;
+  if (!layers_of(s, ranks_own(), &low, &high)) return;
+  for (int l = 0; l < s->cells.count[2]; l++) {
+    const bool here = is_held(s, low, high, l);
+    if (here && !before) {
+      g->run[g->runs].here = s->cells.start[(size_t)l * plane];
+      g->run[g->runs++].number = (size_t)s->layer_start[l];
+    }
+    before = here;
+  }
+  const int first = layer_of(s, from);
+  g->begin = s->cells.start[(size_t)first * plane] + (from - (size_t)s->layer_start[first]);
+  g->end = g->begin + (g->cut[ranks_own() + 1] - from);
 }
 
 enum status isph_find_ghosts(struct isph *s) {
@@ -30,6 +187,9 @@ enum status isph_find_ghosts(struct isph *s) {
       if (j < g->begin || j >= g->end) g->wanted[j] = chunk->outer = true;
     }
   }
+  /* isph_probe reads any. */
+  for (size_t j = 0; s->on.open_sides && j < s->count; j++)
+    g->wanted[j] = j < g->begin || j >= g->end;
   TRY(ghosts_agree(g, s->count));
 cleanup:
   memory_free(&g->wanted);
@@ -42,6 +202,89 @@ void isph_send(struct isph *s, int count, const struct ghost_field *fields) {
   ghosts_finish(&s->share);
 }
 
-void isph_gather_chunks(struct isph *s, void *data, size_t size) {
-  if (isph_is_shared(s)) ranks_gather(data, s->chunk_cut, size);
+/* Sums go from rank to rank, each of which adds its own between the two calls; then all have them.
+ */
+static void sums_arrive(double *sums, size_t n) {
+  if (ranks_own() == 0) return;
+  ranks_receive(sums, n * sizeof *sums, ranks_own() - 1, TAG_SUMS);
+  ranks_wait();
+}
+static void sums_go_on(double *sums, size_t n) {
+  if (ranks_count() == 1) return;
+  if (ranks_own() + 1 < ranks_count()) {
+    ranks_send(sums, n * sizeof *sums, ranks_own() + 1, TAG_SUMS);
+    ranks_wait();
+    memset(sums, 0, n * sizeof *sums);
+  }
+  ranks_sum_all(sums, n);
+}
+
+void isph_add_up(const struct isph *s, int width, double *total) {
+  for (int k = 0; k < width; k++) total[k] = 0;
+  sums_arrive(total, (size_t)width);
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (int k = 0; k < width; k++) total[k] += s->sums[c][k];
+  sums_go_on(total, (size_t)width);
+}
+
+void isph_add_accounts(struct isph *s) {
+  struct ledger_sums *sums = &s->account.sums;
+  double numbers[sizeof *sums / sizeof(double)];
+  const size_t n = sizeof numbers / sizeof *numbers;
+  memcpy(numbers, sums, sizeof numbers);
+  sums_arrive(numbers, n);
+  memcpy(sums, numbers, sizeof numbers);
+  for (size_t c = 0; c < s->chunk_count; c++) ledger_add(sums, &s->chunks[c].account);
+  memcpy(numbers, sums, sizeof numbers);
+  sums_go_on(numbers, n);
+  memcpy(sums, numbers, sizeof numbers);
+}
+
+void isph_gather_chunks(struct isph *s, double *numbers) {
+  if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_cut, sizeof *numbers);
+}
+
+enum status isph_exchange(size_t size, const size_t *send, const void *out, size_t *start,
+                          void *in) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const char *from = out;
+  char *to = NULL;
+  ranks_swap_counts(send, start + 1);
+  start[0] = 0;
+  for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
+  TRY(memory_allocate(&to, start[ranks] + 1, size, "messages from ranks"));
+  for (size_t r = 0; r < ranks; r++)
+    if (r != own && start[r + 1] > start[r])
+      ranks_receive(to + start[r] * size, (start[r + 1] - start[r]) * size, (int)r, TAG_ITEMS);
+  for (size_t r = 0; r < ranks; r++) {
+    if (r == own || send[r] == 0) continue;
+    ranks_send(from, send[r] * size, (int)r, TAG_ITEMS);
+    from += send[r] * size;
+  }
+  ranks_wait();
+cleanup:
+  memcpy(in, &to, sizeof to);
+  return status;
+}
+
+enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  size_t *send = NULL, *start = NULL;
+  char *all = NULL;
+  TRY(memory_allocate(&send, ranks, sizeof *send, "messages from ranks"));
+  TRY(memory_allocate(&start, ranks + 1, sizeof *start, "messages from ranks"));
+  for (size_t r = 0; r < ranks; r++) send[r] = count;
+  ranks_swap_counts(send, start + 1);
+  for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
+  *total = start[ranks];
+  TRY(memory_allocate(&all, *total + 1, size, "messages from ranks"));
+  if (count > 0) memcpy(all + start[own] * size, list, count * size);
+  ranks_gather(all, start, size);
+cleanup:
+  memory_free(&send);
+  memory_free(&start);
+  memcpy(joined, &all, sizeof all);
+  return status;
 }

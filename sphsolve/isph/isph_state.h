@@ -22,6 +22,7 @@
 #include "sphsolve/watchdog.h"
 
 #define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
+#define SUMS 24      /* at most at once */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
@@ -118,10 +119,12 @@ struct isph {
   double calm;           /* the calming's viscosity */
   int64_t step;
 
-  size_t count, capacity;
-  struct ghosts share; /* of the ranks: this one computes [share.begin, share.end) */
-  size_t *chunk_cut;   /* [ranks + 1]: the same in chunks */
-  double pairs_now;    /* of the own particles */
+  size_t count, capacity; /* of the particles here: the own ones, and ghosts before and after */
+  size_t total;           /* of all ranks */
+  struct ghosts share;    /* this rank computes [share.begin, share.end) */
+  size_t *chunk_cut;      /* [ranks + 1]: in chunks of all */
+  double *layer_start;    /* [layers of cells + 1]: particles of all before it; NULL on one rank */
+  double pairs_now;       /* of the own particles */
   uint64_t next_id;
   uint64_t *id;
   double (*position)[3], (*velocity)[3];
@@ -150,6 +153,8 @@ struct isph {
   struct isph_petsc *petsc;
   double *work[4];                   /* r, z, p, q of CG */
   double *partial;                   /* [chunks of all]: of a sum */
+  size_t partial_room;
+  double (*sums)[SUMS];              /* [own chunks]: of several; see isph_add_up */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
   size_t chunk_count, chunk_capacity;
@@ -197,7 +202,8 @@ struct isph {
   double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
 };
 
-/* Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
+/* What is here collective, all ranks call; the same bits on any number of them.
+ * Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s);
 void isph_free(struct isph *s);
@@ -254,8 +260,10 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
                      double v[3]);
 
-/* isph_cells.c: sorts the particles, then finds neighbours with filling, imbalance, correction. */
+/* isph_cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
+ * filling, imbalance, correction. */
 enum status isph_sort(struct isph *s);
+uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
 enum status isph_sort_walls(struct isph *s);
 enum status isph_find_neighbours(struct isph *s);
 
@@ -303,7 +311,7 @@ void isph_open_straighten(struct isph *s);
 enum status isph_open_measure(struct isph *s);
 /* Takes out particles outside the domain: those that left through a window, and with a warning
  * those that should not be there. */
-void isph_remove_outside(struct isph *s);
+enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
 /* isph_cells.c: filling of a point by water, and the mean velocity of water there. */

@@ -22,7 +22,7 @@ static double size_of(const struct isph *s, double volume) {
 static void update_volumes(struct isph *s) {
   double ratio = s->scene->isph.support_ratio;
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = 0; i < s->count; i++) {
     double eps = 1;
     if (s->on.soil) {
       struct soil_point soil;
@@ -43,13 +43,9 @@ static void update_volumes(struct isph *s) {
     s->volume[i] = s->mass[i] / (eps * s->density);
     s->support[i] = fmin(ratio * size_of(s, s->volume[i]), s->support_max);
   }
-  isph_gather(s, s->volume);
-  isph_gather(s, s->support);
-  if (s->on.soil) isph_gather(s, s->porosity);
-  if (s->on.soil) isph_gather(s, s->inertia);
-  if (s->on.soil && s->on.open_sides) isph_gather(s, s->soil_share);
   s->support_now = 0;
   for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);
+  s->support_now = ranks_max(s->support_now);
 }
 
 static void find_velocity_gradient(struct isph *s) {
@@ -244,7 +240,7 @@ static void correct(struct isph *s) {
  * has P < 0 inside, and fell apart without. */
 static void part(struct isph *s) {
   bool holds = isph_is_free(s);
-  for (size_t i = 0; i < s->count; i++)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
     s->pressure[i] = fmax(holds ? (1 - s->surface[i]) * s->pressure[i] : 0, s->pressure[i]);
 }
 
@@ -323,11 +319,7 @@ static void move(struct isph *s, double dt, double budget) {
       isph_account_way(s, sums, LEDGER_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) {
-    isph_gather(s, s->velocity);
-    isph_gather(s, way);
-    isph_energy_settle(s, way, budget);
-  }
+  if (s->on.energy) isph_energy_settle(s, way, budget);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->share.begin; i < s->share.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += way[i][a];
@@ -372,7 +364,6 @@ enum status isph_refresh(struct isph *s) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
   TRY(isph_sort(s));
-  TRY(isph_share_out(s));
   update_volumes(s);
   TRY(isph_find_neighbours(s));
   s->seconds_lists += clock_seconds() - start;
@@ -389,17 +380,12 @@ enum status isph_advance(struct isph *s, double dt) {
     tau = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
   tau = fmax(tau, dt); /* beyond, it would overshoot */
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
-  size_t count = s->count;
+  const size_t total = s->total;
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
   predict(s, dt);
-  if (s->on.energy || s->on.open_sides) isph_gather(s, s->predicted);
-  if (s->on.energy && s->on.relaxation) {
-    if (s->on.surface) isph_gather(s, s->surface);
-    if (s->on.soil) isph_gather(s, s->drag_left);
-    isph_energy_relax(s, tau, dt);
-  }
+  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
   isph_assemble(s, tau);
@@ -411,19 +397,13 @@ enum status isph_advance(struct isph *s, double dt) {
   correct(s);
   if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));
   TRY(ranks_agree(check_finite(s)));
-  if (s->on.open_sides) isph_gather(s, s->velocity);
+  if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   TRY(isph_open_measure(s));
-  if (s->on.energy) {
-    isph_gather(s, s->pressure);
-    given = isph_energy_given(s, tau, dt);
-  }
+  if (s->on.energy) given = isph_energy_given(s, tau, dt);
   isph_account_forces(s, tau, dt);
   move(s, dt, kinetic + given);
-  isph_gather(s, s->position);
-  isph_gather(s, s->velocity);
-  isph_gather(s, s->pressure);
-  TRY(isph_account_moved(s));
-  isph_remove_outside(s);
+  isph_account_moved(s);
+  TRY(isph_remove_outside(s));
   TRY(isph_open_move(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);
   if (s->on.moving_walls || s->on.open_sides) TRY(isph_sort_walls(s));
@@ -436,7 +416,7 @@ enum status isph_advance(struct isph *s, double dt) {
   TRY(isph_refresh(s));
   isph_account_settled(s);
   /* What the new porosity and the walls' guard made of it. */
-  if (s->on.energy && s->count == count) isph_energy_trim(s, most + given);
+  if (s->on.energy && s->total == total) isph_energy_trim(s, most + given);
 cleanup:
   return status;
 }
@@ -470,10 +450,11 @@ static double fastest_drive(const struct isph *s) {
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
   double fastest = fastest_drive(s), thickest = fmax(s->viscosity, s->thickest);
-  for (size_t i = 0; i < s->count; i++) {
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
   }
+  fastest = ranks_max(fastest);
   double force = length(s->force);
   const struct {
     const char *name;

@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/isph_account.h"
 #include "sphsolve/isph/isph_output.h"
+#include "sphsolve/isph/isph_ranks.h"
 #include "sphsolve/method.h"
 
 enum status isph_scales(struct plan *plan) {
@@ -160,35 +161,65 @@ static double given_speed(const struct isph *s) {
   return speed;
 }
 
+/* A particle that leads: of a rank, then of all. */
+struct leader {
+  double value, position[3], filling, square;
+  uint64_t id;
+};
+
+static enum status lead(struct leader leaders[2]) {
+  enum status status = STATUS_OK;
+  struct leader *all = NULL;
+  size_t n = 0;
+  TRY(isph_join(leaders, 2, sizeof *leaders, &all, &n));
+  for (size_t k = 0; k < n; k++)
+    if (k < 2 || all[k].value > leaders[k % 2].value) leaders[k % 2] = all[k];
+cleanup:
+  memory_free(&all);
+  return status;
+}
+
 /* The state after a step of length dt: the share it uses of the bounds, and what in words. */
-static double judge(struct isph *s, double dt, char what[160]) {
+static enum status judge(struct isph *s, double dt, double *share, char what[160]) {
+  enum status status = STATUS_OK;
   struct watch_reading reading = {{0}};
   const double *f = s->force;
-  double most = 0, fastest = 0, squares = 0, share;
-  size_t densest = 0, first = 0;
-  for (size_t i = 0; i < s->count; i++) {
-    const double *v = s->velocity[i];
-    double eps = s->porosity != NULL ? s->porosity[i] : 1;
-    double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
-    squares += square;
-    if (s->filling[i] > most) most = s->filling[i], densest = i;
-    if (square > fastest) fastest = square, first = i;
+  struct leader leaders[2] = {{0}}; /* densest, fastest */
+  double squares;
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *v = s->velocity[i], *x = s->position[i];
+      double eps = s->porosity != NULL ? s->porosity[i] : 1;
+      double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
+      const double values[2] = {s->filling[i], square};
+      sum += square;
+      for (int k = 0; k < 2; k++)
+        if (values[k] > leaders[k].value)
+          leaders[k] = (struct leader){values[k], {x[0], x[1], x[2]}, s->filling[i], square,
+                                       s->id[i]};
+    }
+    s->sums[c][0] = sum;
   }
-  reading.share[WATCH_DENSITY] = (most - 1) / (FILLING_MOST - 1);
+  isph_add_up(s, 1, &squares);
+  TRY(lead(leaders));
+  const double fastest = leaders[1].value;
+  reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (FILLING_MOST - 1);
   reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;
-  if (s->count > 0)
+  if (s->total > 0)
     reading.share[WATCH_ENERGY] =
-        watchdog_energy(&s->dog, sqrt(squares / (double)s->count), s->time,
+        watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
                         sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), given_speed(s),
                         ENERGY_FLOOR * s->spacing / dt);
   reading.share[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
-  enum watch_bound worst = watchdog_worst(&reading, &share);
-  size_t i = worst == WATCH_DENSITY ? densest : first;
-  if (s->count > 0)
+  enum watch_bound worst = watchdog_worst(&reading, share);
+  const struct leader *first = &leaders[worst == WATCH_DENSITY ? 0 : 1];
+  if (s->total > 0)
     snprintf(what, 160, "%s: particle %llu at (%.4g, %.4g, %.4g) m, filling %.3g, speed %.3g m/s",
-             watchdog_name(worst), (unsigned long long)s->id[i], s->position[i][0],
-             s->position[i][1], s->position[i][2], s->filling[i], sqrt(fastest));
-  return share;
+             watchdog_name(worst), (unsigned long long)first->id, first->position[0],
+             first->position[1], first->position[2], first->filling, sqrt(fastest));
+cleanup:
+  return status;
 }
 
 /* Back to the last good state with half the step, or the end with that state in the checkpoint. */
@@ -295,7 +326,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       share = INFINITY;
     } else {
       if (status != STATUS_OK) goto cleanup;
-      share = judge(s, dt, what);
+      TRY(judge(s, dt, &share, what));
     }
     if (!(share < 1)) {
       TRY(step_back(s, copy, dt, what, recorder));
@@ -421,7 +452,7 @@ cleanup:
     recorder_set_fact(recorder, "iterations_mean",
                       s->solve.iterations_total / fmax(1, s->solve.solves));
     recorder_set_fact(recorder, "residual", s->solve.residual);
-    recorder_set_fact(recorder, "particles", (double)s->count);
+    recorder_set_fact(recorder, "particles", (double)s->total);
     recorder_set_fact(recorder, "particles_lost", (double)s->lost_count);
     recorder_set_fact(recorder, "particles_left", (double)s->left_count);
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
@@ -430,7 +461,7 @@ cleanup:
                                      .entered = s->entered_count,
                                      .left = s->left_count,
                                      .lost = s->lost_count,
-                                     .end = s->count,
+                                     .end = s->total,
                                      .entered_mass = s->entered_mass,
                                      .left_mass = s->left_mass,
                                      .lost_mass = s->lost_mass};
