@@ -45,12 +45,16 @@ static inline void finish(struct run *run) {
   scene_free(&run->scene);
 }
 
-static inline void advance(struct run *run, double until) {
+/* Returns the number of steps. */
+static inline int advance(struct run *run, double until) {
+  int steps = 0;
   while (run->s.time < until - 1e-9) {
     const char *limit;
     double dt = fmin(isph_stable_dt(&run->s, &limit), until - run->s.time);
     assert_int_equal(isph_advance(&run->s, dt), STATUS_OK);
+    steps++;
   }
+  return steps;
 }
 
 #endif
