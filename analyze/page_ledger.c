@@ -48,6 +48,44 @@ static void row(FILE *stream, const char *style, const char *words, const double
   fprintf(stream, "<td class=\"number\">%.4g</td></tr>\n", energy + 0.0);
 }
 
+#define LOSSES_SHOWN 10
+
+/* Which particles went through a wall, when and where. */
+static enum status losses(struct h5_file *file, FILE *stream) {
+  enum status status = STATUS_OK;
+  double(*loss)[6] = NULL;
+  size_t shape[2] = {0, 0};
+  if (!h5_exists(file, "/run/ledger/losses")) return STATUS_OK;
+  TRY(h5_read(file, "/run/ledger/losses", H5_F64, 2, shape, &loss));
+  if (shape[1] != 6)
+    TRY_FAIL(STATUS_INPUT, "%s: /run/ledger/losses has %zu columns, not 6: the file is damaged",
+             h5_path(file), shape[1]);
+  fprintf(stream, "<p>Lost through walls%s:", shape[0] > LOSSES_SHOWN ? ", the first" : "");
+  for (size_t i = 0; i < shape[0] && i < LOSSES_SHOWN; i++)
+    fprintf(stream, "%s particle %.0f at %.4g s, (%.4g, %.4g, %.4g) m, %.4g kg", i > 0 ? ";" : "",
+            loss[i][0], loss[i][1], loss[i][2], loss[i][3], loss[i][4], loss[i][5]);
+  fputs(".</p>\n", stream);
+cleanup:
+  memory_free(&loss);
+  return status;
+}
+
+/* A flow that does not change in time. */
+static void steady_run(const struct run *run, struct h5_file *file, FILE *stream) {
+  fputs("<h3>", stream);
+  html_text(stream, run->name);
+  fprintf(stream,
+          "</h3><p>Mass: the flux is the same through all planes across the flow to %.2g&nbsp;%% "
+          "(rms). Momentum: walls and pressure balance what drives the flow to %.2g of it. Energy: "
+          "friction takes what drives the flow gives, to %.2g of it.</p>\n",
+          100 * attribute(file, "flux_open"), attribute(file, "force_open"),
+          attribute(file, "power_open"));
+}
+
+static bool is_steady(struct h5_file *file) {
+  return h5_exists(file, "/run/ledger") && isfinite(attribute(file, "flux_open"));
+}
+
 static enum status one_run(const struct run *run, struct h5_file *file, FILE *stream) {
   enum status status = STATUS_OK;
   struct account account = {0};
@@ -87,6 +125,7 @@ static enum status one_run(const struct run *run, struct h5_file *file, FILE *st
     fprintf(stream, "; sums of samples may miss %.2g kg&nbsp;m/s and %.2g J",
             attribute(file, "momentum_sampling_error"), attribute(file, "energy_sampling_error"));
   fputs(".</p>\n", stream);
+  TRY(losses(file, stream));
 cleanup:
   account_free(&account);
   return status;
@@ -98,7 +137,7 @@ enum status page_has_ledger(const struct run *runs, size_t n, bool *any) {
   for (size_t i = 0; i < n && !*any; i++) {
     struct h5_file *file = NULL;
     TRY(h5_open(runs[i].path, &file));
-    *any = h5_exists(file, "/run/ledger/words");
+    *any = h5_exists(file, "/run/ledger/words") || is_steady(file);
     h5_close(file);
   }
 cleanup:
@@ -114,7 +153,10 @@ enum status page_ledger(const struct run *runs, size_t n, FILE *stream) {
         stream);
   for (size_t i = 0; i < n; i++) {
     TRY(h5_open(runs[i].path, &file));
-    if (h5_exists(file, "/run/ledger/words")) TRY(one_run(&runs[i], file, stream));
+    if (h5_exists(file, "/run/ledger/words"))
+      TRY(one_run(&runs[i], file, stream));
+    else if (is_steady(file))
+      steady_run(&runs[i], file, stream);
     h5_close(file);
     file = NULL;
   }

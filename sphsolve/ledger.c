@@ -163,6 +163,7 @@ enum status ledger_write(const struct ledger *l, struct h5_file *file) {
     TRY(h5_make_group(file, group));
     TRY(h5_write_attribute(file, group, "flux_open", H5_F64, 1, &l->flux_open));
     TRY(h5_write_attribute(file, group, "force_open", H5_F64, 1, &l->force_open));
+    TRY(h5_write_attribute(file, group, "power_open", H5_F64, 1, &l->power_open));
   }
   if (!l->known) return STATUS_OK;
   const struct {
@@ -236,13 +237,16 @@ static void print_account(const struct ledger_account *account) {
   double open[3] = {0}, energy_open, largest = 0;
   double momentum_share = ledger_momentum_open(account, open);
   double energy_share = ledger_energy_open(account, &energy_open);
-  int column = printf("           momentum (kg m/s):");
+  const double(*p)[3] = account->momentum;
+  int column =
+      printf("           momentum (kg m/s): (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g):", p[0][0],
+             p[0][1], p[0][2], p[1][0], p[1][1], p[1][2]);
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
   for (int t = 0; t < LEDGER_TERMS; t++) {
-    const double *p = account->sums.impulse[t];
-    if (ledger_is_on(account, t) && length(p) > PRINTED * largest)
-      print_piece(&column, "%s (%.4g, %.4g, %.4g),", terms[t].words, p[0], p[1], p[2]);
+    const double *given = account->sums.impulse[t];
+    if (ledger_is_on(account, t) && length(given) > PRINTED * largest)
+      print_piece(&column, "%s (%.4g, %.4g, %.4g),", terms[t].words, given[0], given[1], given[2]);
   }
   print_piece(&column, "not accounted for %.2g %% of the largest%s", 100 * momentum_share,
               account->momentum_error > 0 ? "," : "");
@@ -265,9 +269,10 @@ static void print_account(const struct ledger_account *account) {
 
 void ledger_print(const struct ledger *l) {
   if (l->steady)
-    printf("ledger     flux: the same through all planes across the flow to %.2g %%\n"
-           "           force: walls and pressure balance what drives the flow to %.2g\n",
-           100 * l->flux_open, l->force_open);
+    printf("ledger     mass: the flux is the same through all planes across the flow to %.2g %%\n"
+           "           momentum: walls and pressure balance what drives the flow to %.2g\n"
+           "           energy: friction takes what drives the flow gives, to %.2g\n",
+           100 * l->flux_open, l->force_open, l->power_open);
   if (!l->known) return;
   int64_t open = ledger_particles_open(l);
   double mass_open = ledger_mass_open(l);

@@ -67,6 +67,7 @@ struct ledger {
   bool known, steady;
   double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
   double force_open; /* steady: what walls and pressure leave of the driving force, relative */
+  double power_open; /* steady: what they leave of its work, relative */
   uint64_t start, entered, left, lost, end;  /* particles */
   double entered_mass, left_mass, lost_mass; /* kg */
   /* Each of the first losses: particle, time (s), x, y, z (m), mass (kg). */

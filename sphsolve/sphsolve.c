@@ -110,13 +110,15 @@ static json_t *ledger_json(const struct ledger *ledger) {
     momentum = ledger_momentum_open(&ledger->account, open);
     energy = ledger_energy_open(&ledger->account, &energy_open);
   }
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
                    number_or_null(ledger->known ? (double)ledger->lost : NAN), "particles_open",
                    number_or_null(ledger->known ? (double)ledger_particles_open(ledger) : NAN),
                    "mass_open", number_or_null(ledger->known ? ledger_mass_open(ledger) : NAN),
                    "momentum_open_share", number_or_null(momentum), "energy_open_share",
                    number_or_null(energy), "force_open",
-                   number_or_null(ledger->steady ? ledger->force_open : NAN));
+                   number_or_null(ledger->steady ? ledger->force_open : NAN), "power_open",
+                   number_or_null(ledger->steady ? ledger->power_open : NAN), "flux_open",
+                   number_or_null(ledger->steady ? ledger->flux_open : NAN));
 }
 
 static enum status print_json(const struct run_result *result) {
@@ -206,9 +208,9 @@ static enum status run(const struct options *options, struct job *job) {
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
-  static enum status (*const methods[])(
-      const struct scene *, const struct plan *, struct lattice *, struct recorder *,
-      struct run_result *) = {NULL, wcsph_run, stokes_run, isph_run};
+  static enum status (*const methods[])(const struct scene *, const struct plan *, struct lattice *,
+                                        struct recorder *, struct run_result *) = {
+      NULL, wcsph_run, stokes_run, isph_run};
   status =
       methods[job->plan.context.method](&job->scene, &job->plan, &job->lattice, recorder, &result);
   if (status == STATUS_OK && result.k > 0)
