@@ -119,7 +119,7 @@ static void account_sides(const struct isph *s, const struct isph_chunk *chunk, 
     isph_separation(s, x, s->boundary_position, entry, r);
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
       const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);
-      give(sums, LEDGER_WALL_PRESSURE, weight * pressure, r, s->boundary_velocity[j]);
+      give(sums, LEDGER_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
     } else {
       const bool head = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
       const double pressure =

@@ -19,7 +19,8 @@ uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]) {
   int at[3];
   for (int a = 0; a < 3; a++)
     at[a] = clamp_index((x[a] - cells->origin[a]) / cells->size[a], cells->count[a]);
-  return (uint32_t)((at[2] * cells->count[1] + at[1]) * cells->count[0] + at[0]);
+  const int *axis = cells->axis, *n = cells->count;
+  return (uint32_t)((at[axis[2]] * n[axis[1]] + at[axis[1]]) * n[axis[0]] + at[axis[0]]);
 }
 
 static enum status shape_cells(const struct isph *s, double margin, struct isph_cells *cells) {
@@ -33,6 +34,13 @@ static enum status shape_cells(const struct isph *s, double margin, struct isph_
     cells->size[a] = length / cells->count[a];
     total *= cells->count[a];
   }
+  /* Ranks have layers across the longest axis, which are the smallest. */
+  int longest = 2;
+  for (int a = 1; a >= 0; a--)
+    if (cells->count[a] > cells->count[longest]) longest = a;
+  cells->axis[0] = longest == 0 ? 1 : 0;
+  cells->axis[1] = longest == 2 ? 1 : 2;
+  cells->axis[2] = longest;
   if (total > 1e9)
     return FAIL(STATUS_INPUT,
                 "domain: %.2g cells of %.3g m; make the domain smaller or the "
@@ -101,6 +109,7 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
                       double (*x)[3], const double xi[3], double reach, uint32_t *candidates) {
   size_t found = 0;
   double reach2 = reach * reach;
+  const int x0 = cells->axis[0], b = cells->axis[1], c = cells->axis[2];
   int from[3], to[3];
   for (int a = 0; a < 3; a++) {
     from[a] = s->periodic[a] && xi[a] - reach < s->low[a] ? -1 : 0;
@@ -123,17 +132,17 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
           high[a] = clamp_index(last, cells->count[a]);
         }
         if (empty) continue;
-        for (int cz = low[2]; cz <= high[2]; cz++) {
-          double z0 = cells->origin[2] + cz * cells->size[2];
-          double dz = fmax(0, fmax(z0 - at[2], at[2] - z0 - cells->size[2]));
-          for (int cy = low[1]; cy <= high[1]; cy++) {
-            double y0 = cells->origin[1] + cy * cells->size[1];
-            double dy = fmax(0, fmax(y0 - at[1], at[1] - y0 - cells->size[1]));
+        for (int cz = low[c]; cz <= high[c]; cz++) {
+          double z0 = cells->origin[c] + cz * cells->size[c];
+          double dz = fmax(0, fmax(z0 - at[c], at[c] - z0 - cells->size[c]));
+          for (int cy = low[b]; cy <= high[b]; cy++) {
+            double y0 = cells->origin[b] + cy * cells->size[b];
+            double dy = fmax(0, fmax(y0 - at[b], at[b] - y0 - cells->size[b]));
             if (dy * dy + dz * dz > reach2) continue;
             size_t row =
-                ((size_t)cz * (size_t)cells->count[1] + (size_t)cy) * (size_t)cells->count[0];
-            uint32_t begin = cells->start[row + (size_t)low[0]];
-            uint32_t end = cells->start[row + (size_t)high[0] + 1];
+                ((size_t)cz * (size_t)cells->count[b] + (size_t)cy) * (size_t)cells->count[x0];
+            uint32_t begin = cells->start[row + (size_t)low[x0]];
+            uint32_t end = cells->start[row + (size_t)high[x0] + 1];
             if (found + (end - begin) > CANDIDATES) return CANDIDATES + 1;
             for (uint32_t k = begin; k < end; k++) {
               uint32_t j = order != NULL ? order[k] : k;

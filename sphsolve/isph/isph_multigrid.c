@@ -480,14 +480,25 @@ size_t multigrid_nodes(const struct isph *s) {
   return s->multigrid->levels[0].node_count;
 }
 
+size_t multigrid_number(const struct isph *s, size_t node, bool back) {
+  static const int plain[3] = {0, 1, 2};
+  const int *from = back ? s->cells.axis : plain, *to = back ? plain : s->cells.axis;
+  const int *n = s->multigrid->levels[0].nodes;
+  size_t at[3];
+  for (int k = 0; k < 3; node /= (size_t)n[from[k++]]) at[from[k]] = node % (size_t)n[from[k]];
+  return (at[to[2]] * (size_t)n[to[1]] + at[to[1]]) * (size_t)n[to[0]] + at[to[0]];
+}
+
 size_t multigrid_row_before(const struct isph *s, const double x[3]) {
   const struct isph_multigrid *grid = s->multigrid;
   const struct level *fine = &grid->levels[0];
   int at[3] = {0};
-  for (int a = 1; a < 3; a++)
+  for (int k = 1; k < 3; k++) {
+    const int a = s->cells.axis[k];
     if (grid->used[a])
       at[a] = (int)fmin(fmax(0, (x[a] - grid->origin[a]) / fine->h[a]), fine->cells[a] - 1);
-  return node_at(fine, 0, at[1], at[2]);
+  }
+  return multigrid_number(s, node_at(fine, at[0], at[1], at[2]), false);
 }
 
 int multigrid_interpolation(const struct isph *s, size_t i, size_t node[8], double weight[8]) {

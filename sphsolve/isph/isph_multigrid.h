@@ -16,7 +16,10 @@ void multigrid_apply(struct isph *s, const double *r, double *z);
 
 /* What it takes to have B from PETSc. */
 size_t multigrid_nodes(const struct isph *s);
-/* First node of the row of nodes below x. */
+/* The number of a node in the order in which ranks share them out, that of the particles' cells, or
+ * back. */
+size_t multigrid_number(const struct isph *s, size_t node, bool back);
+/* The number of the first node of the row of nodes below x. */
 size_t multigrid_row_before(const struct isph *s, const double x[3]);
 /* Nodes around own particle i and their weights; returns how many. */
 int multigrid_interpolation(const struct isph *s, size_t i, size_t node[8], double weight[8]);

@@ -45,6 +45,7 @@ enum status isph_open_create(struct isph *s) {
                "periodic; this box touches none, or two opposite ones",
                scene->path, region->line);
     side.head = region->head, side.flux = region->flux;
+    if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
     size_t columns = 1;
     for (int a = 0; a < 3; a++) {

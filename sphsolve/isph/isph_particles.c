@@ -8,6 +8,7 @@
 #include "sphsolve/isph/isph_kernel.h"
 #include "sphsolve/isph/isph_multigrid.h"
 #include "sphsolve/isph/isph_petsc.h"
+#include "sphsolve/isph/isph_ranks.h"
 
 /* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
  * with a support of a few spacings misses 1 are taken out of every operator. */
@@ -35,7 +36,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   enum status status = STATUS_OK;
   const char *what = "water particles";
   if (n <= s->capacity) return STATUS_OK;
-  if (s->capacity > 0) n += n / 8;
+  if (s->capacity > 0) n += n / (isph_is_shared(s) ? 32 : 4);
   if (n > PAIR_MASK)
     return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most", n, PAIR_MASK);
   TRY(memory_resize(&s->id, n, sizeof *s->id, what));
@@ -256,8 +257,6 @@ void isph_free(struct isph *s) {
                     &s->wall_order,
                     &s->wall_boxes,
                     &s->boundary_position,
-                    &s->boundary_home,
-                    &s->boundary_velocity,
                     &s->boundary_pressure,
                     &s->boundary_kind,
                     &s->boundary_box,

@@ -116,10 +116,10 @@ cleanup:
   return status;
 }
 
-static void add_row(struct rows *rows, size_t row, int n, const size_t *node, const double *value,
-                    PetscInt *used) {
+static void add_row(const struct isph *s, struct rows *rows, size_t row, int n, const size_t *node,
+                    const double *value, PetscInt *used) {
   for (int c = 0; c < n; c++) {
-    rows->column[*used + c] = (PetscInt)node[c];
+    rows->column[*used + c] = (PetscInt)multigrid_number(s, node[c], false);
     rows->value[*used + c] = value[c];
   }
   *used += merge_row(rows->column + *used, rows->value + *used, n);
@@ -185,14 +185,14 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   TRY(reserve_rows(rows, own, 8 * own));
   for (size_t i = 0; i < own; i++) {
     const int n = multigrid_interpolation(s, i, node, value);
-    add_row(rows, i, n, node, value, &used);
+    add_row(s, rows, i, n, node, value, &used);
   }
   TRY(make_matrix(rows, own, nodes, &p->interpolation));
   TRY(reserve_rows(rows, nodes, 27 * nodes));
   used = 0;
   for (size_t i = 0; i < nodes; i++) {
-    const int n = multigrid_row(s, first + i, node, value);
-    add_row(rows, i, n, node, value, &used);
+    const int n = multigrid_row(s, multigrid_number(s, first + i, true), node, value);
+    add_row(s, rows, i, n, node, value, &used);
   }
   TRY(make_matrix(rows, nodes, nodes, &p->grid));
   TRY_PETSC(MatCreateVecs(p->grid, &p->down, &p->up));

@@ -72,7 +72,7 @@ void isph_assemble(struct isph *s, double tau) {
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
           continue;
         }
-        const double *vw = s->boundary_velocity[j];
+        const double *vw = isph_wall_velocity(s, j);
         walled += 2 * vol * s->wall_volume * ki * slope;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);

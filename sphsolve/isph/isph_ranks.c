@@ -14,12 +14,15 @@ struct particle {
 };
 
 static size_t layer_cells(const struct isph *s) {
-  return (size_t)s->cells.count[0] * (size_t)s->cells.count[1];
+  return (size_t)s->cells.count[s->cells.axis[0]] * (size_t)s->cells.count[s->cells.axis[1]];
+}
+static int layer_count(const struct isph *s) {
+  return s->cells.count[s->cells.axis[2]];
 }
 
 /* The layer that holds the particle of that number in the order of all. */
 static int layer_of(const struct isph *s, size_t number) {
-  int low = 0, high = s->cells.count[2] - 1;
+  int low = 0, high = layer_count(s) - 1;
   while (low < high) {
     const int middle = (low + high + 1) / 2;
     if (s->layer_start[middle] <= (double)number)
@@ -35,7 +38,7 @@ static bool layers_of(const struct isph *s, int r, int *low, int *high) {
   const size_t from = s->share.cut[r], to = s->share.cut[r + 1];
   if (from == to) return false;
   *low = from == 0 ? 0 : layer_of(s, from);
-  *high = s->cells.count[2] - 1;
+  *high = layer_count(s) - 1;
   if (to < s->total) {
     *high = layer_of(s, to);
     if (s->layer_start[*high] >= (double)to) --*high;
@@ -45,10 +48,11 @@ static bool layers_of(const struct isph *s, int r, int *low, int *high) {
 
 /* Whether rank r holds the particles of a layer. */
 static bool is_held(const struct isph *s, int low, int high, int layer) {
-  const int beyond = (int)ceil(s->support_max / s->cells.size[2] - 1e-9), n = s->cells.count[2];
+  const int axis = s->cells.axis[2], n = layer_count(s);
+  const int beyond = (int)ceil(s->support_max / s->cells.size[axis] - 1e-9);
   low -= beyond, high += beyond;
   if (layer >= low && layer <= high) return true;
-  return s->periodic[2] && (layer + n <= high || layer - n >= low);
+  return s->periodic[axis] && (layer + n <= high || layer - n >= low);
 }
 
 bool isph_answers_for(const struct isph *s, const double x[3]) {
@@ -69,7 +73,7 @@ static struct particle particle_at(const struct isph *s, size_t i) {
 /* Cuts the order of all, from how many particles each layer of cells has. */
 static enum status cut(struct isph *s) {
   enum status status = STATUS_OK;
-  const size_t layers = (size_t)s->cells.count[2], plane = layer_cells(s);
+  const size_t layers = (size_t)layer_count(s), plane = layer_cells(s);
   if (s->layer_start == NULL) {
     TRY(memory_allocate(&s->layer_start, layers + 1, sizeof *s->layer_start, "shares"));
     TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
@@ -161,7 +165,7 @@ void isph_find_own(struct isph *s) {
   bool before = false;
   g->runs = 0, g->end = 0;
   if (!layers_of(s, ranks_own(), &low, &high)) return;
-  for (int l = 0; l < s->cells.count[2]; l++) {
+  for (int l = 0; l < layer_count(s); l++) {
     const bool here = is_held(s, low, high, l);
     if (here && !before) {
       g->run[g->runs].here = s->cells.start[(size_t)l * plane];

@@ -1,7 +1,8 @@
 /* Particles of method isph shared out among the ranks. In the order of their cells each rank
- * computes a run of them, and holds besides, as its ghosts, those of the layers of cells (along z)
- * that its kernels reach: always in that order, [share.begin, share.end) its own. It exchanges what
- * its neighbours' sums read. On one rank the run is all of them, and nothing here does anything. */
+ * computes a run of them, and holds besides, as its ghosts, those of the layers of cells (across
+ * the longest axis) that its kernels reach: always in that order, [share.begin, share.end) its own.
+ * It exchanges what its neighbours' sums read. On one rank the run is all of them, and nothing here
+ * does anything. */
 #ifndef TOSUI_SPHSOLVE_ISPH_RANKS_H
 #define TOSUI_SPHSOLVE_ISPH_RANKS_H
 

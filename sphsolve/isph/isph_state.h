@@ -51,6 +51,7 @@ struct isph_open_side {
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   double head, flux;
+  double velocity[3]; /* of its boundary particles, where the flux is given */
   int cells[3];    /* columns across the rectangle */
   double pitch[3]; /* their widths; along `axis` the spacing */
   size_t first;    /* of its columns; those above the head are there, but dry */
@@ -87,6 +88,8 @@ struct isph_chunk {
 
 struct isph_cells {
   int count[3];
+  int axis[3]; /* from the one along which cells follow each other to that of their layers, the
+                  longest */
   double origin[3], size[3];
   uint32_t *start; /* [cells + 1] */
 };
@@ -170,9 +173,8 @@ struct isph {
   size_t wall_box_count;
   struct isph_wall_box *wall_boxes;
   size_t boundary_count;
-  double (*boundary_position)[3], (*boundary_home)[3];
-  double (*boundary_velocity)[3];
-  double *boundary_pressure; /* open sides of given head */
+  double (*boundary_position)[3];
+  double *boundary_pressure; /* open sides of given head; NULL without any */
   uint8_t *boundary_kind;
   uint16_t *boundary_box; /* wall box, or open side */
   size_t side_count, column_count;
@@ -322,6 +324,13 @@ enum status isph_probe(const struct isph *s, const double x[3], double *filling,
 static inline bool isph_is_free(const struct isph *s) {
   const double *f = s->force;
   return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
+}
+
+/* Velocity of boundary particle j. */
+static inline const double *isph_wall_velocity(const struct isph *s, size_t j) {
+  const size_t box = s->boundary_box[j];
+  return s->boundary_kind[j] == BOUNDARY_WALL ? s->wall_boxes[box].velocity
+                                              : s->sides[box].velocity;
 }
 
 /* r = x_i - x_j for a pair entry. */

@@ -97,7 +97,7 @@ static double holding(const struct isph *s, size_t i, size_t j) {
   double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
   double square = 0, nu = s->viscosity;
   if (s->on.turbulence && soil < 1) {
-    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - s->boundary_velocity[j][a], 2);
+    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - isph_wall_velocity(s, j)[a], 2);
     nu += (1 - soil) * (wall_viscosity(nu, sqrt(square), 0.5 * s->spacing) - nu);
   }
   return nu / eps;
@@ -126,7 +126,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
     for (int a = 0; a < 3; a++)
-      friction[a] -= weight * (1 + ratio) * (vi[a] - s->boundary_velocity[j][a]);
+      friction[a] -= weight * (1 + ratio) * (vi[a] - isph_wall_velocity(s, j)[a]);
   }
 }
 

@@ -22,7 +22,7 @@ enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box) {
   if (s->boundary_count == *capacity) {
     size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
-    enum status status = memory_resize(&s->boundary_home, n, sizeof *s->boundary_home, "walls");
+    enum status status = memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls");
     if (status == STATUS_OK)
       status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
     if (status == STATUS_OK)
@@ -31,7 +31,7 @@ enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
     *capacity = n;
   }
   size_t j = s->boundary_count++;
-  memcpy(s->boundary_home[j], x, sizeof(double[3]));
+  memcpy(s->boundary_position[j], x, sizeof(double[3]));
   s->boundary_kind[j] = (uint8_t)kind;
   s->boundary_box[j] = (uint16_t)box;
   return STATUS_OK;
@@ -120,19 +120,16 @@ enum status isph_wall_create(struct isph *s) {
   TRY(isph_open_fill(s, &capacity));
   for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
   size_t n = s->boundary_count;
-  TRY(memory_allocate(&s->boundary_position, n, sizeof *s->boundary_position, "walls"));
-  TRY(memory_allocate(&s->boundary_velocity, n, sizeof *s->boundary_velocity, "walls"));
-  TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
+  if (s->side_count > 0)
+    TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
   s->wall_volume = pow(s->spacing, s->dimensions);
-  if (n > 0) memcpy(s->boundary_position, s->boundary_home, n * sizeof *s->boundary_home);
   TRY(isph_sort_walls(s));
   isph_wall_move(s, 0);
 cleanup:
   return status;
 }
 
-/* Velocities and pressures of the boundary at time s->time; boxes and their particles moved by
- * dt. */
+/* Pressures of the boundary at time s->time; boxes and their particles moved by dt. */
 void isph_wall_move(struct isph *s, double dt) {
   for (size_t b = 1; b < s->wall_box_count; b++)
     for (int a = 0; a < 3; a++) {
@@ -142,13 +139,9 @@ void isph_wall_move(struct isph *s, double dt) {
   for (size_t j = 0; j < s->boundary_count; j++) {
     size_t box = s->boundary_box[j];
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
-      for (int a = 0; a < 3; a++) {
-        s->boundary_velocity[j][a] = s->wall_boxes[box].velocity[a];
+      for (int a = 0; a < 3; a++)
         s->boundary_position[j][a] += s->wall_boxes[box].velocity[a] * dt;
-      }
-    } else if (s->boundary_kind[j] == BOUNDARY_OPEN_FLUX) {
-      s->boundary_velocity[j][s->sides[box].axis] = s->sides[box].flux * s->sides[box].inward;
-    } else {
+    } else if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
       const struct isph_open_side *side = &s->sides[box];
       double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];
       s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* on the side itself */
