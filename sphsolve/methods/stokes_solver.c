@@ -69,7 +69,9 @@ static void measure(struct stokes_solver *s) {
       if (op->drag) force += (double)op->drag[a * n + i];
       work += fabs(force * s->x[a * n + i]);
     }
-  double *component = (double *)(void *)(s->krylov.basis + s->krylov.length);
+  /* In the second vector of the basis, from where doubles may begin. */
+  const size_t begin = s->krylov.length + s->krylov.length % 2;
+  double *component = (double *)(void *)(s->krylov.basis + begin);
   stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) square += (double)continuity[i] * (double)continuity[i];
