@@ -37,7 +37,9 @@ INLINE float nearest_disc(const uint32_t *restrict places, const uint32_t *restr
       float value;
       int32_t bits;
     } square = {height * height + beyond * beyond};
-    const int32_t bits = i < n ? square.bits : INT32_MAX;
+    /* Lanes behind the last are INT32_MAX, said without a condition: one would split the loop and
+     * leave half of the discs to its rest. */
+    const int32_t bits = square.bits | (int32_t)((uint32_t)((n - 1 - i) >> 31) >> 1);
     least.bits = bits < least.bits ? bits : least.bits;
   }
   return least.value;
