@@ -5,6 +5,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/variants.h"
 #include "ct2model/connect.h"
 
 static double void_ratio_of(double porosity) {
@@ -232,21 +233,24 @@ static bool is_off_the_flow(const struct part *part, const void *context) {
   return !part->percolates[*(const int *)context];
 }
 
+TARGETS static size_t count_changes(const uint8_t *a, const uint8_t *b, size_t n) {
+  size_t changes = 0;
+  for (size_t x = 0; x < n; x++) changes += a[x] != b[x];
+  return changes;
+}
+
 /* Grain surface per bulk volume of the periodic model; faces show 3/2 of it. */
 static double model_surface(const struct voxel_model *model) {
-  size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], changes[3] = {0, 0, 0};
-  for (size_t z = 0; z < nz; z++) {
-    for (size_t y = 0; y < ny; y++) {
-      const uint8_t *row = model->solid + (z * ny + y) * nx;
-      const uint8_t *next_y = model->solid + (z * ny + (y + 1) % ny) * nx;
-      const uint8_t *next_z = model->solid + ((z + 1) % nz * ny + y) * nx;
-      for (size_t x = 0; x < nx; x++) {
-        changes[0] += row[x] != row[(x + 1) % nx];
-        changes[1] += row[x] != next_y[x];
-        changes[2] += row[x] != next_z[x];
-      }
-    }
+  size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], cx = 0, cy = 0, cz = 0;
+#pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
+  for (size_t line = 0; line < ny * nz; line++) {
+    const size_t y = line % ny, z = line / ny; // NOLINT: a model has a row
+    const uint8_t *row = model->solid + line * nx;
+    cx += count_changes(row, row + 1, nx - 1) + (row[0] != row[nx - 1]);
+    cy += count_changes(row, model->solid + (z * ny + (y + 1) % ny) * nx, nx);
+    cz += count_changes(row, model->solid + ((z + 1) % nz * ny + y) * nx, nx);
   }
+  const size_t changes[3] = {cx, cy, cz};
   double sum = 0.0, sites = (double)model_site_count(model);
   for (int d = 0; d < 3; d++) sum += (double)changes[d] / model->spacing[d];
   return 2.0 / 3.0 * sum / sites;

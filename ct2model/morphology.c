@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 
 static size_t wrap(size_t at, long step, size_t n) {
   return (size_t)(((long)at + step) % (long)n + (long)n) % n;
@@ -29,6 +30,12 @@ static double touching_share(const struct voxel_model *model, size_t layers) {
   return pores > 0 ? (double)touching / (double)pores : 0.0;
 }
 
+TARGETS static size_t count_both(const uint8_t *restrict a, const uint8_t *restrict b, size_t n) {
+  size_t both = 0;
+  for (size_t x = 0; x < n; x++) both += (a[x] | b[x]) == 0;
+  return both;
+}
+
 /* Share of voxel pairs at `distance` along `axis` that are both pore. */
 static double both_pore(const struct voxel_model *model, int axis, size_t distance) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
@@ -39,8 +46,7 @@ static double both_pore(const struct voxel_model *model, int axis, size_t distan
     size_t y2 = axis == 1 ? (y + distance) % ny : y, z2 = axis == 2 ? (z + distance) % nz : z;
     size_t shift = axis == 0 ? distance : 0;
     const uint8_t *a = model->solid + row * nx, *b = model->solid + (z2 * ny + y2) * nx;
-    for (size_t x = 0; x < nx; x++)
-      both += (a[x] | b[x + shift < nx ? x + shift : x + shift - nx]) == 0;
+    both += count_both(a, b + shift, nx - shift) + count_both(a + nx - shift, b, shift);
   }
   return (double)both / (double)model_site_count(model);
 }
@@ -68,9 +74,10 @@ static double correlation_length(const struct voxel_model *model) {
  * wider. */
 static const float MISSED = 0.25f;
 
-/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel; periodic. */
-static void paint_ball(const struct voxel_model *model, size_t site, float diameter,
-                       uint8_t *width) {
+/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel, where it lies
+ * in the layers from `low` to `high` - 1; periodic. */
+static void paint_ball(const struct voxel_model *model, size_t site, float diameter, size_t low,
+                       size_t high, uint8_t *width) {
   const uint8_t quarters = (uint8_t)fminf(4.0f * diameter, 4 * THICKNESS_BINS - 1);
   const size_t *n = model->size;
   const size_t at[3] = {site % n[0], site / n[0] % n[1], site / n[0] / n[1]};
@@ -81,13 +88,15 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
     if (reach[d] > (long)n[d] / 2) reach[d] = (long)n[d] / 2;
   }
   for (long dz = -reach[2]; dz <= reach[2]; dz++) {
+    const size_t layer = wrap(at[2], dz, n[2]);
+    if (layer < low || layer >= high) continue;
     for (long dy = -reach[1]; dy <= reach[1]; dy++) {
       double z = (double)dz * model->spacing[2] / unit, y = (double)dy * model->spacing[1] / unit;
       double left = radius * radius - z * z - y * y;
       if (left < 0.0) continue;
       long half = (long)sqrt(left);
       if (half > reach[0]) half = reach[0];
-      uint8_t *row = width + (wrap(at[2], dz, n[2]) * n[1] + wrap(at[1], dy, n[1])) * n[0];
+      uint8_t *row = width + (layer * n[1] + wrap(at[1], dy, n[1])) * n[0];
       for (long dx = -half; dx <= half; dx++) {
         uint8_t *value = row + wrap(at[0], dx, n[0]);
         if (*value < quarters) *value = quarters;
@@ -96,26 +105,56 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
   }
 }
 
+static float ball_of(const struct voxel_model *model, size_t site) {
+  return 2.0f * model->wall_distance[site] / (float)model->spacing[0] + MISSED;
+}
+
+/* The voxels that all balls hold, about, and the widest ball. */
+static uint64_t count_work(const struct voxel_model *model, float *widest) {
+  const size_t plane = model->size[0] * model->size[1];
+  uint64_t work = 0;
+  float most = 0.0f;
+#pragma omp parallel for schedule(static) reduction(+ : work) reduction(max : most)
+  for (size_t z = 0; z < model->size[2]; z++) {
+    for (size_t i = z * plane; i < (z + 1) * plane; i++) {
+      if (model->solid[i] != 0) continue;
+      const float ball = ball_of(model, i), radius = fminf(0.5f * (ball - MISSED), 1e4f);
+      work += 1 + (uint64_t)(4.2f * radius * radius * radius);
+      most = ball > most ? ball : most;
+    }
+  }
+  *widest = most;
+  return work;
+}
+
+/* All balls, where they lie in a few layers: what others paint there is not lost. */
+static void paint_layers(const struct voxel_model *model, size_t low, size_t high, float widest,
+                         uint8_t *width) {
+  const size_t plane = model->size[0] * model->size[1], nz = model->size[2];
+  const double far = 0.5 * (double)widest * model->spacing[0] / model->spacing[2] + 1.0;
+  const size_t reach = far < (double)nz ? (size_t)far : nz;
+  const size_t n = high - low + 2 * reach < nz ? high - low + 2 * reach : nz;
+  for (size_t k = 0; k < n; k++) {
+    const size_t z = (low + nz - reach + k) % nz; // NOLINT: a model has a layer
+    for (size_t i = z * plane; i < (z + 1) * plane; i++)
+      if (model->solid[i] == 0) paint_ball(model, i, ball_of(model, i), low, high, width);
+  }
+}
+
+enum { SLAB = 16 };
 static enum status measure_thickness(const struct voxel_model *model, size_t layers,
                                      struct morphology *morphology) {
   enum status status = STATUS_OK;
-  size_t sites = model_site_count(model), pores = 0,
-         used = model->size[0] * model->size[1] * layers;
+  size_t pores = 0, used = model->size[0] * model->size[1] * layers;
   uint8_t *width = NULL;
-  double work = 0.0;
+  float widest;
   double counts[4 * THICKNESS_BINS] = {0};
   morphology->thickness_median = morphology->expected_error = NAN;
-  for (size_t i = 0; i < sites; i++) {
-    if (model->solid[i] == 0)
-      work += 1.0 + 4.2 * pow((double)model->wall_distance[i] / model->spacing[0], 3.0);
-  }
-  if (work > 2e9) return STATUS_OK;
-  TRY(memory_allocate(&width, sites, sizeof *width, "pore widths"));
-  for (size_t i = 0; i < sites; i++) {
-    if (model->solid[i] == 0)
-      paint_ball(model, i, 2.0f * model->wall_distance[i] / (float)model->spacing[0] + MISSED,
-                 width);
-  }
+  if (count_work(model, &widest) > 2000000000u) return STATUS_OK;
+  TRY(memory_allocate(&width, used, sizeof *width, "pore widths"));
+#pragma omp parallel for schedule(dynamic)
+  for (size_t low = 0; low < layers; low += SLAB)
+    paint_layers(model, low, low + SLAB < layers ? low + SLAB : layers, widest, width);
   for (size_t i = 0; i < used; i++) {
     if (model->solid[i] != 0) continue;
     counts[width[i]] += 1.0;

@@ -201,20 +201,24 @@ cleanup:
 
 static enum status survey_trend(const struct frame *frame, struct survey *survey) {
   enum status status = STATUS_OK;
-  size_t radii = survey->radii, plane = frame->size[0] * frame->size[1];
+  size_t radii = survey->radii, plane = frame->size[0] * frame->size[1], each = 8 * radii;
   double *sum = NULL, *number = NULL,
          contrast = survey->phases.grain_peak - survey->phases.pore_peak;
   float *greys = NULL;
-  TRY(memory_allocate(&sum, 8 * radii, sizeof *sum, "radial means"));
+  TRY(memory_allocate(&sum, survey->count * each, sizeof *sum, "radial means"));
   TRY(memory_allocate(&greys, 2 * radii, sizeof *greys, "radial means"));
   number = sum + 4 * radii;
   survey->pore_trend[0] = survey->phases.pore_peak;
   survey->grain_trend[0] = survey->phases.grain_peak;
   for (int pass = 0; pass < 6; pass++) {
-    memset(sum, 0, 8 * radii * sizeof *sum);
+    memset(sum, 0, survey->count * each * sizeof *sum);
     phase_greys(survey, greys);
+#pragma omp parallel for schedule(dynamic)
     for (size_t i = 0; i < survey->count; i++)
-      add_deviations(frame, greys, survey->sample + i * plane, sum, number);
+      add_deviations(frame, greys, survey->sample + i * plane, sum + i * each,
+                     sum + i * each + each / 2);
+    for (size_t i = each; i < survey->count * each; i++)
+      sum[i % each] += sum[i]; // NOLINT: there are two radii at least
     /* What the two halves say of the grain is as uncertain as they differ. */
     double halves[2][2] = {{0}};
     for (size_t i = 0; i < 2; i++)

@@ -1,6 +1,7 @@
 #include "ct2model/sweep_table.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@
 #include "common/output_file.h"
 #include "ct2model/pipeline.h"
 
-enum { ROWS = 256 };
+enum { ROWS = 256, MOST_ROWS = 2 * ROWS + 1 };
 
 /* Internal greys first, first + step, ... such that both phases occur at each. */
 static void choose_rows(const struct pipeline *pipeline, double *first, double *step,
@@ -32,12 +33,17 @@ static void choose_rows(const struct pipeline *pipeline, double *first, double *
 static void count_volume(const struct pipeline *pipeline, double first, double step, size_t rows,
                          double *counts, double *total) {
   size_t layer = pipeline->size[0] * pipeline->size[1];
+#pragma omp parallel for schedule(static)
   for (size_t z = 0; z < pipeline->size[2]; z++) {
-    double weight = pipeline->weight[z];
+    uint32_t below[MOST_ROWS] = {0};
     for (size_t i = 0; i < layer; i++) {
       double row = ceil(((double)pipeline->volume[z * layer + i] - first) / step);
-      if (row < (double)rows) counts[row > 0.0 ? (size_t)row : 0] += weight;
-      *total += weight;
+      if (row < (double)rows) below[row > 0.0 ? (size_t)row : 0]++;
+    }
+#pragma omp critical(volume_counts) /* sums of whole numbers know no order */
+    {
+      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i] * pipeline->weight[z];
+      *total += (double)layer * pipeline->weight[z];
     }
   }
 }
