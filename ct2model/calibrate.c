@@ -1,6 +1,7 @@
 #include "ct2model/calibrate.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -200,32 +201,53 @@ static float value_of(uint32_t key) {
   return value;
 }
 
+enum { DIGITS = 65536 };
+
+/* Adds the weights of greys to the counts of their upper digit, or of the lower one of those with
+ * the upper digit of `key`. */
+static void count_digits(const float *volume, size_t layers, size_t layer_size,
+                         const unsigned *layer_weight, const uint32_t *key, uint64_t *own,
+                         uint64_t *counts) {
+#pragma omp parallel
+  {
+    uint64_t *mine = own + (size_t)omp_get_thread_num() * DIGITS;
+    memset(mine, 0, DIGITS * sizeof *mine);
+#pragma omp for schedule(static)
+    for (size_t z = 0; z < layers; z++) {
+      for (size_t i = z * layer_size; i < (z + 1) * layer_size; i++) {
+        const uint32_t k = key_of(volume[i]);
+        if (key == NULL)
+          mine[k >> 16] += layer_weight[z];
+        else if (k >> 16 == *key >> 16)
+          mine[k & 0xffffu] += layer_weight[z];
+      }
+    }
+#pragma omp critical(grey_digits) /* sums of whole numbers know no order */
+    for (size_t d = 0; d < DIGITS; d++) counts[d] += mine[d];
+  }
+}
+
 enum status volume_threshold(const float *volume, size_t layers, size_t layer_size,
                              const unsigned *layer_weight, double porosity, double *threshold) {
   enum status status = STATUS_OK;
   uint64_t *counts = NULL, total = 0, below = 0, digit = 0;
-  TRY(memory_allocate(&counts, 2 * 65536, sizeof *counts, "grey counts"));
+  uint64_t *own = NULL;
+  TRY(memory_allocate(&counts, 2 * DIGITS, sizeof *counts, "grey counts"));
+  TRY(memory_allocate(&own, (size_t)omp_get_max_threads() * DIGITS, sizeof *own, "grey counts"));
   for (size_t z = 0; z < layers; z++) total += (uint64_t)layer_weight[z] * layer_size;
   double target = porosity * (double)total;
   uint32_t key = 0;
   for (int pass = 0; pass < 2; pass++) {
-    uint64_t *count = counts + pass * 65536;
-    for (size_t z = 0; z < layers; z++) {
-      for (size_t i = 0; i < layer_size; i++) {
-        uint32_t k = key_of(volume[z * layer_size + i]);
-        if (pass == 0)
-          count[k >> 16] += layer_weight[z];
-        else if (k >> 16 == key >> 16)
-          count[k & 0xffffu] += layer_weight[z];
-      }
-    }
-    for (digit = 0; digit < 65535 && (double)(below + count[digit]) < target; digit++)
+    uint64_t *count = counts + pass * DIGITS;
+    count_digits(volume, layers, layer_size, layer_weight, pass == 0 ? NULL : &key, own, count);
+    for (digit = 0; digit + 1 < DIGITS && (double)(below + count[digit]) < target; digit++)
       below += count[digit];
     key |= (uint32_t)digit << (pass == 0 ? 16 : 0);
   }
   /* The grey at the target, how much volume has exactly it, and its neighbours in grey. */
   float grey = value_of(key), lower = -INFINITY, upper = INFINITY;
-  double equal = (double)counts[65536 + digit];
+  double equal = (double)counts[DIGITS + digit];
+#pragma omp parallel for schedule(static) reduction(max : lower) reduction(min : upper)
   for (size_t i = 0; i < layers * layer_size; i++) {
     if (volume[i] < grey && volume[i] > lower) lower = volume[i];
     if (volume[i] > grey && volume[i] < upper) upper = volume[i];
@@ -239,5 +261,6 @@ enum status volume_threshold(const float *volume, size_t layers, size_t layer_si
   if (share < 0.5 && *threshold >= (double)grey) *threshold = nextafter((double)grey, -INFINITY);
 cleanup:
   memory_free(&counts);
+  memory_free(&own);
   return status;
 }
