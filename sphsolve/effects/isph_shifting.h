@@ -5,7 +5,9 @@
  * is what keeps shifting from diffusing momentum. A surface particle is not shifted, and one that
  * has the surface among its neighbours only along it (Khayyer, Gotoh, Shimizu 2017, eq. 13): C
  * falls towards the void whether or not particles are evenly spread, and a shift up that fall
- * lifts the water for ever: it stirred still tanks. None where nothing moves. */
+ * lifts the water for ever: it stirred still tanks. Nor is one with a gap to a wall, more lopsided
+ * than disorder makes it: water that came to a wall was drawn over the last half particle within
+ * three steps. None where nothing moves. */
 #ifndef TOSUI_SPHSOLVE_EFFECTS_ISPH_SHIFTING_H
 #define TOSUI_SPHSOLVE_EFFECTS_ISPH_SHIFTING_H
 

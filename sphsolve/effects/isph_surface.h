@@ -15,27 +15,53 @@
 
 #include "sphsolve/isph/isph_state.h"
 
+/* |sum V grad W| he / sum V slope r^2, the lopsidedness of a neighbourhood, as a share of that of a
+ * level surface's outermost layer; `trace` is the sum below. */
+static inline double surface_lopsided(const struct isph *s, double support,
+                                      const double imbalance[3], double trace) {
+  double length = sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] +
+                       imbalance[2] * imbalance[2]);
+  return length * support / (trace * s->lopsided_top);
+}
+
+#define SURFACE_FROM 0.5      /* a particle more lopsided begins to be on the surface */
+#define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
+
 /* How far a particle is on the surface, 0 .. 1, by the lopsidedness of its neighbourhood (walls are
- * neighbours),
- *   |sum V grad W| he / sum V slope r^2,
- * in which the volumes cancel: water that enters soil takes more volume before it has spread, its
- * filling is above 1, and a front that is no longer seen as one strikes the soil like a wall (it
- * lost half its speed). 1 from .8 of the value of a level surface's outermost layer, 0 below .5:
- * the second layer of a surface at 45 degrees stands at .28, disorder of a tenth of a spacing below
- * .33. Sheets one particle thick and drops are told by their filling, below .8 to .72 (.79 in the
- * outermost layer). Walls above the water level even the neighbourhood out: in a tank's corner it is a
- * quarter as lopsided and filled to .87, of which `walls` is .45; what walls fill counts .35. */
+ * neighbours), in which the volumes cancel: water that enters soil takes more volume before it has
+ * spread, its filling is above 1, and a front that is no longer seen as one strikes the soil like a
+ * wall (it lost half its speed). 1 from .8, 0 below .5: the second layer of a surface at 45 degrees
+ * stands at .28, disorder of a tenth of a spacing below .33. Sheets one particle thick and drops
+ * are told by their filling, below .8 to .72 (.79 in the outermost layer). Walls above the water
+ * level even the neighbourhood out: in a tank's corner it is a quarter as lopsided and filled to
+ * .87, of which `walls` is .45; what walls fill counts .35. */
 static inline double surface_weight(const struct isph *s, double support, double filling,
                                     double walls, const double imbalance[3], const double moment[6],
                                     const double wall_moment[6]) {
   double trace = moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] +
                  wall_moment[5];
-  double length = sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] +
-                       imbalance[2] * imbalance[2]);
   if (!(trace > 0)) return 1;
-  double lopsided = (length * support / (trace * s->lopsided_top) - 0.5) / 0.3;
+  double lopsided = (surface_lopsided(s, support, imbalance, trace) - SURFACE_FROM) / 0.3;
   double thin = (0.8 + 0.35 * walls - filling) / 0.08, w = lopsided > thin ? lopsided : thin;
   return w < 0 ? 0 : w > 1 ? 1 : w;
+}
+
+/* Whether the void beside particle i lies between it and a wall, 0 .. 1: the whole within 30 degrees
+ * of the wall's normal, nothing beyond 45. r points from the wall to the particle, `mirror` is
+ * isph_wall_mirror's. A wall that water has not reached does not stop it, so that what is on the
+ * surface does not see this wall's image: the divergence would close the gap as though there were
+ * water in it, and the pressure that answers, against P = 0 beyond, drew the front of water in soil
+ * to the wall at 1.3 times its speed. */
+static inline double surface_gap(const struct isph *s, size_t i, const double r[3],
+                                 const double mirror[3]) {
+  const double *m = s->imbalance[i]; /* points into the void */
+  double length = 0, distance = 0, towards = 0;
+  for (int a = 0; a < 3; a++) {
+    length += m[a] * m[a], distance += mirror[a] * r[a] * r[a];
+    towards -= mirror[a] * r[a] * m[a];
+  }
+  if (!(towards > 0)) return 0;
+  return fmin(1, fmax(0, 4 * towards * towards / (length * distance) - 2));
 }
 
 /* How far the pressure at particle i carries its weight, 0 .. 1: nothing in free flight, all from

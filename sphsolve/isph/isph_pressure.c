@@ -60,6 +60,7 @@ void isph_assemble(struct isph *s, double tau) {
         divergence += s->volume[j] * slope *
                       ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
       }
+      double beside = s->on.surface ? s->surface[i] : 0;
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->wall_slope[p];
@@ -76,8 +77,9 @@ void isph_assemble(struct isph *s, double tau) {
         walled += 2 * vol * s->wall_volume * ki * slope;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-        for (int a = 0; a < 3; a++)
-          divergence += s->wall_volume * slope * 2 * mirror[a] * (vi[a] - vw[a]) * r[a];
+        double image = 2 * s->wall_volume * slope;
+        if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
+        for (int a = 0; a < 3; a++) divergence += image * mirror[a] * (vi[a] - vw[a]) * r[a];
       }
       if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
       source -= vol * divergence;

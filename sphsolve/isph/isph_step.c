@@ -269,13 +269,40 @@ static double surface_near(const struct isph *s, const struct isph_chunk *chunk,
   return near;
 }
 
+/* How far particle i stands before a gap between it and a wall, 0 .. 1: on the surface, or more
+ * lopsided than disorder makes it, towards the wall. */
+static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
+  const double *xi = s->position[i];
+  double gap = 0, trace = 0, r[3];
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    double mirror[3], ratio;
+    isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
+    double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
+    isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, &ratio);
+    gap = fmax(gap, surface_gap(s, i, r, mirror));
+    trace += s->wall_volume * (double)chunk->wall_slope[p] * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  }
+  if (gap == 0) return 0;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    isph_separation(s, xi, s->position, chunk->pair[p], r);
+    trace += s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] *
+             (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  }
+  double lopsided = surface_lopsided(s, s->support[i], s->imbalance[i], trace);
+  double more = (lopsided - SURFACE_DISORDER) / (SURFACE_FROM - SURFACE_DISORDER);
+  return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
+}
+
 /* Where shifting takes particle i, and its velocity along with it. */
 static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
                   double step[3]) {
   double *v = s->velocity[i], h = 0.5 * s->support[i], eps = s->on.soil ? s->porosity[i] : 1;
   double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), weight = 1, near = 0;
   double normal[3] = {0};
-  if (s->on.surface) weight = 1 - s->surface[i], near = surface_near(s, chunk, i, normal);
+  if (s->on.surface) {
+    weight = (1 - s->surface[i]) * (1 - beside_gap(s, chunk, i));
+    near = surface_near(s, chunk, i, normal);
+  }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   shift_of(s->imbalance[i], h, speed, dt, size_of(s, s->volume[i]), weight, step);
   if (near > 0) shift_along(normal, near, step);
