@@ -249,8 +249,10 @@ static enum status make_solid(struct pipeline *pipeline) {
   add_layers(pipeline);
   TRY(memory_allocate(&model->solid, model_site_count(model), 1, "the model"));
   size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
+#pragma omp parallel for schedule(static)
   for (size_t i = 0; i < sites; i++)
     model->solid[i] = (double)pipeline->volume[i] > pipeline->threshold;
+  memory_free(&pipeline->volume);
   mirror_layers(pipeline, model->solid, 1);
   TRY(binarise_connect(pipeline));
   model->void_ratio_measured = pipeline->request->void_ratio;
@@ -262,6 +264,29 @@ static enum status make_solid(struct pipeline *pipeline) {
                 model->void_ratio, model->void_ratio_measured);
   model->threshold = pipeline_grey(pipeline, pipeline->threshold);
 cleanup:
+  return status;
+}
+
+static struct wall_request wall_request_of(const struct pipeline *pipeline) {
+  const struct grey_histogram *histogram = &pipeline->histogram;
+  const double contrast = pipeline->phases.grain_peak - pipeline->phases.pore_peak;
+  struct wall_request request = {
+      .threshold = pipeline->threshold_original,
+      .contrast = contrast > 0.0 ? contrast : histogram->width * (double)histogram->bins,
+      .mirror = pipeline->request->mirror};
+  memcpy(request.size, pipeline->size, sizeof request.size);
+  return request;
+}
+
+/* The surface of the sample, which is not needed any more. */
+static enum status measure_surface(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct wall_request request = wall_request_of(pipeline);
+  if (pipeline->sample.count > 0)
+    TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
+                               &pipeline->quality.surface_error));
+cleanup:
+  surface_sample_end(&pipeline->sample);
   return status;
 }
 
@@ -305,23 +330,10 @@ cleanup:
   return status;
 }
 
-static enum status find_walls(struct pipeline *pipeline, bool distances) {
+static enum status find_walls(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct wall_result walls = {0};
-  const struct grey_phases *phases = &pipeline->phases;
-  double contrast = phases->grain_peak - phases->pore_peak;
-  struct wall_request request = {.threshold = pipeline->threshold_original,
-                                 .contrast = contrast > 0.0 ? contrast
-                                                            : pipeline->histogram.width *
-                                                                  (double)pipeline->histogram.bins,
-                                 .mirror = pipeline->request->mirror};
-  memcpy(request.size, pipeline->size, sizeof request.size);
-  request.distances = false;
-  if (pipeline->sample.count > 0)
-    TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
-                               &pipeline->quality.surface_error));
-  surface_sample_end(&pipeline->sample);
-  if (!distances) goto cleanup;
+  struct wall_request request = wall_request_of(pipeline);
   request.distances = true;
   TRY(measure_walls(pipeline, &request, &walls));
   struct voxel_model *model = &pipeline->model;
@@ -353,13 +365,14 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(scan_take(pipeline));
   TRY(count_calibration(pipeline));
   TRY(binarise_calibrate(pipeline));
-  memory_free(&pipeline->survey.sample); /* room for the surface */
-  if (pipeline->resampled) TRY(make_solid(pipeline));
+  memory_free(&pipeline->survey.sample); /* room for the model */
+  TRY(measure_surface(pipeline));
   TRY(sweep_table_make(pipeline, &pipeline->table));
-  memory_free(&pipeline->volume);
-  TRY(find_walls(pipeline, distances));
-  if (distances)
+  if (pipeline->resampled) TRY(make_solid(pipeline));
+  if (distances) {
+    TRY(find_walls(pipeline));
     TRY(morphology_measure(&pipeline->model, pipeline->size[2], &pipeline->morphology));
+  }
   TRY(turn_model(pipeline));
 cleanup:
   return status;

@@ -16,7 +16,8 @@ enum {
   AREA_BATCH = 8,
   STEP_LEAST = 8 /* new slices at a time, at least */
 };
-static const double WINDOW_VOXELS = 24e6; /* held at a time */
+static const double WINDOW_VOXELS =
+    24e6; /* held at a time; a third of it beside a scan in memory */
 
 /* The surface between slices first and first + surfels.size[2] - 1. */
 struct piece {
@@ -210,6 +211,7 @@ static enum status walk_start(const struct region *region, const struct wall_req
   walk->band = fmax(BAND_LAYERS * spacing, 8.0) + 1.0;
   long halo = (long)ceil(walk->band / walk->stretch[2]) + 2, n = (long)region->size[2];
   double room = WINDOW_VOXELS / ((double)region->size[0] * (double)region->size[1]);
+  if (region->held != NULL) room /= 3.0;
   room = fmin(fmax(room, STEP_LEAST + 2 * MARGIN + 1), (double)(n + 2 * halo));
   /* Islands far smaller than a model voxel are noise to the model and would spoil the distances
    * around them. */
