@@ -340,10 +340,7 @@ enum status isph_petsc_solve(struct isph *s) {
   solve->iterations += (int)iterations;
   solve->iterations_total += (int)iterations;
   if (!(p->error <= 1e3 * s->scene->isph.tolerance))
-    TRY_FAIL(STATUS_NUMERIC,
-             "t = %.4g s: the pressure solve stands at a relative error of %.2g after "
-             "%d iterations; use a smaller isph.dt",
-             s->time, p->error, (int)iterations);
+    TRY(isph_solve_failed(s, p->error, (int)iterations));
   if (s->closed) TRY_PETSC(MatNullSpaceRemove(p->constant, p->solution));
 cleanup:
   return status;

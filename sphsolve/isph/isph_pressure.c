@@ -130,6 +130,23 @@ static void remove_mean(struct isph *s, double *values) {
   for (size_t i = s->share.begin; i < s->share.end; i++) values[i] -= mean;
 }
 
+enum status isph_solve_failed(struct isph *s, double error, int iterations) {
+  double *r = s->work[0], *q = s->work[1], most = -1;
+  size_t worst = 0;
+  isph_multiply(s, s->pressure, q);
+  for (size_t i = s->share.begin; i < s->share.end; i++)
+    r[i] = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
+  isph_gather(s, r);
+  for (size_t i = 0; i < s->count; i++)
+    if (r[i] > most) most = r[i], worst = i;
+  const double *x = s->position[worst];
+  return FAIL(
+      STATUS_NUMERIC,
+      "residual: particle %llu at (%.4g, %.4g, %.4g) m: relative error %.2g of the pressure "
+      "solve after %d iterations",
+      (unsigned long long)s->id[worst], x[0], x[1], x[2], error, iterations);
+}
+
 enum status isph_solve_pressure(struct isph *s) {
   size_t n = s->count;
   double *x = s->pressure, *b = s->source;
@@ -166,9 +183,9 @@ enum status isph_solve_pressure(struct isph *s) {
     double rz_new = isph_dot(s, r, z), beta = iteration > 0 ? rz_new / rz : 0;
     double whole = fmax(isph_dot(s, x, b), solve->energy);
     rz = rz_new;
-    error = rz > 0 ? sqrt(rz / fmax(whole, 1e-300)) : rz;
+    error = sqrt(fabs(rz) / fmax(whole, 1e-300));
     energy = whole;
-    if (!(error > tolerance) || iteration == ITERATIONS_MAX) break;
+    if (!(rz > 0) || !(error > tolerance) || iteration == ITERATIONS_MAX) break;
 #pragma omp parallel for schedule(static)
     for (size_t i = s->share.begin; i < s->share.end; i++) p[i] = z[i] + beta * p[i];
     isph_multiply(s, p, q);
@@ -180,11 +197,7 @@ enum status isph_solve_pressure(struct isph *s) {
   solve->iterations += iteration;
   solve->iterations_total += iteration;
   solve->residual = error;
-  if (!(error <= 1e3 * tolerance))
-    return FAIL(STATUS_NUMERIC,
-                "t = %.4g s: the pressure solve stands at a relative error of %.2g after "
-                "%d iterations; use a smaller isph.dt",
-                s->time, error, iteration);
+  if (!(error <= 1e3 * tolerance)) return isph_solve_failed(s, error, iteration);
   if (s->closed) remove_mean(s, x);
   return STATUS_OK;
 }

@@ -295,6 +295,9 @@ void isph_energy_trim(struct isph *s, double most);
 /* isph_pressure.c */
 void isph_assemble(struct isph *s, double tau);
 enum status isph_solve_pressure(struct isph *s);
+/* Collective: the failure of a solve that stands at a relative error, with the particle whose row is
+ * off most. */
+enum status isph_solve_failed(struct isph *s, double error, int iterations);
 /* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
 void isph_multiply(struct isph *s, double *x, double *y);
 /* Collective: a.b */

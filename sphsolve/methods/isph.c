@@ -241,7 +241,11 @@ static enum status step_back(struct isph *s, const struct isph_copy *copy, doubl
     TRY(step_log_back(recorder_step_log(recorder), &back));
     goto cleanup;
   }
-  const char *cause = s->scene->shifting == SWITCH_OFF
+  bool unsolved = !(s->solve.residual <= 1e3 * s->scene->isph.tolerance);
+  const char *cause = unsolved && s->on.soil
+                          ? "neighbours differ too much in how freely water moves, as beside soil so "
+                            "fine that it holds the water; make it a wall, or its grain_size larger"
+                      : s->scene->shifting == SWITCH_OFF
                           ? "without shifting particles clump; leave effects.shifting at \"auto\""
                       : !isnan(s->scene->isph.dt)
                           ? "the time step is too long for these speeds; use isph.dt = \"auto\""
