@@ -175,6 +175,10 @@ static void count_gone(struct isph *s, const struct isph_gone *gone) {
     log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and is "
                 "taken out",
                 s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
+  const double *v = gone->velocity;
+  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
+  if (!(speed <= s->flung[0]))
+    memcpy(s->flung, (double[5]){speed, x[0], x[1], x[2], (double)gone->id}, sizeof s->flung);
   if (s->lost_count < LEDGER_LOSSES) {
     const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
     memcpy(s->losses[s->lost_count], loss, sizeof loss);
@@ -186,6 +190,7 @@ enum status isph_remove_outside(struct isph *s) {
   enum status status = STATUS_OK;
   struct isph_gone *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
+  s->flung[0] = 0;
   for (size_t i = s->share.begin; i < s->share.end; i++) gone += is_outside(s, s->position[i]);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
   gone = 0;

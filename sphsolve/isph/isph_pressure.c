@@ -131,20 +131,24 @@ static void remove_mean(struct isph *s, double *values) {
 }
 
 enum status isph_solve_failed(struct isph *s, double error, int iterations) {
-  double *r = s->work[0], *q = s->work[1], most = -1;
-  size_t worst = 0;
+  double *q = s->work[1], most = -1, own, worst[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  size_t at = s->share.begin;
   isph_multiply(s, s->pressure, q);
-  for (size_t i = s->share.begin; i < s->share.end; i++)
-    r[i] = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
-  isph_gather(s, r);
-  for (size_t i = 0; i < s->count; i++)
-    if (r[i] > most) most = r[i], worst = i;
-  const double *x = s->position[worst];
-  return FAIL(
-      STATUS_NUMERIC,
-      "residual: particle %llu at (%.4g, %.4g, %.4g) m: relative error %.2g of the pressure "
-      "solve after %d iterations",
-      (unsigned long long)s->id[worst], x[0], x[1], x[2], error, iterations);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    double off = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
+    if (off > most) most = off, at = i;
+  }
+  own = most;
+  ranks_max_all(&most, 1);
+  if (own == most && s->share.end > s->share.begin) {
+    memcpy(worst, s->position[at], sizeof *s->position);
+    worst[3] = (double)s->id[at];
+  }
+  ranks_max_all(worst, 4);
+  return FAIL(STATUS_NUMERIC,
+              "residual: particle %.0f at (%.4g, %.4g, %.4g) m: relative error %.2g of the "
+              "pressure solve after %d iterations",
+              worst[3], worst[0], worst[1], worst[2], error, iterations);
 }
 
 enum status isph_solve_pressure(struct isph *s) {

@@ -189,6 +189,7 @@ struct isph {
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* ledger */
+  double flung[5]; /* speed, place and number of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
   double losses[LEDGER_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;

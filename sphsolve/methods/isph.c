@@ -203,6 +203,10 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
   }
   isph_add_up(s, 1, &squares);
   TRY(lead(leaders));
+  const double *flung = s->flung;
+  if (flung[0] * flung[0] > leaders[1].value)
+    leaders[1] = (struct leader){flung[0] * flung[0], {flung[1], flung[2], flung[3]}, 0,
+                                 flung[0] * flung[0], (uint64_t)flung[4]};
   const double fastest = leaders[1].value;
   reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (FILLING_MOST - 1);
   reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;

@@ -80,7 +80,8 @@ def streams():
 @case("Density, energy and the solver's residual leave their bounds: each must be seen within ten steps, whatever put it there", fast=True)
 def each_bound_within_ten_steps():
     # Streams pile up; a step 1.5 times too long; soil that moves nine times faster than the water can leave it; a piston that strikes water
-    # before a nozzle a tenth as wide; a dam that breaks onto soil whose grains (1e-25 m) leave the equation no figures.
+    # before a nozzle a tenth as wide; fine soil (1e-12 m) driven into water, of which the solver is asked for 140 figures: 250 iterations until
+    # they meet, beyond the 2000 allowed then.
     unstable = 1.5 * explain(slit(8))["dt_limit"]
     nozzle = [("water", (0.12, 0, 0.18, 0.2), ""), ("water", (0.18, 0, 0.5, 0.02), ""), ("wall", (0.18, 0.02, 0.5, 0.2), ""), ("wall", (0, 0, 0.06, 0.2), 'velocity = ["1 m/s", "0"];')]
     for name, word, text, sets, dt, ends in (
@@ -88,7 +89,7 @@ def each_bound_within_ten_steps():
             ("wcsph, energy", "energy", slit(8), [f"wcsph.dt={unstable:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"], unstable, 0),
             ("isph, density", "density", scene((0.4, 0.1), 0.01, [("water", (0.2, 0, 0.4, 0.1), ""), ("porous", (0, 0, 0.15, 0.1), soil(0.1, 0.01) + 'velocity = ["9 m/s", "0"];')], 0.1, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 4),
             ("isph, energy", "energy", scene((0.7, 0.2), 0.01, nozzle, 0.07, gravity=0, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 0),
-            ("isph, residual", "residual", scene((0.3, 0.3), 0.01, [("water", (0, 0, 0.1, 0.1), ""), ("porous", (0, 0, 0.1, 0.1), soil(0.3, 1e-25)), ("water", (0.2, 0, 0.3, 0.2), "")], 0.2, isph='dt = "1 ms";'), [], 1e-3, 4)):
+            ("isph, residual", "residual", scene((0.16, 0.06), 0.01, [("water", (0.08, 0, 0.16, 0.05), ""), ("porous", (0, 0, 0.06, 0.06), soil(0.3, 1e-12) + 'velocity = ["1 m/s", "0"];')], 0.1, isph='dt = "1 ms"; tolerance = 1e-140;'), [], 1e-3, 4)):
         run, backs, acted, left, before = seen(text, sets, dt)
         yield holds(f"{name}: it is what left its bound", "", backs[0][1] == word, run.message.strip()[:150])
         yield row(f"{name}: steps from leaving the bound to acting", "the issue: ten", acted - left, 0, 10)
