@@ -16,9 +16,9 @@ static enum status write_field(struct h5_file *file, const char *name, size_t co
   enum status status = STATUS_OK;
   void *made = NULL;
   size_t dims[2] = {count, (size_t)field->components};
-  if (field->data == NULL && count > 0) {
+  if (field->data == NULL && field->fill != NULL) {
     TRY(memory_allocate(&made, count * dims[1], type_size(field->type), "a field of a snapshot"));
-    field->fill(field->context, made);
+    TRY(field->fill(field->context, made));
   }
   const void *data = field->data != NULL ? field->data : made;
   TRY(h5_write_share(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
@@ -32,14 +32,16 @@ cleanup:
 struct cells {
   size_t first, count;
 };
-static void fill_numbers(const void *context, void *data) {
+static enum status fill_numbers(const void *context, void *data) {
   const struct cells *cells = context;
   int64_t *numbers = data;
   for (size_t i = 0; i < cells->count; i++) numbers[i] = (int64_t)(cells->first + i);
+  return STATUS_OK;
 }
-static void fill_types(const void *context, void *data) {
+static enum status fill_types(const void *context, void *data) {
   const struct cells *cells = context;
-  memset(data, 1, cells->count);
+  if (cells->count > 0) memset(data, 1, cells->count);
+  return STATUS_OK;
 }
 
 static enum status write_cells(struct h5_file *file, size_t count) {

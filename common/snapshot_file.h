@@ -14,8 +14,9 @@ struct snapshot_field {
   enum h5_type type;
   int components;   /* 1 or 3 */
   const void *data; /* [count][components] */
-  /* Without data: makes it, when its turn has come, in memory that is given back at once. */
-  void (*fill)(const void *context, void *data);
+  /* Without data: makes it, when its turn has come, in memory that is given back at once; on all
+   * ranks, also where none is to be written. */
+  enum status (*fill)(const void *context, void *data);
   const void *context;
 };
 

@@ -20,20 +20,38 @@
 #define WCSPH_ORDERED 44.0
 #define WCSPH_ORDER_STEPS 100.0
 #define WCSPH_WHOLE 52.0 /* bytes of a particle on every rank */
-/* isph: share of the time in the grid's cycle and in what follows a step, on every rank; bytes of a
- * particle told to all per step, and per iteration; iterations. */
 #define WCSPH_CUT 2048.0 /* slots: cuts lie at multiples */
-#define ISPH_IN_FULL 0.09
-#define ISPH_TOLD 200.0
-#define ISPH_RESIDUAL 8.0
+/* isph: share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
+ * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
+ * grid for a particle, of lattice and cells for a site, and of a wall particle; bytes of a ghost; how
+ * thick its layers are, in supports; and bytes of a ghost that travel, a step. */
+#define ISPH_IN_FULL 0.07
+#define ISPH_TOLD 1.6
 #define ISPH_ITERATIONS 10.0
-#define ISPH_WHOLE 520.0
-#define ISPH_GHOST 130.0
+#define ISPH_GRID 40.0
+#define ISPH_SITE 6.0
+#define ISPH_WALL 31.0
+#define ISPH_HELD 440.0
+#define ISPH_LAYERS 1.25
+#define ISPH_GHOST 240.0
 
 /* Sites within `reach` of a rank's cube, at most all others. */
 static double around(double sites, double ranks, double reach) {
   const double side = cbrt(sites / ranks);
   return fmin(pow(side + 2 * reach, 3) - side * side * side, sites - sites / ranks);
+}
+
+/* Particles of the walls around the domain. */
+static double walls_around(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  const double layers = ceil(plan->context.scene->isph.support_ratio);
+  double inner = 1, outer = 1;
+  for (int a = 0; a < 3; a++) {
+    const bool closed = !plan->context.scene->periodic[a] && !(l->dimensions == 2 && a == 1);
+    inner *= (double)l->size[a];
+    outer *= (double)l->size[a] + (closed ? 2 * layers : 0);
+  }
+  return outer - inner;
 }
 
 const char *foreseen_name(enum foreseen_term term) {
@@ -46,7 +64,7 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, steps = plan->steps;
   const double share = fluid / fmax(sites, 1);
-  double r = ranks, uneven = 1, whole = 0, told = 0, ghosts = 0, messages = 0, sums = 0, in_full = 0;
+  double r = ranks, uneven = 1, whole = 0, held = 0, told = 0, ghosts = 0, messages = 0, sums = 0, in_full = 0;
   if (plan->context.method == METHOD_STOKES) {
     const double nx = (double)l->size[0], ny = (double)l->size[1], planes = (double)l->size[2];
     r = fmin(r, fmax(1, floor(planes / SLAB_LEAST)));
@@ -64,11 +82,14 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
     whole = SITE_BYTES * sites + WCSPH_WHOLE * fluid + plan->bytes_wall * (double)l->wall_count;
   } else {
     in_full = ISPH_IN_FULL * (1 - 1 / r) * plan->seconds;
-    told = (1 - 1 / r) * (ISPH_TOLD + ISPH_RESIDUAL * ISPH_ITERATIONS) * fluid;
-    ghosts = ISPH_GHOST * plan->context.scene->isph.support_ratio * pow(fluid, 2.0 / 3) *
-             fmin(2, r - 1); /* slabs */
+    told = (1 - 1 / r) * ISPH_TOLD * ISPH_ITERATIONS * fluid;
+    const double layers = ISPH_LAYERS * plan->context.scene->isph.support_ratio;
+    const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
+    const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
+    ghosts = ISPH_GHOST * beside;
     messages = (6 + ISPH_ITERATIONS) * fmin(r - 1, 6), sums = 4 * ISPH_ITERATIONS;
-    whole = ISPH_WHOLE * fluid;
+    whole = ISPH_GRID * fluid + ISPH_SITE * sites + ISPH_WALL * walls_around(plan);
+    held = ISPH_HELD * beside;
   }
   *f = (struct foreseen){.ranks = ranks, .used = (int)r};
   f->seconds[FORESEEN_COMPUTE] = plan->seconds / r * (r > 1 ? uneven : 1);
@@ -80,6 +101,6 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   }
   for (int t = 0; t < FORESEEN_TERMS; t++) f->total += f->seconds[t];
   f->efficiency = plan->seconds / (ranks * f->total);
-  whole = fmin(whole, plan->bytes_total);
-  f->memory_bytes = whole + (plan->bytes_total - whole) / r;
+  whole = fmin(whole + PROGRAM_BYTES, plan->bytes_total);
+  f->memory_bytes = whole + (plan->bytes_total - whole) / r + held;
 }

@@ -18,7 +18,7 @@ static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9
   ADD(pressure, s->share.begin, own);
   ADD(mass, s->share.begin, own);
   ADD(id, s->share.begin, own);
-  ADD(boundary_position, 0, s->boundary_count);
+  ADD(boundary_position, 0, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
   ADD(wall_boxes, 0, s->wall_box_count);
   ADD(soil_offset, 0, s->scene->region_count);
   ADD(column_front, 0, s->column_count);

@@ -91,47 +91,58 @@ cleanup:
   return status;
 }
 
-/* Each rank gets from all others what it is to hold. */
+static void move_particles(struct isph *s, size_t to, size_t from, size_t n) {
+  if (n == 0 || to == from) return;
+  memmove(s->position + to, s->position + from, n * sizeof *s->position);
+  memmove(s->velocity + to, s->velocity + from, n * sizeof *s->velocity);
+  memmove(s->pressure + to, s->pressure + from, n * sizeof *s->pressure);
+  memmove(s->mass + to, s->mass + from, n * sizeof *s->mass);
+  memmove(s->id + to, s->id + from, n * sizeof *s->id);
+}
+
+static void put_particle(struct isph *s, size_t i, const struct particle *p) {
+  memcpy(s->position[i], p->position, sizeof p->position);
+  memcpy(s->velocity[i], p->velocity, sizeof p->velocity);
+  s->pressure[i] = p->pressure;
+  s->mass[i] = p->mass;
+  s->id[i] = p->id;
+}
+
+/* Each rank gets from all others what it is to hold: those of lower ranks before those that it
+ * keeps, those of higher ones behind. */
 static enum status bring(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
   struct particle *out = NULL, *in = NULL;
-  size_t *send = NULL, *start = NULL, n = 0;
+  size_t *send = NULL, *start = NULL, n = 0, kept = 0;
+  int low, high;
+  TRY(memory_allocate(&send, ranks, sizeof *send, "shares"));
+  TRY(memory_allocate(&start, ranks + 1, sizeof *start, "shares"));
   for (int pass = 0; pass < 2; pass++) {
-    if (pass == 0) {
-      TRY(memory_allocate(&send, ranks, sizeof *send, "shares"));
-      TRY(memory_allocate(&start, ranks + 1, sizeof *start, "shares"));
-    } else {
-      TRY(memory_allocate(&out, n + 1, sizeof *out, "particles that change hands"));
-      n = 0;
-    }
+    if (pass == 1) TRY(memory_allocate(&out, n + 1, sizeof *out, "particles that change hands"));
+    n = 0;
     for (size_t r = 0; r < ranks; r++) {
-      int low, high;
-      if (!layers_of(s, (int)r, &low, &high) || (pass == 1 && r == own)) continue;
+      if (r == own || !layers_of(s, (int)r, &low, &high)) continue;
       for (size_t i = 0; i < s->count; i++) {
         if (!is_held(s, low, high, (int)(s->cell_of[i] / plane))) continue;
         if (pass == 0)
-          send[r]++, n += r != own;
+          send[r]++;
         else
-          out[n++] = particle_at(s, i);
+          out[n] = particle_at(s, i);
+        n++;
       }
     }
   }
   TRY(isph_exchange(sizeof *out, send, out, start, &in));
   memory_free(&out);
-  int low, high;
-  if (layers_of(s, (int)own, &low, &high))
-    for (size_t i = 0, to = start[own]; i < s->count; i++)
-      if (is_held(s, low, high, (int)(s->cell_of[i] / plane))) in[to++] = particle_at(s, i);
-  TRY(isph_reserve(s, start[ranks]));
-  s->count = start[ranks];
-  for (size_t i = 0; i < s->count; i++) {
-    memcpy(s->position[i], in[i].position, sizeof in[i].position);
-    memcpy(s->velocity[i], in[i].velocity, sizeof in[i].velocity);
-    s->pressure[i] = in[i].pressure;
-    s->mass[i] = in[i].mass;
-    s->id[i] = in[i].id;
-  }
+  const bool any = layers_of(s, (int)own, &low, &high);
+  for (size_t i = 0; any && i < s->count; i++)
+    if (is_held(s, low, high, (int)(s->cell_of[i] / plane))) move_particles(s, kept++, i, 1);
+  const size_t lower = start[own], all = start[ranks];
+  TRY(isph_reserve(s, kept + all));
+  move_particles(s, lower, 0, kept);
+  for (size_t k = 0; k < all; k++) put_particle(s, k < lower ? k : kept + k, &in[k]);
+  s->count = kept + all;
 cleanup:
   memory_free(&send);
   memory_free(&start);

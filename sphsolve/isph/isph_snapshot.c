@@ -100,78 +100,59 @@ cleanup:
   return status;
 }
 
+/* A field of a snapshot as it lies in the state. */
+struct source {
+  const struct isph *state;
+  const struct lines *lines;
+  const void *from;
+  size_t size;
+  double scale, without; /* without: value where there is none of it */
+};
+
+static enum status fill(const void *context, void *data) {
+  const struct source *source = context;
+  double *values = data;
+  if (source->from != NULL) {
+    enum status status =
+        send_field(source->state, source->lines, source->from, source->size, data);
+    if (status != STATUS_OK) return status;
+  }
+  for (size_t k = 0; k < source->lines->count; k++) {
+    if (source->from == NULL) values[k] = source->without;
+    if (source->scale != 1) values[k] *= source->scale;
+  }
+  return STATUS_OK;
+}
+
 enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
-  struct lines lines = {0};
-  struct {
-    const void *from;
-    size_t size;
-    double scale, without; /* without: value where there is none of it */
-    void *lines;
-    struct snapshot_field field;
-  } fields[] = {{s->position, sizeof *s->position, 1, 0, NULL, {.type = H5_F64, .components = 3}},
-                {s->velocity,
-                 sizeof *s->velocity,
-                 1,
-                 0,
-                 NULL,
-                 {"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, NULL, NULL}},
-                {s->pressure,
-                 sizeof *s->pressure,
-                 1,
-                 0,
-                 NULL,
-                 {"pressure", "Pa", "pressure", H5_F64, 1, NULL, NULL, NULL}},
-                {s->filling,
-                 sizeof *s->filling,
-                 s->density,
-                 0,
-                 NULL,
-                 {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, NULL,
-                  NULL, NULL}},
-                {s->porosity,
-                 sizeof *s->porosity,
-                 1,
-                 1,
-                 NULL,
-                 {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, NULL, NULL}},
-                {s->surface,
-                 sizeof *s->surface,
-                 1,
-                 0,
-                 NULL,
-                 {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, NULL, NULL}},
-                {s->volume,
-                 sizeof *s->volume,
-                 s->thickness,
-                 0,
-                 NULL,
-                 {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, NULL, NULL}},
-                {s->id,
-                 sizeof *s->id,
-                 1,
-                 0,
-                 NULL,
-                 {"id", "1", "number of the particle", H5_U64, 1, NULL, NULL, NULL}}};
-  enum { FIELDS = sizeof fields / sizeof *fields };
-  struct snapshot_field list[FIELDS];
-  TRY(find_lines(s, &lines));
-  for (size_t f = 0; f < FIELDS; f++) {
-    TRY(memory_allocate(&fields[f].lines, lines.count, fields[f].size, "a snapshot"));
-    double *values = fields[f].lines;
-    if (fields[f].from == NULL)
-      for (size_t k = 0; k < lines.count; k++) values[k] = fields[f].without;
-    else
-      TRY(send_field(s, &lines, fields[f].from, fields[f].size, fields[f].lines));
-    for (size_t k = 0; fields[f].scale != 1 && k < lines.count; k++) values[k] *= fields[f].scale;
-    list[f] = fields[f].field;
-    list[f].data = fields[f].lines;
-  }
-  TRY(recorder_snapshot(recorder, s->time, s->step, lines.count, &list[0], FIELDS - 1, &list[1]));
+  struct lines l = {0};
+  const struct source sources[] = {{s, &l, s->position, sizeof *s->position, 1, 0},
+                                   {s, &l, s->velocity, sizeof *s->velocity, 1, 0},
+                                   {s, &l, s->pressure, sizeof *s->pressure, 1, 0},
+                                   {s, &l, s->filling, sizeof *s->filling, s->density, 0},
+                                   {s, &l, s->porosity, sizeof *s->porosity, 1, 1},
+                                   {s, &l, s->surface, sizeof *s->surface, 1, 0},
+                                   {s, &l, s->volume, sizeof *s->volume, s->thickness, 0},
+                                   {s, &l, s->id, sizeof *s->id, 1, 0}};
+  const struct source *from = sources;
+  const struct snapshot_field
+      at = {.type = H5_F64, .components = 3, .fill = fill, .context = from},
+      fields[] = {{"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, fill, from + 1},
+                  {"pressure", "Pa", "pressure", H5_F64, 1, NULL, fill, from + 2},
+                  {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, NULL,
+                   fill, from + 3},
+                  {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, fill, from + 4},
+                  {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, fill,
+                   from + 5},
+                  {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, fill, from + 6},
+                  {"id", "1", "number of the particle", H5_U64, 1, NULL, fill, from + 7}};
+  TRY(find_lines(s, &l));
+  TRY(recorder_snapshot(recorder, s->time, s->step, l.count, &at, sizeof fields / sizeof *fields,
+                        fields));
 cleanup:
-  for (size_t f = 0; f < FIELDS; f++) memory_free(&fields[f].lines);
-  memory_free(&lines.send);
-  memory_free(&lines.item);
-  memory_free(&lines.place);
+  memory_free(&l.send);
+  memory_free(&l.item);
+  memory_free(&l.place);
   return status;
 }

@@ -120,6 +120,9 @@ enum status isph_wall_create(struct isph *s) {
   TRY(isph_open_fill(s, &capacity));
   for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
   size_t n = s->boundary_count;
+  TRY(memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls"));
+  TRY(memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls"));
+  TRY(memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls"));
   if (s->side_count > 0)
     TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
   s->wall_volume = pow(s->spacing, s->dimensions);

@@ -28,7 +28,7 @@ enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *to
 }
 
 /* Fields of a snapshot, one at a time: a run's memory is the engine's. */
-static void fill_points(const void *context, void *data) {
+static enum status fill_points(const void *context, void *data) {
   const struct wcsph_run *run = context;
   const struct engine *engine = &run->state.engine;
   const struct particles *p = &engine->particles;
@@ -38,15 +38,17 @@ static void fill_points(const void *context, void *data) {
     particles_position(p, run->lattice, i, point);
     point += 3;
   }
+  return STATUS_OK;
 }
-static void fill_velocity(const void *context, void *data) {
+static enum status fill_velocity(const void *context, void *data) {
   const struct engine *engine = &((const struct wcsph_run *)context)->state.engine;
   const struct particles *p = &engine->particles;
   float *velocity = data;
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     for (int a = 0; a < 3 && p->id[i] != NO_PARTICLE; a++) *velocity++ = p->v[a][i];
+  return STATUS_OK;
 }
-static void fill_pressure(const void *context, void *data) {
+static enum status fill_pressure(const void *context, void *data) {
   const struct wcsph_run *run = context;
   const struct engine *engine = &run->state.engine;
   double c = engine->settings.sound_speed, unit = run->scene->fluid.density * c * c;
@@ -54,21 +56,24 @@ static void fill_pressure(const void *context, void *data) {
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (engine->particles.id[i] != NO_PARTICLE)
       *pressure++ = (float)(unit * engine_pressure(engine, i));
+  return STATUS_OK;
 }
-static void fill_density(const void *context, void *data) {
+static enum status fill_density(const void *context, void *data) {
   const struct wcsph_run *run = context;
   const struct engine *engine = &run->state.engine;
   float *density = data;
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (engine->particles.id[i] != NO_PARTICLE)
       *density++ = (float)(run->scene->fluid.density * engine_density(engine, i));
+  return STATUS_OK;
 }
-static void fill_id(const void *context, void *data) {
+static enum status fill_id(const void *context, void *data) {
   const struct engine *engine = &((const struct wcsph_run *)context)->state.engine;
   const struct particles *p = &engine->particles;
   uint32_t *id = data;
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     if (p->id[i] != NO_PARTICLE) *id++ = p->id[i];
+  return STATUS_OK;
 }
 
 enum status wcsph_write_snapshot(struct wcsph_run *run) {

@@ -220,3 +220,34 @@ isph() { # SCENE END NAME [options]
     $AGREE exact.hdf petsc.hdf 1e-12 history/darcy_velocity history/kinetic_energy
   done
 }
+
+@test "the memory of a rank falls with their number, as explain --ranks foretells" {
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 -o middle.hdf --quiet > /dev/null
+  cat > tank.cfg << 'END'
+scene = { name = "tank"; method = "isph"; end_time = "1 ms"; };
+domain = { size = ["2 m", "0.486 m", "1.189 m"]; spacing = "0.027 m"; periodic = [false, false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0", "1 m", "0.486 m", "0.81 m"]; } );
+force = { gravity = ["0", "0", "-9.81 m/s^2"]; };
+isph = { dt = "1 ms"; };
+END
+  local n tank=tank.cfg sand="s06.cfg --set model.file=middle.hdf --set scene.method=stokes --set stokes.tolerance=1e-2"
+  for n in 1 2 4; do
+    sphsolve explain $tank --ranks $n --threads 1 --json > tank$n.json
+    sphsolve explain $sand --ranks $n --threads 1 --json > sand$n.json
+    on $n sphsolve-mpi run $tank -o tank$n --quiet > /dev/null
+    on $n sphsolve-mpi run $sand -o sand$n --quiet > /dev/null
+  done
+  /usr/bin/python3 - << 'END'
+import h5py, json
+PROGRAM = 16e6  # foretold, not counted
+for name, off in ("tank", 0.1), ("sand", 0.2):
+    said = {n: json.load(open(f"{name}{n}.json"))["ranks"]["memory_bytes"] - PROGRAM for n in (1, 2, 4)}
+    clock = {n: h5py.File(f"{name}{n}.hdf")["run/timing"].attrs for n in (1, 2, 4)}
+    peak = {n: max(clock[n]["memory_peak_bytes"], clock[n]["memory_peak_bytes_all"] / n) for n in clock}
+    for n in peak:
+        print(f"{name} on {n}: {peak[n] / 1e6:.2f} MB, foretold {said[n] / 1e6:.2f}, of one process {peak[n] / peak[1]:.3f}")
+        assert abs(peak[n] / said[n] - 1) < off
+        assert peak[n] < peak[1] * (1 / n + 1 / 8)
+END
+}
