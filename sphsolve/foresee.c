@@ -72,6 +72,7 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
     in_full = steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
     told = (1 - 1 / r) * sites * STOKES_GATHERINGS / 64 * sizeof(float);
     ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
+    held = r > 1 ? ghosts : 0; /* each has its place */
     messages = STOKES_MESSAGES, sums = STOKES_SUMS;
     whole = SITE_BYTES * sites;
   } else if (plan->context.method == METHOD_WCSPH) {
