@@ -4,8 +4,8 @@ import json
 import os
 
 STYLE = """body{font:15px/1.35 sans-serif;margin:2em auto;max-width:110em;padding:0 1em}table{border-collapse:collapse}
-th{text-align:left;position:sticky;top:0;background:#fff}td,th{padding:.15em .8em .15em 0;vertical-align:top;border-top:1px solid #ddd}
-.group td{padding-top:1.2em;font-weight:bold}.fail td{color:#b00;font-weight:bold}.skip td{color:#777}.threat{color:#555;font-weight:normal;max-width:34em}img{max-width:100%}"""
+th{text-align:left;position:sticky;top:0;background:#fff}td,th{padding:.15em .8em .15em 0;vertical-align:top;border-top:1px solid #ddd}td{max-width:34em;overflow-wrap:anywhere}
+.group td{padding-top:1.2em;font-weight:bold}.fail td{color:#b00;font-weight:bold}.skip td{color:#777}.group td{max-width:none}.threat{color:#555;font-weight:normal}img{max-width:100%}"""
 
 
 def show(value):

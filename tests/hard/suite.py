@@ -35,7 +35,7 @@ def row(what, bound_from, measured, reference, bound, status=None):
 
 def holds(what, bound_from, truth, measured=""):
     """A statement that is true or not."""
-    return {"check": what, "why": bound_from, "reference": "yes", "measured": measured or ("yes" if truth else "no"),
+    return {"check": what, "why": bound_from or "yes or no", "reference": "yes", "measured": measured or ("yes" if truth else "no"),
             "bound": None, "margin": None, "status": "pass" if truth else "fail"}
 
 
@@ -268,5 +268,6 @@ def measure(entry):
     except Exception as problem:  # a case that cannot be carried out has failed
         rows.append(holds("the case can be carried out", "", False, f"{type(problem).__name__}: {problem}"[:200]))
     seconds = time.time() - started
-    group = f"{name}. {threat}. {seconds:.1f} s" + (", fast" if fast else "")
+    margins = [r["margin"] for r in rows if r["margin"] is not None]
+    group = f"{name}. {threat}. {len(rows)} checks, " + f"least margin {min(margins):.2g}, " * bool(margins) + f"{seconds:.1f} s" + (", fast" if fast else "")
     return [{"case": f"{name}: {r['check']}", "group": group, "threat": threat, "fast": fast, "seconds": seconds / len(rows), **r} for r in rows]
