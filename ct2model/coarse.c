@@ -1,13 +1,14 @@
 #include "ct2model/coarse.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/survey.h"
 
-enum { LEVELS = 256, LEAST = 4, MOST = 4 };
+enum { LEVELS = 256, MOST = 4 };
 static const double BYTES = 160e6;
 
 /* How far the greys reach that matter; of a segmented image, all. */
@@ -30,21 +31,19 @@ static void choose_range(const struct region *region, const struct survey *surve
   coarse->unit = (high - low) / (LEVELS - 1);
 }
 
-/* Two steps to the model's voxel are enough; one of two voxels is taken if that fits into BYTES. */
+/* Four steps to the model's voxel at least. */
 static size_t choose_step(const size_t in[3], const size_t out[3]) {
-  size_t step = 1;
   double least = INFINITY, voxels = 1.0;
   for (int d = 0; d < 3; d++) {
     least = fmin(least, (double)in[d] / (double)out[d]);
     voxels *= (double)in[d];
   }
-  if (least < LEAST) return 1;
-  do {
-    step *= 2;
-    for (int d = 0; d < 3; d++)
-      if (in[d] % step != 0) return 1;
-  } while (voxels / pow((double)step, 3.0) > BYTES && step < MOST && least >= 4.0 * (double)step);
-  return step;
+  for (size_t step = MOST; step > 1; step /= 2) {
+    bool fits = least >= 4.0 * (double)step && voxels / pow((double)step, 3.0) <= BYTES;
+    for (int d = 0; d < 3; d++) fits &= in[d] % step == 0;
+    if (fits) return step;
+  }
+  return 1;
 }
 
 enum status coarse_start(const struct region *region, const size_t size[3],

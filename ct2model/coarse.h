@@ -1,7 +1,7 @@
 /* The scan averaged over cubes of 2 or 4 voxels a side, held in memory as 8-bit levels: what walls
- * are measured on where a model voxel spans many voxels of the scan. A scan is blurred over two
- * voxels or more and noisy, so that its surface is found as well there (docs/ct2model.md), and the
- * scan need not be read again once the threshold is known. */
+ * are measured on where a model voxel spans eight voxels of the scan or more. The surface is found
+ * there within a twentieth of the model's voxel, nearer than in the scan itself where that is noisy
+ * (docs/ct2model.md), and the scan need not be read again once the threshold is known. */
 #ifndef TOSUI_CT2MODEL_COARSE_H
 #define TOSUI_CT2MODEL_COARSE_H
 
@@ -17,9 +17,9 @@ struct coarse {
   struct grey_histogram histogram; /* of the levels */
 };
 
-/* Chooses the step for a model of `size` voxels: 1 where it spans under four voxels of the scan, or
- * a side of the scan does not divide. Greys half the contrast beyond both phases are cut off. Free
- * with coarse_end. */
+/* Chooses the step for a model of `size` voxels, such that one spans four steps at least: 1 where
+ * there is none, a side of the scan does not divide, or 160 MB would not hold it. Greys half the
+ * contrast beyond both phases are cut off. Free with coarse_end. */
 enum status coarse_start(const struct region *region, const size_t size[3],
                          const struct survey *survey, struct coarse *coarse);
 void coarse_end(struct coarse *coarse);

@@ -16,8 +16,8 @@ enum {
   AREA_BATCH = 8,
   STEP_LEAST = 8 /* new slices at a time, at least */
 };
-static const double WINDOW_VOXELS =
-    24e6; /* held at a time; a third of it beside a scan in memory */
+/* Held at a time; a third of it beside a scan in memory. */
+static const double WINDOW_VOXELS = 24e6;
 
 /* The surface between slices first and first + surfels.size[2] - 1. */
 struct piece {

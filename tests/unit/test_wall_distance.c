@@ -11,7 +11,9 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/coarse.h"
 #include "ct2model/stack.h"
+#include "ct2model/survey.h"
 #include "ct2model/wall_distance.h"
 
 /* A scan of one sphere in a periodic box: grey 100 in the grain, 20 outside, linear across a blur
@@ -91,14 +93,44 @@ static double worst_error(const struct scan *scan, const struct wall_request *re
   return worst;
 }
 
-static void check(struct scan *scan, const size_t size[3], bool mirror, double near, double bound) {
+/* The scan as `coarse` has it after one reading. */
+static void average(const struct region *region, const size_t size[3], struct coarse *coarse) {
+  const struct survey survey = {
+      .phases = {.pore_peak = 20, .grain_peak = 100, .contrast_to_noise = 100}};
+  float *slice, *sums;
+  assert_int_equal(coarse_start(region, size, &survey, coarse), STATUS_OK);
+  assert_true(coarse->step > 1);
+  assert_int_equal(memory_allocate(&slice, region->size[0] * region->size[1], sizeof *slice, ""),
+                   STATUS_OK);
+  assert_int_equal(memory_allocate(&sums, coarse_sums(coarse), sizeof *sums, ""), STATUS_OK);
+  for (size_t z = 0; z < region->size[2]; z++) {
+    assert_int_equal(region_read(region, &z, 1, slice), STATUS_OK);
+    for (size_t y = 0; y < region->size[1]; y++)
+      coarse_add(coarse, y, z, slice + y * region->size[0], sums);
+    if ((z + 1) % coarse->step == 0) coarse_store(coarse, z / coarse->step, sums);
+  }
+  assert_int_equal(coarse->histogram.total, coarse->size[0] * coarse->size[1] * coarse->size[2]);
+  memory_free(&slice);
+  memory_free(&sums);
+}
+
+static void measure(struct scan *scan, const size_t size[3], bool mirror, bool averaged,
+                    double near, double bound) {
   struct wall_request request = {
       .threshold = 60, .contrast = 80, .distances = true, .mirror = mirror};
   struct wall_result walls;
+  struct coarse coarse = {.step = 1};
   memcpy(request.size, size, sizeof request.size);
   double plane = ((double)size[2] - 0.5) * (double)scan->size[2] / (double)size[2];
   scan_make(scan, mirror, plane);
-  assert_int_equal(wall_measure(&scan->region, &request, &walls), STATUS_OK);
+  struct region region = scan->region;
+  if (averaged) {
+    average(&scan->region, size, &coarse);
+    region = coarse_region(&coarse, &scan->region);
+    request.threshold = (60 - coarse.low) / coarse.unit;
+    request.contrast = 80 / coarse.unit;
+  }
+  assert_int_equal(wall_measure(&region, &request, &walls), STATUS_OK);
   double error = worst_error(scan, &request, &walls, near);
   print_message("# distance error %.3f voxels\n", error);
   assert_true(error < bound);
@@ -111,13 +143,27 @@ static void check(struct scan *scan, const size_t size[3], bool mirror, double n
     assert_true(fabs(measured / volume - 1.0) < 0.005);
   }
   wall_result_end(&walls);
+  coarse_end(&coarse);
   scan_end(scan);
+}
+
+static void check(struct scan *scan, const size_t size[3], bool mirror, double near, double bound) {
+  measure(scan, size, mirror, false, near, bound);
 }
 
 static void test_sphere_reduced(void **state) {
   (void)state;
   struct scan scan = {.size = {64, 64, 64}, .centre = {32.3, 31.6, 32.1}, .radius = 20};
   check(&scan, (size_t[3]){16, 16, 16}, false, 16.0, 0.1);
+}
+
+/* Averaged over 2x2x2 voxels, for a model of eight: within a twentieth of the model's voxel. */
+static void test_sphere_in_large_voxels(void **state) {
+  (void)state;
+  struct scan periodic = {.size = {96, 96, 96}, .centre = {47.3, 93.6, 50.1}, .radius = 33};
+  measure(&periodic, (size_t[3]){12, 12, 12}, false, true, 16.0, 0.4);
+  struct scan mirrored = {.size = {96, 96, 96}, .centre = {47.1, 49.2, 0.0}, .radius = 30};
+  measure(&mirrored, (size_t[3]){12, 12, 12}, true, true, 16.0, 0.4);
 }
 
 static void test_sphere_full_resolution(void **state) {
@@ -182,6 +228,7 @@ static void test_signs_follow_the_model(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere_reduced),
+      cmocka_unit_test(test_sphere_in_large_voxels),
       cmocka_unit_test(test_sphere_full_resolution),
       cmocka_unit_test(test_sphere_across_the_periodic_faces),
       cmocka_unit_test(test_sphere_at_the_mirror_planes),
