@@ -51,81 +51,66 @@ bool pixel_type_of(int bits, char format, enum pixel_type *type) {
   return false;
 }
 
-static uint16_t load16(const unsigned char *at) {
-  uint16_t value;
-  memcpy(&value, at, 2);
-  return value;
-}
+/* A value that may stand anywhere. */
+#define LOADER(type)                                                                               \
+  static inline type load_##type(const unsigned char *at) {                                        \
+    type value;                                                                                    \
+    memcpy(&value, at, sizeof value);                                                              \
+    return value;                                                                                  \
+  }
+LOADER(int8_t)
+LOADER(uint8_t)
+LOADER(int16_t)
+LOADER(uint16_t)
+LOADER(int32_t)
+LOADER(uint32_t)
+LOADER(uint64_t)
+LOADER(float)
+LOADER(double)
 
-static uint32_t load32(const unsigned char *at) {
-  uint32_t value;
-  memcpy(&value, at, 4);
-  return value;
-}
-
-static uint64_t load64(const unsigned char *at) {
-  uint64_t value;
-  memcpy(&value, at, 8);
-  return value;
-}
-
-static float load_f32(const unsigned char *at) {
-  float value;
-  memcpy(&value, at, 4);
-  return value;
-}
-
-static float load_f64(const unsigned char *at) {
-  double value;
-  memcpy(&value, at, 8);
-  return (float)value;
-}
+#define CONVERT(type)                                                                              \
+  for (size_t i = 0; i < n; i++) out[i] = (float)load_##type(bytes + sizeof(type) * i);            \
+  break
 
 TARGETS void pixels_to_float(float *restrict out, const void *restrict in, size_t n,
                              enum pixel_type type) {
   const unsigned char *restrict bytes = in;
   switch (type) {
   case PIXEL_U8:
-    for (size_t i = 0; i < n; i++) out[i] = (float)bytes[i];
-    break;
+    CONVERT(uint8_t);
   case PIXEL_I8:
-    for (size_t i = 0; i < n; i++) out[i] = (float)(int8_t)bytes[i];
-    break;
+    CONVERT(int8_t);
   case PIXEL_U16:
-    for (size_t i = 0; i < n; i++) out[i] = (float)load16(bytes + 2 * i);
-    break;
+    CONVERT(uint16_t);
   case PIXEL_I16:
-    for (size_t i = 0; i < n; i++) out[i] = (float)(int16_t)load16(bytes + 2 * i);
-    break;
+    CONVERT(int16_t);
   case PIXEL_U32:
-    for (size_t i = 0; i < n; i++) out[i] = (float)load32(bytes + 4 * i);
-    break;
+    CONVERT(uint32_t);
   case PIXEL_I32:
-    for (size_t i = 0; i < n; i++) out[i] = (float)(int32_t)load32(bytes + 4 * i);
-    break;
+    CONVERT(int32_t);
   case PIXEL_F32:
-    for (size_t i = 0; i < n; i++) out[i] = load_f32(bytes + 4 * i);
-    break;
+    CONVERT(float);
   case PIXEL_F64:
-    for (size_t i = 0; i < n; i++) out[i] = load_f64(bytes + 8 * i);
-    break;
+    CONVERT(double);
   }
 }
 
+#define SWAP(bits)                                                                                 \
+  for (size_t i = 0; i < n; i++) {                                                                 \
+    const uint##bits##_t value = __builtin_bswap##bits(load_uint##bits##_t(bytes + bits / 8 * i)); \
+    memcpy(bytes + bits / 8 * i, &value, bits / 8);                                                \
+  }                                                                                                \
+  break
+
 TARGETS void pixels_swap(void *data, size_t n, enum pixel_type type) {
   unsigned char *bytes = data;
-  const size_t size = pixel_size(type);
-  for (size_t i = 0; i < n && size == 2; i++) {
-    const uint16_t value = __builtin_bswap16(load16(bytes + 2 * i));
-    memcpy(bytes + 2 * i, &value, 2);
-  }
-  for (size_t i = 0; i < n && size == 4; i++) {
-    const uint32_t value = __builtin_bswap32(load32(bytes + 4 * i));
-    memcpy(bytes + 4 * i, &value, 4);
-  }
-  for (size_t i = 0; i < n && size == 8; i++) {
-    const uint64_t value = __builtin_bswap64(load64(bytes + 8 * i));
-    memcpy(bytes + 8 * i, &value, 8);
+  switch (pixel_size(type)) {
+  case 2:
+    SWAP(16);
+  case 4:
+    SWAP(32);
+  case 8:
+    SWAP(64);
   }
 }
 
@@ -149,7 +134,7 @@ void pixels_count(uint32_t *counts, const void *in, size_t n, enum pixel_type ty
     memcpy(&four, bytes + 2 * i, sizeof four);
     for (unsigned k = 0; k < IN_TURN; k++) counts[(four >> 16 * k & 0xffffu) ^ sign]++;
   }
-  for (; i < n; i++) counts[load16(bytes + 2 * i) ^ sign]++;
+  for (; i < n; i++) counts[load_uint16_t(bytes + 2 * i) ^ sign]++;
 }
 
 uint64_t pixels_counted(const uint32_t *counts, size_t level, enum pixel_type type) {
