@@ -14,7 +14,11 @@ static _Thread_local char tiff_message[160];
 
 static void on_error(const char *module, const char *format, va_list arguments) {
   (void)module;
+  /* Strips are read whole: of no row it says the last that could be. */
+  static const char NO_ROW[] = " at scanline 4294967295";
   vsnprintf(tiff_message, sizeof tiff_message, format, arguments);
+  char *at = strstr(tiff_message, NO_ROW);
+  if (at != NULL) memmove(at, at + sizeof NO_ROW - 1, strlen(at + sizeof NO_ROW - 1) + 1);
 }
 
 static TIFF *tiff_start(const char *path) {
@@ -170,8 +174,10 @@ static enum status refuse_hyperstack(const char *path, const char *description) 
     int count = at != NULL ? atoi(at + strlen(OME[i])) : 1;
     if (imagej && description_value(description, KEYS[i], text, sizeof text)) count = atoi(text);
     if (count > 1)
-      return FAIL(STATUS_INPUT, "%s: a hyperstack of %d %s; save one of them as a stack", path,
-                  count, KEYS[i]);
+      return FAIL(STATUS_INPUT,
+                  "%s: a hyperstack of %d %s; save one of them as a stack, or if they are slices "
+                  "say so (Fiji: Image > Properties) and save again",
+                  path, count, KEYS[i]);
   }
   return STATUS_OK;
 }
