@@ -27,17 +27,17 @@ struct run {
 static const char *folder;
 static json_t *results;
 
+/* What goes wrong with alpha = 0 is shown, not judged. */
 static void report(const struct run *run, const char *what, double reference, double measured,
                    double bound) {
   char name[128];
-  bool pass = fabs(measured - reference) <= bound;
+  const char *status = !strcmp(run->form, "alpha0")          ? "skip"
+                       : fabs(measured - reference) <= bound ? "pass"
+                                                             : "fail";
   snprintf(name, sizeof name, "%s: %s", run->name, what);
-  printf("%-4s %-58s reference %-10.4g measured %-10.4g bound %.3g\n", pass ? "pass" : "FAIL", name,
-         reference, measured, bound);
-  json_array_append_new(results,
-                        json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "case", name, "status",
-                                  pass ? "pass" : "fail", "reference", reference, "measured",
-                                  measured, "bound", bound, "seconds", run->seconds));
+  json_array_append_new(results, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "case", name, "status",
+                                           status, "reference", reference, "measured", measured,
+                                           "bound", bound, "seconds", run->seconds));
 }
 
 static double *column(struct h5_file *file, const char *name, int components, size_t *count) {
@@ -83,13 +83,13 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
     run->velocity = column(file, "velocity_rms", 1, &run->rows);
     good = run->time && run->low && run->high && run->soil && run->potential && run->kinetic &&
            run->mass && run->velocity && run->rows > 2 &&
-           h5_read_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &run->seconds) == STATUS_OK &&
+           h5_read_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &run->seconds) ==
+               STATUS_OK &&
            h5_read_attribute(file, "/run", "particles_lost", H5_F64, 1, &run->lost) == STATUS_OK;
   }
   if (good)
     run->head = run->mass[0] / (1000 * SIDE * SIDE);
   else {
-    printf("skip %s: %s\n", run->name, error_message());
     json_array_append_new(results, json_pack("{s:s, s:s, s:n, s:s, s:n, s:n}", "case", run->name,
                                              "status", "skip", "reference", "measured",
                                              error_message(), "bound", "seconds"));
@@ -100,9 +100,9 @@ static bool read_run(const char *form, double eps, int side, struct run *run) {
   return good;
 }
 
-/* (H + C_r s) q' = G g (H + s) - eps s (a q + b q^2), s' = q/eps, H = H0 - eps s: place of the front
- * of water that falls through soil as a plug. M15's G is 1/eps where the water is in soil and 1
- * above. Fills s[k] at times k dt, `n` of them at most; returns how many until the bottom. */
+/* (H + C_r s) q' = G g (H + s) - eps s (a q + b q^2), s' = q/eps, H = H0 - eps s: place of the
+ * front of water that falls through soil as a plug. M15's G is 1/eps where the water is in soil and
+ * 1 above. Fills s[k] at times k dt, `n` of them at most; returns how many until the bottom. */
 static size_t balance(const struct run *run, double dt, size_t n, double *place) {
   bool paper = !!strcmp(run->form, "akbari");
   double eps = run->eps, d = 0.01, nu = 1e-6, cr = 1 + 0.34 * (1 - eps) / eps;
@@ -183,7 +183,8 @@ static size_t read_snapshot(const struct run *run, double time, double (**points
 }
 
 /* At the end, a spacing and more below the surface: the rms distance of the pressure from rho g
- * (level - z), over rho g level, and the mean of 1 / filling, the bulk volume over the exact one. */
+ * (level - z), over rho g level, and the mean of 1 / filling, the bulk volume over the exact one.
+ */
 static double at_rest(const struct run *run, double level, double *bulk) {
   double(*points)[3], *pressure, *density, sum = 0, space = 0;
   size_t n = read_snapshot(run, 1e9, &points, &pressure, &density), counted = 0;
@@ -203,8 +204,7 @@ static double at_rest(const struct run *run, double level, double *bulk) {
 static void judge(const struct run *run) {
   double published = run->eps < 0.4 ? 0.42 : run->eps < 0.6 ? 0.34 : 0.26, rise = 0, risen = 0;
   double eps = run->eps, level = SIDE + run->head - eps * SIDE, above = level - SIDE;
-  double rest = 1000 * GRAVITY * SIDE * SIDE *
-                (eps * SIDE * SIDE / 2 + above * (SIDE + above / 2));
+  double rest = 1000 * GRAVITY * SIDE * SIDE * (eps * SIDE * SIDE / 2 + above * (SIDE + above / 2));
   double *potential = run->potential, *kinetic = run->kinetic, first = potential[0] + kinetic[0];
   size_t last = run->rows - 1;
   for (size_t i = 1; i <= last; i++) {
@@ -212,15 +212,9 @@ static void judge(const struct run *run) {
     rise = fmax(rise, change), risen += fmax(0, change);
   }
   double share = run->soil[last] / (run->mass[last] / 1000), exact = eps * SIDE / run->head;
-  if (!strcmp(run->form, "alpha0")) { /* what goes wrong is shown, not judged */
-    printf("     %s: share of the water in the soil %.3f, exact %.3f; centre of gravity %.4f of "
-           "the exact one\n",
-           run->name, share, exact, potential[last] / rest);
-    return;
-  }
   double bulk, pressure = at_rest(run, level, &bulk);
   double arrived = arrival_of_run(run), expected = arrival_by_balance(run);
-  if (!strcmp(run->form, "m15") && fabs(run->spacing - 0.01) < 1e-9)
+  if (!strcmp(run->form, "m15"))
     report(run, "front at the bottom, s (paper)", published, arrived, 0.05 * published);
   report(run, "front at the bottom, s (1-D balance)", expected, arrived, 0.05 * expected);
   report(run, "share of the water in the soil", exact, share, 0.02);
@@ -245,12 +239,13 @@ static void panel(FILE *plot, const struct run *run, double time, bool density) 
     if (fabs(points[i][1] - SIDE / 2) < 0.6 * run->spacing)
       fprintf(plot, "%.4f %.4f %.6g\n", points[i][0], points[i][2],
               density ? density_of[i] : pressure[i]);
-  snprintf(title, sizeof title, "%s, %.2f s", run->name, time);
+  snprintf(title, sizeof title, "%s, %.2f s, %s", run->name, time, density ? "kg/m^3" : "Pa");
   fputs("EOD\nset title ", plot);
   plot_text(plot, title);
-  fprintf(plot, " noenhanced\nset cbrange %s\nplot $points skip 1 using 1:2:3 with points pt 7 ps "
-                ".5 lc palette notitle, %g with lines lc rgb '#777777' dt 2 notitle\n",
-          density ? "[800:1100]" : "[0:4000]", SIDE);
+  fprintf(plot,
+          " noenhanced\nset cbrange %s\nplot $points skip 1 using 1:2:3 with points pt 7 ps "
+          "%g lc palette notitle, %g with lines lc rgb '#777777' dt 2 notitle\n",
+          density ? "[800:1100]" : "[0:4000]", 60 * run->spacing, SIDE);
   memory_free(&points);
   memory_free(&pressure);
   memory_free(&density_of);
@@ -261,8 +256,9 @@ static void figure(const char *name, size_t rows, const struct run *const *runs,
   char *body = NULL;
   size_t size;
   FILE *plot = open_memstream(&body, &size);
-  fprintf(plot, "set multiplot layout %zu,4\nset xrange [0:%g]\nset yrange [0:.45]\nset size ratio "
-                "-1\nset xtics .1\nset ytics .1\nset palette rgb 33,13,10\n",
+  fprintf(plot,
+          "set multiplot layout %zu,4\nset xrange [0:%g]\nset yrange [0:.45]\nset size ratio "
+          "-1\nset xtics .1\nset ytics .1\nset palette rgb 33,13,10\n",
           rows, SIDE);
   for (size_t r = 0; r < rows; r++)
     for (int k = 0; k < 4; k++) panel(plot, runs[r], times[r][k], density);
@@ -273,30 +269,32 @@ static void figure(const char *name, size_t rows, const struct run *const *runs,
 }
 
 /* Front and share of the water in the soil against time, with the balance. */
-static void histories(size_t count, const struct run *runs) {
+static void histories(size_t count, const struct run *const *runs) {
   char *body = NULL;
   size_t size;
   FILE *plot = open_memstream(&body, &size);
   for (size_t r = 0; r < count; r++) {
     static double place[2000];
-    size_t n = balance(&runs[r], 1e-3, 2000, place);
+    const struct run *run = runs[r];
+    size_t n = balance(run, 1e-3, 2000, place);
     fprintf(plot, "$run%zu << EOD\n", r);
-    for (size_t k = 0; k < runs[r].rows; k += 4)
-      fprintf(plot, "%g %g %g\n", runs[r].time[k], runs[r].low[3 * k + 2],
-              runs[r].soil[k] / (runs[r].mass[k] / 1000));
+    for (size_t k = 0; k < run->rows; k += 4)
+      fprintf(plot, "%g %g %g\n", run->time[k], run->low[3 * k + 2],
+              run->soil[k] / (run->mass[k] / 1000));
     fprintf(plot, "EOD\n$balance%zu << EOD\n", r);
     for (size_t k = 0; k < n; k += 5) fprintf(plot, "%g %g\n", 1e-3 * (double)k, SIDE - place[k]);
     fprintf(plot, "EOD\n");
   }
   fprintf(plot, "set multiplot layout 1,2\nset xrange [0:1.2]\nset xlabel 's'\n");
   for (int part = 0; part < 2; part++) {
-    fprintf(plot, "set ylabel '%s'\nplot ",
-            part ? "share of the water in the soil" : "front above the bottom, m");
+    fprintf(plot, "set ylabel '%s'\n%s\nplot ",
+            part ? "share of the water in the soil" : "front above the bottom, m",
+            part ? "unset key" : "set key top right");
     for (size_t r = 0; r < count; r++) {
       fprintf(plot, "%s$run%zu using 1:%d with lines ", r > 0 ? ", " : "", r, part + 2);
       plot_line_style(plot, r);
       fputs(" title ", plot);
-      plot_text(plot, runs[r].name);
+      plot_text(plot, runs[r]->name);
       fprintf(plot, " noenhanced");
       if (part == 0)
         fprintf(plot, ", $balance%zu using 1:2 with lines dt 3 lc rgb '#777777' notitle", r);
@@ -307,6 +305,36 @@ static void histories(size_t count, const struct run *runs) {
   fclose(plot);
   if (plot_save(folder, "histories", body, 1200, 500) != STATUS_OK) error_clear();
   free(body);
+}
+
+/* The pictures: of the runs at the paper's 21 particles a side, or else at the most there are. */
+static void draw(size_t count, const struct run *runs) {
+  static const double times6[2][4] = {{.26, .42, .5, 2.5}, {.26, .42, .5, 2.5}};
+  static const double times7[6][4] = {{.26, .34, .42, 2.5}, {.26, .34, .42, 2.5},
+                                      {.2, .26, .34, 2.5},  {.26, .42, .84, 2.5},
+                                      {.26, .34, .46, 2.5}, {.2, .28, .34, 2.5}};
+  const struct run *drawn[16], *six[2] = {0}, *seven[6] = {0};
+  size_t n = 0;
+  double spacing = 1;
+  for (size_t k = 0; k < count; k++)
+    if (fabs(spacing - 0.01) > 1e-9 &&
+        (runs[k].spacing < spacing || fabs(runs[k].spacing - 0.01) < 1e-9))
+      spacing = runs[k].spacing;
+  for (size_t k = 0; k < count; k++) {
+    const struct run *run = &runs[k];
+    if (fabs(run->spacing - spacing) > 1e-9) continue;
+    drawn[n++] = run;
+    int place = (run->eps > .4) + (run->eps > .6);
+    if (!strcmp(run->form, "alpha0") || (!strcmp(run->form, "m15") && place == 0))
+      six[*run->form == 'a'] = run;
+    if (!strcmp(run->form, "m15")) seven[place] = run;
+    if (!strcmp(run->form, "akbari")) seven[3 + place] = run;
+  }
+  if (six[0] != NULL && six[1] != NULL) figure("figure-6", 2, six, times6, true);
+  size_t rows = seven[0] && seven[1] && seven[2] ? 3 : 0;
+  if (rows == 3 && seven[3] && seven[4] && seven[5]) rows = 6;
+  if (rows > 0) figure("figure-7", rows, seven, times7, false);
+  if (n > 0) histories(n, drawn);
 }
 
 int main(int argc, char **argv) {
@@ -328,27 +356,7 @@ int main(int argc, char **argv) {
   results = json_array();
   for (size_t k = 0; k < CASES; k++)
     if (read_run(cases[k].form, cases[k].eps, cases[k].side, &runs[count])) judge(&runs[count++]);
-  const struct run *six[2] = {0}, *seven[6] = {0};
-  size_t front = 0;
-  for (size_t k = 0; k < count; k++) {
-    const struct run *run = &runs[k];
-    if (fabs(run->spacing - 0.01) > 1e-9) continue;
-    front = k + 1;
-    int place = (run->eps > .4) + (run->eps > .6);
-    if (!strcmp(run->form, "alpha0") || (!strcmp(run->form, "m15") && place == 0))
-      six[*run->form == 'a'] = run;
-    if (!strcmp(run->form, "m15")) seven[place] = run;
-    if (!strcmp(run->form, "akbari")) seven[3 + place] = run;
-  }
-  static const double times6[2][4] = {{.26, .42, .5, 2.5}, {.26, .42, .5, 2.5}};
-  static const double times7[6][4] = {{.26, .34, .42, 2.5}, {.26, .34, .42, 2.5},
-                                      {.2, .26, .34, 2.5},  {.26, .42, .84, 2.5},
-                                      {.26, .34, .46, 2.5}, {.2, .28, .34, 2.5}};
-  if (six[0] != NULL && six[1] != NULL) figure("figure-6", 2, six, times6, true);
-  size_t rows = seven[0] && seven[1] && seven[2] ? 3 : 0;
-  if (rows == 3 && seven[3] && seven[4] && seven[5]) rows = 6;
-  if (rows > 0) figure("figure-7", rows, seven, times7, false);
-  if (front > 0) histories(front, runs);
+  draw(count, runs);
   for (size_t k = 0; k < count; k++) free_run(&runs[k]);
   char path[1024];
   snprintf(path, sizeof path, "%s/results.json", folder);
