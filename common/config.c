@@ -49,6 +49,9 @@ static const char *open_comment(const char *text) {
   return NULL;
 }
 
+/* libconfig compares each setting with all before it in its group. */
+#define SETTINGS_MOST 20000
+
 static enum status read_text(const char *path, char **text) {
   enum status status = STATUS_OK;
   FILE *file = fopen(path, "rb");
@@ -67,6 +70,11 @@ static enum status read_text(const char *path, char **text) {
   if (memchr(*text, 0, used))
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
              line_at(*text, *text + strlen(*text)));
+  size_t settings = 0;
+  for (const char *c = *text; (c = strchr(c, '=')) != NULL; c++) settings++;
+  if (settings > SETTINGS_MOST)
+    TRY_FAIL(STATUS_INPUT, "%s: %zu settings: no scene file; at most %d are read", path, settings,
+             SETTINGS_MOST);
 cleanup:
   fclose(file);
   if (status != STATUS_OK) memory_free(text);

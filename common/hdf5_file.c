@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/hdf5_internal.h"
@@ -114,8 +115,11 @@ cleanup:
 static enum status open_file(const char *path, bool try_first, struct h5_file **result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
+  struct stat info;
   TRY(new_file(path, false, &file));
-  if (access(path, R_OK) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  if (access(path, R_OK) != 0 || stat(path, &info) != 0)
+    TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  if (!S_ISREG(info.st_mode)) TRY_FAIL(STATUS_INPUT, "%s: is no file", path);
   if (try_first && !idle()) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->id < 0)

@@ -92,6 +92,22 @@ static bool holds_texts(hid_t stored) {
   return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= LONGEST_TEXT;
 }
 
+/* Deflate packs at most 1032 bytes into one; beyond that, nothing was written, and the library
+ * fills in as many numbers as the file claims. */
+#define PACKED_MOST 1100.0
+#define SMALL (1 << 24) /* bytes that may be filled in */
+
+static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, const char *name) {
+  const hid_t space = H5Dget_space(set);
+  const double bytes = (double)H5Sget_simple_extent_npoints(space) * (double)H5Tget_size(stored);
+  const double there = (double)H5Dget_storage_size(set);
+  H5Sclose(space);
+  if (bytes <= SMALL || bytes <= PACKED_MOST * there) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s: %s claims %.0f bytes, but the %.0f stored can hold at most %.0f; write it whole",
+              file->path, name, bytes, there, PACKED_MOST * there);
+}
+
 /* `rows` of the slowest axis from `first` on; SIZE_MAX: all. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t first, size_t rows, size_t *dims, void *data) {
@@ -130,6 +146,8 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
     if (!size_multiply(count, shape[i], &count))
       TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
   }
+  /* What is beyond the limit is refused as that; the rest is not even filled with zeros. */
+  if (memory_has_room(count, h5_type_size(type))) TRY(check_storage(file, set, stored, name));
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
   if (count > 0 && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);

@@ -32,6 +32,15 @@ static bool reserve(size_t bytes, bool *over_limit) {
   return ok;
 }
 
+bool memory_has_room(size_t count, size_t size) {
+  size_t bytes;
+  pthread_mutex_lock(&lock);
+  const bool room =
+      size_multiply(count, size, &bytes) && in_use <= limit && bytes <= limit - in_use;
+  pthread_mutex_unlock(&lock);
+  return room;
+}
+
 static void release(size_t bytes) {
   pthread_mutex_lock(&lock);
   in_use -= bytes;

@@ -45,6 +45,9 @@ size_t memory_peak(void);
  * machine's memory, which is where every program starts. */
 void memory_set_limit(size_t bytes);
 
+/* Whether as much would still be below the limit. */
+bool memory_has_room(size_t count, size_t size);
+
 /* Tests only: the n-th allocation from now fails (0: never). Returns how many were left to go. */
 long memory_fail_after(long n);
 

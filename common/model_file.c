@@ -79,6 +79,9 @@ enum status model_read(const char *path, struct voxel_model *model) {
   for (int a = 0; a < 3; a++) {
     model->spacing[a] = spacing[2 - a];
     model->periodic[a] = periodic[2 - a] != 0;
+    if (periodic[a] != 0 && periodic[a] != 1)
+      TRY_FAIL(STATUS_INPUT, "%s: /model: periodic holds %d; 0 and 1 are possible", path,
+               periodic[a]);
     if (!(spacing[a] > 0 && spacing[a] < 1e3))
       TRY_FAIL(STATUS_INPUT, "%s: spacing %g m: metres, greater than 0, are wanted", path,
                spacing[a]);

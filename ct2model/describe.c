@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
@@ -14,7 +15,8 @@
 static bool is_model(const char *path) {
   static const unsigned char SIGNATURE[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
   unsigned char head[8] = {0};
-  FILE *file = fopen(path, "rb");
+  struct stat info;
+  FILE *file = stat(path, &info) == 0 && S_ISREG(info.st_mode) ? fopen(path, "rb") : NULL;
   if (file == NULL) return false;
   size_t got = fread(head, 1, sizeof head, file);
   fclose(file);

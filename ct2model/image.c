@@ -36,7 +36,9 @@ bool image_name_known(const char *name) {
 enum status image_file_size(const char *path, uint64_t *size) {
   struct stat info;
   if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  if (S_ISDIR(info.st_mode)) return FAIL(STATUS_INPUT, "%s: a folder, not an image file", path);
+  if (!S_ISREG(info.st_mode)) /* to read a pipe might never end */
+    return FAIL(STATUS_INPUT, "%s: a %s, not an image file", path,
+                S_ISDIR(info.st_mode) ? "folder" : "pipe or device");
   *size = (uint64_t)info.st_size;
   return STATUS_OK;
 }
@@ -182,19 +184,35 @@ cleanup:
   return status;
 }
 
+/* Whether a link leads `path` out of the folder of the header. */
+static bool leads_out(const char *header, const char *path) {
+  char *of_header = realpath(header, NULL), *of_path = realpath(path, NULL);
+  bool out = false;
+  if (of_header != NULL && of_path != NULL) {
+    const size_t folder = (size_t)(strrchr(of_header, '/') - of_header) + 1;
+    out = strncmp(of_header, of_path, folder) != 0;
+  }
+  free(of_header);
+  free(of_path);
+  return out;
+}
+
 enum status image_data_beside(struct image *image, const char *name, int line) {
   const char *slash = strrchr(image->path, '/');
   size_t folder = slash == NULL ? 0 : (size_t)(slash - image->path) + 1;
   char *joined;
-  if (name[0] == '/' || strncmp(name, "../", 3) == 0 || strstr(name, "/../") != NULL)
-    return FAIL(STATUS_INPUT,
-                "%s:%d: the pixels in %s lie outside the header's folder; a header may name only "
-                "files beside it: move them together, or give the pixels themselves with --raw",
-                image->path, line, name);
   enum status status = memory_allocate(&joined, folder + strlen(name) + 1, 1, "a path");
   if (status != STATUS_OK) return status;
   memcpy(joined, image->path, folder);
   strcpy(joined + folder, name);
+  if (name[0] == '/' || strncmp(name, "../", 3) == 0 || strstr(name, "/../") != NULL ||
+      leads_out(image->path, joined)) {
+    memory_free(&joined);
+    return FAIL(STATUS_INPUT,
+                "%s:%d: the pixels in %s lie outside the header's folder; a header may name only "
+                "files beside it: move them together, or give the pixels themselves with --raw",
+                image->path, line, name);
+  }
   memory_free(&image->data_path);
   image->data_path = joined;
   return STATUS_OK;

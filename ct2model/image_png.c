@@ -46,6 +46,11 @@ static enum status session_start(struct png_session *session, const char *path) 
   session->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, session, on_error, on_warning);
   if (session->png != NULL) session->info = png_create_info_struct(session->png);
   if (session->info == NULL) return FAIL(STATUS_RUN, "%s: out of memory", path);
+  /* Texts and profiles, for which libpng takes as much memory as the file claims, 2 GB, are
+   * skipped. */
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
+                              1);
   return STATUS_OK;
 }
 

@@ -1,11 +1,15 @@
 #include "ct2model/image_tiff.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <tiffio.h>
+#include <unistd.h>
 
 #include "common/memory.h"
 
@@ -21,11 +25,83 @@ static void on_error(const char *module, const char *format, va_list arguments) 
   if (at != NULL) memmove(at, at + sizeof NO_ROW - 1, strlen(at + sizeof NO_ROW - 1) + 1);
 }
 
-static TIFF *tiff_start(const char *path) {
+/* A file whose header may name another first directory than is written there. */
+struct source {
+  int file;
+  uint64_t at;
+  unsigned char head[16];
+  size_t head_size;
+};
+
+static tmsize_t source_read(thandle_t handle, void *to, tmsize_t size) {
+  struct source *source = handle;
+  ssize_t got;
+  do got = pread(source->file, to, (size_t)size, (off_t)source->at);
+  while (got < 0 && errno == EINTR);
+  if (got > 0 && source->at < source->head_size) {
+    const size_t n = source->head_size - source->at;
+    memcpy(to, source->head + source->at, n < (size_t)got ? n : (size_t)got);
+  }
+  if (got > 0) source->at += (uint64_t)got;
+  return got;
+}
+
+static tmsize_t source_write(thandle_t handle, void *from, tmsize_t size) {
+  (void)handle, (void)from, (void)size;
+  return -1;
+}
+
+static toff_t source_size(thandle_t handle) {
+  struct stat info;
+  return fstat(((struct source *)handle)->file, &info) == 0 ? (toff_t)info.st_size : 0;
+}
+
+static toff_t source_seek(thandle_t handle, toff_t offset, int whence) {
+  struct source *source = handle;
+  const uint64_t from = whence == SEEK_CUR   ? source->at
+                        : whence == SEEK_END ? source_size(handle)
+                                             : 0;
+  return source->at = from + offset;
+}
+
+static int source_close(thandle_t handle) {
+  struct source *source = handle;
+  const int failed = close(source->file);
+  free(source);
+  return failed;
+}
+
+/* With its first directory at `directory`, 0: where the header says. libtiff finds the number of a
+ * directory by going through all before it, and a stack of n pages would be gone through n times;
+ * the first it takes as it is. Plain reads: a mapped file that shrinks would end us. */
+static TIFF *tiff_start(const char *path, uint64_t directory) {
+  struct source *source =
+      calloc(1, sizeof *source); /* libtiff's own, like the rest of its memory */
   tiff_message[0] = '\0';
   TIFFSetErrorHandler(on_error);
   TIFFSetWarningHandler(NULL);
-  return TIFFOpen(path, "rm"); /* m: plain reads; a mapped file that shrinks would end us */
+  if (source == NULL) return NULL;
+  source->file = open(path, O_RDONLY | O_CLOEXEC);
+  if (source->file < 0) {
+    snprintf(tiff_message, sizeof tiff_message, "%s", strerror(errno));
+    free(source);
+    return NULL;
+  }
+  unsigned char *head = source->head;
+  const size_t got = directory == 0 ? 0 : (size_t)fmax(0, (double)pread(source->file, head, 16, 0));
+  if (got >= 8) {
+    const bool big = head[2] == 43 || head[3] == 43;
+    source->head_size = big ? 16 : 8;
+    for (int i = 0; i < (big ? 8 : 4); i++) {
+      const int place = head[0] == 'I' ? i : (big ? 7 : 3) - i;
+      head[(big ? 8 : 4) + place] = (unsigned char)(directory >> (8 * i));
+    }
+  }
+  TIFF *tiff = TIFFClientOpen(path, "rm", source, source_read, source_write, source_seek,
+                              source_close, source_size, NULL, NULL);
+  if (tiff == NULL) source_close(source);
+  if (tiff != NULL) source->head_size = 0; /* what else lies there is as written */
+  return tiff;
 }
 
 static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
@@ -195,7 +271,8 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
     return false;
   unsigned long long images = strtoull(text, NULL, 10);
   uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);
-  if (images < 2 || image_file_size(image->path, &bytes) != STATUS_OK) return false;
+  if (text[0] == '-' || images < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
+    return false;
   if (offsets[0] == 0 || offsets[0] > bytes) return false;
   image->pages = (size_t)images;
   image->data_offset = offsets[0];
@@ -236,6 +313,8 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
     image->plain &= palette_is_whole(tiff, &layout);
     image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
   } while (TIFFReadDirectory(tiff));
+  if (tiff_message[0] == '\0' && !TIFFLastDirectory(tiff))
+    snprintf(tiff_message, sizeof tiff_message, "its directories lead in a circle");
   /* A clean end leaves no message; a broken chain of directories does. */
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
@@ -248,7 +327,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   struct tiff_layout layout;
   char *description = NULL;
-  TIFF *tiff = tiff_start(path);
+  TIFF *tiff = tiff_start(path, 0);
   if (tiff == NULL)
     TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s" EXPORT_AGAIN, path,
              tiff_message[0] != '\0' ? tiff_message : "its first directory is damaged");
@@ -424,8 +503,8 @@ static enum status page_open(const struct image *image, size_t page, struct row_
   enum status status = STATUS_OK;
   struct tiff_layout *layout = &decoder->layout;
   decoder->image = image;
-  TIFF *tiff = *handle = tiff_start(image->path);
-  if (tiff == NULL || !TIFFSetSubDirectory(tiff, image->page_offsets[page]))
+  TIFF *tiff = *handle = tiff_start(image->path, image->page_offsets[page]);
+  if (tiff == NULL)
     TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s" EXPORT_AGAIN, image->path, page,
              tiff_message);
   layout_read(tiff, layout);

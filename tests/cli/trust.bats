@@ -186,6 +186,42 @@ END
     printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: %s\n\n' "$name" > inner/out.nrrd
     refused 3 "lie outside the header's folder" ct2model info inner/out.nrrd
   done
+  ln -s ../beside.raw inner/link.raw
+  printf 'NDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = link.raw\n' > inner/out.mhd
+  refused 3 "lie outside the header's folder" ct2model info inner/out.mhd
+}
+
+@test "pipes, chains in a circle, and texts and settings without end are refused" {
+  mkfifo pipe.tif
+  refused 3 "a pipe or device, not an image file" ct2model info pipe.tif
+  refused 3 "is no file" analyze darcy pipe.tif
+  python - << 'END'
+import struct, zlib
+tags = [(256, 4, 16), (257, 4, 16), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, 512), (277, 3, 1), (278, 4, 16), (279, 4, 256)]
+page = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", t, k, 1, v) for t, k, v in tags)
+def tiff(name, follows): open(name, "wb").write(b"II*\0" + struct.pack("<I", 8) + page + struct.pack("<I", follows) + bytes(range(256)) * 4)
+tiff("circle.tif", 8)
+# Many pages, each found at once: the chain leads from one to the next; each has its own grey.
+n, size = 300, len(page) + 4
+with open("pages.tif", "wb") as file:
+    file.write(b"II*\0" + struct.pack("<I", 8))
+    for i in range(n):
+        own = [(t, k, 4 if t in (256, 257, 278) else 16 if t == 279 else 8 + n * size + 16 * i if t == 273 else v) for t, k, v in tags]
+        file.write(struct.pack("<H", len(own)) + b"".join(struct.pack("<HHII", t, k, 1, v) for t, k, v in own))
+        file.write(struct.pack("<I", 8 + (i + 1) * size if i < n - 1 else 0))
+    file.write(bytes(200 if (i + x) % 3 else 10 + i % 7 for i in range(n) for x in range(16)))
+open("pages.raw", "wb").write(bytes(200 if (i + x) % 3 else 10 + i % 7 for i in range(n) for x in range(16)))
+def chunk(kind, data): return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+head = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 0, 0, 0, 0))
+open("text.png", "wb").write(head + struct.pack(">I", 2**31 - 1) + b"tEXtlong")
+open("many.cfg", "w").write("".join(f"k{i} = 1;\n" for i in range(20001)))
+END
+  refused 3 "its directories lead in a circle" ct2model info circle.tif
+  (ulimit -v 1000000 && refused 3 "not a readable PNG: Read Error" ct2model info text.png)
+  refused 3 "20001 settings: no scene file" sphsolve explain many.cfg
+  ct2model sweep pages.tif --void-ratio 0.5 --voxel-size 1um --quiet -o pages.csv > /dev/null
+  ct2model sweep pages.raw --raw 4x4x300:u8 --void-ratio 0.5 --voxel-size 1um --quiet -o raw.csv > /dev/null
+  cmp pages.csv raw.csv
 }
 
 @test "NaN and infinities in float stacks are named with their slice" {
@@ -229,6 +265,14 @@ with h5py.File("self.hdf", "w") as f:
 with h5py.File("vast.hdf", "w") as f:
     f.create_dataset("/model/solid", shape=(1 << 20, 1 << 20, 1 << 20), dtype="u1", chunks=(64, 64, 64), compression="gzip")
     f["model"].attrs["spacing"] = [1e-5] * 3
+with h5py.File("bomb.hdf", "w") as f:
+    f.create_dataset("/model/solid", shape=(500, 500, 500), dtype="u1", chunks=(64, 64, 64), compression="gzip")
+    f["model"].attrs["spacing"] = [1e-5] * 3
+make("round.hdf")
+with h5py.File("round.hdf", "r+") as f: f["model"].attrs["periodic"] = np.array([7, -3, 1], "i4")
+make("depth.hdf")
+with h5py.File("depth.hdf", "r+") as f:
+    for i in range(300): f = f.create_group("g")
 make("walls.hdf")
 with h5py.File("walls.hdf", "a") as f:
     f["/model/wall_distance"] = np.full((4, 4, 4), np.nan, "f4")
@@ -238,7 +282,8 @@ force = { body_acceleration = ["0", "0", "-9.8 m/s^2"]; };\n' > s.cfg
   for case in "float:holds floats" "text:holds no numbers" "flat:has 2 dimensions" "deep:has 4 dimensions" "seven:only 0 (pore)" \
     "none:has no /model/solid" "nospace:no attribute 'spacing'" "two:3 are wanted" "nan:greater than 0" "minus:greater than 0" "words:wrong type" \
     "empty:impossible" "lzf:filter or storage" "other:filter or storage" "link:has no /model/solid" "loop:has no /model/solid" \
-    "chase:has no /model/solid" "self:has no dataset" "walls:holds nan"; do
+    "chase:has no /model/solid" "self:has no dataset" "walls:holds nan" \
+    "bomb:claims 125000000 bytes, but the 0 stored" "round:periodic holds 7; 0 and 1" "depth:lie too deep"; do
     sed "s/model-file/${case%%:*}.hdf/" s.cfg > case.cfg
     refused 3 "${case#*:}" sphsolve explain case.cfg
   done
