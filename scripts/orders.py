@@ -40,7 +40,7 @@ def add(results):
 def plot(series, folder, name):
     """folder/name.svg, by gnuplot where it is: a line from coarse to fine for each case, a colour for each family."""
     families = sorted({stem.split(":")[1].strip() for stem in series})
-    body = "set terminal svg size 1000,700\nset logscale xy\nset xlabel 'processor time, s'\nset ylabel 'error (relative, where the reference is not 0)'\n"
+    body = "set terminal svg size 1000,700\nset logscale xy\nset xlabel 'time, s'\nset ylabel 'error (relative, where the reference is not 0)'\n"
     body += f"set output '{os.path.join(folder, name)}.svg'\nset key outside\n"
     lines = []
     for k, family in enumerate(families):

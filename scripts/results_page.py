@@ -34,8 +34,8 @@ def write(folder, title, results, columns, note=""):
     plots = "".join(f"<p><img src='{name}'></p>" for name in sorted(os.listdir(folder)) if name.endswith(".svg"))
     with open(os.path.join(folder, "index.html"), "w") as file:
         file.write(f"<!doctype html><meta charset=utf-8><title>Tosui: {title}</title><style>{STYLE}</style><h1>{title}</h1>{note}"
-                   f"<p>{n['pass']} pass, {n['fail']} fail, {n['skip']} skip.</p><table><tr>"
-                   + "".join(f"<th>{heading}" for _, heading in columns) + f"</tr>\n{rows}</table>{plots}")
+                   f"<p>{n['pass']} pass, {n['fail']} fail, {n['skip']} skip.</p>{plots}<table><tr>"
+                   + "".join(f"<th>{heading}" for _, heading in columns) + f"</tr>\n{rows}</table>")
     for r in results:
         if r["status"] != "pass":
             print(f"{r['status']}: {r['case']}: reference {show(r['reference'])}, measured {show(r['measured'])}, bound {show(r['bound'])}")
