@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
@@ -368,12 +367,8 @@ static void write_head(struct page *page) {
 }
 
 static void write_foot(struct page *page) {
-  char when[40] = "";
-  time_t now = time(NULL);
-  struct tm utc;
-  if (gmtime_r(&now, &utc) != NULL) strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &utc);
-  fprintf(page->out, "</main>\n<footer><p>Made by analyze of Tosui %s on %s with <code>",
-          TOSUI_VERSION, when);
+  /* Without the time: the same runs give the same page. */
+  fprintf(page->out, "</main>\n<footer><p>Made by analyze of Tosui %s with <code>", TOSUI_VERSION);
   html_text(page->out, page->command_line);
   fputs("</code>. Curves: dygraphs, three dimensions: three.js (both MIT licence).</p></footer>\n",
         page->out);

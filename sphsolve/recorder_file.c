@@ -31,8 +31,8 @@ cleanup:
   return status;
 }
 
-/* The effects, and in /run/timing all that a clock measured: nothing else differs between two runs
- * of the same inputs but the time in /provenance. */
+/* The effects, and in /run/timing all that a clock measured, and what threads decide: nothing else
+ * differs between two runs of the same inputs but the time in /provenance. */
 static enum status write_effects(struct recorder *recorder, const struct run_result *result,
                                  struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -73,6 +73,13 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
   TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,
                          &result->pair_interactions_per_second));
+  int threads = 1;
+#ifdef _OPENMP
+  threads = omp_get_max_threads();
+#endif
+  TRY(h5_write_attribute(file, "/run/timing", "threads", H5_I32, 1, &threads));
+  TRY(h5_write_attribute(file, "/run/timing", "predicted_seconds", H5_F64, 1,
+                         &recorder->plan->seconds));
   /* Which lists grow side by side is the threads' luck. */
   const double peak = (double)memory_peak();
   TRY(h5_write_attribute(file, "/run/timing", "memory_peak_bytes", H5_F64, 1, &peak));
@@ -105,10 +112,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
                                                         : "no-slip";
   char hash[17];
   snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
-  int threads = 1, dimensions = lattice->dimensions;
-#ifdef _OPENMP
-  threads = omp_get_max_threads();
-#endif
+  int dimensions = lattice->dimensions;
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
   TRY(h5_make_group(file, "/run"));
   TRY(h5_write_attribute_text(file, "/run", "method", methods[context->method]));
@@ -128,7 +132,6 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "support", context->support));
   TRY(write_number(file, "smoothing_length", context->smoothing_length));
   TRY(write_number(file, "predicted_error", recorder->plan->expected.error));
-  TRY(write_number(file, "predicted_seconds", recorder->plan->seconds));
   TRY(write_number(file, "pair_interactions", result->pair_interactions));
   TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));
   TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, scene->driving));
@@ -136,7 +139,6 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute(file, "/run", "origin", H5_F64, 3, lattice->origin));
   TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));
   TRY(h5_write_attribute(file, "/run", "dimensions", H5_I32, 1, &dimensions));
-  TRY(h5_write_attribute(file, "/run", "threads", H5_I32, 1, &threads));
   TRY(write_count(file, "steps", (uint64_t)result->steps));
   TRY(write_count(file, "bulk_count", lattice->bulk_count));
   TRY(write_count(file, "fluid_count", lattice->fluid_count));

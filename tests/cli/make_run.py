@@ -59,7 +59,7 @@ with h5py.File(out, "w") as f:
     a["spacing"], a["origin"] = [dx] * 3, [dx / 2] * 3
     a["size"], a["dimensions"] = np.array([n] * 3, np.uint64), 3
     a["bulk_count"], a["fluid_count"], a["wall_count"] = n**3, x.size, n**3 - x.size
-    a["steps"], a["threads"] = 1000, 2
+    a["steps"] = 1000
     text = h5py.string_dtype()
     if o["solid"]:
         r["solid"] = solid

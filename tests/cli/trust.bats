@@ -121,6 +121,8 @@ END
     cp "$ROOT/data-samples/scenes/s06.cfg" $d
     (
       cd $d
+      # Neither threads nor where and how one works are in what comes out.
+      [ $d = one ] || { umask 077 && export OMP_NUM_THREADS=2 TZ=Asia/Tokyo LC_ALL=C.UTF-8; }
       ct2model sweep slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o sweep.csv --json --quiet > sweep.json
       ct2model build slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o dense.hdf --quiet > build.txt
       cp ../one/dense.hdf model.hdf # a model's time is part of its hash
