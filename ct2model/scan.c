@@ -8,7 +8,7 @@
 #include "common/memory.h"
 #include "ct2model/reduce.h"
 
-enum { BATCH_LEAST = 4, BATCH_MOST = 64 };
+enum { BATCH_LEAST = 4, BATCH_MOST = 128 };
 static const double BATCH_BYTES = 16e6; /* of reduced slices */
 
 /* What a thread keeps for itself. */

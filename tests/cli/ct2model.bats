@@ -319,8 +319,10 @@ END
 @test "equal bytes on one thread and on many" {
   cd "$WORK"
   for threads in 1 3; do
-    run_ct build spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --threads $threads -o t$threads.hdf
-    [ "$status" -eq 0 ]
+    for side in 16 6; do
+      run_ct build spheres.raw $RAW --void-ratio 3.959 --size ${side}x${side}x$side --threads $threads -o t$threads-$side.hdf
+      [ "$status" -eq 0 ]
+    done
     run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --threads $threads -o t$threads.csv
     [ "$status" -eq 0 ]
   done
@@ -328,9 +330,10 @@ END
   if /usr/bin/python3 -c 'import h5py' 2> /dev/null; then
     /usr/bin/python3 - <<'P'
 import h5py
-a, b = h5py.File("t1.hdf"), h5py.File("t3.hdf")
-for k in ("solid", "wall_distance", "grain_fraction"):
-    assert (a["model"][k][()] == b["model"][k][()]).all(), k
+for side in (16, 6):
+    a, b = h5py.File("t1-%d.hdf" % side), h5py.File("t3-%d.hdf" % side)
+    for k in ("solid", "wall_distance", "grain_fraction"):
+        assert (a["model"][k][()] == b["model"][k][()]).all(), k
 P
   fi
 }
