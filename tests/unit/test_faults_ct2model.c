@@ -38,6 +38,12 @@ static void test_build(void **state) {
   snprintf(command, sizeof command, "ct2model build %s --size 12x12x4 -o out.hdf", slices);
   faults_both(ct2model_main, NULL, command);
 }
+static void test_build_of_large_voxels(void **state) {
+  (void)state;
+  char command[600];
+  snprintf(command, sizeof command, "ct2model build %s --size 3x3x1 -o out.hdf", slices);
+  faults_both(ct2model_main, NULL, command);
+}
 static void test_sweep(void **state) {
   (void)state;
   char command[600];
@@ -75,8 +81,9 @@ static void test_info_model(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_build),     cmocka_unit_test(test_sweep),  cmocka_unit_test(test_info),
-      cmocka_unit_test(test_levels),    cmocka_unit_test(test_export), cmocka_unit_test(test_tiff),
-      cmocka_unit_test(test_info_model)};
+      cmocka_unit_test(test_build),  cmocka_unit_test(test_build_of_large_voxels),
+      cmocka_unit_test(test_sweep),  cmocka_unit_test(test_info),
+      cmocka_unit_test(test_levels), cmocka_unit_test(test_export),
+      cmocka_unit_test(test_tiff),   cmocka_unit_test(test_info_model)};
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }
