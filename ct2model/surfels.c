@@ -99,10 +99,9 @@ static void row_crossings(const uint64_t *bits, const size_t size[3], size_t y, 
   for (size_t w = 0; w < words; w++) crossed[w] &= ~(scratch->all[w] & scratch->next[w]);
 }
 
-/* Bit BLOCK * r + x of blocks[b]: bit BLOCK * b + x of rows[r][word]. */
+/* Bit BLOCK * r + x of blocks[b], 0 before: bit BLOCK * b + x of rows[r][word]. */
 TARGETS static void gather_blocks(const uint64_t *rows, size_t words, size_t word,
                                   uint64_t blocks[PHASE_WORD / BLOCK]) {
-  for (unsigned b = 0; b < PHASE_WORD / BLOCK; b++) blocks[b] = 0;
   for (unsigned r = 0; r < BLOCK * BLOCK; r++) {
     const uint64_t row = rows[r * words + word];
     for (unsigned b = 0; b < PHASE_WORD / BLOCK; b++)
@@ -122,7 +121,7 @@ static void find_row(const uint64_t *bits, struct surfels *surfels, size_t row,
       row_crossings(bits, size, y, z, scratch, scratch->crossed + r * words);
   }
   for (size_t w = 0; w < words; w++) {
-    uint64_t some[PHASE_WORD / BLOCK];
+    uint64_t some[PHASE_WORD / BLOCK] = {0};
     gather_blocks(scratch->crossed, words, w, some);
     for (size_t b = 0; b < each && w * each + b < blocks[0]; b++) {
       const size_t at = w * each + b, block = row * blocks[0] + at;

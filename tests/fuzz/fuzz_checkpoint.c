@@ -20,6 +20,8 @@ static const char text[] =
 static struct scene scene;
 static struct lattice lattice;
 static struct plan plan;
+static struct engine_settings settings;
+static double region_velocity[2][3];
 static size_t held;
 
 static void start(void) {
@@ -31,6 +33,7 @@ static void start(void) {
     abort();
   }
   unlink(path);
+  wcsph_settings(&scene, &plan, region_velocity, &settings);
   held = memory_in_use();
 }
 
@@ -38,9 +41,6 @@ static void resume(const char *prefix) {
   struct recorder *recorder = NULL;
   struct h5_file *file = NULL;
   struct wcsph_state state = {0};
-  struct engine_settings settings;
-  double region_velocity[2][3] = {{0}};
-  wcsph_settings(&scene, &plan, region_velocity, &settings);
   if (engine_make(&lattice, &settings, &state.engine) != STATUS_OK) abort();
   if (recorder_open(prefix, &scene, &plan, &lattice, "fuzz", true, &recorder) == STATUS_OK &&
       recorder_resume(recorder, &file) == STATUS_OK && file != NULL)
@@ -56,13 +56,11 @@ static void make_base(struct edit_base *base) {
   struct recorder *recorder = NULL;
   struct h5_file *file = NULL;
   struct wcsph_state state = {0};
-  struct engine_settings settings;
-  double region_velocity[2][3] = {{0}}, row[MONITOR_COMPONENTS] = {1};
+  double row[MONITOR_COMPONENTS] = {1};
   const struct history_row history = {.time = 1, .step = 1};
   char prefix[96], path[128];
   snprintf(prefix, sizeof prefix, "%.*s", 80, fuzz_file("-base", (const uint8_t *)"", 0));
   unlink(prefix);
-  wcsph_settings(&scene, &plan, region_velocity, &settings);
   if (engine_make(&lattice, &settings, &state.engine) != STATUS_OK ||
       monitor_add(&state.monitor, row) != STATUS_OK ||
       recorder_open(prefix, &scene, &plan, &lattice, "fuzz", false, &recorder) != STATUS_OK ||
