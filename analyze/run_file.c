@@ -226,6 +226,7 @@ enum status run_read(const char *path, struct run *run) {
   memset(run, 0, sizeof *run);
   TRY(text_copy(path, strlen(path), &run->path));
   TRY(h5_open(path, &file));
+  TRY(provenance_check(file));
   if (!h5_exists(file, "/run")) {
     const char *what = h5_exists(file, "/model")    ? "a model of ct2model"
                        : h5_exists(file, "/VTKHDF") ? "a snapshot"

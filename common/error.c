@@ -15,6 +15,12 @@ static void trail_append(const char *file, int line) {
   snprintf(trail + used, sizeof trail - used, "%s%s:%d", used ? " < " : "", file, line);
 }
 
+/* A message is one line whatever names and texts it quotes. */
+static void text_one_line(char *text) {
+  for (unsigned char *c = (unsigned char *)text; *c; c++)
+    if (*c < ' ' || *c == 0x7f) *c = '?';
+}
+
 enum status error_set(enum status status, const char *file, int line, const char *format, ...) {
   pthread_mutex_lock(&lock);
   if (!pending) {
@@ -22,6 +28,7 @@ enum status error_set(enum status status, const char *file, int line, const char
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
+    text_one_line(message);
     trail[0] = '\0';
     trail_append(file, line);
     pending = 1;
@@ -37,6 +44,7 @@ enum status error_context(enum status status, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(context, sizeof context, format, arguments);
   va_end(arguments);
+  text_one_line(context);
   snprintf(joined, sizeof joined, "%s: %s", context, message);
   memcpy(message, joined, sizeof message - 1);
   message[sizeof message - 1] = '\0';

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/provenance.h"
 
 size_t model_site_count(const struct voxel_model *model) {
   return model->size[0] * model->size[1] * model->size[2];
@@ -53,6 +54,7 @@ enum status model_read(const char *path, struct voxel_model *model) {
   int periodic[3] = {1, 1, 1};
   *model = (struct voxel_model){.mirror_plane = -1};
   TRY(h5_open(path, &file));
+  TRY(provenance_check(file));
   if (!h5_exists(file, "/model/solid"))
     TRY_FAIL(STATUS_INPUT, "%s: has no /model/solid; is it a model (ct2model build)?", path);
   TRY(h5_read_together(file, "/model/solid", H5_U8, 3, dims, &model->solid));

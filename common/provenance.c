@@ -65,3 +65,11 @@ cleanup:
   memory_free(&hashes);
   return status;
 }
+
+enum status provenance_check(struct h5_file *file) {
+  const double schema = h5_attribute_or_nan(file, "/provenance", "schema_version");
+  if (!(schema > TOSUI_SCHEMA_VERSION)) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s: is of schema version %.0f, this program reads up to %d; use a newer Tosui",
+              h5_path(file), schema, TOSUI_SCHEMA_VERSION);
+}

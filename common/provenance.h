@@ -21,4 +21,7 @@ enum status provenance_write(struct h5_file *file, const char *program, const ch
                              size_t input_count, const char *const *input_paths,
                              const uint64_t *input_hashes);
 
+/* Refuses a file that a newer version wrote; one that names no version passes. */
+enum status provenance_check(struct h5_file *file);
+
 #endif

@@ -193,6 +193,16 @@ END
   refused 3 "lie outside the header's folder" ct2model info inner/out.mhd
 }
 
+@test "a message is one line whatever it quotes; files of a newer version are refused" {
+  refused 3 "no?such?[31m.cfg" sphsolve explain $'no\nsuch\e[31m.cfg'
+  refused 2 "--size 1x?1" ct2model build m.hdf --void-ratio 0.7 --size $'1x\n1'
+  refused 3 "unknown unit '2'" sphsolve explain flow.cfg --set $'scene.end_time=1\n2'
+  cp m.hdf newer.hdf
+  python -c "import h5py; h5py.File('newer.hdf', 'r+')['provenance'].attrs['schema_version'] = 99"
+  refused 3 "is of schema version 99" sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=newer.hdf
+  refused 3 "is of schema version 99" analyze darcy newer.hdf
+}
+
 @test "pipes, chains in a circle, and texts and settings without end are refused" {
   mkfifo pipe.tif
   refused 3 "a pipe or device, not an image file" ct2model info pipe.tif
