@@ -200,7 +200,7 @@ tsan:
 	OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS=ignore_noninstrumented_modules=1 $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
 # Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
 valgrind: $(UNIT_TESTS)
-	$(Q)BUILD=$(BUILD) OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
+	$(Q)BUILD=$(BUILD) TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
 	  scripts/run-tests $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t)))
 # With the ranks, whose code is there to be covered too; the parts add up on one build.
 coverage:
