@@ -38,7 +38,8 @@ struct run {
   double k, k_error;                /* m/s, relative; NAN if not stored */
   double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
   double wall_time, steps;          /* s; NAN if not stored */
-  /* Relative parts of the error of k as sphsolve found them, and d ln k / d e; NAN if not stored. */
+  /* Relative parts of the error of k as sphsolve found them, and d ln k / d e; NAN if not stored.
+   */
   struct {
     double resolution, averaging, steadiness, void_ratio, threshold;
     double slope_void_ratio, slope_threshold;

@@ -9,7 +9,7 @@
 #include "common/error.h"
 #include "common/units.h"
 
-struct config;                             /* an open file */
+struct config;                               /* an open file */
 typedef struct config_setting_t config_node; /* a group, list or value in it; owned by the file */
 
 /* Reads `path`, then applies `overrides` ("isph.tau=0.05 s", "regions.[1].porosity=0.4"; created
@@ -27,7 +27,7 @@ const char *config_folder(const struct config *config);
 config_node *config_child(struct config *config, config_node *parent, const char *name);
 config_node *config_item(config_node *list, size_t i);
 size_t config_count(const config_node *node);
-bool config_is_list(const config_node *node);  /* list or array */
+bool config_is_list(const config_node *node); /* list or array */
 bool config_is_group(const config_node *node);
 bool config_is_text(const config_node *node);
 bool config_is_number(const config_node *node);

@@ -6,10 +6,10 @@
 #include <stddef.h>
 
 struct convergence {
-  double order;        /* observed; NAN with two spacings or without monotone convergence */
-  double order_used;   /* of the extrapolation */
-  bool monotone;       /* differences keep their sign from the coarsest to the finest */
-  bool credible;       /* monotone, and the observed order within half the formal one of it */
+  double order;      /* observed; NAN with two spacings or without monotone convergence */
+  double order_used; /* of the extrapolation */
+  bool monotone;     /* differences keep their sign from the coarsest to the finest */
+  bool credible;     /* monotone, and the observed order within half the formal one of it */
   bool far; /* extrapolation would move k by more than half, or the order is under .5: not done */
   double value, slope; /* f = value + slope h^order_used through the data */
   double safety;       /* 1.25, or 3 where the order was not observed close to the formal one */

@@ -1,5 +1,5 @@
-/* One dataset written, or read, by all ranks. For writing the first rank has the file to itself but here, where all open
- * it together: so every file is laid out the same by any number of ranks. */
+/* One dataset written, or read, by all ranks. For writing the first rank has the file to itself but
+ * here, where all open it together: so every file is laid out the same by any number of ranks. */
 #include <stdint.h>
 #include <string.h>
 #include <unistd.h>

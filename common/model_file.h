@@ -13,14 +13,14 @@
  * stores attribute vectors as z, y, x. */
 struct voxel_model {
   size_t size[3];
-  double spacing[3];  /* m */
+  double spacing[3]; /* m */
   bool periodic[3];
-  int mirror_plane;   /* layer index along the mirror axis, -1: none */
-  double void_ratio;  /* of the model, counted */
+  int mirror_plane;                      /* layer index along the mirror axis, -1: none */
+  double void_ratio;                     /* of the model, counted */
   double void_ratio_measured, threshold; /* NAN where unknown */
-  uint8_t *solid;        /* 1 grain, 0 pore */
-  float *wall_distance;  /* m, positive in the pore; NULL if absent */
-  float *grain_fraction; /* 0..1; NULL if absent */
+  uint8_t *solid;                        /* 1 grain, 0 pore */
+  float *wall_distance;                  /* m, positive in the pore; NULL if absent */
+  float *grain_fraction;                 /* 0..1; NULL if absent */
 };
 
 size_t model_site_count(const struct voxel_model *model);

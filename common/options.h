@@ -19,10 +19,10 @@ struct option_entry {
 #define OPTION_ALL 0xffffffffu
 
 struct option_command {
-  const char *name;     /* "build" */
-  const char *synopsis; /* "SLICES... --void-ratio E [options] -o model.hdf" */
-  const char *summary;  /* one line */
-  const char *example;  /* works when pasted; may hold several lines */
+  const char *name;               /* "build" */
+  const char *synopsis;           /* "SLICES... --void-ratio E [options] -o model.hdf" */
+  const char *summary;            /* one line */
+  const char *example;            /* works when pasted; may hold several lines */
   int operands_min, operands_max; /* of free arguments; max -1: any */
 };
 
@@ -31,7 +31,8 @@ struct option_table {
   const struct option_command *commands; /* ends with name == NULL */
   const struct option_entry *entries;    /* ends with name == NULL; the common ones are added */
 };
-/* Common to all programs: --help --version --quiet --verbose --threads N --json --max-memory SIZE */
+/* Common to all programs: --help --version --quiet --verbose --threads N --json --max-memory SIZE
+ */
 
 struct options; /* the parsed command line */
 
@@ -63,7 +64,8 @@ bool options_json(const struct options *options);
 /* The command line as one string, for provenance. Owned by `options`. */
 const char *options_command_line(const struct options *options);
 
-/* The name in `names` (NULL-terminated) nearest to `word` by edit distance, NULL if none is near. */
+/* The name in `names` (NULL-terminated) nearest to `word` by edit distance, NULL if none is near.
+ */
 const char *nearest_name(const char *word, const char *const *names);
 
 #endif

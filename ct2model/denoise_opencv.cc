@@ -6,11 +6,11 @@
 
 namespace {
 
-/* Non-local means (Buades, Coll, Morel 2005) over patches of 5x5 pixels: a patch at distance d, the mean
- * of |a - b|, counts exp(-d^2 / h^2). Two patches that differ by noise of deviation s alone have d of
- * mean 2 s / sqrt(pi) and, over 25 pixels, deviation s sqrt(2 - 4 / pi) / 5. h is chosen so that a
- * patch as far away as one in twenty of those weighs 1/e of the mean one: what is farther is
- * another thing. */
+/* Non-local means (Buades, Coll, Morel 2005) over patches of 5x5 pixels: a patch at distance d, the
+ * mean of |a - b|, counts exp(-d^2 / h^2). Two patches that differ by noise of deviation s alone
+ * have d of mean 2 s / sqrt(pi) and, over 25 pixels, deviation s sqrt(2 - 4 / pi) / 5. h is chosen
+ * so that a patch as far away as one in twenty of those weighs 1/e of the mean one: what is farther
+ * is another thing. */
 double strength_in_noise() {
   const double patch = 5.0, one_in_twenty = 1.645;
   const double mean = 2.0 / std::sqrt(M_PI), deviation = std::sqrt(2.0 - mean * mean) / patch;

@@ -25,8 +25,8 @@ struct cheapest {
   struct candidate candidates[6];
 };
 
-/* `wanted` is set by the caller; `plan` is that of the scene as it is. An input error where no error
- * can be predicted (isph, no walls). */
+/* `wanted` is set by the caller; `plan` is that of the scene as it is. An input error where no
+ * error can be predicted (isph, no walls). */
 enum status cheapest_find(const struct scene *scene, const struct lattice *lattice,
                           const struct plan *plan, int threads, struct cheapest *cheapest);
 void cheapest_print(const struct plan *plan, const struct cheapest *cheapest);

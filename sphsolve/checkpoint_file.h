@@ -1,5 +1,6 @@
-/* Checkpoint files: PREFIX.ckpt.hdf and the one before it, PREFIX.ckpt.1.hdf, each an HDF5 file with
- * a trailer that holds the XXH3 of all bytes before it, so that a torn or flipped file is known. */
+/* Checkpoint files: PREFIX.ckpt.hdf and the one before it, PREFIX.ckpt.1.hdf, each an HDF5 file
+ * with a trailer that holds the XXH3 of all bytes before it, so that a torn or flipped file is
+ * known. */
 #ifndef TOSUI_SPHSOLVE_CHECKPOINT_FILE_H
 #define TOSUI_SPHSOLVE_CHECKPOINT_FILE_H
 

@@ -33,8 +33,8 @@ static enum foreseen_term worst_of(const struct foreseen *f) {
 static void print_foreseen(const struct foreseen *f) {
   char text[64];
   duration_format(f->total, text, sizeof text);
-  printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%", f->ranks,
-         f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
+  printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%",
+         f->ranks, f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
          100 * f->efficiency);
   if (f->used > 1)
     printf("; beside compute most is %s, %.0f %% of the time", foreseen_name(worst_of(f)),

@@ -23,8 +23,8 @@
 #define WCSPH_CUT 2048.0 /* slots: cuts lie at multiples */
 /* isph: share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
  * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
- * grid for a particle, of lattice and cells for a site, and of a wall particle; bytes of a ghost; how
- * thick its layers are, in supports; and bytes of a ghost that travel, a step. */
+ * grid for a particle, of lattice and cells for a site, and of a wall particle; bytes of a ghost;
+ * how thick its layers are, in supports; and bytes of a ghost that travel, a step. */
 #define ISPH_IN_FULL 0.07
 #define ISPH_TOLD 1.6
 #define ISPH_ITERATIONS 10.0
@@ -64,7 +64,8 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, steps = plan->steps;
   const double share = fluid / fmax(sites, 1);
-  double r = ranks, uneven = 1, whole = 0, held = 0, told = 0, ghosts = 0, messages = 0, sums = 0, in_full = 0;
+  double r = ranks, uneven = 1, whole = 0, held = 0, told = 0, ghosts = 0, messages = 0, sums = 0,
+         in_full = 0;
   if (plan->context.method == METHOD_STOKES) {
     const double nx = (double)l->size[0], ny = (double)l->size[1], planes = (double)l->size[2];
     r = fmin(r, fmax(1, floor(planes / SLAB_LEAST)));

@@ -14,7 +14,7 @@ enum foreseen_term {
 };
 
 struct foreseen {
-  int ranks, used;     /* used: that get work */
+  int ranks, used; /* used: that get work */
   double seconds[FORESEEN_TERMS];
   double total;        /* s */
   double efficiency;   /* against one rank */

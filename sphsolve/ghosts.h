@@ -18,10 +18,10 @@ struct ghost_field {
 
 struct ghosts {
   int tag;
-  size_t bytes_most;        /* of an item in one message */
-  size_t *cut;              /* [ranks + 1]: first item of each rank; NULL: there is one rank */
-  size_t begin, end;        /* of this rank, in its arrays */
-  int runs;                 /* held; 0: all items are */
+  size_t bytes_most; /* of an item in one message */
+  size_t *cut;       /* [ranks + 1]: first item of each rank; NULL: there is one rank */
+  size_t begin, end; /* of this rank, in its arrays */
+  int runs;          /* held; 0: all items are */
   struct {
     size_t here, number; /* of the first: in the arrays, and in the order of all */
   } run[3];

@@ -12,9 +12,10 @@
 #include "common/output_file.h"
 #include "common/provenance.h"
 
-#define VALUE_WIDTH 26    /* of a number in 17 digits and its comma */
-#define SYNC_INTERVAL 5.0 /* s; a crash of the program loses nothing, one of the machine so much   \
-                           */
+#define VALUE_WIDTH 26 /* of a number in 17 digits and its comma */
+#define SYNC_INTERVAL                                                                              \
+  5.0 /* s; a crash of the program loses nothing, one of the machine so much                       \
+       */
 
 /* Cuts the file after the header and at most `most` whole rows, and counts them; 0 bytes are left
  * where the header is not ours. */

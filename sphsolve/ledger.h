@@ -31,7 +31,7 @@
   X(VISCOSITY, "viscosity", "viscosity", 0)                                                        \
   X(TURBULENCE, "turbulence", "eddy viscosity", 0)                                                 \
   X(RELAXATION, "relaxation", "relaxation of density", 1)                                          \
-  X(PROJECTION, "projection", "pressure that nothing returns", 1)                            \
+  X(PROJECTION, "projection", "pressure that nothing returns", 1)                                  \
   X(CALMING, "calming", "calming", 1)                                                              \
   X(SHIFTING, "shifting", "shifting", 1)                                                           \
   X(WALL_GUARD, "wall_guard", "guard at walls", 1)                                                 \
@@ -101,8 +101,8 @@ const char *ledger_name(int term);
 double ledger_momentum_open(const struct ledger_account *account, double open[3]);
 double ledger_energy_open(const struct ledger_account *account, double *open);
 void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums);
-/* A running account in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that follow
- * it in the same struct. `on` is the scene's and stays. */
+/* A running account in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that
+ * follow it in the same struct. `on` is the scene's and stays. */
 enum status ledger_account_write(const struct ledger_account *account, size_t bytes,
                                  struct h5_file *file, const char *name);
 enum status ledger_account_read(struct ledger_account *account, size_t bytes, struct h5_file *file,

@@ -10,14 +10,11 @@
 
 /* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
  * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */
-enum status wcsph_run(const struct scene *scene, const struct plan *plan,
-                      struct lattice *lattice, struct recorder *recorder,
-                      struct run_result *result);
-enum status stokes_run(const struct scene *scene, const struct plan *plan,
-                       struct lattice *lattice, struct recorder *recorder,
-                       struct run_result *result);
-enum status isph_run(const struct scene *scene, const struct plan *plan,
-                     struct lattice *lattice, struct recorder *recorder,
-                     struct run_result *result);
+enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                      struct recorder *recorder, struct run_result *result);
+enum status stokes_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                       struct recorder *recorder, struct run_result *result);
+enum status isph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                     struct recorder *recorder, struct run_result *result);
 
 #endif

@@ -34,10 +34,10 @@ struct history_row {
 
 /* How a run ended; fills stdout's JSON and /run. */
 struct run_result {
-  const char *status; /* "steady", "end_time", "converged", "interrupted", "blocked" */
-  double k;           /* m/s, v/i along the force; NAN where there is none */
-  double k_error;     /* relative, of averaging, steadiness or residual; NAN unknown */
-  struct error_split error; /* what k_error and the rest is made of */
+  const char *status;            /* "steady", "end_time", "converged", "interrupted", "blocked" */
+  double k;                      /* m/s, v/i along the force; NAN where there is none */
+  double k_error;                /* relative, of averaging, steadiness or residual; NAN unknown */
+  struct error_split error;      /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double reynolds;
@@ -56,7 +56,8 @@ void recorder_close(struct recorder *recorder);
 /* Registers a further column of the history before the first row. */
 enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
                                 int components);
-/* Appends a row, in memory and in PREFIX.history.csv; `extra` holds the values of the added columns, in the order of registration. */
+/* Appends a row, in memory and in PREFIX.history.csv; `extra` holds the values of the added
+ * columns, in the order of registration. */
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra);
 /* Interval of history rows the scene asks for, s; NAN: the method chooses. */

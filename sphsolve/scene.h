@@ -125,8 +125,8 @@ struct scene {
     double tolerance;     /* of the pressure solve */
     bool slip;            /* outer and default walls */
     enum pressure_solver solver;
-    double smagorinsky;   /* C_s */
-    bool porosity_paper;  /* porosity = "m15": equation (32) instead of the clamp */
+    double smagorinsky;  /* C_s */
+    bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
   } isph;
 
   enum switch_state turbulence, shifting;

@@ -19,8 +19,8 @@
  * level surface's outermost layer; `trace` is the sum below. */
 static inline double surface_lopsided(const struct isph *s, double support,
                                       const double imbalance[3], double trace) {
-  double length = sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] +
-                       imbalance[2] * imbalance[2]);
+  double length =
+      sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] + imbalance[2] * imbalance[2]);
   return length * support / (trace * s->lopsided_top);
 }
 
@@ -38,17 +38,17 @@ static inline double surface_lopsided(const struct isph *s, double support,
 static inline double surface_weight(const struct isph *s, double support, double filling,
                                     double walls, const double imbalance[3], const double moment[6],
                                     const double wall_moment[6]) {
-  double trace = moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] +
-                 wall_moment[5];
+  double trace =
+      moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] + wall_moment[5];
   if (!(trace > 0)) return 1;
   double lopsided = (surface_lopsided(s, support, imbalance, trace) - SURFACE_FROM) / 0.3;
   double thin = (0.8 + 0.35 * walls - filling) / 0.08, w = lopsided > thin ? lopsided : thin;
   return w < 0 ? 0 : w > 1 ? 1 : w;
 }
 
-/* Whether the void beside particle i lies between it and a wall, 0 .. 1: the whole within 30 degrees
- * of the wall's normal, nothing beyond 45. r points from the wall to the particle, `mirror` is
- * isph_wall_mirror's. A wall that water has not reached does not stop it, so that what is on the
+/* Whether the void beside particle i lies between it and a wall, 0 .. 1: the whole within 30
+ * degrees of the wall's normal, nothing beyond 45. r points from the wall to the particle, `mirror`
+ * is isph_wall_mirror's. A wall that water has not reached does not stop it, so that what is on the
  * surface does not see this wall's image: the divergence would close the gap as though there were
  * water in it, and the pressure that answers, against P = 0 beyond, drew the front of water in soil
  * to the wall at 1.3 times its speed. */

@@ -52,9 +52,11 @@ static inline void moment_invert_bounded(int n, double m[3][3], double inverse[3
 /* The same for 3 x 3, at once where no eigenvalue can be below the floor: then the least is above
  * det/(trace/2)^2. */
 static inline void moment_invert(double m[3][3], double inverse[3][3]) {
-  const double xx = m[1][1] * m[2][2] - m[1][2] * m[1][2], yy = m[0][0] * m[2][2] - m[0][2] * m[0][2],
+  const double xx = m[1][1] * m[2][2] - m[1][2] * m[1][2],
+               yy = m[0][0] * m[2][2] - m[0][2] * m[0][2],
                zz = m[0][0] * m[1][1] - m[0][1] * m[0][1];
-  const double xy = m[0][2] * m[1][2] - m[0][1] * m[2][2], xz = m[0][1] * m[1][2] - m[0][2] * m[1][1],
+  const double xy = m[0][2] * m[1][2] - m[0][1] * m[2][2],
+               xz = m[0][1] * m[1][2] - m[0][2] * m[1][1],
                yz = m[0][1] * m[0][2] - m[0][0] * m[1][2];
   const double det = m[0][0] * xx + m[0][1] * xy + m[0][2] * xz;
   const double trace = m[0][0] + m[1][1] + m[2][2];

@@ -45,10 +45,10 @@ struct local {
 /* Sums over the particles of a block of rows, per mass of one particle: of velocities, what a
  * second adds to them by each effect, and powers; see pairs_account.h. */
 struct pass_account {
-  double momentum[3], kinetic, elastic;                  /* m/s, m^2/s^2 */
-  double pressure[3], viscosity[3];                      /* m/s^2 */
-  double wall_pressure[3], friction[3], shift[3];        /* m/s^2 */
-  double force_work, pressure_work, friction_work;       /* m^2/s^3 */
+  double momentum[3], kinetic, elastic;            /* m/s, m^2/s^2 */
+  double pressure[3], viscosity[3];                /* m/s^2 */
+  double wall_pressure[3], friction[3], shift[3];  /* m/s^2 */
+  double force_work, pressure_work, friction_work; /* m^2/s^3 */
   double viscosity_work, shift_work;
 };
 

@@ -483,7 +483,8 @@ CONTINUITIES(1)
   }
 CONTINUITY_EXACT(0, 0)
 CONTINUITY_EXACT(0, 1)
-CONTINUITY_EXACT(1, 0) CONTINUITY_EXACT(1, 1)
+CONTINUITY_EXACT(1, 0)
+CONTINUITY_EXACT(1, 1)
 
 #define TABLE_FORCE(wall)                                                                          \
   {                                                                                                \

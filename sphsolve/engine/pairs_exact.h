@@ -1,7 +1,7 @@
-/* Rows of a flow without walls, with gradients that are exact for linear fields however the particles
- * lie: B sum V (f_j - f_i) grad W with B the inverse of sum V r grad W (Randles, Libersky 1996), and
- * the viscous sum over the mean of its moment. Particles out of order otherwise stir up a flow at
- * Re 1000, and take its energy. */
+/* Rows of a flow without walls, with gradients that are exact for linear fields however the
+ * particles lie: B sum V (f_j - f_i) grad W with B the inverse of sum V r grad W (Randles, Libersky
+ * 1996), and the viscous sum over the mean of its moment. Particles out of order otherwise stir up
+ * a flow at Re 1000, and take its energy. */
 #ifndef TOSUI_ENGINE_PAIRS_EXACT_H
 #define TOSUI_ENGINE_PAIRS_EXACT_H
 
@@ -84,8 +84,8 @@ SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *lo
   }
 }
 
-/* As continuity_rows, of fluid alone: the rate in units of g_scale, and the sum of weights. `share`:
- * what differences of the pressure count. */
+/* As continuity_rows, of fluid alone: the rate in units of g_scale, and the sum of weights.
+ * `share`: what differences of the pressure count. */
 SIMD_INLINE void row_continuity_exact(const struct pass *pass, const struct local *local, size_t n,
                                       const vec at[3], size_t i, double share, bool shift,
                                       double sum[2]) {

@@ -59,7 +59,8 @@ enum status isph_open_create(struct isph *s) {
     s->sides[s->side_count++] = side;
   }
   TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
-  TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front, "inflow regions"));
+  TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front,
+                      "inflow regions"));
 cleanup:
   return status;
 }

@@ -233,7 +233,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct whole whole;
   double *extra = NULL;
   size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count +
-             s->scene->plane_count, c = 0;
+             s->scene->plane_count,
+         c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
   sum_up(s, &whole);

@@ -273,8 +273,8 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   PC preconditioner;
   drop(p);
   TRY_PETSC(PetscOptionsHasName(NULL, NULL, "-pc_type", &named));
-  TRY_PETSC(MatCreateShell(PETSC_COMM_WORLD, own, own, PETSC_DETERMINE, PETSC_DETERMINE, s,
-                           &p->matrix));
+  TRY_PETSC(
+      MatCreateShell(PETSC_COMM_WORLD, own, own, PETSC_DETERMINE, PETSC_DETERMINE, s, &p->matrix));
   TRY_PETSC(MatShellSetOperation(p->matrix, MATOP_MULT, (void (*)(void))multiply));
   TRY_PETSC(MatSetOption(p->matrix, MAT_SYMMETRIC, PETSC_TRUE));
   TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, PETSC_DETERMINE,
@@ -313,8 +313,7 @@ enum status isph_petsc_solve(struct isph *s) {
   PetscInt iterations;
   double start = clock_seconds();
   TRY(start_petsc());
-  if (s->petsc == NULL)
-    TRY(memory_allocate(&s->petsc, 1, sizeof *s->petsc, "the pressure solver"));
+  if (s->petsc == NULL) TRY(memory_allocate(&s->petsc, 1, sizeof *s->petsc, "the pressure solver"));
   struct isph_petsc *p = s->petsc;
   p->state = s;
   /* The second solve of a step has the first one's matrix. */

@@ -113,8 +113,7 @@ static enum status fill(const void *context, void *data) {
   const struct source *source = context;
   double *values = data;
   if (source->from != NULL) {
-    enum status status =
-        send_field(source->state, source->lines, source->from, source->size, data);
+    enum status status = send_field(source->state, source->lines, source->from, source->size, data);
     if (status != STATUS_OK) return status;
   }
   for (size_t k = 0; k < source->lines->count; k++) {
@@ -138,15 +137,15 @@ enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder)
   const struct source *from = sources;
   const struct snapshot_field
       at = {.type = H5_F64, .components = 3, .fill = fill, .context = from},
-      fields[] = {{"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, fill, from + 1},
-                  {"pressure", "Pa", "pressure", H5_F64, 1, NULL, fill, from + 2},
-                  {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, NULL,
-                   fill, from + 3},
-                  {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, fill, from + 4},
-                  {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, fill,
-                   from + 5},
-                  {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, fill, from + 6},
-                  {"id", "1", "number of the particle", H5_U64, 1, NULL, fill, from + 7}};
+      fields[] = {
+          {"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, fill, from + 1},
+          {"pressure", "Pa", "pressure", H5_F64, 1, NULL, fill, from + 2},
+          {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, NULL, fill,
+           from + 3},
+          {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, fill, from + 4},
+          {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, fill, from + 5},
+          {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, fill, from + 6},
+          {"id", "1", "number of the particle", H5_U64, 1, NULL, fill, from + 7}};
   TRY(find_lines(s, &l));
   TRY(recorder_snapshot(recorder, s->time, s->step, l.count, &at, sizeof fields / sizeof *fields,
                         fields));

@@ -16,14 +16,14 @@ struct box {
   double low[3], high[3];
 };
 
-/* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it touches a closed
- * side or fills a periodic axis. */
+/* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it
+ * touches a closed side or fills a periodic axis. */
 static struct box box_of(const struct isph *s, size_t k, double ahead, const double x[3]) {
   const struct region *region = &s->scene->regions[k];
   double near = 1e-6 * s->spacing;
   struct box box;
   for (int a = 0; a < 3; a++) {
-    double low = region->box[a], high = region->box[a + 3], 
+    double low = region->box[a], high = region->box[a + 3],
            offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
     if (s->dimensions == 2 && a == 1) open_low = open_high = true;
@@ -99,8 +99,8 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   soil->solid = share;
   /* Inertia and drag, as multiples of the pressure gradient, count by the share of the soil, whose
    * own they are: a layer then weighs and loses as much as with sharp faces, next to free water and
-   * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in it:
-   * too small for the forces over rho_w, the drag too large for M15's forces over eps. */
+   * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in
+   * it: too small for the forces over rho_w, the drag too large for M15's forces over eps. */
   soil->a = a, soil->b = b, soil->inertia = 1 - share + inertia;
   if (scene->isph.porosity_paper && own < 1) {
     double scale = over_eps ? eps / own : 1;

@@ -52,9 +52,9 @@ struct isph_open_side {
   enum boundary_kind kind;
   double head, flux;
   double velocity[3]; /* of its boundary particles, where the flux is given */
-  int cells[3];    /* columns across the rectangle */
-  double pitch[3]; /* their widths; along `axis` the spacing */
-  size_t first;    /* of its columns; those above the head are there, but dry */
+  int cells[3];       /* columns across the rectangle */
+  double pitch[3];    /* their widths; along `axis` the spacing */
+  size_t first;       /* of its columns; those above the head are there, but dry */
 };
 
 /* A file of boundary particles behind one cell of a window, that moves with the water. */
@@ -67,8 +67,8 @@ struct isph_column {
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
- * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v* at
- * open sides (m/s). */
+ * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
+ * at open sides (m/s). */
 struct isph_applied {
   double pressure[3], viscous[3], friction[3], straightened[3];
 };
@@ -116,10 +116,10 @@ struct isph {
   double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double widening; /* share of what the relaxation asks of crowded water */
-  bool crowded;    /* as a whole */
-  double time, thickest; /* thickest: largest nu + nu_T of the last step */
-  double calm;           /* the calming's viscosity */
+  double widening;               /* share of what the relaxation asks of crowded water */
+  bool crowded;                  /* as a whole */
+  double time, thickest;         /* thickest: largest nu + nu_T of the last step */
+  double calm;                   /* the calming's viscosity */
   int64_t step;
 
   size_t count, capacity; /* of the particles here: the own ones, and ghosts before and after */
@@ -135,27 +135,27 @@ struct isph {
 
   /* found anew each step */
   double *volume, *support;
-  double *porosity, *soil_share;    /* NULL without soil */
+  double *porosity, *soil_share;     /* NULL without soil */
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
-  double (*soil_velocity)[3];       /* NULL unless soil moves */
-  double *porosity_rate;            /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *filling;                  /* sum V W with walls: 1 in the bulk */
-  double (*imbalance)[3];           /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];           /* L, gradient correction */
-  float (*moment_lack)[6];          /* C of isph_moment.c; NULL without soil */
-  double *surface;                  /* 0 bulk .. 1 surface; NULL without */
-  double *near;                     /* its largest in the neighbourhood; NULL unless water is free */
-  float (*gradient)[9];             /* dv_a/dx_b; NULL if nobody asks */
-  double *drag_left;                /* B: share of v_D left by the drag; NULL without */
-  double *mobility;                 /* k = B T G / rho_w */
-  double *eddy;                     /* nu + nu_T; NULL without viscosity */
-  double (*predicted)[3];           /* v* without the driving force */
+  double (*soil_velocity)[3];        /* NULL unless soil moves */
+  double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
+  double *filling;                   /* sum V W with walls: 1 in the bulk */
+  double (*imbalance)[3];            /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];            /* L, gradient correction */
+  float (*moment_lack)[6];           /* C of isph_moment.c; NULL without soil */
+  double *surface;                   /* 0 bulk .. 1 surface; NULL without */
+  double *near;           /* its largest in the neighbourhood; NULL unless water is free */
+  float (*gradient)[9];   /* dv_a/dx_b; NULL if nobody asks */
+  double *drag_left;      /* B: share of v_D left by the drag; NULL without */
+  double *mobility;       /* k = B T G / rho_w */
+  double *eddy;           /* nu + nu_T; NULL without viscosity */
+  double (*predicted)[3]; /* v* without the driving force */
   struct isph_applied *applied;
   double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
-  double *work[4];                   /* r, z, p, q of CG */
-  double *partial;                   /* [chunks of all]: of a sum */
+  double *work[4]; /* r, z, p, q of CG */
+  double *partial; /* [chunks of all]: of a sum */
   size_t partial_room;
   double (*sums)[SUMS];              /* [own chunks]: of several; see isph_add_up */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
@@ -260,8 +260,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
                       double mirror[3], double *ratio);
 /* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it
  * through a wall within dt. */
-void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
-                     double v[3]);
+void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
 
 /* isph_cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
  * filling, imbalance, correction. */
@@ -296,8 +295,8 @@ void isph_energy_trim(struct isph *s, double most);
 /* isph_pressure.c */
 void isph_assemble(struct isph *s, double tau);
 enum status isph_solve_pressure(struct isph *s);
-/* Collective: the failure of a solve that stands at a relative error, with the particle whose row is
- * off most. */
+/* Collective: the failure of a solve that stands at a relative error, with the particle whose row
+ * is off most. */
 enum status isph_solve_failed(struct isph *s, double error, int iterations);
 /* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
 void isph_multiply(struct isph *s, double *x, double *y);

@@ -280,7 +280,8 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, &ratio);
     gap = fmax(gap, surface_gap(s, i, r, mirror));
-    trace += s->wall_volume * (double)chunk->wall_slope[p] * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    trace +=
+        s->wall_volume * (double)chunk->wall_slope[p] * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   }
   if (gap == 0) return 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {

@@ -22,7 +22,8 @@ enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box) {
   if (s->boundary_count == *capacity) {
     size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
-    enum status status = memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls");
+    enum status status =
+        memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls");
     if (status == STATUS_OK)
       status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
     if (status == STATUS_OK)
@@ -142,8 +143,7 @@ void isph_wall_move(struct isph *s, double dt) {
   for (size_t j = 0; j < s->boundary_count; j++) {
     size_t box = s->boundary_box[j];
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
-      for (int a = 0; a < 3; a++)
-        s->boundary_position[j][a] += s->wall_boxes[box].velocity[a] * dt;
+      for (int a = 0; a < 3; a++) s->boundary_position[j][a] += s->wall_boxes[box].velocity[a] * dt;
     } else if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
       const struct isph_open_side *side = &s->sides[box];
       double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];

@@ -196,8 +196,8 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
       sum += square;
       for (int k = 0; k < 2; k++)
         if (values[k] > leaders[k].value)
-          leaders[k] = (struct leader){values[k], {x[0], x[1], x[2]}, s->filling[i], square,
-                                       s->id[i]};
+          leaders[k] =
+              (struct leader){values[k], {x[0], x[1], x[2]}, s->filling[i], square, s->id[i]};
     }
     s->sums[c][0] = sum;
   }
@@ -205,8 +205,11 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
   TRY(lead(leaders));
   const double *flung = s->flung;
   if (flung[0] * flung[0] > leaders[1].value)
-    leaders[1] = (struct leader){flung[0] * flung[0], {flung[1], flung[2], flung[3]}, 0,
-                                 flung[0] * flung[0], (uint64_t)flung[4]};
+    leaders[1] = (struct leader){flung[0] * flung[0],
+                                 {flung[1], flung[2], flung[3]},
+                                 0,
+                                 flung[0] * flung[0],
+                                 (uint64_t)flung[4]};
   const double fastest = leaders[1].value;
   reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (FILLING_MOST - 1);
   reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;
@@ -246,15 +249,16 @@ static enum status step_back(struct isph *s, const struct isph_copy *copy, doubl
     goto cleanup;
   }
   bool unsolved = !(s->solve.residual <= 1e3 * s->scene->isph.tolerance);
-  const char *cause = unsolved && s->on.soil
-                          ? "neighbours differ too much in how freely water moves, as beside soil so "
-                            "fine that it holds the water; make it a wall, or its grain_size larger"
-                      : s->scene->shifting == SWITCH_OFF
-                          ? "without shifting particles clump; leave effects.shifting at \"auto\""
-                      : !isnan(s->scene->isph.dt)
-                          ? "the time step is too long for these speeds; use isph.dt = \"auto\""
-                          : "the spacing is too coarse for what drives the water here; use a "
-                            "smaller domain.spacing or a smaller isph.dt";
+  const char *cause =
+      unsolved && s->on.soil
+          ? "neighbours differ too much in how freely water moves, as beside soil so "
+            "fine that it holds the water; make it a wall, or its grain_size larger"
+      : s->scene->shifting == SWITCH_OFF
+          ? "without shifting particles clump; leave effects.shifting at \"auto\""
+      : !isnan(s->scene->isph.dt)
+          ? "the time step is too long for these speeds; use isph.dt = \"auto\""
+          : "the spacing is too coarse for what drives the water here; use a "
+            "smaller domain.spacing or a smaller isph.dt";
   if (s->dog.kept) {
     TRY(isph_write_checkpoint(s, recorder));
     snprintf(saved, sizeof saved, "; %s holds the last good state, t = %.4g s",
@@ -425,9 +429,8 @@ static double imbalance_of(const struct isph *s) {
   return total > 0 ? ranks_max(s->pairs_now) * ranks_count() / total : 1;
 }
 
-enum status isph_run(const struct scene *scene, const struct plan *plan,
-                     struct lattice *lattice, struct recorder *recorder,
-                     struct run_result *result) {
+enum status isph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                     struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct isph state = {0}, *s = &state;
   struct isph_copy copy = {0};

@@ -14,7 +14,7 @@ struct stokes_krylov {
   float *work;     /* [length] */
   double *partial; /* of the sums */
   void *system;
-  void (*apply)(void *system, const float *x, float *y);        /* y = K x */
+  void (*apply)(void *system, const float *x, float *y);                     /* y = K x */
   void (*precondition)(void *system, const float *x, float *work, float *y); /* y = M^-1 x */
 };
 

@@ -10,8 +10,8 @@
 #define ROUND_REDUCTION 1e-2
 /* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
  * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
- * solution 32, Krylov work vector 16; and 16 for every vector of the basis, the first of which is the
- * residual. */
+ * solution 32, Krylov work vector 16; and 16 for every vector of the basis, the first of which is
+ * the residual. */
 #define MEMORY_GOAL 103.0
 #define SITE_BYTES 31.0
 #define ACTIVE_BYTES 104.0
@@ -128,7 +128,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   omp_set_num_threads(threads_for(s->grid.active));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
                             s->velocity_unit, &s->operator));
-  TRY(stokes_preconditioner_build(&s->operator, &s->preconditioner));
+  TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
   TRY(stokes_krylov_build(length, stokes_solver_basis((double)lattice->count, (double)active),
                           &s->krylov));
@@ -163,8 +163,7 @@ void stokes_solver_round(struct stokes_solver *s) {
   const int threads = omp_get_max_threads();
   omp_set_num_threads(s->operator.threads);
   for (int cycle = 0; cycle < 20 && shrunk > ROUND_REDUCTION; cycle++) {
-    s->iterations +=
-        stokes_krylov_correct(&s->krylov, ROUND_REDUCTION / shrunk, s->x, &reached);
+    s->iterations += stokes_krylov_correct(&s->krylov, ROUND_REDUCTION / shrunk, s->x, &reached);
     shrunk *= reached;
   }
   measure(s);

@@ -27,8 +27,8 @@ struct stokes_solver {
   double acceleration, velocity_unit; /* m/s^2, m/s */
   double force[3];                    /* driving / acceleration */
   bool walls_move;
-  double *x; /* [components][active] velocities, then pressure */
-  float *residual; /* in the Krylov basis */
+  double *x;             /* [components][active] velocities, then pressure */
+  float *residual;       /* in the Krylov basis */
   double residual_start; /* norm of the right-hand side */
   double residual_now;   /* relative */
   double divergence;     /* rms of the continuity residual over rms |grad v| */

@@ -173,8 +173,8 @@ static enum status suite(const char *path, double largest) {
   struct measure m = {0}, two = {0};
   const struct pair_table *table;
   double first = NAN, worst = 1, start = clock_seconds(), shares[PHASE_COUNT];
-  static const char *const phases[PHASE_COUNT] = {"density",    "wall distance", "forces",
-                                                  "continuity", "drift",         "lists", "account"};
+  static const char *const phases[PHASE_COUNT] = {
+      "density", "wall distance", "forces", "continuity", "drift", "lists", "account"};
   omp_set_num_threads(1);
   TRY(pair_table_choose(&table));
   double flops = peak_flops(table->name), bytes = peak_bytes();

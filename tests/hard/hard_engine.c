@@ -164,8 +164,8 @@ static void vortex(void) {
   settings.sound_speed = 10;
   /* The automatic step of such a scene. */
   settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
-                                        modes.crowding));
+                     SHIFTING_STABLE /
+                         (SHIFTING_STRENGTH_LEAST * settings.smoothing_length * modes.crowding));
   settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
   struct engine engine;
   if (engine_make(&lattice, &settings, &engine)) give_up();
@@ -276,7 +276,8 @@ static void ellipse(void) {
     a += 1e-4 * da, b += 1e-4 * db, rate += 1e-4 * dr;
   }
   advance_patch(&patch, 1);
-  for (size_t i = 0; i < s->count; i++) reach = fmax(reach, fabs(s->position[i][2] - CENTRE) + dx / 2);
+  for (size_t i = 0; i < s->count; i++)
+    reach = fmax(reach, fabs(s->position[i][2] - CENTRE) + dx / 2);
   report("stretched drop: long semi-axis at A t = 1", reach, b, 1.5 * dx,
          "Monaghan 1994, exact; a particle and a half: what a lattice misses of a circle");
   report("stretched drop: energy over that at the start", energy_of(s) / energy, 1, 0.02,

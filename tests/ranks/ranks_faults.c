@@ -1,5 +1,6 @@
-/* ranks_faults allocation|write RANK N ARGUMENT...: sphsolve ARGUMENT... of which the N-th allocation, or write, on that rank
- * fails. Says on stderr how many there were, where N is not reached. */
+/* ranks_faults allocation|write RANK N ARGUMENT...: sphsolve ARGUMENT... of which the N-th
+ * allocation, or write, on that rank fails. Says on stderr how many there were, where N is not
+ * reached. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

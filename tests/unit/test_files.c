@@ -120,7 +120,8 @@ static void write_foreign(const char *name) {
  * own filters; the last two are large enough for several threads. */
 static void test_chunks(void **state) {
   (void)state;
-  const size_t shapes[][3] = {{3, 650, 900}, {301, 60, 60}, {2, 3, 300001}, {1, 1, 5000}, {1, 650, 900}, {12, 650, 900}, {33, 250, 1000}};
+  const size_t shapes[][3] = {{3, 650, 900}, {301, 60, 60},  {2, 3, 300001}, {1, 1, 5000},
+                              {1, 650, 900}, {12, 650, 900}, {33, 250, 1000}};
   for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++) {
     const size_t *dims = shapes[k], count = dims[0] * dims[1] * dims[2];
     float *values = malloc(count * sizeof *values), *again = NULL;

@@ -116,12 +116,13 @@ static void saturated_soil_obeys_darcy(void **state) {
 static void drawn_out_rows_count_in_full(void **state) {
   (void)state;
   struct run run;
-  start(&run,
-        "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-        "domain = { size = [\"12 cm\", \"12 cm\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
-        "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"12 cm\", \"12 cm\"]; porosity = "
-        "0.4; grain_size = \"5 mm\"; } );\n"
-        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+      "domain = { size = [\"12 cm\", \"12 cm\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
+      "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"12 cm\", \"12 cm\"]; porosity = "
+      "0.4; grain_size = \"5 mm\"; } );\n"
+      "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
   struct isph *s = &run.s;
   size_t kept = 0;
   for (size_t i = 0; i < s->count; i++) {
@@ -183,7 +184,7 @@ static void warm_start_saves(void **state) {
 #define CHANNEL                                                                                    \
   "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"                                          \
   "domain = { size = [\"0.2 m\", \"0.1 m\"]; spacing = \"1 cm\"; periodic = [false, false]; };\n"  \
-  "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n"      \
+  "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n"       \
   "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; },\n"               \
   "{ type = \"inflow\"; box = [\"0.19 m\", \"0\", \"0.2 m\", \"0.1 m\"]; head = \"0.2 m\"; },\n"
 
@@ -191,8 +192,9 @@ static void a_given_flux_is_what_goes_through(void **state) {
   (void)state;
   struct run run;
   double mean = 0, worst = 0;
-  start(&run, CHANNEL
-        "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; flux = \"0.05 m/s\"; } );");
+  start(
+      &run, CHANNEL
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; flux = \"0.05 m/s\"; } );");
   for (int k = 0; k < 40; k++) {
     advance(&run, 0.5 + 0.02 * k);
     double flux = isph_plane_flux(&run.s, 0, 0.05) / (0.1 * 0.01);
@@ -235,13 +237,14 @@ static void moving_soil_carries_water(void **state) {
   (void)state;
   struct run run;
   double v[3];
-  start(&run,
-        "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
-        "domain = { size = [\"0.3 m\", \"0.05 m\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
-        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.3 m\", \"0.05 m\"]; },\n"
-        "{ type = \"porous\"; box = [\"0\", \"0\", \"0.1 m\", \"0.05 m\"]; porosity = 0.4; "
-        "grain_size = \"2 mm\"; velocity = [\"0.1 m/s\", \"0\"]; } );\n"
-        "force = { gravity = [\"0\", \"0\"]; };\nisph = { dt = \"2 ms\"; };\n");
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+      "domain = { size = [\"0.3 m\", \"0.05 m\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.3 m\", \"0.05 m\"]; },\n"
+      "{ type = \"porous\"; box = [\"0\", \"0\", \"0.1 m\", \"0.05 m\"]; porosity = 0.4; "
+      "grain_size = \"2 mm\"; velocity = [\"0.1 m/s\", \"0\"]; } );\n"
+      "force = { gravity = [\"0\", \"0\"]; };\nisph = { dt = \"2 ms\"; };\n");
   advance(&run, 1);
   isph_darcy_velocity(&run.s, v);
   assert_near(v[0], 0.08, 0.004); /* v_soil in two thirds, eps v_soil in one */
@@ -251,8 +254,9 @@ static void moving_soil_carries_water(void **state) {
 static void a_piston_pushes(void **state) {
   (void)state;
   struct run run;
-  start(&run, CHANNEL "{ type = \"wall\"; box = [\"0\", \"0\", \"0.03 m\", \"0.1 m\"]; slip = true; "
-                      "velocity = [\"0.1 m/s\", \"0\"]; } );");
+  start(&run,
+        CHANNEL "{ type = \"wall\"; box = [\"0\", \"0\", \"0.03 m\", \"0.1 m\"]; slip = true; "
+                "velocity = [\"0.1 m/s\", \"0\"]; } );");
   advance(&run, 0.5);
   assert_near(isph_plane_flux(&run.s, 0, 0.15) / (0.1 * 0.01), 0.1, 0.005);
   assert_int_equal(run.s.lost_count, 0);
@@ -295,11 +299,12 @@ static void iterations_stay(void **state) {
     finish(&run);
   }
   assert_in_range(cold[1], 1, cold[0] + 3);
-  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
-              "domain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
-              "false]; };\n"
-              "regions = ( { type = \"water\"; box = [\"0.1 m\", \"0.15 m\", \"0.11 m\", \"0.16 m\"]; "
-              "} );\nforce = { gravity = [\"0\", \"-10 m/s^2\"]; };\n");
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+        "domain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
+        "false]; };\n"
+        "regions = ( { type = \"water\"; box = [\"0.1 m\", \"0.15 m\", \"0.11 m\", \"0.16 m\"]; "
+        "} );\nforce = { gravity = [\"0\", \"-10 m/s^2\"]; };\n");
   for (int k = 0; k < 10; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
   assert_int_equal(run.s.count, 1);
   assert_near(run.s.velocity[0][2], -0.1, 1e-6); /* free flight */
@@ -320,19 +325,18 @@ static void walls_hold_by_the_law_of_the_wall(void **state) {
   assert_near(wall_viscosity(nu, 0, distance), nu, 0);
 }
 
-/* A column falls, wets soil and sloshes: its energy, as the history has it, rises in no step (in 347
- * of 2000, by 1.1 % of the first in all, without isph_energy). */
+/* A column falls, wets soil and sloshes: its energy, as the history has it, rises in no step (in
+ * 347 of 2000, by 1.1 % of the first in all, without isph_energy). */
 static void energy_does_not_rise(void **state) {
   (void)state;
   struct run run;
-  start(&run,
-        "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
-        "domain = { size = [\"10 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, "
-        "false]; };\n"
-        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"5 cm\", \"15 cm\"]; },\n"
-        "{ type = \"porous\"; box = [\"5 cm\", \"0\", \"10 cm\", \"6 cm\"]; porosity = 0.6; "
-        "grain_size = \"2 cm\"; } );\n"
-        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"10 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"5 cm\", \"15 cm\"]; },\n"
+              "{ type = \"porous\"; box = [\"5 cm\", \"0\", \"10 cm\", \"6 cm\"]; porosity = 0.6; "
+              "grain_size = \"2 cm\"; } );\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
   struct isph *s = &run.s;
   assert_true(s->on.energy);
   double first = isph_kinetic_energy(s) + isph_potential_energy(s), before = first;
@@ -350,11 +354,12 @@ static void energy_does_not_rise(void **state) {
 static void a_small_wave_lives(void **state) {
   (void)state;
   struct run run;
-  start(&run,
-        "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
-        "domain = { size = [\"2 m\", \"1.2 m\"]; spacing = \"10 cm\"; periodic = [true, false]; };\n"
-        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"2 m\", \"1 m\"]; } );\n"
-        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n");
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+      "domain = { size = [\"2 m\", \"1.2 m\"]; spacing = \"10 cm\"; periodic = [true, false]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"2 m\", \"1 m\"]; } );\n"
+      "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n");
   struct isph *s = &run.s;
   s->on.calming = s->on.turbulence = false;
   for (size_t i = 0; i < s->count; i++) {

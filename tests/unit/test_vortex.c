@@ -10,8 +10,8 @@
 #include "sphsolve/effects/shifting.h"
 #include "tests/unit/engine_lattice.h"
 
-/* Kinetic energy at t = end over the exact exp(-16 pi^2 t/Re) of a unit box with U = 1; `error`: rms
- * of the velocities' error over their rms. The step is the automatic one. */
+/* Kinetic energy at t = end over the exact exp(-16 pi^2 t/Re) of a unit box with U = 1; `error`:
+ * rms of the velocities' error over their rms. The step is the automatic one. */
 static double energy_ratio(size_t n, double reynolds, double end, double *error) {
   double dx = 1.0 / (double)n, nu = 1 / reynolds;
   struct lattice lattice = test_lattice(2, n, 1, n, dx, dx, dx);
@@ -20,8 +20,8 @@ static double energy_ratio(size_t n, double reynolds, double end, double *error)
   settings.kinematic_viscosity = nu;
   settings.sound_speed = 10;
   settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
-                                        modes.crowding));
+                     SHIFTING_STABLE /
+                         (SHIFTING_STRENGTH_LEAST * settings.smoothing_length * modes.crowding));
   settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
   struct engine engine;
   assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
@@ -48,7 +48,8 @@ static double energy_ratio(size_t n, double reynolds, double end, double *error)
     particles_position(p, &lattice, i, at);
     double x = 2 * M_PI * (at[0] + dx / 2), z = 2 * M_PI * (at[2] + dx / 2);
     energy += vx * vx + vz * vz;
-    wrong += pow(vx + sqrt(exact) * cos(x) * sin(z), 2) + pow(vz - sqrt(exact) * sin(x) * cos(z), 2);
+    wrong +=
+        pow(vx + sqrt(exact) * cos(x) * sin(z), 2) + pow(vz - sqrt(exact) * sin(x) * cos(z), 2);
   }
   *error = sqrt(wrong / (start * exact));
   engine_free(&engine);
@@ -59,7 +60,8 @@ static double energy_ratio(size_t n, double reynolds, double end, double *error)
 static void test_decay(void **state) {
   (void)state;
   double error[4];
-  double coarse = energy_ratio(25, 100, 0.5, &error[0]), fine = energy_ratio(50, 100, 0.5, &error[1]);
+  double coarse = energy_ratio(25, 100, 0.5, &error[0]),
+         fine = energy_ratio(50, 100, 0.5, &error[1]);
   energy_ratio(25, 1000, 0.5, &error[2]);
   double fast = energy_ratio(50, 1000, 0.5, &error[3]);
   print_message("Taylor-Green, t = 0.5, Re 100: energy %.4f (25), %.4f (50) of the exact, Re 1000: "

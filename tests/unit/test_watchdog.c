@@ -85,8 +85,8 @@ static void test_log_round_trip(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_worst), cmocka_unit_test(test_energy),
-      cmocka_unit_test(test_three_halvings), cmocka_unit_test(test_log_round_trip)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_worst), cmocka_unit_test(test_energy),
+                                     cmocka_unit_test(test_three_halvings),
+                                     cmocka_unit_test(test_log_round_trip)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,11 +76,10 @@ static void test_slit_subvoxel_turned(void **state) {
   double parameter[4] = {w, 97 / length, 7 / length, 4 / length};
   struct lattice lattice =
       test_geometry(2, (const size_t[3]){97, 1, 97}, dx, test_turned_slit, parameter);
-  struct march march = {
-      .wall = PASS_SUBVOXEL,
-      .nu = nu,
-      .force = {-f * 4 / length, 0, f * 7 / length},
-      .end = 1.1 * w * w * dx * dx / nu};
+  struct march march = {.wall = PASS_SUBVOXEL,
+                        .nu = nu,
+                        .force = {-f * 4 / length, 0, f * 7 / length},
+                        .end = 1.1 * w * w * dx * dx / nu};
   double error =
       test_march(&lattice, &march, NULL) / (f * w * w * w * dx * dx / (12 * nu) / parameter[1]) - 1;
   test_lattice_free(&lattice);

@@ -53,10 +53,8 @@ static void point(double width, double error, double seconds) {
 static double permeability(struct lattice *l, enum pass_wall wall, const double direction[3],
                            double width, double *seconds) {
   const double dx = l->spacing[0], started = clock_seconds();
-  struct march m = {.wall = wall,
-                    .nu = NU,
-                    .end = 200 * width * width * dx * dx / NU,
-                    .tolerance = TOLERANCE};
+  struct march m = {
+      .wall = wall, .nu = NU, .end = 200 * width * width * dx * dx / NU, .tolerance = TOLERANCE};
   /* density within 1 % */
   const double f = 0.005 * NU * NU / (dx * dx * dx * width * width);
   for (int a = 0; a < 3; a++) m.force[a] = f * direction[a];

@@ -227,7 +227,8 @@ static void arrays(void) {
                                       {0.5236, 41.99}};
   static const double cylinders[][2] = {{0.05, 15.5578}, {0.1, 24.8317}, {0.2, 51.5270},
                                         {0.3, 102.881},  {0.4, 217.894}, {0.5, 532.548}};
-  static const size_t usual[] = {16, 24, 32}, fine[] = {24, 32, 48}, flat_sizes[] = {24, 32, 48, 64, 96};
+  static const size_t usual[] = {16, 24, 32}, fine[] = {24, 32, 48},
+                      flat_sizes[] = {24, 32, 48, 64, 96};
   char name[64];
   for (int i = 0; i < 7; i++) {
     const double c = spheres[i][0], radius = cbrt(0.75 * c / M_PI);
