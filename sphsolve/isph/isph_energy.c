@@ -77,15 +77,15 @@ void isph_energy_relax(struct isph *s, double tau, double dt) {
   isph_add_up(s, COUNT, total);
   double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
   double free = fmin(1, total[CROWD] / total[VOLUME] / CROWDED - 1);
-  s->crowded = free > 0;
   if (total[WIDENS] > 0)
     s->widening = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[WIDENS]);
-  if (s->crowded) s->widening = fmax(s->widening, free);
+  s->unpaid = free > s->widening ? 1 - s->widening / free : 0;
+  s->widening = fmax(s->widening, free);
 }
 
 double isph_energy_given(const struct isph *s, double tau, double dt) {
   double total;
-  if (!s->crowded) return 0;
+  if (s->unpaid <= 0) return 0;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
@@ -94,7 +94,7 @@ double isph_energy_given(const struct isph *s, double tau, double dt) {
     s->sums[c][0] = sum;
   }
   isph_add_up(s, 1, &total);
-  return fmax(0, total * dt);
+  return s->unpaid * fmax(0, total * dt);
 }
 
 #define STRAIN_MOST 1e-3 /* of a step */

@@ -117,7 +117,7 @@ struct isph {
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
   double widening;               /* share of what the relaxation asks of crowded water */
-  bool crowded;                  /* as a whole */
+  double unpaid;                 /* share of that which friction does not pay for */
   double time, thickest;         /* thickest: largest nu + nu_T of the last step */
   double calm;                   /* the calming's viscosity */
   int64_t step;
@@ -283,8 +283,8 @@ double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
 /* Between predictor and projection: how far crowded water may widen. */
 void isph_energy_relax(struct isph *s, double tau, double dt);
-/* What relaxation added in a step where the water is crowded as a whole, J or J/m; after the
- * projection. */
+/* What relaxation added in a step where the water is crowded as a whole, J or J/m, beyond what
+ * friction paid for; after the projection. */
 double isph_energy_given(const struct isph *s, double tau, double dt);
 /* Lets down by the ways ahead what they lift beyond the budget, kinetic energy before the step and
  * what relaxation gave. */
