@@ -44,7 +44,7 @@ def read_run(file):
     assert history["darcy_velocity"].shape == (n, 3) and history["momentum"].shape == (n, 3)
     for name in ("method status k k_error intrinsic_permeability darcy_velocity hydraulic_gradient driving density viscosity "
                  "spacing size origin dimensions bulk_count fluid_count wall_count sound_speed support wall model_path "
-                 "model_hash steps pair_interactions threads").split():
+                 "model_hash steps pair_interactions").split():
         assert name in run.attrs, name
     driving, v = run.attrs["driving"], run.attrs["darcy_velocity"]
     along = float(np.dot(driving, v) / np.linalg.norm(driving))
@@ -54,7 +54,8 @@ def read_run(file):
     size = tuple(int(s) for s in run.attrs["size"][::-1])
     assert run["solid"].shape == size and int(run["solid"][()].sum()) == run.attrs["wall_count"]
     assert len(run["timing/name"]) == len(run["timing/seconds"]) and "scene" in text(run["scene"][()])
-    assert run["timing"].attrs["wall_time"] > 0 and "pair_interactions_per_second" in run["timing"].attrs
+    timing = run["timing"].attrs
+    assert timing["wall_time"] > 0 and timing["threads"] > 0 and "pair_interactions_per_second" in timing
     assert len(run["snapshots/name"]) == len(run["snapshots/time"]) >= 1
     check_provenance(file)
     return f"{text(run.attrs['method'])}: k {run.attrs['k']:.4g} m/s, {n} rows"
