@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
+#include "ct2model/opencv_threads.h"
+
 namespace {
 
 /* Non-local means (Buades, Coll, Morel 2005) over patches of 5x5 pixels: a patch at distance d, the
@@ -35,7 +37,7 @@ void nlm(const grey_phases &phases, cv::Mat &slice) {
 enum status denoise_slice(enum denoise kind, const grey_phases *phases, const size_t size[2],
                           float *slice) {
   try {
-    cv::setNumThreads(1); /* the slices are the parallel loop */
+    opencv_on_the_caller_only();
     cv::Mat image(static_cast<int>(size[1]), static_cast<int>(size[0]), CV_32F, slice);
     if (kind == DENOISE_MEDIAN)
       cv::medianBlur(image.clone(), image, 5);

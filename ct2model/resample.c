@@ -81,7 +81,6 @@ enum status resampler_start(enum filter filter, const size_t in[3], const size_t
       TRY(resample_axis_start(filter, in[axis], out[axis], &resampler->axes[axis]));
     resampler->scratch_size = reduction_scratch(&resampler->axes[0], &resampler->axes[1]);
   } else if (resampler->filter == FILTER_BICUBIC_POINT) {
-    TRY(resample_opencv_start());
     resampler->scratch_size = in[0] * in[1];
   }
   TRY(memory_allocate(&resampler->scratch, resampler->threads * resampler->scratch_size,

@@ -10,8 +10,6 @@ extern "C" {
 
 #include "common/error.h"
 
-/* Before anything else, from one thread: OpenCV uses no threads of its own. */
-enum status resample_opencv_start(void);
 /* cv::resize with INTER_CUBIC, which does not antialias. in_size and out_size: x, y. */
 enum status resample_opencv_cubic(const float *in, const size_t in_size[2],
                                   const size_t out_size[2], float *out);
