@@ -180,35 +180,34 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
 #define SIDE 12
 #define SITES (SIDE * SIDE * (SIDE + 1))
 
-static void test_threads_change_no_bit(void **state) {
-  (void)state;
+/* Marches of every wall on 1 to `threads` threads, with `value` where no particle stands, end as the
+ * march on one thread does. */
+static void march_as_one_thread(int threads, float value) {
   static float v[2][SITES][3];
   static uint32_t x[2][SITES][3];
   enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
   for (int w = 0; w < 3; w++) {
+    empty = 0;
     march(walls[w], 1, NULL, 24, SIDE, v[0], x[0]);
-    for (int threads = 2; threads <= 3; threads++) {
-      march(walls[w], threads, NULL, 24, SIDE, v[1], x[1]);
+    empty = value;
+    for (int n = value != 0 ? 1 : 2; n <= threads; n++) {
+      march(walls[w], n, NULL, 24, SIDE, v[1], x[1]);
       assert_memory_equal(v[0], v[1], sizeof v[0]);
       assert_memory_equal(x[0], x[1], sizeof x[0]);
     }
   }
+  empty = 0;
+}
+
+static void test_threads_change_no_bit(void **state) {
+  (void)state;
+  march_as_one_thread(3, 0);
 }
 
 /* A resumed run does not know what stood in slots without a particle. */
 static void test_empty_slots_change_no_bit(void **state) {
   (void)state;
-  static float v[2][SITES][3];
-  static uint32_t x[2][SITES][3];
-  enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
-  for (int w = 0; w < 3; w++) {
-    march(walls[w], 1, NULL, 24, SIDE, v[0], x[0]);
-    empty = 5; /* m/s: more than any particle's */
-    march(walls[w], 1, NULL, 24, SIDE, v[1], x[1]);
-    empty = 0;
-    assert_memory_equal(v[0], v[1], sizeof v[0]);
-    assert_memory_equal(x[0], x[1], sizeof x[0]);
-  }
+  march_as_one_thread(1, 5); /* m/s: more than any particle's */
 }
 
 /* AVX2 and AVX-512 give the same bits; the baseline has no fused operations. */
