@@ -7,6 +7,10 @@ PREFIX ?= /usr/local
 MPI ?= 0
 V ?= 0
 Q := $(if $(filter 1,$(V)),,@)
+# One goal is built on all processors; several are made one after another, as they were asked for.
+ifeq ($(word 2,$(MAKECMDGOALS))$(findstring -j,$(MAKEFLAGS)),)
+MAKEFLAGS += --jobs=$(shell nproc)
+endif
 say = $(if $(filter 1,$(V)),,@printf '  %-8s %s\n' $(1) $(2))
 
 CC = gcc
@@ -156,7 +160,7 @@ endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
 check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi))
-	$(Q)BUILD=$(BUILD) scripts/run-tests $(UNIT_TESTS) $(REPLAYS) $(sort $(wildcard tests/cli/*.bats))
+	$(Q)BUILD=$(BUILD) scripts/run-tests $(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)
 
 # ---- the main job ----
 demo: all
