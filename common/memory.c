@@ -17,9 +17,11 @@ bool size_multiply(size_t a, size_t b, size_t *product) {
   return !__builtin_mul_overflow(a, b, product);
 }
 
-/* Books `bytes` more; false when that is over the limit or a test wants this allocation to fail. */
-static bool reserve(size_t bytes, bool *over_limit) {
+/* Books `bytes` more than *held; false when that is over the limit or a test wants this allocation
+ * to fail. */
+static bool reserve(size_t bytes, bool *over_limit, size_t *held) {
   pthread_mutex_lock(&lock);
+  *held = in_use;
   if (limit == 0) limit = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGE_SIZE);
   bool injected = fail_after > 0 && --fail_after == 0;
   *over_limit = bytes > limit || in_use > limit - bytes;
@@ -52,9 +54,9 @@ static size_t *block_size(void *data) {
 }
 
 enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what) {
-  void *data = NULL;
-  size_t bytes, with_header;
-  memcpy(pointer, &data, sizeof data);
+  void *data;
+  size_t bytes, with_header, held;
+  memset(pointer, 0, sizeof data); /* a null pointer */
   if (count == 0 || size == 0) return STATUS_OK;
   if (!size_multiply(count, size, &bytes) ||
       __builtin_add_overflow(bytes, (size_t)(2 * HEADER), &with_header))
@@ -62,12 +64,12 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
                 count, size);
   with_header = with_header / HEADER * HEADER;
   bool over_limit;
-  if (!reserve(bytes, &over_limit)) {
+  if (!reserve(bytes, &over_limit, &held)) {
     if (over_limit)
       return FAIL(STATUS_RUN,
                   "memory for %s: %.1f MB beside the %.1f MB in use would exceed the limit of %.1f "
                   "MB; --max-memory sets it",
-                  what, (double)bytes / 1e6, (double)in_use / 1e6, (double)limit / 1e6);
+                  what, (double)bytes / 1e6, (double)held / 1e6, (double)limit / 1e6);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
   }
   char *block = aligned_alloc(HEADER, with_header);
@@ -109,10 +111,14 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
   const size_t bytes = count * size;
   if (used >= count) return memory_allocate(pointer, count, size, what);
   bool over_limit;
-  char *start = NULL, *data = NULL;
-  if (!reserve(used * size, &over_limit) || (start = calloc(bytes + 2 * HEADER, 1)) == NULL)
+  size_t held;
+  const bool booked = reserve(used * size, &over_limit, &held);
+  char *start = booked ? calloc(bytes + 2 * HEADER, 1) : NULL, *data = NULL;
+  if (start == NULL) {
+    if (booked) release(used * size);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what,
                 (double)(used * size) / 1e6);
+  }
   data = start + (2 * HEADER - (size_t)start % HEADER);
   block_size(data)[0] = used * size;
   block_size(data)[1] = (size_t)(data - HEADER - start);

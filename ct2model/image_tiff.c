@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +25,12 @@ static void on_error(const char *module, const char *format, va_list arguments) 
   vsnprintf(tiff_message, sizeof tiff_message, format, arguments);
   char *at = strstr(tiff_message, NO_ROW);
   if (at != NULL) memmove(at, at + sizeof NO_ROW - 1, strlen(at + sizeof NO_ROW - 1) + 1);
+}
+
+/* Once: libtiff keeps them where other threads read them. */
+static void handlers_set(void) {
+  TIFFSetErrorHandler(on_error);
+  TIFFSetWarningHandler(NULL);
 }
 
 /* A file whose header may name another first directory than is written there. */
@@ -76,11 +83,11 @@ static int source_close(thandle_t handle) {
  * directory by going through all before it, and a stack of n pages would be gone through n times;
  * the first it takes as it is. Plain reads: a mapped file that shrinks would end us. */
 static TIFF *tiff_start(const char *path, uint64_t directory) {
+  static pthread_once_t handlers = PTHREAD_ONCE_INIT;
   struct source *source =
       calloc(1, sizeof *source); /* libtiff's own, like the rest of its memory */
   tiff_message[0] = '\0';
-  TIFFSetErrorHandler(on_error);
-  TIFFSetWarningHandler(NULL);
+  (void)pthread_once(&handlers, handlers_set);
   if (source == NULL) return NULL;
   source->file = open(path, O_RDONLY | O_CLOEXEC);
   if (source->file < 0) {
@@ -294,7 +301,7 @@ static enum status map_palette(const struct row_decoder *decoder, const unsigned
     else if (bytes)
       ((unsigned char *)out)[x] = (unsigned char)(grey / 257);
     else
-      memcpy((char *)out + 2 * x, &grey, 2);
+      ((uint16_t *)out)[x] = grey;
   }
   return STATUS_OK;
 }
