@@ -29,8 +29,10 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->dimensions = 3;
   lattice->bulk_count = model_site_count(&model);
   size_t pad[3], count = 1;
+  bool padded = false;
   for (int a = 0; a < 3; a++) {
     pad[a] = model.periodic[a] ? 0 : (size_t)layers;
+    padded = padded || pad[a] > 0;
     lattice->spacing[a] = model.spacing[a];
     lattice->size[a] = model.size[a] + 2 * pad[a];
     lattice->origin[a] = (0.5 - (double)pad[a]) * model.spacing[a];
@@ -40,7 +42,6 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->count = count;
   TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
   memset(lattice->kind, SITE_WALL, count);
-  bool padded = pad[0] || pad[1] || pad[2];
   const float *source = model.wall_distance;
   if (source == NULL) {
     /* The model's own surface: from its grey fraction, else the voxel faces. */

@@ -33,7 +33,7 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
-    if (bytes[i] > 0) memcpy(copy->block + used, array[i], bytes[i]);
+    if (array[i]) memcpy(copy->block + used, array[i], bytes[i]);
     used += bytes[i];
   }
   copy->count = s->share.end - s->share.begin;
@@ -58,7 +58,7 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   s->share.begin = 0;
   size_t n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) {
-    if (bytes[i] > 0) memcpy(array[i], copy->block + used, bytes[i]);
+    if (array[i]) memcpy(array[i], copy->block + used, bytes[i]);
     used += bytes[i];
   }
   s->time = copy->time, s->thickest = copy->thickest;

@@ -287,19 +287,19 @@ enum status isph_join(const void *list, size_t count, size_t size, void *joined,
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
   size_t *send = NULL, *start = NULL;
-  char *all = NULL;
+  char *all;
   TRY(memory_allocate(&send, ranks, sizeof *send, "messages from ranks"));
   TRY(memory_allocate(&start, ranks + 1, sizeof *start, "messages from ranks"));
   for (size_t r = 0; r < ranks; r++) send[r] = count;
   ranks_swap_counts(send, start + 1);
   for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
   *total = start[ranks];
-  TRY(memory_allocate(&all, *total + 1, size, "messages from ranks"));
+  TRY(memory_allocate(joined, *total + 1, size, "messages from ranks"));
+  memcpy(&all, joined, sizeof all);
   if (count > 0) memcpy(all + start[own] * size, list, count * size);
   ranks_gather(all, start, size);
 cleanup:
   memory_free(&send);
   memory_free(&start);
-  memcpy(joined, &all, sizeof all);
   return status;
 }

@@ -43,7 +43,8 @@ void isph_gather_chunks(struct isph *s, double *numbers);
  * oneself: of *in the place of the own send[own] is left to be filled. */
 enum status isph_exchange(size_t size, const size_t *send, const void *out, size_t *start,
                           void *in);
-/* Collective: the lists of all ranks, `count` items of `size` bytes here, one after another. */
+/* Collective: the lists of all ranks, `count` items of `size` bytes here, one after another;
+ * *joined, NULL before, is to be freed. */
 enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total);
 
 #endif
