@@ -1,5 +1,6 @@
 #include "common/config.h"
 
+#include <ctype.h>
 #include <libconfig.h>
 #include <math.h>
 #include <stdarg.h>
@@ -81,24 +82,25 @@ cleanup:
   return status;
 }
 
-/* Goes to `path` ("isph.tau", "regions.[1].porosity"), creating groups, and gives the last group
- * and the last name. */
+/* Goes to `path` ("isph.tau", "regions.[1].porosity", "regions[1].porosity", "regions.1.porosity"),
+ * creating groups, and gives the last group and the last name. */
 static config_setting_t *walk_path(config_setting_t *root, const char *path, char *last,
                                    size_t last_size) {
   config_setting_t *at = root;
   char word[128];
   while (at != NULL) {
-    size_t n = strcspn(path, ".");
-    if (n == 0 || n >= sizeof word) return NULL;
+    const bool bracket = *path == '[';
+    size_t n = bracket ? strcspn(path, "]") + 1 : strcspn(path, ".[");
+    if (n == 0 || n >= sizeof word || n > strlen(path)) return NULL;
     memcpy(word, path, n);
     word[n] = '\0';
     if (path[n] == '\0') {
       snprintf(last, last_size, "%s", word);
       return at;
     }
-    path += n + 1;
-    if (word[0] == '[') {
-      at = config_setting_get_elem(at, (unsigned)strtoul(word + 1, NULL, 10));
+    path += path[n] == '.' ? n + 1 : n;
+    if (bracket || (!config_setting_is_group(at) && isdigit((unsigned char)word[0]))) {
+      at = config_setting_get_elem(at, (unsigned)strtoul(word + bracket, NULL, 10));
     } else {
       config_setting_t *child = config_setting_get_member(at, word);
       if (child == NULL) child = config_setting_add(at, word, CONFIG_TYPE_GROUP);

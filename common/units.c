@@ -104,28 +104,46 @@ static bool is_unit_character(unsigned char c) {
   return isalpha(c) || c == '%' || c >= 0x80;
 }
 
+/* The middle dot, and the superscripts that typeset units have; all of them UTF-8 with c2 first. */
+static bool is_middle_dot(const char *c) {
+  return !strncmp(c, "\xc2\xb7", 2);
+}
+static int superscript(const char *c) {
+  return !strncmp(c, "\xc2\xb2", 2) ? 2 : !strncmp(c, "\xc2\xb3", 2) ? 3 : 0;
+}
+
 /* Multiplies *value and *dimension by the unit expression at `text`: factors parted by spaces, '*'
- * or the middle dot, at most powers ("^2", "^-1", "2"), '/' turning the next factor over.
- * A middle dot is a separator (UTF-8 c2 b7). False with *bad set to the offending word. */
+ * or the middle dot, with powers ("^2", "^-1", "2"), '/' turning over the next factor, or all
+ * factors in the brackets that follow. False with *bad set to the offending word. */
 static bool parse_units(const char *text, double *value, struct dimension *dimension, char *bad,
                         size_t bad_size) {
-  int sign = 1;
+  int sign = 1, group = 1; /* group: the sign within brackets */
+  bool open = false;
   while (*text) {
     if (isspace((unsigned char)*text) || *text == '*') {
       text++;
       continue;
     }
-    if (!strncmp(text, "\xc2\xb7", 2)) {
+    if (is_middle_dot(text)) {
       text += 2;
       continue;
     }
     if (*text == '/') {
-      sign = -1;
+      sign = -group;
+      text++;
+      continue;
+    }
+    if (*text == (open ? ')' : '(') && !(open && sign != group)) {
+      group = open ? 1 : sign;
+      sign = group;
+      open = !open;
       text++;
       continue;
     }
     size_t n = 0;
-    while (is_unit_character((unsigned char)text[n]) && strncmp(text + n, "\xc2\xb7", 2)) n++;
+    while (is_unit_character((unsigned char)text[n]) && !is_middle_dot(text + n) &&
+           !superscript(text + n))
+      n++;
     const struct unit *unit = NULL;
     for (size_t i = 0; i < sizeof units / sizeof *units; i++)
       if (strlen(units[i].name) == n && !strncmp(units[i].name, text, n)) unit = &units[i];
@@ -136,11 +154,16 @@ static bool parse_units(const char *text, double *value, struct dimension *dimen
     }
     text += n;
     long power = 1;
-    if (*text == '^') text++;
-    if (isdigit((unsigned char)*text) || (*text == '-' && isdigit((unsigned char)text[1]))) {
-      char *end;
-      power = strtol(text, &end, 10);
-      text = end;
+    if (superscript(text)) {
+      power = superscript(text);
+      text += 2;
+    } else {
+      if (*text == '^') text++;
+      if (isdigit((unsigned char)*text) || (*text == '-' && isdigit((unsigned char)text[1]))) {
+        char *end;
+        power = strtol(text, &end, 10);
+        text = end;
+      }
       if (labs(power) > 9) {
         snprintf(bad, bad_size, "%s^%ld", unit->name, power);
         return false;
@@ -151,10 +174,10 @@ static bool parse_units(const char *text, double *value, struct dimension *dimen
     dimension->m += p * unit->dimension.m;
     dimension->kg += p * unit->dimension.kg;
     dimension->s += p * unit->dimension.s;
-    sign = 1;
+    sign = group;
   }
-  if (sign < 0) {
-    snprintf(bad, bad_size, "/");
+  if (sign != 1 || open) {
+    snprintf(bad, bad_size, open ? "(" : "/");
     return false;
   }
   return true;

@@ -201,6 +201,9 @@ static enum status read_planes(struct config *config, struct scene *scene) {
     }
     if (axes_given != 1)
       TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
+    if (scene->dimensions == 2 && plane->axis == 1)
+      TRY(config_error(config, config_child(config, group, "y"),
+                       "a 2-D scene lives in x and z: give x or z"));
     if (plane->position < 0 || plane->position > scene->domain_size[plane->axis])
       TRY(config_error(config, config_child(config, group, axes[plane->axis]),
                        "%g m lies outside the domain (0 to %g m)", plane->position,

@@ -131,6 +131,23 @@ static void test_overrides(void **state) {
   assert_true(scene.method == METHOD_ISPH && scene.gravity[2] == -1.62);
   assert_non_null(strstr(scene.text, "# --set isph.tau=0.05 s"));
   scene_free(&scene);
+  const char *indexed[] = {"regions[1].porosity=0.6", "fluids.0.viscosity=2 mPa s"};
+  assert_int_equal(scene_read(path, indexed, 2, &scene), STATUS_OK);
+  assert_true(scene.regions[1].porosity == 0.6 && scene.fluid.viscosity == 2e-3);
+  scene_free(&scene);
+  const char *const nowhere[] = {"regions[9].porosity=0.6",
+                                 "regions[1.porosity=0.6",
+                                 "regions.9.x=1",
+                                 "[0].x=1",
+                                 "regions[]=1",
+                                 "regions.[1]=1",
+                                 ".x=1",
+                                 "scene..x=1"};
+  for (size_t i = 0; i < sizeof nowhere / sizeof *nowhere; i++) {
+    assert_int_equal(scene_read(path, &nowhere[i], 1, &scene),
+                     i == 3 ? STATUS_INPUT : STATUS_USAGE);
+    error_clear();
+  }
   const char *wrong[] = {"isph.tua=0.05 s"};
   assert_int_equal(scene_read(path, wrong, 1, &scene), STATUS_INPUT);
   assert_non_null(strstr(error_message(), "did you mean 'tau'"));

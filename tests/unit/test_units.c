@@ -37,6 +37,12 @@ static void test_right(void **state) {
   parses("-9.8 m/s^2", DIM_ACCELERATION, -9.8);
   parses("9.8 m s^-2", DIM_ACCELERATION, 9.8);
   parses("9.8 m/s2", DIM_ACCELERATION, 9.8);
+  parses("9.8 m/s\xc2\xb2", DIM_ACCELERATION, 9.8);
+  parses("1000 kg/m\xc2\xb3", DIM_DENSITY, 1000);
+  parses("1e-3 kg/(m s)", DIM_VISCOSITY, 1e-3);
+  parses("1e-3 kg/(m\xc2\xb7s)", DIM_VISCOSITY, 1e-3);
+  parses("2 (Pa/m)", DIM_PRESSURE_GRADIENT, 2);
+  parses("2 m/(s/Hz)", DIM_ACCELERATION, 2);
   parses("1 G", DIM_ACCELERATION, 9.80665);
   parses("1000 kg/m^3", DIM_DENSITY, 1000);
   parses("1 g/cm^3", DIM_DENSITY, 1000);
@@ -59,6 +65,10 @@ static void test_wrong(void **state) {
   refuses("inf", DIM_NONE, "no number");
   refuses("1e999 m", DIM_LENGTH, "not finite");
   refuses("1 m/", DIM_LENGTH, "unknown unit");
+  refuses("1 kg/(m s", DIM_VISCOSITY, "unknown unit '('");
+  refuses("1 kg/m)", DIM_LENGTH, "unknown unit ')'");
+  refuses("1 kg/(m/)", DIM_LENGTH, "unknown unit");
+  refuses("1 m\xc2\xb2\xc2\xb3", DIM_LENGTH, "unknown unit");
   refuses("1 m^99", DIM_LENGTH, "unknown unit");
   refuses("1 m", DIM_NONE, "is in m");
   refuses("0 s", DIM_LENGTH, "is in s");
