@@ -65,7 +65,8 @@ $(BUILD)/config-mpi.mk: Makefile scripts/install-deps
 	$(Q)scripts/install-deps $(if $(INSTALLS),,--check) --mpi
 	$(Q)mkdir -p $(@D)
 	$(Q)printf 'MPI_CFLAGS = %s\nMPI_LIBS = %s -lm -lz -lpthread\n' \
-	  "$$(pkg-config --cflags $(MPI_PACKAGES) | sed 's/-I/-isystem /g')" "$$(pkg-config --libs $(MPI_PACKAGES))" > $@
+	  "$$(pkg-config --cflags $(MPI_PACKAGES) | sed 's/-I/-isystem /g') -isystem /usr/include/trilinos" \
+	  "$$(pkg-config --libs $(MPI_PACKAGES)) -ltrilinos_zoltan" > $@
 deps:
 	scripts/install-deps $(if $(filter 1,$(MPI)),--mpi)
 

@@ -2,58 +2,40 @@
 
 #include <math.h>
 
+#include "common/balance.h"
 #include "common/memory.h"
 #include "common/ranks.h"
 
-/* Cuts greedily with no slab heavier than `most`; returns how many come out, more than `ranks`
- * where that is not possible. */
-static int cut(size_t planes, const double *work, size_t unit, double most, int ranks,
-               size_t *start) {
-  const size_t units = planes / unit > 0 ? planes / unit : 1;
-  int slab = 0;
-  double sum = 0.0;
-  start[0] = 0;
-  for (size_t u = 0; u < units; u++) {
-    const size_t end = u + 1 == units ? planes : (u + 1) * unit;
-    double next = 0.0;
-    for (size_t p = u * unit; p < end; p++) next += work[p];
-    if (sum > 0.0 && sum + next > most && slab + 1 < ranks) {
-      start[++slab] = u * unit;
-      sum = 0.0;
-    }
-    sum += next;
-    if (sum > most) return ranks + 1;
-  }
-  for (int r = slab + 1; r <= ranks; r++) start[r] = planes;
-  return slab + 1;
-}
-
 enum status slabs_make(size_t planes, const double *work, size_t unit, struct slabs *s) {
   enum status status = STATUS_OK;
-  const int ranks = ranks_count();
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const size_t units = planes / unit > 0 ? planes / unit : 1;
+  const size_t first = units * own / ranks, end = units * (own + 1) / ranks;
+  double *heavy = NULL, total = 0, heaviest = 0;
+  size_t *cut = NULL;
   *s = (struct slabs){.planes = planes};
-  TRY(memory_allocate(&s->start, (size_t)ranks + 1, sizeof *s->start, "slabs"));
-  double total = 0.0, heaviest = 0.0;
-  for (size_t p = 0; p < planes; p++) total += work[p];
-  /* The least heaviest slab, by bisection; none can be lighter than the mean. */
-  double low = total / ranks, high = total * (1 + 1e-9);
-  for (int i = 0; i < 40; i++) {
-    const double middle = 0.5 * (low + high);
-    if (cut(planes, work, unit, middle, ranks, s->start) <= ranks)
-      high = middle;
-    else
-      low = middle;
+  TRY(memory_allocate(&s->start, ranks + 1, sizeof *s->start, "slabs"));
+  TRY(memory_allocate(&cut, ranks + 1, sizeof *cut, "slabs"));
+  TRY(memory_allocate(&heavy, units, sizeof *heavy, "slabs"));
+  for (size_t p = 0; p < planes; p++) {
+    heavy[p / unit < units ? p / unit : units - 1] += work[p];
+    total += work[p];
   }
-  s->count = cut(planes, work, unit, high, ranks, s->start);
-  for (int r = 0; r < s->count; r++) {
-    double sum = 0.0;
-    for (size_t p = s->start[r]; p < s->start[r + 1]; p++) sum += work[p];
+  /* Each rank tells Zoltan of some. */
+  TRY(balance_cut(units, first, end - first, heavy + first, cut));
+  for (size_t r = 0; r < ranks; r++) {
+    double sum = 0;
+    for (size_t u = cut[r]; u < cut[r + 1]; u++) sum += heavy[u];
     heaviest = fmax(heaviest, sum);
+    if (cut[r + 1] > cut[r]) s->start[s->count++] = cut[r] * unit;
   }
-  s->imbalance = total > 0.0 ? heaviest / (total / ranks) : 1.0;
-  s->begin = s->start[ranks_own()];
-  s->end = s->start[ranks_own() + 1];
+  for (size_t r = (size_t)s->count; r <= ranks; r++) s->start[r] = planes;
+  s->imbalance = total > 0 ? heaviest / (total / (double)ranks) : 1;
+  s->begin = s->start[own];
+  s->end = s->start[own + 1];
 cleanup:
+  memory_free(&heavy);
+  memory_free(&cut);
   return status;
 }
 

@@ -3,62 +3,45 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/balance.h"
 #include "common/memory.h"
 
 /* Cut anew by work where the busiest rank has so much more than the mean. */
 #define IMBALANCE_MOST 1.05
 
-/* The place, as a share of all clusters, up to which the runs of the last cut held `wanted` work.
- */
-static double place_of(const size_t *cut, const double *work, double wanted) {
-  const int ranks = ranks_count();
-  double sum = 0;
-  for (int r = 0; r < ranks; r++) {
-    if (work[r] > 0 && sum + work[r] >= wanted)
-      return ((double)cut[r] + (double)(cut[r + 1] - cut[r]) * (wanted - sum) / work[r]) /
-             (double)cut[ranks];
-    sum += work[r];
-  }
-  return 1;
+static size_t units_of(size_t items, size_t unit) {
+  return (items + unit - 1) / unit;
 }
 
-enum status ghosts_cut(struct ghosts *g, size_t items, size_t unit, double own_work) {
+enum status ghosts_cut(struct ghosts *g, size_t items, size_t unit, const double *work) {
   enum status status = STATUS_OK;
-  const int ranks = ranks_count();
-  size_t *old = g->cut, *each = NULL;
-  double *work = NULL;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  size_t *cut = NULL;
+  double sum = 0;
   if (ranks == 1) {
     g->end = items;
     return STATUS_OK;
   }
-  double total = 0, most = 0;
-  g->cut = NULL;
-  TRY(memory_allocate(&g->cut, (size_t)ranks + 1, sizeof *g->cut, "shares of the ranks"));
-  TRY(memory_allocate(&each, (size_t)ranks + 1, sizeof *each, "shares of the ranks"));
-  TRY(memory_allocate(&work, (size_t)ranks, sizeof *work, "shares of the ranks"));
-  for (int r = 0; r <= ranks; r++) each[r] = (size_t)r;
-  work[ranks_own()] = own_work;
-  ranks_gather(work, each, sizeof *work);
-  for (int r = 0; r < ranks; r++) {
-    total += work[r];
-    most = fmax(most, work[r]);
+  TRY(memory_allocate(&cut, ranks + 1, sizeof *cut, "shares of the ranks"));
+  const bool known = g->cut != NULL && work != NULL && g->cut[ranks] > 0;
+  const size_t units = known ? units_of(g->cut[ranks], unit) : ranks;
+  for (size_t r = 0; r <= ranks; r++) cut[r] = known ? units_of(g->cut[r], unit) : r;
+  const size_t here = known ? cut[own + 1] - cut[own] : 0;
+  for (size_t u = 0; u < here; u++) sum += work[u];
+  const double most = ranks_max(sum), total = ranks_sum(sum);
+  if (known) g->imbalance = total > 0 ? most * (double)ranks / total : 1;
+  if (known && g->imbalance > IMBALANCE_MOST) TRY(balance_cut(units, cut[own], here, work, cut));
+  if (g->cut == NULL)
+    TRY(memory_allocate(&g->cut, ranks + 1, sizeof *g->cut, "shares of the ranks"));
+  for (size_t r = 0; r <= ranks; r++) {
+    const double place = (double)cut[r] / (double)units;
+    const size_t at = (size_t)lrint(place * (double)items / (double)unit) * unit;
+    g->cut[r] = at < items && r < ranks ? at : items;
   }
-  g->imbalance = total > 0 ? most * ranks / total : 1;
-  for (int r = 1; r < ranks; r++) {
-    double place = (double)r / ranks;
-    if (old != NULL && total > 0)
-      place = g->imbalance > IMBALANCE_MOST ? place_of(old, work, total * r / ranks)
-                                            : (double)old[r] / (double)old[ranks];
-    size_t units = (size_t)lrint(place * (double)items / (double)unit);
-    g->cut[r] = units * unit < items ? units * unit : items;
-  }
-  g->cut[ranks] = items;
-  g->begin = g->cut[ranks_own()];
-  g->end = g->cut[ranks_own() + 1];
+  g->begin = g->cut[own];
+  g->end = g->cut[own + 1];
 cleanup:
-  memory_free(&old);
-  memory_free(&each);
-  memory_free(&work);
+  memory_free(&cut);
   return status;
 }
 

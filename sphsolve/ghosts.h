@@ -35,9 +35,10 @@ struct ghosts {
   bool pending;
 };
 
-/* Collective: cuts `items` items at multiples of `unit`, evenly or, where the work of the last cut
- * is known (`own_work` of this rank, 0: not known) and uneven, by it. */
-enum status ghosts_cut(struct ghosts *ghosts, size_t items, size_t unit, double own_work);
+/* Collective: cuts `items` items at multiples of `unit`: evenly at first; then as the last time, or
+ * by Zoltan where the busiest rank had too much more than the mean. `work`: of this rank's units of
+ * the last cut, counted; NULL on all ranks where it is not known. */
+enum status ghosts_cut(struct ghosts *ghosts, size_t items, size_t unit, const double *work);
 void ghosts_free(struct ghosts *ghosts);
 /* The place of item `here` in the order of all. */
 static inline size_t ghosts_number(const struct ghosts *g, size_t here) {

@@ -161,6 +161,7 @@ void engine_free(struct engine *engine) {
   ghosts_free(&engine->ranks.fluid);
   ghosts_free(&engine->ranks.walls);
   memory_free(&engine->ranks.blocks);
+  memory_free(&engine->ranks.work);
   particles_free(&engine->particles);
 }
 

@@ -41,7 +41,8 @@ struct engine_ranks {
   struct ghosts fluid, walls;
   uint32_t *blocks; /* of own rows: first those that read no ghost */
   size_t inner, count;
-  double work; /* of own rows, 1 and more; 0: not known */
+  double *work; /* of own rows, by units of the cut; NULL: not known */
+  double work_sum;
 };
 
 struct engine {

@@ -1,6 +1,5 @@
 #include "sphsolve/engine/engine_ranks.h"
 
-#include <math.h>
 #include <omp.h>
 
 #include "common/memory.h"
@@ -15,9 +14,9 @@ enum status engine_share_out(struct engine *engine) {
   ranks->fluid.tag = 3;
   ranks->walls.tag = 4;
   ranks->fluid.bytes_most = ranks->walls.bytes_most = GHOST_FIELDS * FIELD_BYTES;
-  TRY(ghosts_cut(&ranks->fluid, engine->particles.clusters, UNIT, fmax(0, ranks->work - 1)));
+  TRY(ghosts_cut(&ranks->fluid, engine->particles.clusters, UNIT, ranks->work));
   if (ranks->walls.cut == NULL)
-    TRY(ghosts_cut(&ranks->walls, engine->particles.wall_clusters, UNIT, 0));
+    TRY(ghosts_cut(&ranks->walls, engine->particles.wall_clusters, UNIT, NULL));
 cleanup:
   return status;
 }
@@ -71,9 +70,18 @@ enum status engine_find_ghosts(struct engine *engine) {
   if (engine->wall_fluid.rows > 0) want(fluid, &engine->wall_fluid, walls->begin, walls->end);
   TRY(ghosts_agree(fluid, p->clusters));
   if (states) TRY(ghosts_agree(walls, p->wall_clusters));
-  /* Work is what the pair loops look at; 1 tells that there is any. */
-  ranks->work = 1 + words_of(&engine->fluid_fluid, fluid->begin, fluid->end) +
-                words_of(&engine->fluid_wall, fluid->begin, fluid->end);
+  /* Work is what the pair loops look at. */
+  const size_t units = (fluid->end - fluid->begin + UNIT - 1) / UNIT;
+  memory_free(&ranks->work);
+  TRY(memory_allocate(&ranks->work, units + 1, sizeof *ranks->work, "work of the ranks"));
+  ranks->work_sum = 0;
+  for (size_t u = 0; u < units; u++) {
+    const size_t begin = fluid->begin + u * UNIT;
+    const size_t end = begin + UNIT < fluid->end ? begin + UNIT : fluid->end;
+    ranks->work[u] =
+        words_of(&engine->fluid_fluid, begin, end) + words_of(&engine->fluid_wall, begin, end);
+    ranks->work_sum += ranks->work[u];
+  }
 cleanup:
   memory_free(&fluid->wanted);
   memory_free(&walls->wanted);

@@ -74,6 +74,7 @@ static struct particle particle_at(const struct isph *s, size_t i) {
 static enum status cut(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t layers = (size_t)layer_count(s), plane = layer_cells(s);
+  double *work = NULL;
   if (s->layer_start == NULL) {
     TRY(memory_allocate(&s->layer_start, layers + 1, sizeof *s->layer_start, "shares"));
     TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
@@ -85,9 +86,13 @@ static enum status cut(struct isph *s) {
   s->total = (size_t)s->layer_start[layers];
   s->share.tag = TAG;
   s->share.bytes_most = sizeof(double[6]);
-  TRY(ghosts_cut(&s->share, s->total, CHUNK, s->pairs_now));
+  TRY(memory_allocate(&work, s->chunk_count + 1, sizeof *work, "shares"));
+  for (size_t c = 0; c < s->chunk_count; c++)
+    work[c] = (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
+  TRY(ghosts_cut(&s->share, s->total, CHUNK, work));
   for (int r = 0; r <= ranks_count(); r++) s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
 cleanup:
+  memory_free(&work);
   return status;
 }
 

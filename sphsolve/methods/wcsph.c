@@ -195,7 +195,7 @@ static void add_force_times(const struct wcsph_run *run, double seconds) {
 
 /* Work of the busiest rank over the mean, with the last lists. */
 static double imbalance_of(const struct engine *engine) {
-  const double work = engine->ranks.work, total = ranks_sum(work);
+  const double work = engine->ranks.work_sum, total = ranks_sum(work);
   return total > 0 ? ranks_max(work) * ranks_count() / total : 1;
 }
 

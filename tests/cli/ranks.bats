@@ -33,6 +33,10 @@ stokes() { # NAME [options]
   echo run s06.cfg --set model.file=dense.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o "$name" --quiet "$@"
 }
 
+@test "rows of 1 to 200 items are cut evenly on 1, 2, 3, 4 ranks" {
+  for n in 1 2 3 4; do on $n ranks_balance-mpi; done
+}
+
 @test "stokes: one application of the operator on 1, 2, 3, 4 ranks" {
   local vectors="" c
   for c in 0 1 2 3; do vectors="$vectors operator$c residual$c"; done
