@@ -51,3 +51,25 @@ END
   run sphsolve explain "$ROOT/data-samples/scenes/dam-break.cfg" --ranks 0
   [ "$status" -eq 2 ]
 }
+
+@test "method isph: steps as foretold, within a factor 2 of those a run takes" {
+  cd "$BATS_FILE_TMPDIR"
+  scenes=$ROOT/data-samples/scenes
+  while read -r scene sets; do
+    set -- $sets
+    sphsolve explain "$scenes/$scene" "$@" --threads 1 --json > foretold.json
+    sphsolve run "$scenes/$scene" "$@" --threads 1 -o pace --json > took.json
+    /usr/bin/python3 - "$scene" <<'END'
+import json, sys
+foretold, took = json.load(open("foretold.json")), json.load(open("took.json"))
+assert 0.5 < foretold["steps"] / took["steps"] < 2, (sys.argv[1], foretold["steps"], took["steps"])
+END
+  done <<'END'
+still-tank.cfg --set isph.dt=auto --set scene.end_time=1s
+dam-break.cfg --set domain.spacing=1.46cm
+seepage-dam.cfg --set scene.end_time=1.5s
+seepage-heads.cfg --set isph.dt=auto --set scene.end_time=1s
+seepage-column.cfg
+gate.cfg
+END
+}
