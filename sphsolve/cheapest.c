@@ -9,6 +9,10 @@
 static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
 static const char *const wall_names[] = {"frozen", "adami", "subvoxel"};
 
+/* An expectation is known within this factor (docs/physics.md): settings that reach an error for
+ * certain are expected to stay below it by as much. */
+#define SURE 2.0
+
 /* Finer and coarser than the scene by no more than this. */
 #define REFINED_LEAST 0.1
 #define REFINED_MOST 50.0
@@ -26,8 +30,9 @@ static double refinement(const struct pore_shape *shape, enum method method, enu
     else
       low = middle;
   }
-  /* Two sites across a mean pore: less is no flow. */
-  return fmax(high, 2.0 / shape->width);
+  /* Two sites across a mean pore, less is no flow, and across a mean grain: water on both sides of
+   * a thinner one is neighbours. */
+  return fmax(high, 2.0 / fmin(shape->width, shape->grain));
 }
 
 /* `refined` raised until the longest side is of whole sites, and every periodic one of a domain. */
@@ -60,7 +65,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
     error_clear(); /* this method cannot run the scene */
     return STATUS_OK;
   }
-  double refined = refinement(&plan.shape, method, wall, cheapest->wanted);
+  double refined = refinement(&plan.shape, method, wall, cheapest->wanted / SURE);
   if (isnan(refined)) return STATUS_OK;
   size_t body[3];
   for (int a = 0; a < 3; a++)
@@ -124,12 +129,15 @@ static void print_candidate(const struct candidate *c) {
   printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", method_names[c->method],
          wall_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
   if (c->sound_speed > 0) printf(", sound %.4g m/s", c->sound_speed);
-  printf(": error %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
+  printf(": error about %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
 }
 
 void cheapest_print(const struct plan *plan, const struct cheapest *cheapest) {
   const struct scene *scene = plan->context.scene;
-  printf("\nwanted     %.3g %%\n", 100 * cheapest->wanted);
+  printf(
+      "\nwanted     %.3g %%: by settings from which half of it is expected, for expectations are "
+      "good to a factor %g\n",
+      100 * cheapest->wanted, SURE);
   if (cheapest->count == 0) {
     printf("cheapest   none: no setting up to %g times finer reaches it; extrapolate with analyze "
            "converge\n",

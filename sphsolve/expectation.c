@@ -27,7 +27,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   double before = 0.0, behind = 0.0, edges = 0.0;
   int axes = 0;
   bool across = false;
-  *shape = (struct pore_shape){.width = INFINITY};
+  *shape = (struct pore_shape){.width = INFINITY, .grain = INFINITY};
   if (l->wall_count == 0) return;
   for (int a = 0; a < 3; a++) {
     double here = 0.0;
@@ -67,6 +67,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGED;
   if (shape->straight) shrinks = log(before / behind);
   shape->width = 4.0 * fluid / surface;
+  if (!boxes) shape->grain = 2.0 * ((double)l->bulk_count - fluid) / surface;
   shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
   shape->outer = outer / surface;
   shape->middle = middle / surface;

@@ -213,3 +213,41 @@ for what, foretold, measured in pairs:
     assert 0.5 < foretold / measured < 2, (what, foretold, measured)' "$SPH" run duct.cfg "${words[@]}" -o out --json --threads 1
   done
 }
+
+@test "explain --error of a model: few spheres reach the error with as many sites as it names" {
+  /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "no h5py"
+  cat > spheres.py << 'END'
+import sys
+import h5py
+import numpy as np
+n, side, c = int(sys.argv[1]), 60e-6, 0.125
+x = (np.arange(n) + 0.5) * side / n
+at = [(x - place * side + side / 2) % side - side / 2 for place in (0.31, 0.47, 0.63)]
+distance = np.sqrt(at[0][:, None, None] ** 2 + at[1][:, None] ** 2 + at[2] ** 2) - side * (3 * c / 4 / np.pi) ** (1 / 3)
+with h5py.File("spheres.hdf", "w") as file:
+    file["model/solid"] = (distance <= 0).astype("u1")
+    file["model/wall_distance"] = distance.astype("f4")
+    file["model"].attrs["spacing"] = [side / n] * 3
+END
+  cat > spheres.cfg << 'END'
+scene = { name = "spheres"; };
+model = { file = "spheres.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["-9.8 m/s^2", "0", "0"]; };
+END
+  for wanted in 0.05 0.01; do
+    /usr/bin/python3 spheres.py 24
+    "$SPH" explain spheres.cfg --error $wanted --json > plan.json
+    eval "$(python3 -c '
+import json
+best = json.load(open("plan.json"))["cheapest"]["settings"][0]
+print("method=%s wall=%s sites=%d" % (best["method"], best["wall"], best["size"][0]))')"
+    /usr/bin/python3 spheres.py $sites
+    "$SPH" run spheres.cfg -o spheres-run --set scene.method=$method --set $method.wall=$wall --json > run.json
+    python3 -c '
+import json, math, sys
+exact = 2 * (60e-6 * (3 * 0.125 / 4 / math.pi) ** (1 / 3)) ** 2 / (9 * 0.125 * 4.29159)
+k = json.load(open("run.json"))["intrinsic_permeability"]
+assert abs(k / exact - 1) < float(sys.argv[1]), k / exact' $wanted
+  done
+}
