@@ -220,7 +220,7 @@ for what, foretold, measured in pairs:
 import sys
 import h5py
 import numpy as np
-n, side, c = int(sys.argv[1]), 60e-6, 0.125
+n, side, c = int(sys.argv[1]), 24e-6, 0.125
 x = (np.arange(n) + 0.5) * side / n
 at = [(x - place * side + side / 2) % side - side / 2 for place in (0.31, 0.47, 0.63)]
 distance = np.sqrt(at[0][:, None, None] ** 2 + at[1][:, None] ** 2 + at[2] ** 2) - side * (3 * c / 4 / np.pi) ** (1 / 3)
@@ -246,7 +246,7 @@ print("method=%s wall=%s sites=%d" % (best["method"], best["wall"], best["size"]
     "$SPH" run spheres.cfg -o spheres-run --set scene.method=$method --set $method.wall=$wall --json > run.json
     python3 -c '
 import json, math, sys
-exact = 2 * (60e-6 * (3 * 0.125 / 4 / math.pi) ** (1 / 3)) ** 2 / (9 * 0.125 * 4.29159)
+exact = 2 * (24e-6 * (3 * 0.125 / 4 / math.pi) ** (1 / 3)) ** 2 / (9 * 0.125 * 4.29159)
 k = json.load(open("run.json"))["intrinsic_permeability"]
 assert abs(k / exact - 1) < float(sys.argv[1]), k / exact' $wanted
   done
