@@ -96,9 +96,9 @@ TARGETS void pixels_to_float(float *restrict out, const void *restrict in, size_
 }
 
 #define SWAP(bits)                                                                                 \
-  for (size_t i = 0; i < n; i++) {                                                                 \
-    const uint##bits##_t value = __builtin_bswap##bits(load_uint##bits##_t(bytes + bits / 8 * i)); \
-    memcpy(bytes + bits / 8 * i, &value, bits / 8);                                                \
+  for (size_t i = 0; i < n; i++, bytes += sizeof(uint##bits##_t)) {                                \
+    const uint##bits##_t value = __builtin_bswap##bits(load_uint##bits##_t(bytes));                \
+    memcpy(bytes, &value, sizeof value);                                                           \
   }                                                                                                \
   break
 
