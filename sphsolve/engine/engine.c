@@ -176,6 +176,7 @@ static void run_pass(struct engine *engine, pass_function *function, bool wall,
   const size_t blocks = (clusters + BLOCK - 1) / BLOCK;
   /* Rows that add to sums of others: few long runs, for they meet where runs do. */
   const bool adds = engine->locals[0].collected != NULL && phase == PHASE_DENSITY;
+  // NOLINTNEXTLINE: it is read, by the schedule
   const int run = adds ? 1 + (int)(blocks / (16 * (size_t)engine->threads)) : 1;
 #pragma omp parallel num_threads(engine->threads)
   {
