@@ -153,8 +153,8 @@ void pixel_rows_read(const struct pixel_rows *rows, size_t y, size_t n, float *o
 }
 
 const float *pixel_rows_at(const struct pixel_rows *rows, size_t y, size_t n, float *row) {
-  if (rows->type == PIXEL_F32 && rows->scale > 0.0f)
-    return (const float *)((const char *)rows->first + y * rows->stride);
+  const void *there = (const char *)rows->first + y * rows->stride;
+  if (rows->type == PIXEL_F32 && rows->scale > 0.0f) return there;
   pixel_rows_read(rows, y, n, row);
   return row;
 }

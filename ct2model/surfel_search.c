@@ -39,6 +39,7 @@ INLINE float nearest_disc(const uint32_t *restrict places, const uint32_t *restr
     } square = {height * height + beyond * beyond};
     /* Lanes behind the last are INT32_MAX, said without a condition: one would split the loop and
      * leave half of the discs to its rest. */
+    /* cppcheck-suppress shiftTooManyBitsSigned ; gcc and clang shift the sign in, as above */
     const int32_t bits = square.bits | (int32_t)((uint32_t)((n - 1 - i) >> 31) >> 1);
     least.bits = bits < least.bits ? bits : least.bits;
   }
