@@ -31,8 +31,9 @@ struct series {
 static enum status measure(const struct run *run, struct level *level) {
   enum status status = STATUS_OK;
   struct steady steady;
-  if (!(run->hydraulic_gradient > 0.0))
-    TRY_FAIL(STATUS_INPUT, "%s: the run has no driving force, so it has no permeability",
+  if (!run_has_permeability(run))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: the run has no driving force along its flow, so it has no permeability",
              run->path);
   TRY(steady_darcy(run, &steady));
   double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
@@ -282,8 +283,12 @@ static void write_plot(const struct level *levels, const struct series *series, 
     fprintf(stream, "$k%zu using 1:2 with points pointsize 1.2 linewidth 1.5 linecolor rgb '%s'", g,
             plot_colours[g % PLOT_COLOURS]);
     plot_point_style(stream, g);
-    snprintf(title, sizeof title, "%.80s%s%.80s%s, order %.2f", run->method,
-             run->wall[0] ? ", " : "", run->wall, run->wall[0] ? " walls" : "", s->result.order);
+    const int used = snprintf(title, sizeof title, "%.80s%s%.80s%s", run->method,
+                              run->wall[0] ? ", " : "", run->wall, run->wall[0] ? " walls" : "");
+    if (isfinite(s->result.order))
+      snprintf(title + used, sizeof title - (size_t)used, ", order %.2f", s->result.order);
+    else if (s->count > 1)
+      snprintf(title + used, sizeof title - (size_t)used, ", order %g assumed", s->formal_order);
     fputs(" title ", stream);
     plot_text(stream, title);
   }

@@ -41,6 +41,11 @@ static enum status collect(struct darcy_table *table) {
                "%s: the run has no driving force, so there is no hydraulic gradient; set "
                "force.body_acceleration in its scene, or leave it out",
                run->path);
+    if (!run_has_permeability(run))
+      TRY_FAIL(STATUS_INPUT,
+               "%s: the run has no permeability: neither does a force drive water round, nor two "
+               "heads along a column; take the flux of a plane (analyze history), or leave it out",
+               run->path);
     TRY(steady_darcy(run, &point->steady));
     point->group = group[i];
     point->gradient = run->hydraulic_gradient;
@@ -248,8 +253,11 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
 }
 
 static void write_plot(const struct darcy_table *table, FILE *stream) {
-  double widest = 0.0;
-  for (size_t i = 0; i < table->n; i++) widest = fmax(widest, table->points[i].gradient);
+  double widest = 0.0, lowest = 0.0;
+  for (size_t i = 0; i < table->n; i++) {
+    widest = fmax(widest, table->points[i].gradient);
+    lowest = fmin(lowest, 110.0 * table->points[i].steady.mean);
+  }
   for (size_t g = 0; g < table->groups; g++) {
     fprintf(stream, "$group%zu << EOD\n", g);
     for (size_t i = 0; i < table->n; i++) {
@@ -272,10 +280,10 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
   fprintf(stream,
           "set xlabel 'Hydraulic gradient {/:Italic i} (-)'\n"
           "set ylabel 'Darcy velocity (cm/s)'\n"
-          "set xrange [0:%.6g]\nset yrange [0:*]\nset samples 400\n"
+          "set xrange [0:%.6g]\nset yrange [%.6g:*]\nset samples 400\n"
           "set key top left reverse Left spacing 1.3\n"
           "plot ",
-          1.08 * widest);
+          1.08 * widest, lowest);
   for (size_t g = 0; g < table->groups; g++) {
     char name[400], title[600];
     run_group_name(table->first[g], name, sizeof name);

@@ -156,6 +156,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
   for (size_t i = 0; i < n; i++) {
     const struct run_history *h = &table[i];
     char end[32], from[32] = "not steady", density[32] = "-", error[32] = "unknown";
+    const double percent = 100.0 * h->steady.error95 / fabs(h->steady.mean);
     snprintf(end, sizeof end, h->stationary ? "%.4g iterations" : "%.4g s", h->times[h->rows - 1]);
     if (h->stationary)
       snprintf(from, sizeof from, "stationary");
@@ -164,7 +165,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
     if (isfinite(h->density_peak))
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
     if (isfinite(h->steady.error95))
-      snprintf(error, sizeof error, "%.2g %%", 100.0 * h->steady.error95 / fabs(h->steady.mean));
+      snprintf(error, sizeof error, percent < 100.0 ? "%.2g %%" : "%.0f %%", percent);
     fprintf(stream, "  %-26.60s %14s %14s %14.6g %9s %12s %11s\n", h->run->name, end, from,
             h->steady.mean, error, density, h->run->status);
   }

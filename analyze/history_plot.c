@@ -78,6 +78,12 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   fputs("\nunset logscale y\nset format y\n", stream);
 }
 
+/* A panel of its own: what scenes and methods add. The works of the energy's account are a table
+ * (/run/ledger), twenty panels of which would hide the gauges. */
+static bool has_panel(const struct history_column *column) {
+  return !history_is_standard(column->name) && strncmp(column->name, "work_", 5) != 0;
+}
+
 void history_plot(const struct run_history *table, size_t n, struct product *product) {
   FILE *stream = product->plot.stream;
   size_t panels = 1, extras = 0;
@@ -89,7 +95,7 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     any_peak = any_peak || fabs(table[i].density_peak - 1.0) > 1e-9; /* false for NAN */
   }
   for (size_t c = 0; c < table[0].run->column_count; c++)
-    extras += !history_is_standard(table[0].run->columns[c].name);
+    extras += has_panel(&table[0].run->columns[c]);
   panels += (size_t)any_density + (size_t)any_peak + extras;
   size_t across = panels > 1 ? 2 : 1, down = (panels + across - 1) / across;
   bool iterations = table[0].stationary;
@@ -134,7 +140,7 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     fputs("\nset yrange [*:*]\n", stream);
   }
   for (size_t c = 0; c < table[0].run->column_count; c++)
-    if (!history_is_standard(table[0].run->columns[c].name))
+    if (has_panel(&table[0].run->columns[c]))
       plot_extra(stream, table, n, time_scale, time_label, c);
   fputs("unset multiplot\n", stream);
 }

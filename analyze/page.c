@@ -73,7 +73,7 @@ cleanup:
 
 static bool all_driven(const struct page *page) {
   for (size_t i = 0; i < page->n; i++)
-    if (!(page->runs[i].hydraulic_gradient > 0.0)) return false;
+    if (!run_has_permeability(&page->runs[i])) return false;
   return true;
 }
 

@@ -137,7 +137,8 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
   int decimals = digits - 1 - order;
   if (order >= -4 && order < 6)
-    fprintf(stream, "%.*f %s %.2g%s (", decimals > 0 ? decimals : 0, value, sign, error, unit);
+    fprintf(stream, error < 100.0 ? "%.*f %s %.2g%s (" : "%.*f %s %.0f%s (",
+            decimals > 0 ? decimals : 0, value, sign, error, unit);
   else
     fprintf(stream, "%.*e %s %.2g%s (", digits - 1, value, sign, error, unit);
   write_percent(stream, share);

@@ -260,6 +260,10 @@ bool run_is_companion(const char *path) {
   return companion;
 }
 
+bool run_has_permeability(const struct run *run) {
+  return run->hydraulic_gradient > 0.0 && !(strcmp(run->method, "isph") == 0 && isnan(run->k));
+}
+
 bool run_find_model(const struct run *run, char *path, size_t size) {
   const char *slash = strrchr(run->model_path, '/');
   if (run->model_path[0] == '\0') return false;

@@ -63,6 +63,10 @@ void run_free(struct run *run);
  * it. */
 bool run_is_companion(const char *path);
 
+/* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where a
+ * force only holds the water in a tank). */
+bool run_has_permeability(const struct run *run);
+
 /* The run's model file: as the run names it, or beside the run. False without one. */
 bool run_find_model(const struct run *run, char *path, size_t size);
 

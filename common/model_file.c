@@ -30,11 +30,14 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
                h5_path(file), name, dims[0], dims[1], dims[2], model->size[2], model->size[1],
                model->size[0]);
   size_t count = model_site_count(model);
-  for (size_t i = 0; i < count; i++)
-    if (!((*values)[i] >= low && (*values)[i] <= high))
+  const double slack = 1e-5 * (high - low); /* of sums that round */
+  for (size_t i = 0; i < count; i++) {
+    if (!((*values)[i] >= low - slack && (*values)[i] <= high + slack))
       TRY_FAIL(STATUS_INPUT, "%s: %s holds %g at x=%zu y=%zu z=%zu; %g to %g is possible",
                h5_path(file), name, (double)(*values)[i], i % model->size[0],
                i / model->size[0] % model->size[1], i / model->size[0] / model->size[1], low, high);
+    (*values)[i] = fminf(fmaxf((*values)[i], (float)low), (float)high);
+  }
 cleanup:
   return status;
 }

@@ -254,6 +254,9 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   }
   if (request->distances) progress_end(&progress);
   result->specks = walk.window.specks;
+  /* Sums of shares that round. */
+  for (size_t i = 0; request->distances && i < sites; i++)
+    result->grain_fraction[i] = fminf(fmaxf(result->grain_fraction[i], 0.0f), 1.0f);
   /* Faces show 3/2 of an isotropic surface (Crofton); of n voxels in a row n - 1 have a next. */
   for (int d = 0; d < 3; d++) {
     double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];

@@ -40,6 +40,7 @@ struct run_result {
   struct error_split error;      /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
+  double fall[3]; /* between two heads: what falls over the length of soil; zero without */
   double reynolds;
   int64_t steps;
   double wall_time;
@@ -60,10 +61,10 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
  * columns, in the order of registration. */
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra);
-/* Interval of history rows the scene asks for, s; NAN: the method chooses. */
 /* Mean of the rows' Darcy velocity over times from .. to, s; NAN where there is no row. */
 void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
                             double velocity[3]);
+/* Interval of history rows the scene asks for, s; NAN: the method chooses. */
 double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
 double recorder_next_snapshot(const struct recorder *recorder);

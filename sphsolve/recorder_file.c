@@ -1,5 +1,6 @@
 #include "sphsolve/recorder_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@
 
 #include "common/memory.h"
 #include "common/provenance.h"
+#include "common/units.h"
 
 static enum status write_history(struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -114,6 +116,13 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
   int dimensions = lattice->dimensions;
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
+  /* What drives the flow of k: the force, or between two heads their fall. */
+  const double *g = scene->gravity, *f = result->fall;
+  const double fall = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  double driving[3];
+  for (int a = 0; a < 3; a++)
+    driving[a] = fall > 0 ? f[a] * (strength > 0 ? strength : GRAVITY_STANDARD) : scene->driving[a];
   TRY(h5_make_group(file, "/run"));
   TRY(h5_write_attribute_text(file, "/run", "method", methods[context->method]));
   TRY(h5_write_attribute_text(file, "/run", "status", result->status));
@@ -125,7 +134,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "k_error", result->k_error));
   TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
   TRY(write_number(file, "reynolds", result->reynolds));
-  TRY(write_number(file, "hydraulic_gradient", scene_hydraulic_gradient(scene)));
+  TRY(write_number(file, "hydraulic_gradient", fall > 0 ? fall : scene_hydraulic_gradient(scene)));
   TRY(write_number(file, "density", scene->fluid.density));
   TRY(write_number(file, "viscosity", scene->fluid.viscosity));
   TRY(write_number(file, "sound_speed", context->sound_speed));
@@ -134,7 +143,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "predicted_error", recorder->plan->expected.error));
   TRY(write_number(file, "pair_interactions", result->pair_interactions));
   TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));
-  TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, scene->driving));
+  TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, driving));
   TRY(h5_write_attribute(file, "/run", "spacing", H5_F64, 3, lattice->spacing));
   TRY(h5_write_attribute(file, "/run", "origin", H5_F64, 3, lattice->origin));
   TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));

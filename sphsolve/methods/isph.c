@@ -326,6 +326,7 @@ static void find_k(const struct isph *s, const struct plan *plan, const struct r
   recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
   recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
   result->k = result->darcy_velocity[axis] / gradient;
+  result->fall[axis] = gradient;
   result->k_error = fabs((fourth[axis] - third[axis]) / result->darcy_velocity[axis]);
   result->error.steadiness = result->k_error;
   result->error.resolution = plan->expected.error;

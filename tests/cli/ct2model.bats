@@ -421,3 +421,11 @@ for m in all:
   run_ct build spheres.raw $RAW --void-ratio 3.96 --levels 9 -o lv.hdf
   [ "$status" -eq 2 ]
 }
+
+@test "shares of grain that round to more than 1 make no model that sphsolve refuses" {
+  cd "$WORK"
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  run_ct build "$BATS_TEST_DIRNAME/../../data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 36x36x16 -o shares.hdf
+  [ "$status" -eq 0 ]
+  /usr/bin/python3 -c 'import h5py; f = h5py.File("shares.hdf")["model/grain_fraction"][()]; assert f.min() >= 0 and f.max() <= 1, f.max()'
+}

@@ -97,6 +97,16 @@ heads, tank = json.load(open("heads.json")), json.load(open("tank.json"))
 assert abs(heads["k"] / (0.018621 / 0.5) - 1) < 0.03 and 0 < heads["k_relative_error"] < 0.1, heads
 assert abs(heads["reynolds"] / (0.018621 * 5e-3 / 1e-6) - 1) < 0.03, heads
 assert tank["k"] is None and tank["reynolds"] is None, tank'
+  local analyze=${SPH%sphsolve}analyze
+  "$analyze" darcy heads.hdf -o darcy > /dev/null
+  python3 -c '
+import json
+heads, darcy = json.load(open("heads.json")), json.load(open("darcy/darcy.json"))
+assert abs(darcy["k_m_per_s"] / heads["k"] - 1) < 0.02 and darcy["groups"][0]["runs"][0]["hydraulic_gradient"] == 0.5, darcy'
+  run --separate-stderr "$analyze" darcy tank.hdf -o tank-darcy
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"tank.hdf: the run has no permeability"* ]] && [ ! -e tank-darcy ]
+  "$analyze" history heads.hdf -o history > /dev/null
+  grep -q pressure_a history/history.gp && ! grep -q work_ history/history.gp && grep -q work_force history/history.csv
 }
 
 @test "an output folder that is not there is refused before the run" {
