@@ -139,7 +139,8 @@
       chart(parent, 'Density at the end', 'Above reference (%)', 'Probability density (1/%)',
             runs.map(r => ({name: r.name, step: true,
                             points: r.density_histogram ? steps(r.density_histogram, 100, 100, false) : []})), {includeZero: true});
-      Object.keys(runs[0].columns).forEach(name => {
+      // The works of the energy's account stand in the ledger's table.
+      Object.keys(runs[0].columns).filter(name => !name.startsWith('work_')).forEach(name => {
         const column = runs[0].columns[name], list = [];
         runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d) => list.push({
           name: r.name + (r.columns[name].series.length > 1 ? ' ' + 'xyz'[d] : ''),
