@@ -2,16 +2,9 @@
 
 #include <math.h>
 
-enum { WIDTH = 2 * DISTANCE_REACH + 1, OFFSETS = WIDTH * WIDTH * WIDTH };
+#include "sphsolve/distance_internal.h"
 
-struct grid {
-  const size_t *size;
-  const double *spacing;
-  const bool *periodic;
-};
-
-/* Index of the site at x + offset, or -1 outside an axis that does not repeat. */
-static long neighbour(const struct grid *grid, const long x[3], const int offset[3]) {
+long distance_neighbour(const struct grid *grid, const long x[3], const int offset[3]) {
   long at[3];
   for (int a = 0; a < 3; a++) {
     long n = (long)grid->size[a];
@@ -24,13 +17,7 @@ static long neighbour(const struct grid *grid, const long x[3], const int offset
   return (at[2] * (long)grid->size[1] + at[1]) * (long)grid->size[0] + at[0];
 }
 
-struct offset {
-  int by[3];
-  double face; /* distance from a centre to the nearest point of that voxel */
-};
-
-/* All voxels within reach, nearest faces first. */
-static int sorted_offsets(const double spacing[3], struct offset offsets[OFFSETS]) {
+int distance_offsets(const double spacing[3], struct offset offsets[OFFSETS]) {
   int n = 0;
   for (int k = -DISTANCE_REACH; k <= DISTANCE_REACH; k++)
     for (int j = -DISTANCE_REACH; j <= DISTANCE_REACH; j++)
@@ -53,7 +40,7 @@ static int sorted_offsets(const double spacing[3], struct offset offsets[OFFSETS
   return n;
 }
 
-static double reach(const double spacing[3]) {
+double distance_reach(const double spacing[3]) {
   return DISTANCE_REACH * fmin(fmin(spacing[0], spacing[1]), spacing[2]);
 }
 
@@ -61,8 +48,8 @@ void distance_from_faces(const size_t size[3], const double spacing[3], const bo
                          const uint8_t *solid, float *distance) {
   struct grid grid = {size, spacing, periodic};
   struct offset offsets[OFFSETS];
-  int n = sorted_offsets(spacing, offsets);
-  double limit = reach(spacing);
+  int n = distance_offsets(spacing, offsets);
+  double limit = distance_reach(spacing);
 #pragma omp parallel for schedule(static)
   for (size_t k = 0; k < size[2]; k++)
     for (size_t j = 0; j < size[1]; j++)
@@ -71,89 +58,13 @@ void distance_from_faces(const size_t size[3], const double spacing[3], const bo
         long x[3] = {(long)i, (long)j, (long)k};
         double d = limit;
         for (int o = 0; o < n && offsets[o].face < limit; o++) {
-          long other = neighbour(&grid, x, offsets[o].by);
+          long other = distance_neighbour(&grid, x, offsets[o].by);
           if (other >= 0 && solid[other] != solid[at]) {
             d = offsets[o].face;
             break;
           }
         }
         distance[at] = (float)(solid[at] ? -d : d);
-      }
-}
-
-/* Gradient of the fraction by central differences, 1/m. */
-static void fraction_gradient(const struct grid *grid, const float *f, const long x[3],
-                              double gradient[3]) {
-  for (int a = 0; a < 3; a++) {
-    int up[3] = {0, 0, 0}, down[3] = {0, 0, 0}, none[3] = {0, 0, 0};
-    up[a] = 1, down[a] = -1;
-    long above = neighbour(grid, x, up), below = neighbour(grid, x, down);
-    long here = neighbour(grid, x, none);
-    double high = f[above >= 0 ? above : here], low = f[below >= 0 ? below : here];
-    double span = (above >= 0) + (below >= 0);
-    gradient[a] = span > 0 ? (high - low) / (span * grid->spacing[a]) : 0;
-  }
-}
-
-/* Distance from the site x to the nearest piece of surface, unsigned. Each edge between voxel
- * centres that crosses 1/2 carries a small disc normal to the fraction's gradient. */
-static double to_surface(const struct grid *grid, const float *f, const long x[3],
-                         const struct offset *offsets, int n, double limit) {
-  double best = limit, disc = fmax(fmax(grid->spacing[0], grid->spacing[1]), grid->spacing[2]);
-  for (int o = 0; o < n && offsets[o].face < best + disc; o++) {
-    long p[3] = {x[0] + offsets[o].by[0], x[1] + offsets[o].by[1], x[2] + offsets[o].by[2]};
-    long from = neighbour(grid, x, offsets[o].by);
-    if (from < 0) continue;
-    for (int a = 0; a < 3; a++) {
-      int by[3] = {offsets[o].by[0], offsets[o].by[1], offsets[o].by[2]};
-      by[a]++;
-      long to = neighbour(grid, x, by);
-      if (to < 0 || (f[from] < 0.5f) == (f[to] < 0.5f)) continue;
-      double part = (0.5 - f[from]) / ((double)f[to] - f[from]);
-      double g0[3], g1[3], normal[3], length = 0, along = 0, square = 0;
-      long q[3] = {p[0], p[1], p[2]};
-      q[a]++;
-      for (int b = 0; b < 3; b++)
-        if (grid->periodic[b]) {
-          long size = (long)grid->size[b];
-          p[b] = ((p[b] % size) + size) % size;
-          q[b] = ((q[b] % size) + size) % size;
-        }
-      fraction_gradient(grid, f, p, g0);
-      fraction_gradient(grid, f, q, g1);
-      for (int b = 0; b < 3; b++) {
-        normal[b] = (1 - part) * g0[b] + part * g1[b];
-        length += normal[b] * normal[b];
-      }
-      length = sqrt(length);
-      for (int b = 0; b < 3; b++) {
-        double r = (offsets[o].by[b] + (b == a ? part : 0)) * grid->spacing[b];
-        along += length > 0 ? r * normal[b] / length : 0;
-        square += r * r;
-      }
-      double across = sqrt(fmax(square - along * along, 0));
-      double beyond = fmax(across - disc, 0);
-      double d = length > 0 ? sqrt(along * along + beyond * beyond) : sqrt(square);
-      if (d < best) best = d;
-    }
-  }
-  return best;
-}
-
-void distance_from_fraction(const size_t size[3], const double spacing[3], const bool periodic[3],
-                            const float *grain_fraction, float *distance) {
-  struct grid grid = {size, spacing, periodic};
-  struct offset offsets[OFFSETS];
-  int n = sorted_offsets(spacing, offsets);
-  double limit = reach(spacing);
-#pragma omp parallel for schedule(static)
-  for (size_t k = 0; k < size[2]; k++)
-    for (size_t j = 0; j < size[1]; j++)
-      for (size_t i = 0; i < size[0]; i++) {
-        size_t at = (k * size[1] + j) * size[0] + i;
-        long x[3] = {(long)i, (long)j, (long)k};
-        double d = to_surface(&grid, grain_fraction, x, offsets, n, limit);
-        distance[at] = (float)(grain_fraction[at] < 0.5f ? d : -d);
       }
 }
 

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/error.h"
 #include "sphsolve/scene.h"
 
 #define DISTANCE_REACH 4
@@ -16,10 +17,11 @@
 void distance_from_faces(const size_t size[3], const double spacing[3], const bool periodic[3],
                          const uint8_t *solid, float *distance);
 
-/* To the surface where the grain volume fraction is 1/2, found by linear interpolation between
- * neighbouring voxels and continued as a plane with the fraction's gradient as its normal. */
-void distance_from_fraction(const size_t size[3], const double spacing[3], const bool periodic[3],
-                            const float *grain_fraction, float *distance);
+/* To the surface that leaves each cut voxel its share of grain; in blurred fields to that where the
+ * fraction is 1/2. */
+enum status distance_from_fraction(const size_t size[3], const double spacing[3],
+                                   const bool periodic[3], const float *grain_fraction,
+                                   float *distance);
 
 /* To the walls of a domain scene at the point x: closed sides and wall boxes, later regions
  * overwriting earlier ones. */

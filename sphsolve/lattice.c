@@ -47,8 +47,8 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
     /* The model's own surface: from its grey fraction, else the voxel faces. */
     TRY(memory_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));
     if (model.grain_fraction != NULL)
-      distance_from_fraction(model.size, model.spacing, model.periodic, model.grain_fraction,
-                             inner);
+      TRY(distance_from_fraction(model.size, model.spacing, model.periodic, model.grain_fraction,
+                                 inner));
     else
       distance_from_faces(model.size, model.spacing, model.periodic, model.solid, inner);
     source = inner;
