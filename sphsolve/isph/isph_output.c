@@ -247,8 +247,11 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   row.reynolds = isph_reynolds(s, row.darcy_velocity);
   extra[c++] = whole.potential * scale;
   extra[c++] = sqrt(whole.squares / count);
-  for (int a = 0; a < 3; a++) extra[c++] = -whole.extreme[3 + a];
-  for (int a = 0; a < 3; a++) extra[c++] = whole.extreme[a];
+  /* A particle by a wall is no cube: what of it would stand in the wall is not there. */
+  for (int a = 0; a < 3; a++)
+    extra[c++] = s->periodic[a] ? -whole.extreme[3 + a] : fmax(-whole.extreme[3 + a], s->low[a]);
+  for (int a = 0; a < 3; a++)
+    extra[c++] = s->periodic[a] ? whole.extreme[a] : fmin(whole.extreme[a], s->high[a]);
   extra[c++] = s->solve.iterations;
   extra[c++] = (double)s->total;
   for (int t = 0; t < LEDGER_TERMS; t++)
