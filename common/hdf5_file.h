@@ -62,7 +62,8 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
 /* Rows first .. first + dims[0] alone of a dataset that has `rows`. */
 enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
                           size_t rows, size_t first, size_t *dims, void *data);
-/* Collective: as h5_read; each rank reads a share of the rows, and tells the others. */
+/* Collective: as h5_read; each rank reads a share of the rows, and those on one machine hold them
+ * once (common/node_memory.h). */
 enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t *dims, void *data);
 enum status h5_read_text(struct h5_file *file, const char *name, char **text);

@@ -6,6 +6,7 @@
 
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
+#include "common/node_memory.h"
 #include "common/output_file.h"
 #include "common/ranks.h"
 
@@ -20,7 +21,7 @@ enum status h5_read_together(struct h5_file *file, const char *name, enum h5_typ
 }
 
 #else
-/* Rows [start[own], start[own + 1]) in their place in an array for all; start is filled. */
+/* Rows [start[own], start[own + 1]); start is filled. */
 static enum status read_own_rows(struct h5_file *file, const char *name, enum h5_type type,
                                  int rank, size_t *dims, size_t *start, size_t *row_bytes,
                                  char **data) {
@@ -39,8 +40,6 @@ static enum status read_own_rows(struct h5_file *file, const char *name, enum h5
     if (!size_multiply(row, dims[i], &row)) row = 0;
   if (row == 0 || !size_multiply(row, dims[0], &all))
     TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
-  TRY(memory_resize(data, dims[0], row, name));
-  memmove(*data + start[own] * row, *data, share[0] * row);
   *row_bytes = row;
 cleanup:
   return status;
@@ -50,15 +49,21 @@ enum status h5_read_together(struct h5_file *file, const char *name, enum h5_typ
                              size_t *dims, void *data) {
   enum status status = STATUS_OK;
   size_t *start = NULL, row = 0;
-  char *values = NULL;
+  char *values = NULL, *share = NULL;
   if (ranks_count() == 1) return h5_read(file, name, type, rank, dims, data);
   TRY(memory_allocate(&start, (size_t)ranks_count() + 1, sizeof *start, name));
-  TRY(ranks_agree(read_own_rows(file, name, type, rank, dims, start, &row, &values)));
-  ranks_gather(values, start, row);
+  TRY(ranks_agree(read_own_rows(file, name, type, rank, dims, start, &row, &share)));
+  TRY(node_allocate(&values, dims[0], row, name));
+  const size_t own = (size_t)ranks_own();
+  if (start[own + 1] > start[own])
+    memcpy(values + start[own] * row, share, (start[own + 1] - start[own]) * row);
+  memory_free(&share);
+  node_share(values, start, row);
   memcpy(data, &values, sizeof values);
   values = NULL;
 cleanup:
   memory_free(&values);
+  memory_free(&share);
   memory_free(&start);
   return status;
 }

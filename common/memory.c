@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 /* A header in front of each block holds its size, so that the bytes in use can be counted, and how
@@ -80,7 +81,7 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
   data = block + HEADER;
   memset(data, 0, bytes);
   block_size(data)[0] = bytes;
-  block_size(data)[1] = 0;
+  block_size(data)[1] = block_size(data)[2] = 0;
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
 }
@@ -122,8 +123,39 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
   data = start + (2 * HEADER - (size_t)start % HEADER);
   block_size(data)[0] = used * size;
   block_size(data)[1] = (size_t)(data - HEADER - start);
+  block_size(data)[2] = 0;
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
+}
+
+/* The header lies in a page of this process before the file's. */
+enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const char *what) {
+  const size_t page = (size_t)sysconf(_SC_PAGE_SIZE), length = page + bytes;
+  const int access = PROT_READ | PROT_WRITE;
+  bool over_limit;
+  size_t held;
+  const bool booked = reserve(own, &over_limit, &held);
+  char *start =
+      booked ? mmap(NULL, length, access, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) : MAP_FAILED;
+  if (start != MAP_FAILED &&
+      mmap(start + page, bytes, access, MAP_SHARED | MAP_FIXED, file, 0) == MAP_FAILED) {
+    munmap(start, length);
+    start = MAP_FAILED;
+  }
+  if (start == MAP_FAILED) {
+    if (booked) release(own);
+    return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)own / 1e6);
+  }
+  char *data = start + page;
+  block_size(data)[0] = own;
+  block_size(data)[1] = page;
+  block_size(data)[2] = length;
+  memcpy(pointer, &data, sizeof data);
+  return STATUS_OK;
+}
+
+bool memory_is_mapped(const void *data) {
+  return *(const size_t *)(const void *)((const char *)data - HEADER + 2 * sizeof(size_t)) > 0;
 }
 #endif
 
@@ -132,7 +164,10 @@ void memory_free(void *pointer) {
   memcpy(&data, pointer, sizeof data);
   if (data == NULL) return;
   release(*block_size(data));
-  free((char *)data - HEADER - block_size(data)[1]);
+  if (block_size(data)[2] > 0)
+    munmap((char *)data - block_size(data)[1], block_size(data)[2]);
+  else
+    free((char *)data - HEADER - block_size(data)[1]);
   memcpy(pointer, &null, sizeof null);
 }
 

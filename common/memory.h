@@ -20,6 +20,9 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
 #ifdef TOSUI_MPI
 enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
                                    const char *what);
+/* `bytes` of an open file that other processes map too; counted as `own` bytes. */
+enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const char *what);
+bool memory_is_mapped(const void *data);
 #else
 static inline enum status memory_allocate_sparse(void *pointer, size_t count, size_t size,
                                                  size_t used, const char *what) {

@@ -1,6 +1,9 @@
+/* memfd_create */
+#define _GNU_SOURCE
 #include "common/ranks.h"
 
 #include "common/log.h"
+#include "common/node_memory.h"
 
 #ifndef TOSUI_MPI
 
@@ -14,13 +17,19 @@ int ranks_end(enum status status) {
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #define PATIENCE 2.0 /* s that ranks which failed wait for the others to fail too */
 
 static int own, count = 1;
 static struct ranks_traffic traffic;
+static MPI_Comm node; /* the ranks on this machine */
+static int node_own, node_count;
 static MPI_Request *pending;
 static int pending_count, pending_room;
 
@@ -46,6 +55,9 @@ void ranks_start(int *argc, char ***argv) {
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &own);
   MPI_Comm_size(MPI_COMM_WORLD, &count);
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, own, MPI_INFO_NULL, &node);
+  MPI_Comm_rank(node, &node_own);
+  MPI_Comm_size(node, &node_count);
   /* Results and messages are those of the first. */
   if (own > 0 && freopen("/dev/null", "w", stdout) == NULL) fclose(stdout);
 }
@@ -151,6 +163,54 @@ void ranks_gather(void *data, const size_t *start, size_t size) {
     }
   }
   wait_end();
+}
+
+/* A file without a name in memory, which the others on this machine find by its process; -1: it
+ * cannot be had. */
+static int open_together(size_t bytes) {
+  struct {
+    pid_t process;
+    int file;
+  } of = {getpid(), -1};
+  struct rlimit most;
+  if (node_own == 0 && getrlimit(RLIMIT_FSIZE, &most) == 0 && bytes <= most.rlim_cur) {
+    of.file = memfd_create("tosui", MFD_CLOEXEC);
+    if (of.file >= 0 && ftruncate(of.file, (off_t)bytes) != 0) {
+      close(of.file);
+      of.file = -1;
+    }
+  }
+  const int made = of.file;
+  char path[64];
+  MPI_Bcast(&of, sizeof of, MPI_BYTE, 0, node);
+  if (node_own == 0 || of.file < 0) return made;
+  snprintf(path, sizeof path, "/proc/%ld/fd/%d", (long)of.process, of.file);
+  return open(path, O_RDWR | O_CLOEXEC);
+}
+
+enum status node_allocate(void *pointer, size_t items, size_t size, const char *what) {
+  size_t bytes;
+  void *none = NULL;
+  memcpy(pointer, &none, sizeof none);
+  if (count == 1 || !size_multiply(items, size, &bytes) || bytes == 0)
+    return memory_allocate(pointer, items, size, what);
+  const int file = open_together(bytes);
+  enum status status = STATUS_OK;
+  if (ranks_any(file < 0))
+    status = memory_allocate(pointer, items, size, what);
+  else
+    status = memory_map(pointer, file, bytes, bytes / (size_t)node_count, what);
+  status = ranks_agree(status);
+  if (file >= 0) close(file);
+  if (status != STATUS_OK) memory_free(pointer);
+  return status;
+}
+
+void node_share(void *data, const size_t *start, size_t size) {
+  if (count == 1 || data == NULL) return;
+  /* Ranks on one machine write the same bytes into the same place. */
+  if (ranks_any(!memory_is_mapped(data) || node_count < count)) ranks_gather(data, start, size);
+  MPI_Barrier(MPI_COMM_WORLD);
 }
 
 /* Where the next message is kept track of. */

@@ -45,13 +45,13 @@ double distance_reach(const double spacing[3]) {
 }
 
 void distance_from_faces(const size_t size[3], const double spacing[3], const bool periodic[3],
-                         const uint8_t *solid, float *distance) {
+                         size_t first, size_t end, const uint8_t *solid, float *distance) {
   struct grid grid = {size, spacing, periodic};
   struct offset offsets[OFFSETS];
   int n = distance_offsets(spacing, offsets);
   double limit = distance_reach(spacing);
 #pragma omp parallel for schedule(static)
-  for (size_t k = 0; k < size[2]; k++)
+  for (size_t k = first; k < end; k++)
     for (size_t j = 0; j < size[1]; j++)
       for (size_t i = 0; i < size[0]; i++) {
         size_t at = (k * size[1] + j) * size[0] + i;

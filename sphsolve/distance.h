@@ -13,15 +13,15 @@
 #define DISTANCE_REACH 4
 
 /* To the faces between pore and grain voxels: the sharp voxel geometry. Arrays [z][y][x]; sizes and
- * spacings x, y, z. */
+ * spacings x, y, z. Of planes [first, end) across z. */
 void distance_from_faces(const size_t size[3], const double spacing[3], const bool periodic[3],
-                         const uint8_t *solid, float *distance);
+                         size_t first, size_t end, const uint8_t *solid, float *distance);
 
 /* To the surface that leaves each cut voxel its share of grain; in blurred fields to that where the
  * fraction is 1/2. */
 enum status distance_from_fraction(const size_t size[3], const double spacing[3],
-                                   const bool periodic[3], const float *grain_fraction,
-                                   float *distance);
+                                   const bool periodic[3], size_t first, size_t end,
+                                   const float *grain_fraction, float *distance);
 
 /* To the walls of a domain scene at the point x: closed sides and wall boxes, later regions
  * overwriting earlier ones. */

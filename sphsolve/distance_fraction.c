@@ -221,18 +221,19 @@ static double to_surface(const struct surface *s, const long x[3], const struct 
 }
 
 enum status distance_from_fraction(const size_t size[3], const double spacing[3],
-                                   const bool periodic[3], const float *grain_fraction,
-                                   float *distance) {
+                                   const bool periodic[3], size_t first, size_t end,
+                                   const float *grain_fraction, float *distance) {
   enum status status = STATUS_OK;
   struct surface s = {.grid = {size, spacing, periodic}, .fraction = grain_fraction};
   struct offset offsets[OFFSETS];
   const int n = distance_offsets(spacing, offsets);
   const double limit = distance_reach(spacing);
-  const size_t sites = size[0] * size[1] * size[2];
-  TRY(memory_allocate(&s.piece_of, sites, sizeof *s.piece_of, "the surface of the grains"));
+  const size_t plane = size[0] * size[1];
+  TRY(memory_allocate(&s.piece_of, plane * size[2], sizeof *s.piece_of,
+                      "the surface of the grains"));
   TRY(find_pieces(&s));
 #pragma omp parallel for schedule(static)
-  for (size_t at = 0; at < sites; at++) {
+  for (size_t at = first * plane; at < end * plane; at++) {
     const long x[3] = {(long)(at % size[0]), (long)(at / size[0] % size[1]),
                        (long)(at / size[0] / size[1])};
     const double d = to_surface(&s, x, offsets, n, limit);

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sphsolve/engine/engine.h"
+
 /* Between ranks: bytes a second, and seconds a message; assumed, not measured. */
 #define BANDWIDTH 10e9
 #define LATENCY 2e-6
@@ -12,14 +14,17 @@
 #define STOKES_GATHERINGS 4.0
 #define STOKES_MESSAGES 69.0
 #define STOKES_SUMS 3.8
-#define SITE_BYTES 5.0 /* kind and wall distance */
-/* wcsph, per step: bytes of a ghost, how far ghosts reach in spacings, bytes of a particle that all
- * ranks are told when particles are ordered anew, and how often that is, about. */
+/* Kind and wall distance: once on a machine of so many cores. */
+#define SITE_BYTES 5.0
+#define MACHINE_CORES 64.0
+/* wcsph: bytes of a ghost sent per step; how far ghosts reach beyond the support, in spacings: the
+ * width of their clusters and of the own; bytes that a ghost takes beyond a particle, for messages
+ * less lists; and what every rank holds while it orders the walls, for a site and a wall. */
 #define WCSPH_GHOST 40.0
-#define WCSPH_REACH 4.0
-#define WCSPH_ORDERED 44.0
-#define WCSPH_ORDER_STEPS 100.0
-#define WCSPH_WHOLE 52.0 /* bytes of a particle on every rank */
+#define WCSPH_REACH 2.5
+#define WCSPH_HELD 25.0
+#define WCSPH_START_SITE 2.0
+#define WCSPH_START_WALL 22.0
 #define WCSPH_CUT 2048.0 /* slots: cuts lie at multiples */
 /* isph: share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
  * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
@@ -35,10 +40,22 @@
 #define ISPH_LAYERS 1.25
 #define ISPH_GHOST 240.0
 
-/* Sites within `reach` of a rank's cube, at most all others. */
-static double around(double sites, double ranks, double reach) {
-  const double side = cbrt(sites / ranks);
-  return fmin(pow(side + 2 * reach, 3) - side * side * side, sites - sites / ranks);
+/* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest
+ * side again and again. */
+static double around(const struct lattice *l, double ranks, double reach) {
+  double side[3], grown = 1, own = 1;
+  for (int a = 0; a < 3; a++) side[a] = (double)l->size[a];
+  for (double left = ranks; left > 1; left /= 2) {
+    int longest = 0;
+    for (int a = 1; a < 3; a++)
+      if (side[a] > side[longest]) longest = a;
+    side[longest] /= fmin(2, left);
+  }
+  for (int a = 0; a < 3; a++) {
+    own *= side[a];
+    grown *= side[a] < (double)l->size[a] ? side[a] + 2 * reach : side[a];
+  }
+  return fmin(grown - own, (double)l->count - own);
 }
 
 /* Particles of the walls around the domain. */
@@ -65,7 +82,7 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   const double sites = (double)l->count, fluid = (double)l->fluid_count, steps = plan->steps;
   const double share = fluid / fmax(sites, 1);
   double r = ranks, uneven = 1, whole = 0, held = 0, told = 0, ghosts = 0, messages = 0, sums = 0,
-         in_full = 0;
+         in_full = 0, start = 0;
   if (plan->context.method == METHOD_STOKES) {
     const double nx = (double)l->size[0], ny = (double)l->size[1], planes = (double)l->size[2];
     r = fmin(r, fmax(1, floor(planes / SLAB_LEAST)));
@@ -75,13 +92,16 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
     ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
     held = r > 1 ? ghosts : 0; /* each has its place */
     messages = STOKES_MESSAGES, sums = STOKES_SUMS;
-    whole = SITE_BYTES * sites;
   } else if (plan->context.method == METHOD_WCSPH) {
     uneven = 1 + 0.5 * WCSPH_CUT * (r - 1) / fmax(fluid, 1);
-    ghosts = WCSPH_GHOST * share * around(sites, r, WCSPH_REACH);
-    told = (1 - 1 / r) * WCSPH_ORDERED / WCSPH_ORDER_STEPS * fluid;
+    const double reach = plan->context.support / plan->context.spacing + WCSPH_REACH;
+    const double beside = r > 1 ? around(l, r, reach) : 0;
+    ghosts = WCSPH_GHOST * share * beside;
     messages = 2 * fmin(r - 1, 12), sums = 2;
-    whole = SITE_BYTES * sites + WCSPH_WHOLE * fluid + plan->bytes_wall * (double)l->wall_count;
+    held = beside * (share * (plan->bytes_fluid + WCSPH_HELD) + (1 - share) * plan->bytes_wall);
+    whole = threads * engine_bytes_thread(l, plan->context.support);
+    held += (uneven - 1) * plan->bytes_method / r;
+    start = WCSPH_START_SITE * sites + WCSPH_START_WALL * (double)l->wall_count;
   } else {
     in_full = ISPH_IN_FULL * (1 - 1 / r) * plan->seconds;
     told = (1 - 1 / r) * ISPH_TOLD * ISPH_ITERATIONS * fluid;
@@ -104,5 +124,8 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
   for (int t = 0; t < FORESEEN_TERMS; t++) f->total += f->seconds[t];
   f->efficiency = plan->seconds / (ranks * f->total);
   whole = fmin(whole + PROGRAM_BYTES, plan->bytes_total);
-  f->memory_bytes = whole + (plan->bytes_total - whole) / r + held;
+  f->memory_bytes = fmax(whole + (plan->bytes_total - whole) / r + held, start + PROGRAM_BYTES);
+  /* Shared out among the ranks of a machine, not of all. */
+  if (plan->context.method != METHOD_ISPH && r > 1)
+    f->memory_bytes += SITE_BYTES * sites * (1 / fmin(r, ceil(MACHINE_CORES / threads)) - 1 / r);
 }

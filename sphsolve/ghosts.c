@@ -8,6 +8,7 @@
 
 /* Cut anew by work where the busiest rank has so much more than the mean. */
 #define IMBALANCE_MOST 1.05
+#define TAG_ITEMS 8
 
 static size_t units_of(size_t items, size_t unit) {
   return (items + unit - 1) / unit;
@@ -48,10 +49,16 @@ cleanup:
 void ghosts_free(struct ghosts *g) {
   memory_free(&g->cut);
   memory_free(&g->wanted);
+  memory_free(&g->number);
   memory_free(&g->send);
   memory_free(&g->receive);
   memory_free(&g->send_start);
   memory_free(&g->receive_start);
+  memory_free(&g->out);
+  memory_free(&g->in);
+}
+
+void ghosts_drop_messages(struct ghosts *g) {
   memory_free(&g->out);
   memory_free(&g->in);
 }
@@ -63,8 +70,7 @@ enum status ghosts_agree(struct ghosts *g, size_t items) {
   uint32_t *asked = NULL; /* as its owner counts its own */
   memory_free(&g->send);
   memory_free(&g->receive);
-  memory_free(&g->out);
-  memory_free(&g->in);
+  ghosts_drop_messages(g);
   if (g->send_start == NULL) {
     TRY(memory_allocate(&g->send_start, ranks + 1, sizeof *counts, "ghosts"));
     TRY(memory_allocate(&g->receive_start, ranks + 1, sizeof *counts, "ghosts"));
@@ -160,6 +166,26 @@ void ghosts_add(struct ghosts *g, uint32_t *sums, size_t count) {
     }
 }
 
-void ghosts_gather(const struct ghosts *g, void *array, size_t size) {
-  if (g->cut != NULL) ranks_gather(array, g->cut, size);
+enum status ghosts_exchange(size_t size, const size_t *send, const void *out, size_t *start,
+                            void *in) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const char *from = out;
+  char *to = NULL;
+  ranks_swap_counts(send, start + 1);
+  start[0] = 0;
+  for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
+  TRY(memory_allocate(&to, start[ranks] + 1, size, "messages from ranks"));
+  for (size_t r = 0; r < ranks; r++)
+    if (r != own && start[r + 1] > start[r])
+      ranks_receive(to + start[r] * size, (start[r + 1] - start[r]) * size, (int)r, TAG_ITEMS);
+  for (size_t r = 0; r < ranks; r++) {
+    if (r == own || send[r] == 0) continue;
+    ranks_send(from, send[r] * size, (int)r, TAG_ITEMS);
+    from += send[r] * size;
+  }
+  ranks_wait();
+cleanup:
+  memcpy(in, &to, sizeof to);
+  return status;
 }

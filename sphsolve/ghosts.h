@@ -6,6 +6,7 @@
 #ifndef TOSUI_SPHSOLVE_GHOSTS_H
 #define TOSUI_SPHSOLVE_GHOSTS_H
 
+#include "common/error.h"
 #include "common/ranks.h"
 
 #define GHOST_FIELDS 8
@@ -21,6 +22,7 @@ struct ghosts {
   size_t bytes_most; /* of an item in one message */
   size_t *cut;       /* [ranks + 1]: first item of each rank; NULL: there is one rank */
   size_t begin, end; /* of this rank, in its arrays */
+  uint32_t *number;  /* [items here]: place in the order of all; NULL: they are here in runs */
   int runs;          /* held; 0: all items are */
   struct {
     size_t here, number; /* of the first: in the arrays, and in the order of all */
@@ -43,19 +45,25 @@ void ghosts_free(struct ghosts *ghosts);
 /* The place of item `here` in the order of all. */
 static inline size_t ghosts_number(const struct ghosts *g, size_t here) {
   size_t number = here;
+  if (g->number != NULL) return g->number[here];
   for (int k = 0; k < g->runs && here >= g->run[k].here; k++)
     number = g->run[k].number + (here - g->run[k].here);
   return number;
 }
 /* Collective: tells the ranks which of their items are `wanted` here, of so many that are here. */
 enum status ghosts_agree(struct ghosts *ghosts, size_t items);
+/* Gives back the room of messages until then. */
+void ghosts_drop_messages(struct ghosts *ghosts);
 /* Collective: puts fields under way; ghosts_finish waits, and fills the ghosts. */
 void ghosts_post(struct ghosts *ghosts, int count, const struct ghost_field *fields);
 void ghosts_finish(struct ghosts *ghosts);
 /* Collective: what this rank has summed for its ghosts, `count` numbers each, goes to their owners,
  * who add it to theirs. */
 void ghosts_add(struct ghosts *ghosts, uint32_t *sums, size_t count);
-/* Collective: afterwards every rank has the whole array; `size` bytes an item. */
-void ghosts_gather(const struct ghosts *ghosts, void *array, size_t size);
+/* Collective: send[r] items of `size` bytes, after each other in `out`, go to rank r; what comes,
+ * in the order of the ranks, is *in (to be freed), from start[r] on [ranks + 1]. Nothing goes to
+ * oneself: of *in the place of the own send[own] is left to be filled. */
+enum status ghosts_exchange(size_t size, const size_t *send, const void *out, size_t *start,
+                            void *in);
 
 #endif

@@ -6,14 +6,40 @@
 
 #include "common/memory.h"
 #include "common/model_file.h"
+#include "common/node_memory.h"
 #include "common/provenance.h"
+#include "common/ranks.h"
 #include "sphsolve/distance.h"
+
+/* The sign of a distance follows the kind of its site, so that no method divides by a distance of
+ * the wrong side. Of sites [first, end). */
+static void sign_distances(struct lattice *lattice, size_t first, size_t end) {
+  double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
+  float least = (float)(1e-3 * spacing);
+  for (size_t i = first; i < end; i++) {
+    float *d = &lattice->wall_distance[i];
+    if (lattice->kind[i] == SITE_WALL)
+      *d = fminf(*d, -least);
+    else
+      *d = fmaxf(*d, least);
+  }
+}
+
+/* Sites of the planes that each rank fills of a lattice of so many. */
+static enum status planes_of(const size_t size[3], size_t **start) {
+  const size_t ranks = (size_t)ranks_count();
+  const enum status status = memory_allocate(start, ranks + 1, sizeof **start, "the lattice");
+  for (size_t r = 0; r <= ranks && status == STATUS_OK; r++)
+    (*start)[r] = size[2] * r / ranks * size[0] * size[1];
+  return status;
+}
 
 /* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
   struct voxel_model model;
   float *inner = NULL;
+  size_t *start = NULL;
   status = model_read(scene->model_path, &model);
   if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
     error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
@@ -40,22 +66,29 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
       TRY_FAIL(STATUS_INPUT, "%s: too many voxels", scene->model_path);
   }
   lattice->count = count;
-  TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
-  memset(lattice->kind, SITE_WALL, count);
+  TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
   const float *source = model.wall_distance;
   if (source == NULL) {
     /* The model's own surface: from its grey fraction, else the voxel faces. */
-    TRY(memory_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));
+    TRY(node_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));
+    TRY(planes_of(model.size, &start));
+    const size_t plane = model.size[0] * model.size[1];
+    const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
     if (model.grain_fraction != NULL)
-      TRY(distance_from_fraction(model.size, model.spacing, model.periodic, model.grain_fraction,
-                                 inner));
+      TRY(ranks_agree(distance_from_fraction(model.size, model.spacing, model.periodic, first, end,
+                                             model.grain_fraction, inner)));
     else
-      distance_from_faces(model.size, model.spacing, model.periodic, model.solid, inner);
+      distance_from_faces(model.size, model.spacing, model.periodic, first, end, model.solid,
+                          inner);
+    node_share(inner, start, sizeof *inner);
+    memory_free(&start);
     source = inner;
   }
-  TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
-                      "wall distances"));
-  for (size_t k = 0; k < lattice->size[2]; k++)
+  TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                    "wall distances"));
+  TRY(planes_of(lattice->size, &start));
+  const size_t plane = lattice->size[0] * lattice->size[1];
+  for (size_t k = start[ranks_own()] / plane; k < start[ranks_own() + 1] / plane; k++)
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++) {
         size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
@@ -71,6 +104,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
           if (!model.periodic[a] && outside <= 0) room = fmin(room, -outside);
         }
         size_t from = (near[2] * model.size[1] + near[1]) * model.size[0] + near[0];
+        lattice->kind[at] = SITE_WALL;
         if (depth > 0) {
           lattice->wall_distance[at] = (float)-depth;
           continue;
@@ -81,7 +115,12 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
         if (padded && !grain) d = fmin(d, room);
         lattice->wall_distance[at] = (float)d;
       }
+  const size_t own = start[ranks_own()], end = start[ranks_own() + 1];
+  sign_distances(lattice, own, end);
+  node_share(lattice->kind, start, 1);
+  node_share(lattice->wall_distance, start, sizeof *lattice->wall_distance);
 cleanup:
+  memory_free(&start);
   memory_free(&inner);
   model_free(&model);
   return status;
@@ -146,11 +185,11 @@ static bool saturated_by_nature(const struct scene *scene) {
   return !water;
 }
 
-/* Claims all sites; whether any stays empty. */
+/* Claims the sites of planes [first, end); whether any of all stays empty. */
 static bool fill_sites(const struct scene *scene, const size_t pad[3], const size_t inner[3],
-                       bool all_saturated, struct lattice *lattice) {
+                       bool all_saturated, size_t first, size_t end, struct lattice *lattice) {
   bool empty = false;
-  for (size_t k = 0; k < lattice->size[2]; k++)
+  for (size_t k = first; k < end; k++)
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++) {
         size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
@@ -166,12 +205,12 @@ static bool fill_sites(const struct scene *scene, const size_t pad[3], const siz
           claim(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
         empty = empty || lattice->kind[at] == SITE_EMPTY;
       }
-  return empty;
+  return ranks_any(empty);
 }
 
 static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
-  size_t pad[3], inner[3], count = 1;
+  size_t pad[3], inner[3], count = 1, *start = NULL;
   lattice->dimensions = scene->dimensions;
   lattice->bulk_count = 1;
   for (int a = 0; a < 3; a++) {
@@ -192,17 +231,22 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
                       scene->spacing));
   }
   lattice->count = count;
-  TRY(memory_allocate(&lattice->kind, count, 1, "the lattice"));
-  TRY(memory_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
+  TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
+  TRY(node_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
+  TRY(planes_of(lattice->size, &start));
+  const size_t from = start[ranks_own()], to = start[ranks_own() + 1];
+  const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
   bool wall = false;
   /* With all soil saturated first: if that leaves no site empty, there is no surface and it is. */
-  if (fill_sites(scene, pad, inner, true, lattice) && !saturated_by_nature(scene))
-    fill_sites(scene, pad, inner, false, lattice);
-  for (size_t at = 0; at < count; at++) wall = wall || lattice->kind[at] == SITE_WALL;
-  if (wall) {
-    TRY(memory_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
-                        "wall distances"));
-    for (size_t at = 0; at < count; at++) {
+  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_nature(scene))
+    fill_sites(scene, pad, inner, false, first, end, lattice);
+  for (size_t at = from; at < to; at++) wall = wall || lattice->kind[at] == SITE_WALL;
+  node_share(lattice->kind, start, 1);
+  node_share(lattice->region, start, sizeof *lattice->region);
+  if (ranks_any(wall)) {
+    TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                      "wall distances"));
+    for (size_t at = from; at < to; at++) {
       const size_t row = at / lattice->size[0];
       const size_t site[3] = {at % lattice->size[0], row % lattice->size[1],
                               row / lattice->size[1]};
@@ -210,8 +254,11 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
       for (int a = 0; a < 3; a++) x[a] = lattice->origin[a] + (double)site[a] * scene->spacing;
       lattice->wall_distance[at] = (float)distance_to_boxes(scene, x);
     }
+    sign_distances(lattice, from, to);
+    node_share(lattice->wall_distance, start, sizeof *lattice->wall_distance);
   }
 cleanup:
+  memory_free(&start);
   return status;
 }
 
@@ -222,19 +269,9 @@ enum status lattice_build(const struct scene *scene, int wall_layers, struct lat
     TRY(from_model(scene, wall_layers, lattice));
   else
     TRY(from_domain(scene, wall_layers, lattice));
-  /* The sign of a distance follows the kind of its site, so that no method divides by a distance
-   * of the wrong side. */
-  double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  float least = (float)(1e-3 * spacing);
   for (size_t i = 0; i < lattice->count; i++) {
     lattice->fluid_count += lattice->kind[i] == SITE_FLUID;
     lattice->wall_count += lattice->kind[i] == SITE_WALL;
-    if (lattice->wall_distance == NULL) continue;
-    float *d = &lattice->wall_distance[i];
-    if (lattice->kind[i] == SITE_WALL)
-      *d = fminf(*d, -least);
-    else
-      *d = fmaxf(*d, least);
   }
 cleanup:
   if (status != STATUS_OK) lattice_free(lattice);
@@ -251,7 +288,8 @@ void lattice_free(struct lattice *lattice) {
 enum status lattice_distances_aside(struct lattice *l, const char *beside,
                                     struct lattice_aside *aside) {
   enum status status = STATUS_OK;
-  if (l->wall_distance == NULL) return STATUS_OK;
+  /* What ranks hold once stays. */
+  if (l->wall_distance == NULL || ranks_count() > 1) return STATUS_OK;
   if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
   TRY(scratch_write(&aside->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
   memory_free(&l->wall_distance);
@@ -263,7 +301,7 @@ cleanup:
 enum status lattice_regions_aside(struct lattice *l, const char *beside,
                                   struct lattice_aside *aside) {
   enum status status = STATUS_OK;
-  if (l->region == NULL) return STATUS_OK;
+  if (l->region == NULL || ranks_count() > 1) return STATUS_OK;
   if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
   TRY(scratch_write(&aside->file, l->count * sizeof *l->wall_distance, l->region,
                     l->count * sizeof *l->region));

@@ -73,6 +73,22 @@ cleanup:
   return status;
 }
 
+/* The fluid on its sites: on ranks, each a run of it. */
+static enum status place(struct engine *engine) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  size_t first = 0, end = p->count;
+  if (RANKS) TRY(engine_cut(engine, (p->count + CLUSTER - 1) / CLUSTER));
+  if (engine_is_shared(engine)) {
+    const size_t *cut = engine->ranks.fluid.cut + ranks_own();
+    first = cut[0] * CLUSTER < end ? cut[0] * CLUSTER : end;
+    end = cut[1] * CLUSTER < end ? cut[1] * CLUSTER : end;
+  }
+  TRY(particles_place(engine->lattice, &engine->fields, first, end - first, p));
+cleanup:
+  return status;
+}
+
 enum status engine_make(const struct lattice *lattice, const struct engine_settings *settings,
                         struct engine *engine) {
   enum status status = STATUS_OK;
@@ -95,12 +111,15 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
+  if (RANKS) TRY(engine_share_walls(engine));
+  TRY(place(engine));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   TRY(set_velocities(engine));
-  TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
-  TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
+  if (!engine_is_shared(engine)) {
+    TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
+    TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
+  }
   TRY(make_locals(engine));
-  if (RANKS) TRY(engine_share_out(engine));
 
   struct pass *pass = &engine->pass;
   const struct frame *frame = &engine->particles.frame;
@@ -135,6 +154,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
       square += (double)engine->particles.v[a][i] * (double)engine->particles.v[a][i];
     engine->speed_max = fmax(engine->speed_max, sqrt(square));
   }
+  engine->speed_max = ranks_max(engine->speed_max);
 cleanup:
   cluster_set_free(&wall_boxes);
   if (status != STATUS_OK) engine_free(engine);
@@ -232,9 +252,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* their memory is the keys' */
-    if (RANKS) engine_gather(engine);
-    TRY(particles_sort(p));
-    if (RANKS) TRY(engine_share_out(engine));
+    TRY(engine_is_shared(engine) ? engine_order(engine) : particles_sort(p));
     engine->moved = 0;
   }
   /* Until the next ordering, if particles keep their speed. */
@@ -244,25 +262,20 @@ static enum status make_lists(struct engine *engine, bool order) {
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
-  if (RANKS) ghosts_gather(&engine->ranks.fluid, engine->boxes.boxes, sizeof *engine->boxes.boxes);
+  if (engine_is_shared(engine)) {
+    TRY(engine_list_shared(engine, range, widest));
+    goto listed;
+  }
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (s->wall == PASS_ADAMI) {
     TRY(cluster_boxes_wall(p, &wall_boxes));
-    if (engine_is_shared(engine)) {
-      wall_boxes.begin = engine->ranks.walls.begin;
-      wall_boxes.end = engine->ranks.walls.end;
-    }
     TRY(neighbours_build(&p->frame, &wall_boxes, &bins, range, widest, &engine->wall_fluid));
   }
   cluster_bins_free(&bins);
   TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
                        &engine->fluid_wall));
-  if (engine_is_shared(engine)) {
-    TRY(engine_find_ghosts(engine));
-    engine_send(engine, SENT_ALL);
-    engine_settle(engine);
-  }
+listed:
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;
@@ -326,14 +339,15 @@ static void drift(struct engine *engine, double share) {
 static enum status remove_mean_pressure(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
-  size_t slots = particles_slots(p), blocks = (slots + MEAN_BLOCK - 1) / MEAN_BLOCK;
+  const size_t blocks = (engine_all_slots(engine) + MEAN_BLOCK - 1) / MEAN_BLOCK;
   const size_t first = engine_first_slot(engine), last = engine_end_slot(engine);
+  const size_t own = engine_number(engine, first) / MEAN_BLOCK;
   double *sums = NULL, sum = 0;
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
-  for (size_t b = first / MEAN_BLOCK; b < (last + MEAN_BLOCK - 1) / MEAN_BLOCK; b++)
-    for (size_t i = b * MEAN_BLOCK; i < (b + 1) * MEAN_BLOCK && i < slots; i++)
-      if (p->id[i] != NO_PARTICLE) sums[b] += (double)p->state[i];
+  for (size_t b = 0; b < (last - first + MEAN_BLOCK - 1) / MEAN_BLOCK; b++)
+    for (size_t i = first + b * MEAN_BLOCK; i < first + (b + 1) * MEAN_BLOCK && i < last; i++)
+      if (p->id[i] != NO_PARTICLE) sums[own + b] += (double)p->state[i];
   TRY(engine_gather_blocks(engine, MEAN_BLOCK, sums, sizeof *sums));
   for (size_t b = 0; b < blocks; b++) sum += sums[b];
   float mean = (float)(sum / (double)p->count);
@@ -389,7 +403,7 @@ enum status engine_step(struct engine *engine) {
   double moved = engine->speed_max * s->dt * s->smoothing_length * s->crowding;
   engine->pass.shift_length =
       s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
-  bool has_walls = p->wall_clusters > 0;
+  bool has_walls = engine_has_walls(engine);
   prepare(engine);
   if (s->wall == PASS_FROZEN)
     engine->pair_interactions += (double)(engine->pairs_fluid + engine->pairs_wall);
@@ -450,11 +464,15 @@ enum status engine_account(struct engine *engine, struct pass_account *total) {
   struct pass *pass = &engine->pass;
   struct pass_account *sums = NULL;
   if (!engine->listed || engine->moved >= PATH * pass->spacing) TRY(make_lists(engine, true));
-  const size_t blocks = (engine->particles.clusters + BLOCK - 1) / BLOCK;
+  const size_t blocks = (engine_all_slots(engine) / CLUSTER + BLOCK - 1) / BLOCK;
+  const size_t first = engine_first_slot(engine), own = engine_number(engine, first);
   const size_t count = sizeof *sums / sizeof(double);
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
   prepare(engine);
-  pass->wall = s->wall, pass->shifts = s->shift, pass->account = sums;
+  pass->wall = s->wall, pass->shifts = s->shift;
+  /* Rows count from the first cluster here; there are no more of others before it than among all.
+   */
+  pass->account = sums + own / (BLOCK * CLUSTER) - first / (BLOCK * CLUSTER);
   run_pass(engine, engine->table->account, false, PHASE_ACCOUNT);
   TRY(engine_gather_blocks(engine, BLOCK * CLUSTER, sums, sizeof *sums));
   memset(total, 0, sizeof *total);

@@ -76,10 +76,12 @@ void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts under way. */
 void engine_settle(struct engine *engine);
-/* Collective: every rank then has what all particles are, not its own and their ghosts alone. */
-void engine_gather(struct engine *engine);
-/* Collective, where clusters were put in place by hand. */
-enum status engine_share_out(struct engine *engine);
+/* Collective: walls, which all ranks have, are cut, and what others are to hold goes. */
+enum status engine_share_walls(struct engine *engine);
+/* Collective: which of so many clusters of fluid are this rank's to hold, from slot 0 on. */
+enum status engine_cut(struct engine *engine, size_t clusters);
+/* Collective, where own clusters were put in place by hand: they are cut as they are. */
+enum status engine_take(struct engine *engine);
 /* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;
  * then it has all. */
 enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,
@@ -91,6 +93,20 @@ static inline size_t engine_first_slot(const struct engine *engine) {
 static inline size_t engine_end_slot(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.cut != NULL ? engine->ranks.fluid.end * CLUSTER
                                                   : particles_slots(&engine->particles);
+}
+/* The place of an own slot in the order of all, and how many that has. */
+static inline size_t engine_number(const struct engine *engine, size_t slot) {
+  const struct ghosts *g = &engine->ranks.fluid;
+  return RANKS && g->cut != NULL ? slot + (g->cut[ranks_own()] - g->begin) * CLUSTER : slot;
+}
+static inline size_t engine_all_slots(const struct engine *engine) {
+  const struct ghosts *g = &engine->ranks.fluid;
+  return RANKS && g->cut != NULL ? g->cut[ranks_count()] * CLUSTER
+                                 : particles_slots(&engine->particles);
+}
+static inline bool engine_has_walls(const struct engine *engine) {
+  const struct ghosts *w = &engine->ranks.walls;
+  return (RANKS && w->cut != NULL ? w->cut[ranks_count()] : engine->particles.wall_clusters) > 0;
 }
 void engine_set_dt(struct engine *engine, double dt);
 /* Gives back what the next step makes anew: lists and their boxes. No bit depends on it. */

@@ -5,19 +5,27 @@
 #include "sphsolve/engine/engine.h"
 
 #define BLOCK PASS_BLOCK
+/* Cuts lie at multiples of so many clusters: blocks of sums belong to one rank. */
+#define CUT_UNIT 256
 
 static inline bool engine_is_shared(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.cut != NULL;
 }
-/* Collective, after lists were made: finds the ghosts, and which blocks of rows read none. */
-enum status engine_find_ghosts(struct engine *engine);
+/* Own particles alone stay. */
+enum status engine_drop_ghosts(struct engine *engine);
+/* Collective: as particles_sort, and cuts anew. */
+enum status engine_order(struct engine *engine);
+/* Collective, where boxes of own clusters are known: makes the lists, finds the ghosts, and which
+ * blocks of rows read none. */
+enum status engine_list_shared(struct engine *engine, double range, double widest);
 /* Collective: sends what the step has just made to the ranks that read it. */
 enum engine_sent {
   SENT_MOTION,  /* place and velocity */
   SENT_DENSITY, /* of frozen walls' fluid */
   SENT_WALL,
   SENT_PLACE, /* and pressure */
-  SENT_ALL
+  SENT_ALL,
+  SENT_WALL_ALL
 };
 void engine_send(struct engine *engine, enum engine_sent what);
 /* Blocks of rows: those that read no ghost while ghosts are on their way, then the others. */

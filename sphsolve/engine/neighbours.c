@@ -308,33 +308,32 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
   enum status status = STATUS_OK;
   if (columns->clusters >= 0x80000000u)
     TRY_FAIL(STATUS_RUN, "%zu clusters are more than a neighbour list can name", columns->clusters);
-  if (list->rows != rows->clusters) {
+  const size_t first = rows->begin, count = rows->end - first;
+  if (list->rows != count) {
     memory_free(&list->start);
-    TRY(memory_allocate(&list->start, rows->clusters + 1, sizeof *list->start, "neighbour lists"));
-    list->rows = rows->clusters;
+    TRY(memory_allocate(&list->start, count + 1, sizeof *list->start, "neighbour lists"));
+    list->rows = count;
   }
-  if (rows->clusters == 0) goto cleanup;
+  list->first = first;
+  if (count == 0) goto cleanup;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t chunk = 0; chunk < LIST_CHUNKS; chunk++) {
     struct found found = {0};
     struct list_chunk *to = &list->chunks[chunk];
     enum status failed = STATUS_OK;
     to->used = 0;
-    size_t r = list_chunk_begin(list, chunk), last_row = list_chunk_begin(list, chunk + 1);
-    size_t end = last_row < rows->end ? last_row : rows->end;
-    for (; r < rows->begin && r < last_row; r++) list->start[r] = 0;
+    size_t r = list_chunk_begin(list, chunk), end = list_chunk_begin(list, chunk + 1);
     while (r < end && failed == STATUS_OK) {
-      struct group group = group_make(frame, rows, r, end, widest);
+      struct group group = group_make(frame, rows, first + r, first + end, widest);
       failed = search_box(frame, columns, &group.box, range, &found);
       found_sort(&found);
       place_found(frame, columns, &group.box, &found);
       for (size_t last = r + group.rows; r < last && failed == STATUS_OK; r++) {
         list->start[r] = (uint32_t)to->used;
-        pick_row(frame, &rows->boxes[r], &group.box, range, &found);
+        pick_row(frame, &rows->boxes[first + r], &group.box, range, &found);
         failed = encode_row(&found, to);
       }
     }
-    for (; r < last_row; r++) list->start[r] = (uint32_t)to->used;
     if (failed == STATUS_OK && to->capacity > to->used + to->used / 8 + 64) {
       failed = memory_resize(&to->words, to->used, sizeof *to->words, "neighbour lists");
       to->capacity = to->used;
@@ -346,6 +345,58 @@ enum status neighbours_build(const struct frame *frame, const struct cluster_set
     }
   }
 cleanup:
+  return status;
+}
+
+static enum status renumber_chunk(const struct neighbour_list *list, size_t chunk,
+                                  const uint32_t *number, struct found *found,
+                                  struct list_chunk *to, uint32_t *start) {
+  enum status status = STATUS_OK;
+  const size_t first = list_chunk_begin(list, chunk), end = list_chunk_begin(list, chunk + 1);
+  for (size_t r = first; r < end; r++) {
+    size_t words;
+    struct list_reader reader = {.word = list_row(list, list->first + r, &words)};
+    reader.end = reader.word + words;
+    found->picked = found->n = 0;
+    TRY(found_reserve(found, 2 * words));
+    while (list_next(&reader))
+      for (uint32_t c = reader.cluster; c <= reader.cluster + (reader.pair ? 1 : 0); c++)
+        found->sorted[found->picked++] = (uint64_t)reader.image << 32 | number[c];
+    start[r - first] = (uint32_t)to->used;
+    TRY(encode_row(found, to));
+  }
+cleanup:
+  return status;
+}
+
+enum status neighbours_renumber(struct neighbour_list *list, const uint32_t *number, size_t first) {
+  enum status status = STATUS_OK;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t chunk = 0; chunk < LIST_CHUNKS; chunk++) {
+    struct found found = {0};
+    struct list_chunk to = {0};
+    uint32_t *start = NULL;
+    if (list->rows == 0) continue;
+    const size_t begin = list_chunk_begin(list, chunk),
+                 rows = list_chunk_begin(list, chunk + 1) - begin;
+    enum status failed = memory_allocate(&start, rows + 1, sizeof *start, "neighbour lists");
+    if (failed == STATUS_OK) failed = renumber_chunk(list, chunk, number, &found, &to, start);
+    if (failed == STATUS_OK && to.used < to.capacity)
+      failed = memory_resize(&to.words, to.used, sizeof *to.words, "neighbour lists");
+    if (failed == STATUS_OK) {
+      to.capacity = to.used;
+      memory_free(&list->chunks[chunk].words);
+      list->chunks[chunk] = to;
+      memcpy(list->start + begin, start, rows * sizeof *start);
+    } else {
+      memory_free(&to.words);
+#pragma omp atomic write
+      status = failed;
+    }
+    memory_free(&start);
+    found_free(&found);
+  }
+  list->first = first;
   return status;
 }
 

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "common/ranks.h"
 #include "sphsolve/engine/clusters.h"
 
 /* A row is a string of 16-bit words. A word is the step from the last cluster named (at first 0) to
@@ -26,6 +27,7 @@
 #define LIST_CHUNKS 64
 struct neighbour_list {
   size_t rows;
+  size_t first;    /* cluster of the first row, on ranks: of other ranks' clusters there are none */
   uint32_t *start; /* [rows + 1]: first word of a row within its chunk */
   struct list_chunk {
     uint16_t *words;
@@ -33,12 +35,15 @@ struct neighbour_list {
   } chunks[LIST_CHUNKS];
 };
 
-/* Replaces the list; rows of other ranks stay empty. `widest`: extent that rows may have when they
+/* Replaces the list: rows->begin to rows->end. `widest`: extent that rows may have when they
  * are searched together, m; half of it, `range` and the half extents of two clusters stay below
  * half of the box's images. */
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
                              const struct cluster_bins *columns, double range, double widest,
                              struct neighbour_list *list);
+/* Gives columns new numbers in the same order, `number` of the old one, and rows, from `first` on.
+ */
+enum status neighbours_renumber(struct neighbour_list *list, const uint32_t *number, size_t first);
 void neighbours_free(struct neighbour_list *list);
 size_t neighbours_bytes(const struct neighbour_list *list);
 
@@ -50,6 +55,7 @@ static inline size_t list_chunk_begin(const struct neighbour_list *list, size_t 
 }
 /* Words of a row. */
 static inline const uint16_t *list_row(const struct neighbour_list *list, size_t row, size_t *n) {
+  if (RANKS) row -= list->first;
   const struct list_chunk *chunk = &list->chunks[list_chunk_of(list, row)];
   size_t last = list_chunk_begin(list, list_chunk_of(list, row) + 1) - 1;
   *n = (row == last ? chunk->used : list->start[row + 1]) - list->start[row];

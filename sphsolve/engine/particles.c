@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/engine/curve.h"
+#include "sphsolve/engine/order.h"
 
 #define MAX_IMAGE_BITS 6
 /* Depths of wall particles end here, in the reach of fluid: deeper ones act the same
@@ -32,80 +32,6 @@ void frame_make(const struct lattice *lattice, double clearance, struct frame *f
     }
     frame->site_mask[a] = (uint32_t)((1ull << bits) - 1);
   }
-}
-
-/* Keys of 22 bits or so would do, but half a site must be told apart where the box allows it. */
-static int curve_bits(const struct frame *frame) {
-  size_t longest = 1;
-  for (int a = 0; a < 3; a++)
-    if (frame->sites[a] > longest) longest = frame->sites[a];
-  int bits = 1, most = frame->dimensions == 2 ? 16 : 10;
-  while (bits < most && ((size_t)1 << bits) < 2 * longest) bits++;
-  return bits;
-}
-
-/* `cell`: position in half sites. */
-static uint32_t key_of(const struct frame *frame, int bits, const uint32_t cell[3]) {
-  size_t longest = frame->sites[0];
-  for (int a = 1; a < 3; a++)
-    if (frame->sites[a] > longest) longest = frame->sites[a];
-  int coarser = 0;
-  while ((2 * longest) >> coarser > ((size_t)1 << bits)) coarser++;
-  uint32_t c[3] = {cell[0] >> coarser, cell[1] >> coarser, cell[2] >> coarser};
-  if (frame->dimensions == 2) c[1] = c[2];
-  return curve_key(frame->dimensions, bits, c);
-}
-
-/* Sorts entries by their upper 32 bits, stably. */
-static void radix_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
-  for (int shift = 32; shift < 64; shift += 11) {
-    size_t start[2049] = {0};
-    for (size_t i = 0; i < n; i++) start[((entries[i] >> shift) & 2047) + 1]++;
-    for (size_t i = 0; i < 2048; i++) start[i + 1] += start[i];
-    for (size_t i = 0; i < n; i++) scratch[start[(entries[i] >> shift) & 2047]++] = entries[i];
-    uint64_t *swap = entries;
-    entries = scratch;
-    scratch = swap;
-  }
-  memcpy(scratch, entries, n * sizeof *entries); /* three passes: the result lies in `scratch` */
-}
-
-/* Grows a cluster one member at a time and says when the next would make it too wide. */
-struct cutter {
-  const struct frame *frame;
-  int64_t limit[3];
-  uint32_t first[3];
-  int64_t low[3], high[3];
-  int members;
-};
-
-static void cutter_start(struct cutter *cutter, const struct frame *frame, double reach) {
-  memset(cutter, 0, sizeof *cutter);
-  cutter->frame = frame;
-  for (int a = 0; a < 3; a++) cutter->limit[a] = (int64_t)fmin(reach / frame->unit[a], 0x1p31);
-}
-
-static bool cutter_takes(struct cutter *cutter, const uint32_t x[3]) {
-  if (cutter->members == CLUSTER) cutter->members = 0;
-  bool fits = true;
-  for (int a = 0; a < 3 && cutter->members > 0; a++) {
-    int64_t d = (int32_t)(x[a] - cutter->first[a]);
-    int64_t low = d < cutter->low[a] ? d : cutter->low[a];
-    int64_t high = d > cutter->high[a] ? d : cutter->high[a];
-    fits = fits && high - low <= cutter->limit[a];
-  }
-  if (!fits) cutter->members = 0;
-  for (int a = 0; a < 3; a++) {
-    if (cutter->members == 0) {
-      cutter->first[a] = x[a];
-      cutter->low[a] = cutter->high[a] = 0;
-    }
-    int64_t d = (int32_t)(x[a] - cutter->first[a]);
-    if (d < cutter->low[a]) cutter->low[a] = d;
-    if (d > cutter->high[a]) cutter->high[a] = d;
-  }
-  cutter->members++;
-  return fits;
 }
 
 struct each {
@@ -185,13 +111,77 @@ enum status particles_resize(struct particles *p, size_t clusters) {
   return STATUS_OK;
 }
 
+enum status particles_hold(struct particles *p, size_t from, size_t count, size_t to,
+                           size_t clusters) {
+  struct each list[24];
+  size_t kept;
+  const struct particle_fields fields = fields_of(p);
+  const enum status status = grow_fluid(p, &fields, clusters * CLUSTER);
+  if (status != STATUS_OK) return status;
+  const size_t n = fluid_arrays(p, &fields, list, &kept);
+  for (size_t f = 0; f < n; f++) {
+    if (!list[f].wanted || (f >= kept && f < kept + 3)) continue;
+    uint32_t *array = *list[f].array;
+    memmove(array + to * CLUSTER, array + from * CLUSTER, count * CLUSTER * sizeof *array);
+  }
+  p->clusters = clusters;
+  for (size_t i = clusters * CLUSTER; i < p->capacity; i++) p->id[i] = NO_PARTICLE;
+  return STATUS_OK;
+}
+
+/* Of `size` bytes a cluster, and for the padding behind them. */
+static enum status hold_array(void *array, size_t from, size_t count, size_t to, size_t clusters,
+                              size_t held, size_t size) {
+  enum status status = STATUS_OK;
+  const size_t padding = SLOT_PADDING / CLUSTER;
+  char *data;
+  memcpy(&data, array, sizeof data);
+  if (data == NULL) return STATUS_OK;
+  if (clusters > held) TRY(memory_resize(array, clusters + padding, size, "wall particles"));
+  memcpy(&data, array, sizeof data);
+  memmove(data + to * size, data + from * size, count * size);
+  TRY(memory_resize(array, clusters + padding, size, "wall particles"));
+cleanup:
+  return status;
+}
+
+enum status particles_hold_walls(struct particles *p, size_t from, size_t count, size_t to,
+                                 size_t clusters) {
+  enum status status = STATUS_OK;
+  const struct particle_fields none = {0};
+  const size_t held = p->wall_clusters, slot = CLUSTER * sizeof(float);
+  struct each list[24];
+  const size_t n = wall_arrays(p, &none, list);
+  for (size_t f = 0; f < n; f++)
+    TRY(hold_array(list[f].array, from, count, to, clusters, held, slot));
+  TRY(hold_array(&p->site, from, count, to, clusters, held, slot));
+  TRY(hold_array(&p->wall_depth, from, count, to, clusters, held, slot / 2));
+  TRY(hold_array(&p->wall_region, from, count, to, clusters, held, sizeof *p->wall_region));
+  p->wall_clusters = clusters;
+  p->wall_sum = (uint32_t *)(void *)p->wall_state;
+  for (size_t w = clusters * CLUSTER; p->site != NULL && w < clusters * CLUSTER + SLOT_PADDING; w++)
+    p->site[w] = NO_SITE;
+cleanup:
+  return status;
+}
+
+size_t particles_kept(struct particles *p, void **kept[16]) {
+  const struct particle_fields fields = fields_of(p);
+  struct each list[24];
+  size_t count, n = 0;
+  fluid_arrays(p, &fields, list, &count);
+  for (size_t f = 0; f < count; f++)
+    if (list[f].wanted) kept[n++] = list[f].array;
+  return n;
+}
+
 enum status particles_sort(struct particles *p) {
   enum status status = STATUS_OK;
   uint64_t *entries = NULL, *scratch = NULL;
   uint32_t *order;
   const struct frame *frame = &p->frame;
   size_t slots = particles_slots(p), n = 0, used = 0, held = 2 * p->count;
-  int bits = curve_bits(frame);
+  int bits = order_bits(frame);
   TRY(memory_allocate(&entries, p->count, sizeof *entries, "sorting keys"));
   TRY(memory_allocate(&scratch, p->count, sizeof *scratch, "sorting keys"));
   for (size_t i = 0; i < slots; i++)
@@ -205,9 +195,9 @@ enum status particles_sort(struct particles *p) {
       cell[a] =
           (uint32_t)(((uint64_t)p->x[a][i] * (2 * frame->sites[a])) >> (32 - frame->image_bits[a]));
     }
-    entries[k] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
+    entries[k] = (uint64_t)order_key(frame, bits, cell) << 32 | i;
   }
-  radix_sort(entries, scratch, n);
+  order_sort(entries, scratch, n);
 
   order = (uint32_t *)(void *)scratch; /* done with, and mostly large enough */
   struct cutter cutter;
@@ -295,7 +285,7 @@ static enum status make_walls(const struct lattice *lattice, double range,
   uint32_t *order;
   size_t n = 0, used = 0;
   const struct frame *frame = &p->frame;
-  int bits = curve_bits(frame);
+  int bits = order_bits(frame);
   if (lattice->wall_count == 0) return STATUS_OK;
   TRY(mark_near_fluid(lattice, range, &near));
   for (size_t i = 0; i < lattice->count; i++) n += near[i] && lattice->kind[i] == SITE_WALL;
@@ -308,10 +298,10 @@ static enum status make_walls(const struct lattice *lattice, double range,
     size_t at[3];
     site_of(lattice, i, at);
     uint32_t cell[3] = {(uint32_t)at[0] * 2, (uint32_t)at[1] * 2, (uint32_t)at[2] * 2};
-    entries[n++] = (uint64_t)key_of(frame, bits, cell) << 32 | i;
+    entries[n++] = (uint64_t)order_key(frame, bits, cell) << 32 | i;
   }
   memory_free(&near);
-  radix_sort(entries, scratch, n);
+  order_sort(entries, scratch, n);
   size_t held = 2 * n;
   order = (uint32_t *)(void *)scratch; /* as in particles_sort */
   struct cutter cutter;
@@ -389,11 +379,19 @@ enum status particles_make(const struct lattice *lattice, double range, double r
   /* The walls first: ordering them takes memory that the fluid does not need yet. */
   TRY(make_walls(lattice, range, fields, p));
   p->count = lattice->fluid_count;
-  p->clusters = (p->count + CLUSTER - 1) / CLUSTER;
+cleanup:
+  if (status != STATUS_OK) particles_free(p);
+  return status;
+}
+
+enum status particles_place(const struct lattice *lattice, const struct particle_fields *fields,
+                            size_t first, size_t count, struct particles *p) {
+  enum status status = STATUS_OK;
+  size_t slot = 0, number = 0;
+  p->clusters = (count + CLUSTER - 1) / CLUSTER;
   TRY(grow_fluid(p, fields, p->clusters * CLUSTER));
-  size_t slot = 0;
-  for (size_t i = 0; i < lattice->count; i++) {
-    if (lattice->kind[i] != SITE_FLUID) continue;
+  for (size_t i = 0; i < lattice->count && slot < count; i++) {
+    if (lattice->kind[i] != SITE_FLUID || number++ < first) continue;
     size_t at[3];
     site_of(lattice, i, at);
     for (int a = 0; a < 3; a++) p->x[a][slot] = frame_site_position(&p->frame, a, (uint32_t)at[a]);
@@ -401,7 +399,6 @@ enum status particles_make(const struct lattice *lattice, double range, double r
   }
   for (; slot < p->capacity; slot++) p->id[slot] = NO_PARTICLE;
 cleanup:
-  if (status != STATUS_OK) particles_free(p);
   return status;
 }
 

@@ -72,15 +72,26 @@ struct particle_fields {
 
 /* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */
 void frame_make(const struct lattice *lattice, double clearance, struct frame *frame);
-/* Fluid at rest on its sites, unsorted; walls within `range` of fluid, ordered, in clusters. */
+/* Walls within `range` of fluid, ordered, in clusters; how much fluid there is. */
 enum status particles_make(const struct lattice *lattice, double range, double reach,
                            double clearance, const struct particle_fields *fields,
                            struct particles *particles);
+/* Fluid at rest on its sites, unsorted: of all the `count` particles from `first` on. */
+enum status particles_place(const struct lattice *lattice, const struct particle_fields *fields,
+                            size_t first, size_t count, struct particles *particles);
 void particles_free(struct particles *particles);
 /* Orders the fluid along the curve and cuts it into clusters; deterministic. */
 enum status particles_sort(struct particles *particles);
 /* Room for `clusters` clusters of fluid; what they hold is the caller's to fill. */
 enum status particles_resize(struct particles *particles, size_t clusters);
+/* Of the clusters here, `count` from `from` on go to `to`; there is then room for `clusters`, of
+ * which the others are the caller's to fill (what a step makes is not kept). */
+enum status particles_hold(struct particles *particles, size_t from, size_t count, size_t to,
+                           size_t clusters);
+enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,
+                                 size_t clusters);
+/* Addresses of the fluid's arrays that travel with a particle; 4 bytes a slot each. */
+size_t particles_kept(struct particles *particles, void **kept[16]);
 /* m, inside the lattice's box. */
 void particles_position(const struct particles *particles, const struct lattice *lattice,
                         size_t slot, double position[3]);

@@ -5,7 +5,7 @@
 
 #include "common/memory.h"
 
-enum { TAG = 5, TAG_ITEMS, TAG_SUMS };
+enum { TAG = 5, TAG_SUMS };
 
 /* What a particle is known by. */
 struct particle {
@@ -138,7 +138,7 @@ static enum status bring(struct isph *s) {
       }
     }
   }
-  TRY(isph_exchange(sizeof *out, send, out, start, &in));
+  TRY(ghosts_exchange(sizeof *out, send, out, start, &in));
   memory_free(&out);
   const bool any = layers_of(s, (int)own, &low, &high);
   for (size_t i = 0; any && i < s->count; i++)
@@ -262,30 +262,6 @@ void isph_add_accounts(struct isph *s) {
 
 void isph_gather_chunks(struct isph *s, double *numbers) {
   if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_cut, sizeof *numbers);
-}
-
-enum status isph_exchange(size_t size, const size_t *send, const void *out, size_t *start,
-                          void *in) {
-  enum status status = STATUS_OK;
-  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  const char *from = out;
-  char *to = NULL;
-  ranks_swap_counts(send, start + 1);
-  start[0] = 0;
-  for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
-  TRY(memory_allocate(&to, start[ranks] + 1, size, "messages from ranks"));
-  for (size_t r = 0; r < ranks; r++)
-    if (r != own && start[r + 1] > start[r])
-      ranks_receive(to + start[r] * size, (start[r + 1] - start[r]) * size, (int)r, TAG_ITEMS);
-  for (size_t r = 0; r < ranks; r++) {
-    if (r == own || send[r] == 0) continue;
-    ranks_send(from, send[r] * size, (int)r, TAG_ITEMS);
-    from += send[r] * size;
-  }
-  ranks_wait();
-cleanup:
-  memcpy(in, &to, sizeof to);
-  return status;
 }
 
 enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total) {

@@ -38,11 +38,6 @@ static inline size_t isph_first_chunk(const struct isph *s) {
  * have all. */
 void isph_gather_chunks(struct isph *s, double *numbers);
 
-/* Collective: send[r] items of `size` bytes, after each other in `out`, go to rank r; what comes,
- * in the order of the ranks, is *in (to be freed), from start[r] on [ranks + 1]. Nothing goes to
- * oneself: of *in the place of the own send[own] is left to be filled. */
-enum status isph_exchange(size_t size, const size_t *send, const void *out, size_t *start,
-                          void *in);
 /* Collective: the lists of all ranks, `count` items of `size` bytes here, one after another;
  * *joined, NULL before, is to be freed. */
 enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total);

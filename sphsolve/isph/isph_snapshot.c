@@ -31,7 +31,7 @@ static enum status send_field(const struct isph *s, const struct lines *lines, c
     for (size_t j = 0; r != own && j < lines->send[r]; j++)
       memcpy(out + size * k++, from + size * item[j], size);
   }
-  if (ranks > 1) TRY(isph_exchange(size, lines->send, out, start, &in));
+  if (ranks > 1) TRY(ghosts_exchange(size, lines->send, out, start, &in));
   for (size_t j = 0; j < lines->count; j++) {
     const bool own_line = ranks == 1 || (j >= start[own] && j < start[own + 1]);
     const char *value = own_line ? from + size * mine[j - start[own]] : in + size * j;

@@ -205,8 +205,9 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   double pair_time = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
   result->steps = run->state.step;
   result->ledger = (struct ledger){.known = true, .start = run->lattice->fluid_count};
-  for (size_t i = 0; i < particles_slots(&engine->particles); i++)
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
     result->ledger.end += engine->particles.id[i] != NO_PARTICLE;
+  result->ledger.end = (uint64_t)ranks_sum((double)result->ledger.end);
   if (run->state.account.samples > 0) result->ledger.account = run->state.account.ledger;
   result->wall_time = clock_seconds() - run->started;
   result->pair_interactions = engine->pair_interactions;
@@ -230,7 +231,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   recorder_count_traffic(run->recorder);
   if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
-  recorder_set_measured(run->recorder, "method_peak_bytes", (double)memory_peak());
+  recorder_set_measured(run->recorder, "method_peak_bytes", ranks_max((double)memory_peak()));
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 

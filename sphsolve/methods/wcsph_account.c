@@ -24,7 +24,7 @@
 
 void wcsph_account_begin(const struct engine *engine, struct wcsph_account *account) {
   const struct engine_settings *s = &engine->settings;
-  const bool walls = engine->particles.wall_clusters > 0;
+  const bool walls = engine_has_walls(engine);
   const double *f = s->force;
   const struct {
     enum ledger_term term;

@@ -57,16 +57,16 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   const bool ends = flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
   /* First, since it may make new lists, and with them another number of slots. */
   if (ends) TRY(engine_pull(engine));
-  const size_t slots = particles_slots(p), blocks = (slots + SUM_BLOCK - 1) / SUM_BLOCK;
+  const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
-  const size_t first = engine_first_slot(engine) / SUM_BLOCK;
-  const size_t last = (engine_end_slot(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
+  const size_t begin = engine_first_slot(engine), last = engine_end_slot(engine);
+  const size_t number = engine_number(engine, begin), first = number / SUM_BLOCK;
 #pragma omp parallel for schedule(static)
-  for (size_t b = first; b < last; b++) {
-    struct wcsph_totals *t = &part[b];
+  for (size_t b = begin; b < last; b += SUM_BLOCK) {
+    struct wcsph_totals *t = &part[first + (b - begin) / SUM_BLOCK];
     t->density_min = INFINITY;
-    size_t end = (b + 1) * SUM_BLOCK < slots ? (b + 1) * SUM_BLOCK : slots;
-    for (size_t i = b * SUM_BLOCK; i < end; i++) {
+    const size_t end = b + SUM_BLOCK < last ? b + SUM_BLOCK : last;
+    for (size_t i = b; i < end; i++) {
       if (p->id[i] == NO_PARTICLE) continue;
       double density = engine_density(engine, i), square = 0;
       struct end_of_line line = {0, 0};
@@ -85,15 +85,15 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
       t->compression += (density - 1) * (density - 1);
       if (!(density <= t->density_max)) {
         t->density_max = density;
-        t->densest = i;
+        t->densest = number + (i - begin);
       }
       if (!(density >= t->density_min)) {
         t->density_min = density;
-        t->thinnest = i;
+        t->thinnest = number + (i - begin);
       }
       if (!(square <= t->speed_max)) {
         t->speed_max = square;
-        t->fastest = i;
+        t->fastest = number + (i - begin);
       }
     }
   }
@@ -184,14 +184,15 @@ size_t wcsph_copy_bytes(const struct particle_fields *fields) {
 
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   enum status status = STATUS_OK;
-  engine_gather(&state->engine);
   struct particles p = state->engine.particles; /* pointers only */
+  const struct engine *engine = &state->engine;
   struct stored list[16];
-  size_t n = stored_arrays(&p, list), slots = particles_slots(&p);
-  const size_t size = slots * sizeof(float); /* of each */
+  const size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
+  const size_t size = (engine_end_slot(engine) - first) * sizeof(float); /* of each */
   if (copy->file.file == NULL) TRY(scratch_open(copy->beside, &copy->file));
-  for (size_t i = 0; i < n; i++) TRY(scratch_write(&copy->file, i * size, *list[i].array, size));
-  copy->clusters = p.clusters;
+  for (size_t i = 0; i < n; i++)
+    TRY(scratch_write(&copy->file, i * size, *(float **)list[i].array + first, size));
+  copy->clusters = size / (CLUSTER * sizeof(float));
   copy->samples = state->monitor.count;
   copy->step = state->step;
   copy->sample_from = state->sample_from;
@@ -214,7 +215,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   struct stored list[16];
   const size_t n = stored_arrays(p, list), size = particles_slots(p) * sizeof(float);
   for (size_t i = 0; i < n; i++) TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
-  TRY(engine_share_out(engine));
+  TRY(engine_take(engine));
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;
   engine->listed = false;
@@ -281,7 +282,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   enum status status = STATUS_OK;
   struct engine *engine = &state->engine;
   struct particles *p = &engine->particles;
-  size_t slots[2], dims[2], count;
+  size_t slots[2], dims[2], count, own;
   int rank;
   double *numbers = NULL, (*rows)[MONITOR_COMPONENTS] = NULL;
   int64_t *step = NULL;
@@ -290,15 +291,16 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   if (slots[0] % CLUSTER != 0 || slots[0] < p->count)
     TRY_FAIL(STATUS_INPUT, "%s: /state/id has %zu slots for %zu particles: not of this scene",
              h5_path(file), slots[0], p->count);
-  TRY(particles_resize(p, slots[0] / CLUSTER));
+  TRY(engine_cut(engine, slots[0] / CLUSTER));
+  own = RANKS && ranks_count() > 1 ? engine_end_slot(engine) : slots[0];
+  TRY(particles_resize(p, own / CLUSTER));
   struct stored list[16];
   size_t n = stored_arrays(p, list);
   for (size_t i = 0; i < n; i++) {
-    TRY(h5_read(file, list[i].name, list[i].type, 1, dims, &array));
-    if (dims[0] != slots[0])
-      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu values, not %zu", h5_path(file), list[i].name, dims[0],
-               slots[0]);
-    memcpy(*list[i].array, array, slots[0] * sizeof(float));
+    dims[0] = own;
+    TRY(h5_read_share(file, list[i].name, list[i].type, 1, slots[0], engine_number(engine, 0), dims,
+                      &array));
+    if (own > 0) memcpy(*list[i].array, array, own * sizeof(float));
     memory_free(&array);
   }
   TRY(ledger_account_read(&state->account.ledger, sizeof state->account, file, "/state/account"));
@@ -309,7 +311,6 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
              h5_path(file), numbers[6], engine->settings.dt);
-  TRY(engine_share_out(engine));
   engine->moved = numbers[0];
   engine->speed_max = numbers[1];
   engine->pair_interactions = numbers[2];

@@ -37,18 +37,25 @@ static enum watch_bound judge(struct wcsph_run *run, const struct wcsph_totals *
 static void describe(const struct wcsph_run *run, enum watch_bound bound,
                      const struct wcsph_totals *totals, char what[160]) {
   const struct engine *engine = &run->state.engine;
-  double high = totals->density_max - 1, low = 1 - totals->density_min, at[3];
-  size_t slot = bound != WATCH_DENSITY ? totals->fastest
-                : low > high           ? totals->thinnest
-                                       : totals->densest;
-  particles_position(&engine->particles, run->lattice, slot, at);
+  double high = totals->density_max - 1, low = 1 - totals->density_min;
+  const size_t number = bound != WATCH_DENSITY ? totals->fastest
+                        : low > high           ? totals->thinnest
+                                               : totals->densest;
+  /* Told by the rank that has it: where it is, and its name. */
+  const size_t first = engine_first_slot(engine),
+               slot = number - engine_number(engine, first) + first;
+  double said[4] = {0};
+  if (slot >= first && slot < engine_end_slot(engine)) {
+    particles_position(&engine->particles, run->lattice, slot, said);
+    said[3] = engine->particles.id[slot];
+  }
+  ranks_sum_all(said, 4);
   if (bound == WATCH_DENSITY)
     snprintf(what, 160, "density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times that at rest",
-             engine->particles.id[slot], at[0], at[1], at[2], low > high ? 1 - low : 1 + high);
+             (unsigned)said[3], said[0], said[1], said[2], low > high ? 1 - low : 1 + high);
   else
     snprintf(what, 160, "%s: particle %u at (%.4g, %.4g, %.4g) m moves at %.3g m/s",
-             watchdog_name(bound), engine->particles.id[slot], at[0], at[1], at[2],
-             totals->speed_max);
+             watchdog_name(bound), (unsigned)said[3], said[0], said[1], said[2], totals->speed_max);
 }
 
 enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what) {
@@ -127,7 +134,6 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   TRY(wcsph_sum(&state->engine, false, &totals));
   enum watch_bound worst = judge(run, &totals, &share);
   if (share >= 1) {
-    engine_gather(&state->engine); /* the particle may be another rank's */
     describe(run, worst, &totals, what);
     *again = true;
     TRY(wcsph_step_back(run, wcsph_run_time(run), what));

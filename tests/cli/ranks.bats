@@ -235,17 +235,27 @@ regions = ( { type = "water"; box = ["0", "0", "0", "1 m", "0.486 m", "0.81 m"];
 force = { gravity = ["0", "0", "-9.81 m/s^2"]; };
 isph = { dt = "1 ms"; };
 END
+  cat > lid.cfg << 'END'
+scene = { name = "lid"; method = "wcsph"; end_time = "6 ms"; };
+domain = { size = ["3.2 m", "0.18 m", "0.18 m"]; spacing = "0.01 m"; periodic = [true, false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0", "3.2 m", "0.18 m", "0.18 m"]; },
+            { type = "wall"; box = ["0", "0", "0.16 m", "3.2 m", "0.18 m", "0.18 m"]; velocity = ["1 m/s", "0", "0"]; } );
+wcsph = { sound_speed = "20 m/s"; };
+END
   local n tank=tank.cfg sand="s06.cfg --set model.file=middle.hdf --set scene.method=stokes --set stokes.tolerance=1e-2"
   for n in 1 2 4; do
     sphsolve explain $tank --ranks $n --threads 1 --json > tank$n.json
     sphsolve explain $sand --ranks $n --threads 1 --json > sand$n.json
+    sphsolve explain lid.cfg --ranks $n --threads 1 --json > lid$n.json
     on $n sphsolve-mpi run $tank -o tank$n --quiet > /dev/null
     on $n sphsolve-mpi run $sand -o sand$n --quiet > /dev/null
+    on $n sphsolve-mpi run lid.cfg -o lid$n --quiet > /dev/null
   done
   /usr/bin/python3 - << 'END'
 import h5py, json
 PROGRAM = 16e6  # foretold, not counted
-for name in "tank", "sand":
+for name in "tank", "sand", "lid":
     said = {n: json.load(open(f"{name}{n}.json"))["ranks"]["memory_bytes"] - PROGRAM for n in (1, 2, 4)}
     clock = {n: h5py.File(f"{name}{n}.hdf")["run/timing"].attrs for n in (1, 2, 4)}
     peak = {n: max(clock[n]["memory_peak_bytes"], clock[n]["memory_peak_bytes_all"] / n) for n in clock}

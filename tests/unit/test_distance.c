@@ -51,8 +51,8 @@ static double worst(const struct body *body, const double spacing[3]) {
     const size_t at[3] = {q % N, q / N % N, q / N / N};
     fraction[q] = (float)share_of(body, spacing, at);
   }
-  assert_int_equal(distance_from_fraction(size, spacing, open_sides, fraction, distance),
-                   STATUS_OK);
+  assert_int_equal(
+      distance_from_fraction(size, spacing, open_sides, 0, size[2], fraction, distance), STATUS_OK);
   for (size_t q = 0; q < SITES; q++) {
     const size_t at[3] = {q % N, q / N % N, q / N / N};
     double x[3];

@@ -264,7 +264,7 @@ static void sands(const char *folder) {
   if (file != NULL && solid != NULL && fread(solid, 1, voxels, file) == voxels) {
     l = test_lattice(3, n[0], n[1], n[2], 46.64e-6, 46.64e-6, 46.64e-6);
     for (size_t s = 0; s < voxels; s++) l.kind[s] = solid[s] ? SITE_WALL : SITE_FLUID;
-    distance_from_faces(l.size, l.spacing, periodic, solid, l.wall_distance);
+    distance_from_faces(l.size, l.spacing, periodic, 0, l.size[2], solid, l.wall_distance);
     test_recount(&l);
     pinning("sand 60x60x61", &l, wcsph_gap(&l));
   } else {

@@ -276,7 +276,7 @@ static double voxel_model(const uint8_t *solid, const size_t n[3], size_t split,
     l.fluid_count += !fine[s];
     l.wall_count += fine[s];
   }
-  distance_from_faces(l.size, l.spacing, periodic, fine, l.wall_distance);
+  distance_from_faces(l.size, l.spacing, periodic, 0, l.size[2], fine, l.wall_distance);
   memory_free(&fine);
   return solve(&l, (const double[3]){along == 0, along == 1, along == 2}, seconds);
 }

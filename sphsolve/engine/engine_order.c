@@ -1,0 +1,275 @@
+/* Fluid ordered along the curve by ranks that each hold their own: keys find the rank that sorts a
+ * particle, the cutting into clusters passes on from rank to rank, and what then lies beyond a
+ * rank's cut goes to its owner. Equal keys keep their order, as in particles_sort. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/engine/engine_ranks.h"
+#include "sphsolve/engine/order.h"
+
+enum { KEY_BITS = 32, TAG_CUTTER = 9 };
+/* Sources beyond it are places in what has come from other ranks. */
+#define COME 0x80000000u
+
+/* Which particles go where: `leave` are slots, those for one rank after another; slot s then takes
+ * what `source` names, or stays empty. */
+struct moves {
+  uint32_t *leave;
+  size_t *send, *start;
+  uint32_t *source;
+  size_t slots;
+};
+
+static void moves_free(struct moves *m) {
+  memory_free(&m->leave);
+  memory_free(&m->send);
+  memory_free(&m->start);
+  memory_free(&m->source);
+}
+
+static enum status moves_make(struct moves *m, size_t leaving) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count();
+  memset(m, 0, sizeof *m);
+  TRY(memory_allocate(&m->send, ranks, sizeof *m->send, "particles that change hands"));
+  TRY(memory_allocate(&m->start, ranks + 1, sizeof *m->start, "particles that change hands"));
+  TRY(memory_allocate(&m->leave, leaving + 1, sizeof *m->leave, "particles that change hands"));
+cleanup:
+  return status;
+}
+
+/* Collective: field by field, through the memory of the new velocity. */
+static enum status moves_do(struct particles *p, struct moves *m) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), clusters = m->slots / CLUSTER;
+  uint32_t *out = NULL, *in = NULL;
+  void **kept[16];
+  size_t leaving = 0;
+  for (size_t r = 0; r < ranks; r++) leaving += m->send[r];
+  const size_t before = p->clusters;
+  TRY(particles_resize(p, clusters > before ? clusters : before));
+  const size_t fields = particles_kept(p, kept);
+  TRY(memory_allocate(&out, leaving + 1, sizeof *out, "particles that change hands"));
+  for (size_t f = 0; f < fields; f++) {
+    const uint32_t *from = *kept[f];
+    const bool is_id = kept[f] == (void **)&p->id;
+    uint32_t *to = (uint32_t *)(void *)p->v_next[0];
+    for (size_t k = 0; k < leaving; k++) out[k] = from[m->leave[k]];
+    TRY(ghosts_exchange(sizeof *out, m->send, out, m->start, &in));
+    uint32_t first = 0;
+    for (size_t s = 0; s < m->slots; s++) {
+      const uint32_t at = m->source[s];
+      if (at == NO_PARTICLE)
+        to[s] = is_id ? NO_PARTICLE : first;
+      else
+        to[s] = at >= COME ? in[at - COME] : from[at];
+      if (s % CLUSTER == 0) first = to[s];
+    }
+    for (size_t s = m->slots; s < p->capacity; s++) to[s] = is_id ? NO_PARTICLE : 0;
+    p->v_next[0] = *kept[f];
+    *kept[f] = to;
+    memory_free(&in);
+  }
+  p->clusters = clusters;
+cleanup:
+  memory_free(&out);
+  memory_free(&in);
+  return status;
+}
+
+static size_t count_below(const uint64_t *entries, size_t n, uint64_t key) {
+  size_t low = 0, high = n;
+  while (low < high) {
+    const size_t middle = (low + high) / 2;
+    if (entries[middle] >> 32 < key)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/* Collective: where each rank's keys begin among the sorted entries here, so that all have of them
+ * what they had of clusters. */
+static enum status find_parts(const struct ghosts *g, const uint64_t *entries, size_t n,
+                              size_t *part) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count();
+  uint64_t *key = NULL;
+  int64_t *below = NULL, all = (int64_t)n;
+  TRY(memory_allocate(&key, ranks + 1, sizeof *key, "shares of the ranks"));
+  TRY(memory_allocate(&below, ranks + 1, sizeof *below, "shares of the ranks"));
+  ranks_sum_whole(&all, 1);
+  /* The greatest key that fewer are below than the ranks before shall have. */
+  for (int bit = KEY_BITS - 1; bit >= 0; bit--) {
+    for (size_t r = 1; r < ranks; r++)
+      below[r] = (int64_t)count_below(entries, n, key[r] | (uint64_t)1 << bit);
+    ranks_sum_whole(below, ranks);
+    for (size_t r = 1; r < ranks; r++) {
+      const double share = (double)g->cut[r] / (double)g->cut[ranks];
+      if ((double)below[r] < share * (double)all) key[r] |= (uint64_t)1 << bit;
+    }
+  }
+  for (size_t r = 1; r < ranks; r++) part[r] = count_below(entries, n, key[r]);
+  part[0] = 0;
+  part[ranks] = n;
+cleanup:
+  memory_free(&key);
+  memory_free(&below);
+  return status;
+}
+
+static uint64_t *keys_of(struct particles *p, uint64_t *entries, size_t *n) {
+  const struct frame *frame = &p->frame;
+  const int bits = order_bits(frame);
+  *n = 0;
+  for (size_t i = 0; i < particles_slots(p); i++) {
+    if (p->id[i] == NO_PARTICLE) continue;
+    uint32_t cell[3];
+    for (int a = 0; a < 3; a++) {
+      p->x[a][i] = frame_fold(frame, a, p->x[a][i]);
+      cell[a] =
+          (uint32_t)(((uint64_t)p->x[a][i] * (2 * frame->sites[a])) >> (32 - frame->image_bits[a]));
+    }
+    entries[(*n)++] = (uint64_t)order_key(frame, bits, cell) << 32 | i;
+  }
+  return entries;
+}
+
+/* Afterwards the ranks have the particles in order, without empty slots; *n here. */
+static enum status sort(struct engine *engine, size_t *n) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  uint64_t *entries = NULL, *scratch = NULL, *merged = NULL;
+  uint32_t *out = NULL, *in = NULL;
+  size_t *part = NULL;
+  struct moves m = {0};
+  TRY(memory_allocate(&entries, particles_slots(p) + 1, sizeof *entries, "sorting keys"));
+  TRY(memory_allocate(&scratch, particles_slots(p) + 1, sizeof *scratch, "sorting keys"));
+  TRY(memory_allocate(&part, ranks + 1, sizeof *part, "shares of the ranks"));
+  keys_of(p, entries, n);
+  order_sort(entries, scratch, *n);
+  memory_free(&scratch);
+  TRY(find_parts(&engine->ranks.fluid, entries, *n, part));
+  const size_t stay = part[own + 1] - part[own], leaving = *n - stay;
+  TRY(moves_make(&m, leaving));
+  TRY(memory_allocate(&out, leaving + 1, sizeof *out, "sorting keys"));
+  size_t k = 0;
+  for (size_t r = 0; r < ranks; r++) {
+    m.send[r] = r == own ? 0 : part[r + 1] - part[r];
+    for (size_t e = part[r]; r != own && e < part[r + 1]; e++, k++) {
+      m.leave[k] = (uint32_t)entries[e];
+      out[k] = (uint32_t)(entries[e] >> 32);
+    }
+  }
+  TRY(ghosts_exchange(sizeof *out, m.send, out, m.start, &in));
+  memory_free(&out);
+  const size_t come = m.start[ranks], total = stay + come, lower = m.start[own];
+  TRY(memory_allocate(&merged, total + 1, sizeof *merged, "sorting keys"));
+  for (size_t c = 0; c < come; c++)
+    merged[c < lower ? c : c + stay] = (uint64_t)in[c] << 32 | COME | c;
+  if (stay > 0) memcpy(merged + lower, entries + part[own], stay * sizeof *merged);
+  memory_free(&entries);
+  memory_free(&in);
+  TRY(memory_allocate(&scratch, total + 1, sizeof *scratch, "sorting keys"));
+  order_sort(merged, scratch, total);
+  memory_free(&scratch);
+  m.slots = (total + CLUSTER - 1) / CLUSTER * CLUSTER;
+  TRY(memory_allocate(&m.source, m.slots + 1, sizeof *m.source, "particle order"));
+  for (size_t s = 0; s < m.slots; s++) m.source[s] = s < total ? (uint32_t)merged[s] : NO_PARTICLE;
+  memory_free(&merged);
+  TRY(moves_do(p, &m));
+  *n = total;
+cleanup:
+  moves_free(&m);
+  memory_free(&entries);
+  memory_free(&scratch);
+  memory_free(&merged);
+  memory_free(&out);
+  memory_free(&in);
+  memory_free(&part);
+  return status;
+}
+
+/* Slots, among all, of the n particles here in order; *total clusters. */
+static void cut_clusters(const struct particles *p, size_t n, uint64_t *slot, size_t *total) {
+  struct {
+    struct cutter cutter;
+    uint64_t used;
+  } open;
+  memset(&open, 0, sizeof open);
+  const int own = ranks_own(), last = ranks_count() - 1;
+  if (own > 0) {
+    ranks_receive(&open, sizeof open, own - 1, TAG_CUTTER);
+    ranks_wait();
+    open.cutter.frame = &p->frame;
+  } else {
+    cutter_start(&open.cutter, &p->frame, p->reach);
+  }
+  for (size_t k = 0; k < n; k++) {
+    const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
+    if (!cutter_takes(&open.cutter, x)) open.used = (open.used + CLUSTER - 1) / CLUSTER * CLUSTER;
+    slot[k] = open.used++;
+  }
+  if (own < last) {
+    ranks_send(&open, sizeof open, own + 1, TAG_CUTTER);
+    ranks_wait();
+  }
+  *total = (size_t)ranks_max((double)((open.used + CLUSTER - 1) / CLUSTER));
+}
+
+/* Sends what lies beyond the cuts to its owner, and puts all into their slots. */
+static enum status settle(struct engine *engine, size_t n, const uint64_t *slot) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  const struct ghosts *g = &engine->ranks.fluid;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const uint64_t first = (uint64_t)g->cut[own] * CLUSTER, end = (uint64_t)g->cut[own + 1] * CLUSTER;
+  uint64_t *out = NULL, *in = NULL;
+  struct moves m;
+  TRY(moves_make(&m, n));
+  TRY(memory_allocate(&out, n + 1, sizeof *out, "particle order"));
+  m.slots = (size_t)(end - first);
+  TRY(memory_allocate(&m.source, m.slots + 1, sizeof *m.source, "particle order"));
+  for (size_t s = 0; s < m.slots; s++) m.source[s] = NO_PARTICLE;
+  size_t leaving = 0;
+  for (size_t k = 0, r = 0; k < n; k++) {
+    while (slot[k] >= (uint64_t)g->cut[r + 1] * CLUSTER) r++;
+    if (r == own) {
+      m.source[slot[k] - first] = (uint32_t)k;
+      continue;
+    }
+    m.send[r]++;
+    m.leave[leaving] = (uint32_t)k;
+    out[leaving++] = slot[k];
+  }
+  TRY(ghosts_exchange(sizeof *out, m.send, out, m.start, &in));
+  for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = COME | (uint32_t)c;
+  memory_free(&out);
+  memory_free(&in);
+  TRY(moves_do(p, &m));
+cleanup:
+  moves_free(&m);
+  memory_free(&out);
+  memory_free(&in);
+  return status;
+}
+
+enum status engine_order(struct engine *engine) {
+  enum status status = STATUS_OK;
+  struct ghosts *g = &engine->ranks.fluid;
+  uint64_t *slot = NULL;
+  size_t n = 0, clusters;
+  TRY(engine_drop_ghosts(engine));
+  TRY(sort(engine, &n));
+  TRY(memory_allocate(&slot, n + 1, sizeof *slot, "particle order"));
+  cut_clusters(&engine->particles, n, slot, &clusters);
+  TRY(engine_cut(engine, clusters));
+  TRY(settle(engine, n, slot));
+  g->begin = 0, g->end = engine->particles.clusters;
+cleanup:
+  memory_free(&slot);
+  return status;
+}

@@ -1,0 +1,24 @@
+/* The order of particles along the curve, and where it is cut into clusters. */
+#ifndef TOSUI_ENGINE_ORDER_H
+#define TOSUI_ENGINE_ORDER_H
+
+#include "sphsolve/engine/particles.h"
+
+int order_bits(const struct frame *frame);
+/* `cell`: position in half sites. */
+uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]);
+/* Sorts entries by their upper 32 bits, stably; `scratch` has as much room. */
+void order_sort(uint64_t *entries, uint64_t *scratch, size_t n);
+
+/* Grows a cluster one member at a time and says when the next would make it too wide. */
+struct cutter {
+  const struct frame *frame;
+  int64_t limit[3];
+  uint32_t first[3];
+  int64_t low[3], high[3];
+  int members;
+};
+void cutter_start(struct cutter *cutter, const struct frame *frame, double reach);
+bool cutter_takes(struct cutter *cutter, const uint32_t x[3]);
+
+#endif
