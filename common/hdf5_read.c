@@ -83,8 +83,10 @@ cleanup:
 #define WIDEST_NUMBER 16
 #define LONGEST_TEXT (1u << 24)
 
+/* Also truth values, which h5py writes as an enumeration of one byte. */
 static bool holds_numbers(hid_t stored) {
   H5T_class_t class = H5Tget_class(stored);
+  if (class == H5T_ENUM) return H5Tget_size(stored) == 1;
   return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= WIDEST_NUMBER;
 }
 

@@ -49,6 +49,33 @@ static enum status read_optional_number(struct h5_file *file, const char *attrib
   return h5_read_attribute(file, "/model", attribute, H5_F64, 1, value);
 }
 
+/* Distances of another sign or unit than the contract's give a k, and a wrong one. */
+static enum status check_distances(const char *path, const struct voxel_model *model,
+                                   size_t grains) {
+  const size_t count = model_site_count(model);
+  size_t wrong = 0;
+  double nearest = INFINITY, widest = 0;
+  for (int a = 0; a < 3; a++) widest = fmax(widest, model->spacing[a]);
+  for (size_t i = 0; i < count; i++) {
+    const double d = (double)model->wall_distance[i];
+    wrong += model->solid[i] ? d > 0 : d < 0;
+    nearest = fmin(nearest, fabs(d));
+  }
+  if (2 * wrong > count)
+    return FAIL(
+        STATUS_INPUT,
+        "%s: /model/wall_distance has the wrong sign in %zu of %zu voxels: it is positive in "
+        "the pores (solid 0) and negative in the grains",
+        path, wrong, count);
+  if (grains > 0 && grains < count && nearest > 2 * widest)
+    return FAIL(
+        STATUS_INPUT,
+        "%s: /model/wall_distance is nowhere below %g m, %.3g voxels: metres from the middle "
+        "of a voxel to the surface are wanted",
+        path, nearest, nearest / widest);
+  return STATUS_OK;
+}
+
 enum status model_read(const char *path, struct voxel_model *model) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -96,6 +123,7 @@ enum status model_read(const char *path, struct voxel_model *model) {
   TRY(read_optional_number(file, "threshold", &model->threshold));
   model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
   TRY(read_optional_field(file, "/model/wall_distance", model, -1e6, 1e6, &model->wall_distance));
+  if (model->wall_distance != NULL) TRY(check_distances(path, model, grains));
   TRY(read_optional_field(file, "/model/grain_fraction", model, 0, 1, &model->grain_fraction));
 cleanup:
   h5_close(file);

@@ -111,10 +111,13 @@ static enum status refuse_contradictions(const struct scene *scene, const struct
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow; give a gravity, body_acceleration or "
                        "pressure_gradient, or a region that moves");
-  if (method == METHOD_STOKES && lattice->wall_count == 0)
-    return scene_error(scene, AT_METHOD,
-                       "no wall holds the fluid back, so a steady flow does not exist; add a wall, "
-                       "or write method = \"wcsph\" and an end_time");
+  if (lattice->wall_count == 0 &&
+      (method == METHOD_STOKES || (method == METHOD_WCSPH && !isfinite(scene->end_time))))
+    return scene_error(
+        scene, AT_METHOD,
+        "no wall holds the fluid back, so a steady flow does not exist; add a wall%s "
+        "or write method = \"wcsph\" and an end_time",
+        *scene->model_path ? " (the model is all pore: look at its threshold)," : ",");
   if (scene->turbulence == SWITCH_ON && method != METHOD_ISPH)
     return scene_error(scene, AT_TURBULENCE,
                        "\"on\", but only method isph has a model of turbulence; leave it out");

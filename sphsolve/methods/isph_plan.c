@@ -24,6 +24,7 @@ static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
   const double dx = context->spacing, time = context->scene->end_time;
   const double force = context->driving > 0 ? 0.25 * sqrt(dx / context->driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
+  if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
   const double way = (context->has_surface ? 0.2 : 0.1) * dx;
   const double fast = fmin(time, pace->lasts);
   return fast / fmin(least, way / pace->speed) +

@@ -228,6 +228,12 @@ static void test_model(void **state) {
   distance[5] = NAN;
   write_model(&model);
   refused(model_read(path, &read), "/model/wall_distance holds nan at x=1 y=1 z=0");
+  for (int i = 0; i < 24; i++) distance[i] = solid[i] ? 1e-6f : -1e-6f;
+  write_model(&model);
+  refused(model_read(path, &read), "wrong sign in 24 of 24 voxels");
+  for (int i = 0; i < 24; i++) distance[i] = solid[i] ? -0.5f : 0.5f; /* in voxels */
+  write_model(&model);
+  refused(model_read(path, &read), "metres from the middle of a voxel");
   /* solid and spacing alone make a model. */
   struct h5_file *file;
   size_t dims[3] = {2, 3, 4};
