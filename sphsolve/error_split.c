@@ -83,23 +83,20 @@ static double interpolate(const struct lattice *l, const double at[3]) {
   return sum;
 }
 
-/* The same walls, moved by `offset` (m) into the grains, on sites `ratio` times as far apart. Its
- * bulk_count is that of `fine` in its own sites; *volumes is what is left by rounding it. */
+/* The same walls, moved by `offset` (m) into the grains, on sites `ratio` times as far apart. */
 static enum status coarsen(const struct lattice *fine, double ratio, double offset,
-                           struct lattice *coarse, double *volumes) {
+                           struct lattice *coarse) {
   enum status status = STATUS_OK;
-  double bulk = (double)fine->bulk_count;
-  *coarse = (struct lattice){.dimensions = fine->dimensions, .count = 1};
+  *coarse =
+      (struct lattice){.dimensions = fine->dimensions, .count = 1, .bulk_count = fine->bulk_count};
   for (int a = 0; a < 3; a++) {
     size_t copies;
     coarse->size[a] = coarse_size(fine->size[a], ratio, &copies);
     coarse->spacing[a] =
         fine->spacing[a] * (double)(copies * fine->size[a]) / (double)coarse->size[a];
     coarse->count *= coarse->size[a];
-    bulk *= (double)copies * fine->spacing[a] / coarse->spacing[a];
+    coarse->bulk_count *= (double)copies * fine->spacing[a] / coarse->spacing[a];
   }
-  coarse->bulk_count = (size_t)round(bulk);
-  *volumes = (double)coarse->bulk_count / bulk;
   TRY(memory_allocate(&coarse->kind, coarse->count, 1, "a coarser lattice"));
   TRY(memory_allocate(&coarse->wall_distance, coarse->count, sizeof *coarse->wall_distance,
                       "a coarser lattice"));
@@ -132,13 +129,12 @@ static double void_ratio_of(const struct lattice *l) {
   const double h = cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
   for (size_t s = 0; s < l->count; s++)
     pores += fmax(0.0, fmin(1.0, 0.5 + (double)l->wall_distance[s] / h));
-  return pores / ((double)l->bulk_count - pores);
+  return pores / (l->bulk_count - pores);
 }
 
 /* Intrinsic permeability (m^2) along the force; 0 where nothing flows or the solver fails. */
 static double permeability_of(const struct scene *scene, const struct plan *plan,
-                              const struct lattice *lattice, enum wall_scheme wall,
-                              double volumes) {
+                              const struct lattice *lattice, enum wall_scheme wall) {
   const struct effect_context *context = &plan->context;
   const double spacing =
       lattice->dimensions == 2
@@ -150,8 +146,7 @@ static double permeability_of(const struct scene *scene, const struct plan *plan
       stokes_solver_build(lattice, scene, context->support / context->spacing * spacing, wall,
                           context->kinematic_viscosity, scene->driving, &s) == STATUS_OK &&
       s.grid.active_all > 0 && stokes_solver_run(&s, TOLERANCE) == STATUS_OK)
-    for (int a = 0; a < 3; a++)
-      k += s.mean[a] * s.force[a] * s.stencil.unit * s.stencil.unit * volumes;
+    for (int a = 0; a < 3; a++) k += s.mean[a] * s.force[a] * s.stencil.unit * s.stencil.unit;
   stokes_solver_free(&s);
   error_clear();
   return k;
@@ -217,26 +212,25 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
                                 const struct lattice *lattice, double permeability, double found,
                                 struct error_split *split) {
   enum status status = STATUS_OK;
-  double h[LEVELS], k[LEVELS], volumes, own = permeability;
+  double h[LEVELS], k[LEVELS], own = permeability;
   int levels = 0;
   const enum wall_scheme wall =
       plan->context.method == METHOD_STOKES ? scene->stokes.wall : scene->wcsph.wall;
   struct lattice coarse = {0}, moved = {0};
   if (!has_creeping_flow(scene, &plan->context)) return STATUS_OK;
-  if (isnan(own)) own = permeability_of(scene, plan, lattice, wall, 1.0);
+  if (isnan(own)) own = permeability_of(scene, plan, lattice, wall);
   if (!(own > 0.0)) return STATUS_OK;
   for (int i = 0; i < LEVELS; i++) {
     if (i == 0) {
-      k[i] =
-          wall == WALL_SUBVOXEL ? own : permeability_of(scene, plan, lattice, WALL_SUBVOXEL, 1.0);
+      k[i] = wall == WALL_SUBVOXEL ? own : permeability_of(scene, plan, lattice, WALL_SUBVOXEL);
     } else {
-      TRY(coarsen(lattice, ratios[i], 0.0, &coarse, &volumes));
-      k[i] = permeability_of(scene, plan, &coarse, WALL_SUBVOXEL, volumes);
+      TRY(coarsen(lattice, ratios[i], 0.0, &coarse));
+      k[i] = permeability_of(scene, plan, &coarse, WALL_SUBVOXEL);
     }
     if (!(k[i] > 0.0)) break;
     if (i == 1 && *scene->model_path) {
-      TRY(coarsen(lattice, ratios[i], SURFACE_STEP * coarse.spacing[0], &moved, &volumes));
-      const double more = permeability_of(scene, plan, &moved, WALL_SUBVOXEL, volumes);
+      TRY(coarsen(lattice, ratios[i], SURFACE_STEP * coarse.spacing[0], &moved));
+      const double more = permeability_of(scene, plan, &moved, WALL_SUBVOXEL);
       const double change = void_ratio_of(&moved) - void_ratio_of(&coarse);
       if (more > 0.0 && change > 0.0) split->slope_void_ratio = log(more / k[i]) / change;
       lattice_free(&moved);

@@ -55,8 +55,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   const bool boxes = !*scene->model_path;
   /* -d ln S: of grains between balls (2/3) and cylinders (1/2); of pores that run along the force
    * that of a tube; between boxes what the sites before and behind the walls say. */
-  double shrinks =
-      across ? 0.6 * surface / ((double)l->bulk_count - fluid) : -0.5 * surface / fluid;
+  double shrinks = across ? 0.6 * surface / (l->bulk_count - fluid) : -0.5 * surface / fluid;
   const bool sharp = boxes || half > 0.9 * faces;
   for (size_t site = 0; site < l->count && sharp; site++) {
     const double d = (double)l->wall_distance[site] / unit;
@@ -67,7 +66,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGED;
   if (shape->straight) shrinks = log(before / behind);
   shape->width = 4.0 * fluid / surface;
-  if (!boxes) shape->grain = 2.0 * ((double)l->bulk_count - fluid) / surface;
+  if (!boxes) shape->grain = 2.0 * (l->bulk_count - fluid) / surface;
   shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
   shape->outer = outer / surface;
   shape->middle = middle / surface;

@@ -53,7 +53,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
              "they are about as wide as high",
              scene->model_path, model.spacing[0], model.spacing[1], model.spacing[2]);
   lattice->dimensions = 3;
-  lattice->bulk_count = model_site_count(&model);
+  lattice->bulk_count = (double)model_site_count(&model);
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {
@@ -70,7 +70,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   const float *source = model.wall_distance;
   if (source == NULL) {
     /* The model's own surface: from its grey fraction, else the voxel faces. */
-    TRY(node_allocate(&inner, lattice->bulk_count, sizeof *inner, "wall distances"));
+    TRY(node_allocate(&inner, model_site_count(&model), sizeof *inner, "wall distances"));
     TRY(planes_of(model.size, &start));
     const size_t plane = model.size[0] * model.size[1];
     const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
@@ -225,7 +225,8 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
     pad[a] = scene->periodic[a] ? 0 : (size_t)layers;
     lattice->size[a] = inner[a] + 2 * pad[a];
     lattice->origin[a] = (0.5 - (double)pad[a]) * scene->spacing;
-    lattice->bulk_count *= inner[a];
+    const double sites = scene->domain_size[a] / scene->spacing;
+    lattice->bulk_count *= fabs(sites - (double)inner[a]) < 1e-6 ? (double)inner[a] : sites;
     if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40)
       TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; choose a wider one",
                       scene->spacing));

@@ -24,7 +24,9 @@ struct lattice {
   double origin[3];  /* m: centre of site (0, 0, 0) */
   size_t count;      /* product of size */
   size_t fluid_count, wall_count;
-  size_t bulk_count; /* sites without added wall layers: the bulk of the Darcy velocity */
+  /* Sites without added wall layers: the bulk of the Darcy velocity. Not whole where a closed side
+   * of a domain lies within a site. */
+  double bulk_count;
   uint8_t *kind;     /* enum site_kind */
   /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
    * model's wall_distance, else its grain_fraction, else the voxel faces; from the boxes of a

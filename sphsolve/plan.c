@@ -59,8 +59,8 @@ static void estimate_seepage(const struct scene *scene, const struct lattice *la
     surface += (double)faces[a] / lattice->spacing[a];
     across = across || (faces[a] > 0 && scene->driving[a] != 0);
   }
-  double s = surface / (double)lattice->bulk_count * 2 / 3;
-  double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
+  double s = surface / lattice->bulk_count * 2 / 3;
+  double porosity = (double)lattice->fluid_count / lattice->bulk_count;
   double nu = scene->fluid.viscosity / scene->fluid.density, cube = porosity * porosity * porosity;
   double driving =
       sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +

@@ -149,7 +149,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));
   TRY(h5_write_attribute(file, "/run", "dimensions", H5_I32, 1, &dimensions));
   TRY(write_count(file, "steps", (uint64_t)result->steps));
-  TRY(write_count(file, "bulk_count", lattice->bulk_count));
+  TRY(write_count(file, "bulk_count", (uint64_t)round(lattice->bulk_count)));
   TRY(write_count(file, "fluid_count", lattice->fluid_count));
   TRY(write_count(file, "wall_count", lattice->wall_count));
   for (size_t i = 0; i < recorder->fact_count; i++)

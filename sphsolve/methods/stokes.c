@@ -84,7 +84,7 @@ static double reynolds_number(const struct lattice *l, double darcy, double nu) 
     }
   if (!(surface > 0.0)) return 0.0;
   const double diameter = 4.0 * (double)l->fluid_count / (surface * 2.0 / 3.0);
-  return darcy * (double)l->bulk_count / (double)l->fluid_count * diameter / nu;
+  return darcy * l->bulk_count / (double)l->fluid_count * diameter / nu;
 }
 
 /* Darcy velocity in m/s, and the Reynolds number with it. */
@@ -114,7 +114,7 @@ static enum status write_row(const struct scene *scene, const struct lattice *la
   scale_darcy(lattice, scene, s, darcy, reynolds);
   for (int a = 0; a < 3; a++) {
     row.darcy_velocity[a] = darcy[a];
-    row.momentum[a] = darcy[a] * scene->fluid.density * volume * (double)lattice->bulk_count;
+    row.momentum[a] = darcy[a] * scene->fluid.density * volume * lattice->bulk_count;
   }
   row.kinetic_energy =
       0.5 * scene->fluid.density * volume * square * s->velocity_unit * s->velocity_unit;

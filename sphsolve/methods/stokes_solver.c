@@ -56,7 +56,7 @@ static void measure(struct stokes_solver *s) {
   stokes_operator_apply_gradient(&s->operator, p, p_gradient);
   stokes_operator_flux(&s->operator, s->force, s->x, p_gradient, flux);
   for (int a = 0; a < 3; a++) {
-    const double mean = flux[a] / (double)s->bulk_count;
+    const double mean = flux[a] / s->bulk_count;
     moved = hypot(moved, mean - s->mean[a]);
     length = hypot(length, mean);
     s->mean[a] = mean;

@@ -35,7 +35,7 @@ struct stokes_solver {
   double mean[3];        /* volume integral of the velocity / bulk volume */
   double change;         /* of the mean in the last round, relative */
   long iterations;
-  size_t bulk_count;
+  double bulk_count;
 };
 
 /* With grid.active_all == 0 there is no path for the fluid and nothing to solve. `scene` (may be

@@ -28,7 +28,7 @@ static void set_direction(struct wcsph_run *run) {
 /* The Darcy velocity along the force first, it decides; then its components. */
 static void sample_of(const struct wcsph_run *run, const struct wcsph_totals *totals,
                       double value[MONITOR_COMPONENTS]) {
-  double n = (double)run->lattice->bulk_count;
+  double n = run->lattice->bulk_count;
   value[0] = 0;
   for (int a = 0; a < 3; a++) {
     value[1 + a] = totals->flux[a] / n;
@@ -82,7 +82,7 @@ static bool locked(const struct wcsph_run *run) {
   if (run->scene->wcsph.equation_of_state != EOS_ABSOLUTE ||
       run->scene->wcsph.wall != WALL_FROZEN || state->monitor.count == 0)
     return false;
-  double pores = (double)run->lattice->fluid_count / (double)run->lattice->bulk_count, sum = 0;
+  double pores = (double)run->lattice->fluid_count / run->lattice->bulk_count, sum = 0;
   for (size_t i = 0; i < state->monitor.count; i++) sum += state->monitor.rows[i][0];
   double time = wcsph_run_time(run), way = sum / (double)state->monitor.count * time / pores;
   return context->velocity_scale * time / pores > 4 * context->spacing &&

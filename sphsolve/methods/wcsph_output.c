@@ -13,7 +13,7 @@ enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *to
       .time = wcsph_run_time(run), .step = run->state.step, .dt = run->state.engine.settings.dt};
   double square = 0;
   for (int a = 0; a < 3; a++) {
-    row.darcy_velocity[a] = totals->flux[a] / (double)lattice->bulk_count;
+    row.darcy_velocity[a] = totals->flux[a] / lattice->bulk_count;
     row.momentum[a] = mass * totals->velocity[a];
     square += row.darcy_velocity[a] * row.darcy_velocity[a];
   }

@@ -69,7 +69,7 @@ enum status wcsph_scales(struct plan *plan) {
                        context->support, context->support / widest);
   context->smoothing_length = context->support / kernel_support_ratio(KERNEL_QUINTIC);
 
-  double porosity = (double)lattice->fluid_count / (double)lattice->bulk_count;
+  double porosity = (double)lattice->fluid_count / lattice->bulk_count;
   double peak = *scene->model_path ? 6 : 2; /* of pore velocity over its mean, sands and ducts */
   double speed = fmax(region_speed(scene), peak * context->velocity_scale / porosity);
   if (lattice->wall_count == 0) speed = region_speed(scene);

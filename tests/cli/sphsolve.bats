@@ -261,3 +261,21 @@ k = json.load(open("run.json"))["intrinsic_permeability"]
 assert abs(k / exact - 1) < float(sys.argv[1]), k / exact' $wanted
   done
 }
+
+@test "k of a closed domain that is no whole number of spacings is that of its own size" {
+  cat > odd.cfg << 'END'
+scene = { name = "odd"; method = "stokes"; };
+domain = { size = ["3 mm", "3.3 mm"]; spacing = "0.5 mm"; periodic = [true, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "3 mm", "3.3 mm"]; } );
+force = { pressure_gradient = ["-1e-3 Pa/m", "0"]; };
+END
+  for method in stokes wcsph; do
+    "$SPH" run odd.cfg -o odd --set scene.method=$method --json > odd.json
+    # 3.3^2 / 12 mm^2, and the wall's own 0.5 / N^2 of N = 6.6 spacings
+    python3 -c '
+import json
+k = json.load(open("odd.json"))["intrinsic_permeability"]
+assert abs(k / (3.3e-3 ** 2 / 12) - 1) < 0.5 / 6.6 ** 2, k'
+  done
+}

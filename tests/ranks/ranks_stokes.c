@@ -33,7 +33,7 @@ static double ball_distance(double x, double y, double z) {
 static enum status build_lattice(struct lattice *l) {
   enum status status = STATUS_OK;
   *l = (struct lattice){.dimensions = 3, .size = {NX, NY, NZ}, .count = NX * NY * NZ};
-  l->bulk_count = l->count;
+  l->bulk_count = (double)l->count;
   for (int a = 0; a < 3; a++) l->spacing[a] = 1;
   TRY(memory_allocate(&l->kind, l->count, 1, "lattice"));
   TRY(memory_allocate(&l->wall_distance, l->count, sizeof(float), "lattice"));

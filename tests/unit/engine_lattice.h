@@ -24,7 +24,8 @@ static inline struct lattice test_lattice(int dimensions, size_t nx, size_t ny, 
   lattice.kind = calloc(lattice.count, 1);
   lattice.wall_distance = calloc(lattice.count, sizeof(float));
   for (size_t i = 0; i < lattice.count; i++) lattice.kind[i] = SITE_FLUID;
-  lattice.fluid_count = lattice.bulk_count = lattice.count;
+  lattice.fluid_count = lattice.count;
+  lattice.bulk_count = (double)lattice.count;
   return lattice;
 }
 

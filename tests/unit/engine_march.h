@@ -76,9 +76,9 @@ static inline double test_march(const struct lattice *l, const struct march *m, 
     double v = 0;
     for (int a = 0; a < 3; a++) v += totals.flux[a] * m->force[a] / force;
     moved += (double)every * settings.dt * v / (double)l->fluid_count / l->spacing[0];
-    if (s > first) sum += v / (double)l->bulk_count, n++;
+    if (s > first) sum += v / l->bulk_count, n++;
     if (!(m->tolerance > 0)) continue;
-    if (monitor_add(&monitor, (double[MONITOR_COMPONENTS]){v / (double)l->bulk_count})) break;
+    if (monitor_add(&monitor, (double[MONITOR_COMPONENTS]){v / l->bulk_count})) break;
     struct monitor_verdict verdict = monitor_judge(&monitor, m->tolerance, 80);
     sum = verdict.mean[0], n = 1;
     if (verdict.steady) break;

@@ -43,7 +43,7 @@ static void test_full_scan_fits(void **state) {
     lattice.kind[i] = x < 13 && y < 13 && z < 13 ? SITE_WALL : SITE_FLUID;
     lattice.fluid_count += lattice.kind[i] == SITE_FLUID;
   }
-  lattice.bulk_count = lattice.count;
+  lattice.bulk_count = (double)lattice.count;
   lattice.wall_count = lattice.count - lattice.fluid_count;
   struct plan plan;
   assert_int_equal(plan_make(&scene, &lattice, METHOD_WCSPH, "test", 2, &plan), STATUS_OK);

@@ -20,7 +20,7 @@ static void lattice_fill(struct lattice *lattice, const size_t size[3], double s
   memset(lattice, 0, sizeof *lattice);
   lattice->dimensions = 3;
   lattice->count = size[0] * size[1] * size[2];
-  lattice->bulk_count = lattice->count;
+  lattice->bulk_count = (double)lattice->count;
   for (int a = 0; a < 3; a++) lattice->size[a] = size[a], lattice->spacing[a] = spacing;
   assert_int_equal(memory_allocate(&lattice->kind, lattice->count, 1, "kind"), STATUS_OK);
   assert_int_equal(memory_allocate(&lattice->wall_distance, lattice->count, sizeof(float), "d"),

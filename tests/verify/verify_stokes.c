@@ -75,7 +75,8 @@ static double solve(struct lattice *lattice, const double driving[3], double *se
 }
 
 static bool allocate(struct lattice *l) {
-  l->count = l->bulk_count = l->size[0] * l->size[1] * l->size[2];
+  l->count = l->size[0] * l->size[1] * l->size[2];
+  l->bulk_count = (double)l->count;
   return memory_allocate(&l->kind, l->count, 1, "kind") == STATUS_OK &&
          memory_allocate(&l->wall_distance, l->count, sizeof(float), "distance") == STATUS_OK;
 }
