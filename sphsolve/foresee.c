@@ -19,12 +19,12 @@
 #define MACHINE_CORES 64.0
 /* wcsph: bytes of a ghost sent per step; how far ghosts reach beyond the support, in spacings: the
  * width of their clusters and of the own; bytes that a ghost takes beyond a particle, for messages
- * less lists; and what every rank holds while it orders the walls, for a site and a wall. */
+ * less lists; and what every rank holds for a site, and as much for a fluid one, while it looks for
+ * a path through the pores. */
 #define WCSPH_GHOST 40.0
 #define WCSPH_REACH 2.5
 #define WCSPH_HELD 25.0
-#define WCSPH_START_SITE 2.0
-#define WCSPH_START_WALL 22.0
+#define WCSPH_PATH 4.0
 #define WCSPH_CUT 2048.0 /* slots: cuts lie at multiples */
 /* isph: share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
  * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
@@ -101,7 +101,7 @@ void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *f
     held = beside * (share * (plan->bytes_fluid + WCSPH_HELD) + (1 - share) * plan->bytes_wall);
     whole = threads * engine_bytes_thread(l, plan->context.support);
     held += (uneven - 1) * plan->bytes_method / r;
-    start = WCSPH_START_SITE * sites + WCSPH_START_WALL * (double)l->wall_count;
+    start = plan->context.driving > 0 ? WCSPH_PATH * (sites + fluid) : 0;
   } else {
     in_full = ISPH_IN_FULL * (1 - 1 / r) * plan->seconds;
     told = (1 - 1 / r) * ISPH_TOLD * ISPH_ITERATIONS * fluid;

@@ -111,7 +111,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
-  if (RANKS) TRY(engine_share_walls(engine));
+  if (ranks_count() > 1) TRY(engine_order_walls(engine, s->support + WALL_ROOM * geometric));
   TRY(place(engine));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   TRY(set_velocities(engine));

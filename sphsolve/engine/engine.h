@@ -76,8 +76,6 @@ void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts under way. */
 void engine_settle(struct engine *engine);
-/* Collective: walls, which all ranks have, are cut, and what others are to hold goes. */
-enum status engine_share_walls(struct engine *engine);
 /* Collective: which of so many clusters of fluid are this rank's to hold, from slot 0 on. */
 enum status engine_cut(struct engine *engine, size_t clusters);
 /* Collective, where own clusters were put in place by hand: they are cut as they are. */

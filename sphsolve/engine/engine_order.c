@@ -12,6 +12,14 @@ enum { KEY_BITS = 32, TAG_CUTTER = 9 };
 /* Sources beyond it are places in what has come from other ranks. */
 #define COME 0x80000000u
 
+/* Of the fluid, or of walls that stand on their sites, a cluster of which is of one region. */
+struct ordered {
+  struct particles *p;
+  struct ghosts *g;
+  bool walls;
+  const uint16_t *region; /* NULL: all are of one */
+};
+
 /* Which particles go where: `leave` are slots, those for one rank after another; slot s then takes
  * what `source` names, or stays empty. */
 struct moves {
@@ -120,7 +128,8 @@ cleanup:
   return status;
 }
 
-static uint64_t *keys_of(struct particles *p, uint64_t *entries, size_t *n) {
+static void keys_of(const struct ordered *o, uint64_t *entries, size_t *n) {
+  struct particles *p = o->p;
   const struct frame *frame = &p->frame;
   const int bits = order_bits(frame);
   *n = 0;
@@ -131,16 +140,16 @@ static uint64_t *keys_of(struct particles *p, uint64_t *entries, size_t *n) {
       p->x[a][i] = frame_fold(frame, a, p->x[a][i]);
       cell[a] =
           (uint32_t)(((uint64_t)p->x[a][i] * (2 * frame->sites[a])) >> (32 - frame->image_bits[a]));
+      if (o->walls) cell[a] = frame->step[a] == 0 ? 0 : 2 * (p->x[a][i] / frame->step[a]);
     }
     entries[(*n)++] = (uint64_t)order_key(frame, bits, cell) << 32 | i;
   }
-  return entries;
 }
 
 /* Afterwards the ranks have the particles in order, without empty slots; *n here. */
-static enum status sort(struct engine *engine, size_t *n) {
+static enum status sort(const struct ordered *o, size_t *n) {
   enum status status = STATUS_OK;
-  struct particles *p = &engine->particles;
+  struct particles *p = o->p;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
   uint64_t *entries = NULL, *scratch = NULL, *merged = NULL;
   uint32_t *out = NULL, *in = NULL;
@@ -149,10 +158,10 @@ static enum status sort(struct engine *engine, size_t *n) {
   TRY(memory_allocate(&entries, particles_slots(p) + 1, sizeof *entries, "sorting keys"));
   TRY(memory_allocate(&scratch, particles_slots(p) + 1, sizeof *scratch, "sorting keys"));
   TRY(memory_allocate(&part, ranks + 1, sizeof *part, "shares of the ranks"));
-  keys_of(p, entries, n);
+  keys_of(o, entries, n);
   order_sort(entries, scratch, *n);
   memory_free(&scratch);
-  TRY(find_parts(&engine->ranks.fluid, entries, *n, part));
+  TRY(find_parts(o->g, entries, *n, part));
   const size_t stay = part[own + 1] - part[own], leaving = *n - stay;
   TRY(moves_make(&m, leaving));
   TRY(memory_allocate(&out, leaving + 1, sizeof *out, "sorting keys"));
@@ -194,10 +203,12 @@ cleanup:
 }
 
 /* Slots, among all, of the n particles here in order; *total clusters. */
-static void cut_clusters(const struct particles *p, size_t n, uint64_t *slot, size_t *total) {
+static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
+  const struct particles *p = o->p;
   struct {
     struct cutter cutter;
     uint64_t used;
+    uint16_t region;
   } open;
   memset(&open, 0, sizeof open);
   const int own = ranks_own(), last = ranks_count() - 1;
@@ -210,7 +221,12 @@ static void cut_clusters(const struct particles *p, size_t n, uint64_t *slot, si
   }
   for (size_t k = 0; k < n; k++) {
     const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
-    if (!cutter_takes(&open.cutter, x)) open.used = (open.used + CLUSTER - 1) / CLUSTER * CLUSTER;
+    const uint16_t region = o->region != NULL ? o->region[p->id[k]] : 0;
+    const bool turns = open.used > 0 && region != open.region;
+    open.region = region;
+    if (turns) open.cutter.members = 0;
+    if (!cutter_takes(&open.cutter, x) || turns)
+      open.used = (open.used + CLUSTER - 1) / CLUSTER * CLUSTER;
     slot[k] = open.used++;
   }
   if (own < last) {
@@ -221,10 +237,10 @@ static void cut_clusters(const struct particles *p, size_t n, uint64_t *slot, si
 }
 
 /* Sends what lies beyond the cuts to its owner, and puts all into their slots. */
-static enum status settle(struct engine *engine, size_t n, const uint64_t *slot) {
+static enum status settle(const struct ordered *o, size_t n, const uint64_t *slot) {
   enum status status = STATUS_OK;
-  struct particles *p = &engine->particles;
-  const struct ghosts *g = &engine->ranks.fluid;
+  struct particles *p = o->p;
+  const struct ghosts *g = o->g;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
   const uint64_t first = (uint64_t)g->cut[own] * CLUSTER, end = (uint64_t)g->cut[own + 1] * CLUSTER;
   uint64_t *out = NULL, *in = NULL;
@@ -260,16 +276,59 @@ cleanup:
 enum status engine_order(struct engine *engine) {
   enum status status = STATUS_OK;
   struct ghosts *g = &engine->ranks.fluid;
+  const struct ordered fluid = {&engine->particles, g, false, NULL};
   uint64_t *slot = NULL;
   size_t n = 0, clusters;
   TRY(engine_drop_ghosts(engine));
-  TRY(sort(engine, &n));
+  TRY(sort(&fluid, &n));
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "particle order"));
-  cut_clusters(&engine->particles, n, slot, &clusters);
+  cut_clusters(&fluid, n, slot, &clusters);
   TRY(engine_cut(engine, clusters));
-  TRY(settle(engine, n, slot));
+  TRY(settle(&fluid, n, slot));
   g->begin = 0, g->end = engine->particles.clusters;
 cleanup:
   memory_free(&slot);
+  return status;
+}
+
+enum status engine_order_walls(struct engine *engine, double range) {
+  enum status status = STATUS_OK;
+  const struct lattice *l = engine->lattice;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  struct particles *p = &engine->particles, w = {.frame = p->frame, .reach = p->reach};
+  struct ghosts *g = &engine->ranks.walls;
+  const struct ordered walls = {&w, g, true, engine->fields.wall_region ? l->region : NULL};
+  uint32_t *sites = NULL;
+  uint64_t *slot = NULL;
+  size_t n = 0, clusters;
+  g->tag = 4;
+  g->bytes_most = (size_t)(engine->fields.wall_v ? 4 : 2) * CLUSTER * sizeof(float);
+  TRY(particles_find_walls(l, range, l->size[2] * own / ranks, l->size[2] * (own + 1) / ranks,
+                           &sites, &n));
+  TRY(particles_resize(&w, (n + CLUSTER - 1) / CLUSTER));
+  for (size_t s = 0; s < particles_slots(&w); s++) {
+    w.id[s] = s < n ? sites[s] : NO_PARTICLE;
+    size_t at[3] = {0};
+    if (s < n) {
+      at[0] = sites[s] % l->size[0];
+      at[1] = sites[s] / l->size[0] % l->size[1];
+      at[2] = sites[s] / (l->size[0] * l->size[1]);
+    }
+    for (int a = 0; a < 3; a++) w.x[a][s] = frame_site_position(&w.frame, a, (uint32_t)at[a]);
+  }
+  memory_free(&sites);
+  /* To begin with, even shares. */
+  TRY(ghosts_cut(g, ranks * CUT_UNIT, CUT_UNIT, NULL));
+  TRY(sort(&walls, &n));
+  TRY(memory_allocate(&slot, n + 1, sizeof *slot, "wall order"));
+  cut_clusters(&walls, n, slot, &clusters);
+  TRY(ghosts_cut(g, clusters, CUT_UNIT, NULL));
+  TRY(settle(&walls, n, slot));
+  g->begin = 0, g->end = w.clusters;
+  TRY(particles_set_walls(l, range, &engine->fields, w.id, particles_slots(&w), p));
+cleanup:
+  memory_free(&sites);
+  memory_free(&slot);
+  particles_free(&w);
   return status;
 }

@@ -24,20 +24,6 @@ cleanup:
   return status;
 }
 
-enum status engine_share_walls(struct engine *engine) {
-  enum status status = STATUS_OK;
-  struct ghosts *walls = &engine->ranks.walls;
-  walls->tag = 4;
-  walls->bytes_most = (engine->fields.wall_v ? 4 : 2) * FIELD_BYTES;
-  TRY(ghosts_cut(walls, engine->particles.wall_clusters, CUT_UNIT, NULL));
-  if (walls->cut == NULL) return STATUS_OK;
-  const size_t count = walls->end - walls->begin;
-  TRY(particles_hold_walls(&engine->particles, walls->begin, count, 0, count));
-  hold_own(walls);
-cleanup:
-  return status;
-}
-
 enum status engine_take(struct engine *engine) {
   enum status status = STATUS_OK;
   struct ghosts *g = &engine->ranks.fluid;

@@ -15,6 +15,8 @@ static inline bool engine_is_shared(const struct engine *engine) {
 enum status engine_drop_ghosts(struct engine *engine);
 /* Collective: as particles_sort, and cuts anew. */
 enum status engine_order(struct engine *engine);
+/* Collective: the walls within `range` of fluid, ordered and cut. */
+enum status engine_order_walls(struct engine *engine, double range);
 /* Collective, where boxes of own clusters are known: makes the lists, finds the ghosts, and which
  * blocks of rows read none. */
 enum status engine_list_shared(struct engine *engine, double range, double widest);

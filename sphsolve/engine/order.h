@@ -21,4 +21,13 @@ struct cutter {
 void cutter_start(struct cutter *cutter, const struct frame *frame, double reach);
 bool cutter_takes(struct cutter *cutter, const uint32_t x[3]);
 
+/* Walls of planes [first, end) that fluid can reach, in the order of sites; *sites is to be freed.
+ */
+enum status particles_find_walls(const struct lattice *lattice, double range, size_t first,
+                                 size_t end, uint32_t **sites, size_t *count);
+/* Makes walls of sites in order; empty slots carry NO_PARTICLE. */
+enum status particles_set_walls(const struct lattice *lattice, double range,
+                                const struct particle_fields *fields, const uint32_t *order,
+                                size_t used, struct particles *particles);
+
 #endif

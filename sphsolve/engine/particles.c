@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 #include "sphsolve/engine/order.h"
 
 #define MAX_IMAGE_BITS 6
@@ -240,22 +241,34 @@ cleanup:
   return status;
 }
 
-/* Marks sites with fluid within `range`, as a box: three sweeps, one per axis, periodic. */
-static enum status mark_near_fluid(const struct lattice *lattice, double range, uint8_t **near) {
+/* Marks sites of planes [first, end) with fluid within `range`, as a box: three sweeps, one per
+ * axis, periodic. */
+static enum status mark_near_fluid(const struct lattice *lattice, double range, size_t first,
+                                   size_t end, uint8_t **near) {
   enum status status = STATUS_OK;
   uint8_t *from = NULL, *to = NULL;
-  TRY(memory_allocate(&from, lattice->count, 1, "wall search"));
-  TRY(memory_allocate(&to, lattice->count, 1, "wall search"));
-  for (size_t i = 0; i < lattice->count; i++) from[i] = lattice->kind[i] == SITE_FLUID;
-  size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
+  const size_t plane = lattice->size[0] * lattice->size[1], planes = lattice->size[2];
+  size_t stride[3] = {1, lattice->size[0], plane}, around[3];
   for (int a = 0; a < 3; a++) {
-    size_t n = lattice->size[a], around = (size_t)ceil(range / lattice->spacing[a]);
-    if (around > n / 2) around = n / 2;
-    if (lattice->dimensions == 2 && a == 1) around = 0;
-    for (size_t i = 0; i < lattice->count; i++) {
+    around[a] = (size_t)ceil(range / lattice->spacing[a]);
+    if (around[a] > lattice->size[a] / 2) around[a] = lattice->size[a] / 2;
+    if (lattice->dimensions == 2 && a == 1) around[a] = 0;
+  }
+  /* Where these are not all planes, with those around them. */
+  const size_t halo = end - first < planes ? around[2] : 0, held = end - first + 2 * halo;
+  TRY(memory_allocate(&from, held * plane, 1, "wall search"));
+  TRY(memory_allocate(&to, held * plane, 1, "wall search"));
+  for (size_t k = 0; k < held; k++) {
+    const size_t at = (first + k + planes - halo) % planes;
+    for (size_t i = 0; i < plane; i++)
+      from[k * plane + i] = lattice->kind[at * plane + i] == SITE_FLUID;
+  }
+  for (int a = 0; a < 3; a++) {
+    const size_t n = a == 2 ? held : lattice->size[a];
+    for (size_t i = 0; i < held * plane; i++) {
       size_t at = i / stride[a] % n;
       uint8_t any = 0;
-      for (size_t j = at + n - around; j <= at + n + around; j++)
+      for (size_t j = at + n - around[a]; j <= at + n + around[a]; j++)
         any |= from[i + (j % n) * stride[a] - at * stride[a]];
       to[i] = any;
     }
@@ -263,6 +276,7 @@ static enum status mark_near_fluid(const struct lattice *lattice, double range, 
     from = to;
     to = swap;
   }
+  memmove(from, from + halo * plane, (end - first) * plane);
   *near = from;
   from = NULL;
 cleanup:
@@ -277,30 +291,47 @@ static void site_of(const struct lattice *lattice, size_t i, size_t at[3]) {
   at[2] = i / (lattice->size[0] * lattice->size[1]);
 }
 
+enum status particles_find_walls(const struct lattice *lattice, double range, size_t first,
+                                 size_t end, uint32_t **sites, size_t *count) {
+  enum status status = STATUS_OK;
+  uint8_t *near = NULL;
+  const size_t plane = lattice->size[0] * lattice->size[1];
+  *count = 0;
+  if (lattice->wall_count == 0 || first == end) return STATUS_OK;
+  TRY(mark_near_fluid(lattice, range, first, end, &near));
+  for (int pass = 0; pass < 2; pass++) {
+    if (pass == 1) TRY(memory_allocate(sites, *count, sizeof **sites, "wall sites"));
+    *count = 0;
+    for (size_t i = first * plane; i < end * plane; i++) {
+      if (!near[i - first * plane] || lattice->kind[i] != SITE_WALL) continue;
+      if (pass == 1) (*sites)[*count] = (uint32_t)i;
+      ++*count;
+    }
+  }
+cleanup:
+  memory_free(&near);
+  return status;
+}
+
 static enum status make_walls(const struct lattice *lattice, double range,
                               const struct particle_fields *fields, struct particles *p) {
   enum status status = STATUS_OK;
-  uint8_t *near = NULL;
   uint64_t *entries = NULL, *scratch = NULL;
-  uint32_t *order;
+  uint32_t *order, *sites = NULL;
   size_t n = 0, used = 0;
   const struct frame *frame = &p->frame;
   int bits = order_bits(frame);
   if (lattice->wall_count == 0) return STATUS_OK;
-  TRY(mark_near_fluid(lattice, range, &near));
-  for (size_t i = 0; i < lattice->count; i++) n += near[i] && lattice->kind[i] == SITE_WALL;
-  p->wall_count = n;
+  TRY(particles_find_walls(lattice, range, 0, lattice->size[2], &sites, &n));
   TRY(memory_allocate(&entries, n, sizeof *entries, "sorting keys"));
-  TRY(memory_allocate(&scratch, n, sizeof *scratch, "sorting keys"));
-  n = 0;
-  for (size_t i = 0; i < lattice->count; i++) {
-    if (!near[i] || lattice->kind[i] != SITE_WALL) continue;
+  for (size_t k = 0; k < n; k++) {
     size_t at[3];
-    site_of(lattice, i, at);
+    site_of(lattice, sites[k], at);
     uint32_t cell[3] = {(uint32_t)at[0] * 2, (uint32_t)at[1] * 2, (uint32_t)at[2] * 2};
-    entries[n++] = (uint64_t)order_key(frame, bits, cell) << 32 | i;
+    entries[k] = (uint64_t)order_key(frame, bits, cell) << 32 | sites[k];
   }
-  memory_free(&near);
+  memory_free(&sites);
+  TRY(memory_allocate(&scratch, n, sizeof *scratch, "sorting keys"));
   order_sort(entries, scratch, n);
   size_t held = 2 * n;
   order = (uint32_t *)(void *)scratch; /* as in particles_sort */
@@ -325,7 +356,18 @@ static enum status make_walls(const struct lattice *lattice, double range,
   }
   while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
   memory_free(&entries);
+  TRY(particles_set_walls(lattice, range, fields, order, used, p));
+cleanup:
+  memory_free(&sites);
+  memory_free(&scratch);
+  memory_free(&entries);
+  return status;
+}
 
+enum status particles_set_walls(const struct lattice *lattice, double range,
+                                const struct particle_fields *fields, const uint32_t *order,
+                                size_t used, struct particles *p) {
+  enum status status = STATUS_OK;
   p->wall_clusters = used / CLUSTER;
   size_t capacity = used + SLOT_PADDING;
   TRY(memory_allocate(&p->site, capacity, sizeof *p->site, "wall sites"));
@@ -344,13 +386,12 @@ static enum status make_walls(const struct lattice *lattice, double range,
     if (i == NO_PARTICLE) continue;
     site_of(lattice, i, at);
     p->site[s] = 0;
-    for (int a = 0; a < 3; a++) p->site[s] |= (uint32_t)at[a] << frame->site_shift[a];
+    for (int a = 0; a < 3; a++) p->site[s] |= (uint32_t)at[a] << p->frame.site_shift[a];
     if (fields->wall_depth) {
       double depth = fmax(-(double)lattice->wall_distance[i], 0) / p->depth_unit;
       p->wall_depth[s] = (uint16_t)lrint(fmin(depth, UINT16_MAX));
     }
   }
-  memory_free(&scratch);
   struct each list[24];
   size_t arrays = wall_arrays(p, fields, list);
   for (size_t f = 0; f < arrays; f++)
@@ -358,9 +399,6 @@ static enum status make_walls(const struct lattice *lattice, double range,
       TRY(memory_allocate(list[f].array, capacity, sizeof(float), "wall particles"));
   p->wall_sum = (uint32_t *)(void *)p->wall_state;
 cleanup:
-  memory_free(&near);
-  memory_free(&scratch);
-  memory_free(&entries);
   return status;
 }
 
@@ -377,7 +415,7 @@ enum status particles_make(const struct lattice *lattice, double range, double r
     TRY_FAIL(STATUS_INPUT, "%zu x %zu x %zu sites are more than the engine takes (32 bits in all)",
              lattice->size[0], lattice->size[1], lattice->size[2]);
   /* The walls first: ordering them takes memory that the fluid does not need yet. */
-  TRY(make_walls(lattice, range, fields, p));
+  if (ranks_count() == 1) TRY(make_walls(lattice, range, fields, p));
   p->count = lattice->fluid_count;
 cleanup:
   if (status != STATUS_OK) particles_free(p);
