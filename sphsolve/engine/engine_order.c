@@ -202,38 +202,56 @@ cleanup:
   return status;
 }
 
-/* Slots, among all, of the n particles here in order; *total clusters. */
-static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
+/* The cutting, as it stands before a particle. */
+struct cutting {
+  struct cutter cutter;
+  uint64_t used; /* slots */
+  uint16_t region;
+};
+
+/* The slot of particle k, the next. */
+static uint64_t cut_next(const struct ordered *o, size_t k, struct cutting *c) {
   const struct particles *p = o->p;
-  struct {
-    struct cutter cutter;
-    uint64_t used;
-    uint16_t region;
-  } open;
-  memset(&open, 0, sizeof open);
+  const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
+  const uint16_t region = o->region != NULL ? o->region[p->id[k]] : 0;
+  const bool turns = c->used > 0 && region != c->region;
+  c->region = region;
+  if (turns) c->cutter.members = 0;
+  if (!cutter_takes(&c->cutter, x) || turns) c->used = (c->used + CLUSTER - 1) / CLUSTER * CLUSTER;
+  return c->used++;
+}
+
+/* Slots, among all, of the n particles here in order; *total clusters. Each rank cuts as if it were
+ * the first, and the true cutting passes on: where both begin a cluster, they go on alike. */
+static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
   const int own = ranks_own(), last = ranks_count() - 1;
+  struct cutting end, open;
+  memset(&end, 0, sizeof end);
+  cutter_start(&end.cutter, &o->p->frame, o->p->reach);
+  for (size_t k = 0; k < n; k++) slot[k] = cut_next(o, k, &end);
+  size_t same = 0;
+  uint64_t more = 0;
   if (own > 0) {
     ranks_receive(&open, sizeof open, own - 1, TAG_CUTTER);
     ranks_wait();
-    open.cutter.frame = &p->frame;
-  } else {
-    cutter_start(&open.cutter, &p->frame, p->reach);
-  }
-  for (size_t k = 0; k < n; k++) {
-    const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
-    const uint16_t region = o->region != NULL ? o->region[p->id[k]] : 0;
-    const bool turns = open.used > 0 && region != open.region;
-    open.region = region;
-    if (turns) open.cutter.members = 0;
-    if (!cutter_takes(&open.cutter, x) || turns)
-      open.used = (open.used + CLUSTER - 1) / CLUSTER * CLUSTER;
-    slot[k] = open.used++;
+    open.cutter.frame = &o->p->frame;
+    for (; same < n; same++) {
+      const uint64_t at = cut_next(o, same, &open);
+      more = at - slot[same];
+      if (at % CLUSTER == 0 && slot[same] % CLUSTER == 0) break;
+      slot[same] = at;
+    }
+    if (same < n)
+      end.used += more;
+    else
+      end = open;
   }
   if (own < last) {
-    ranks_send(&open, sizeof open, own + 1, TAG_CUTTER);
+    ranks_send(&end, sizeof end, own + 1, TAG_CUTTER);
     ranks_wait();
   }
-  *total = (size_t)ranks_max((double)((open.used + CLUSTER - 1) / CLUSTER));
+  for (size_t k = same; k < n; k++) slot[k] += more;
+  *total = (size_t)ranks_max((double)((end.used + CLUSTER - 1) / CLUSTER));
 }
 
 /* Sends what lies beyond the cuts to its owner, and puts all into their slots. */
