@@ -1,5 +1,4 @@
-/* memfd_create */
-#define _GNU_SOURCE
+#define _GNU_SOURCE // NOLINT: the name glibc wants, for memfd_create
 #include "common/ranks.h"
 
 #include "common/log.h"
