@@ -251,7 +251,8 @@ static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size
     ranks_wait();
   }
   for (size_t k = same; k < n; k++) slot[k] += more;
-  *total = (size_t)ranks_max((double)((end.used + CLUSTER - 1) / CLUSTER));
+  const uint64_t clusters = (end.used + CLUSTER - 1) / CLUSTER;
+  *total = (size_t)ranks_max((double)clusters);
 }
 
 /* Sends what lies beyond the cuts to its owner, and puts all into their slots. */
