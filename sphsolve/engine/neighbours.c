@@ -361,6 +361,7 @@ static enum status renumber_chunk(const struct neighbour_list *list, size_t chun
     TRY(found_reserve(found, 2 * words));
     while (list_next(&reader))
       for (uint32_t c = reader.cluster; c <= reader.cluster + (reader.pair ? 1 : 0); c++)
+        // NOLINTNEXTLINE: reserved above, one at least
         found->sorted[found->picked++] = (uint64_t)reader.image << 32 | number[c];
     start[r - first] = (uint32_t)to->used;
     TRY(encode_row(found, to));
