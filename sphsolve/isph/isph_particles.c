@@ -117,6 +117,57 @@ static void site_state(const struct isph *s, const double x[3], double *porosity
   }
 }
 
+static bool boxes_meet(const struct isph *s, const double p[6], const double q[6]) {
+  const double near = 1e-6 * s->spacing;
+  for (int a = 0; a < 3; a++)
+    if ((s->dimensions == 3 || a != 1) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near))
+      return false;
+  return true;
+}
+
+/* The water region that alone fills the place of x; NULL where others have a part in it. */
+static const struct region *filled_by(const struct isph *s, const double x[3]) {
+  const struct region *regions = s->scene->regions, *found = NULL;
+  const size_t n = s->scene->region_count;
+  for (size_t k = 0; k < n && found == NULL; k++) {
+    bool inside = regions[k].type == REGION_WATER;
+    for (int a = 0; a < 3; a++)
+      if (s->dimensions == 3 || a != 1)
+        inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
+    if (inside) found = &regions[k];
+  }
+  for (size_t k = 0; k < n && found != NULL; k++) {
+    const struct region *other = &regions[k];
+    const bool cuts =
+        other->type == REGION_WATER ||
+        ((other->type == REGION_WALL || other->type == REGION_EMPTY) && other > found);
+    if (other != found && cuts && boxes_meet(s, other->box, found->box)) return NULL;
+  }
+  return found;
+}
+
+/* Sites lie a spacing apart from the domain's corner, whatever the box of water: the rows of a box
+ * that is no whole number of them are drawn over it, so that its water is all there and stands
+ * evenly. `volume` of the site goes with them. */
+static void fit_box(const struct isph *s, const struct lattice *lattice, double x[3],
+                    double *volume) {
+  const struct region *region = filled_by(s, x);
+  if (region == NULL) return;
+  for (int a = 0; a < 3; a++) {
+    if (s->dimensions == 2 && a == 1) continue;
+    const double dx = lattice->spacing[a], low = region->box[a], length = region->box[a + 3] - low;
+    const double first = floor((low - lattice->origin[a]) / dx + 1e-9) + 1;
+    const double last = ceil((low + length - lattice->origin[a]) / dx - 1e-9) - 1;
+    const double rows = fmax(1, last - first + 1), pitch = length / rows;
+    const double row = round((x[a] - lattice->origin[a]) / dx) - first;
+    const double place = low + (row + 0.5) * pitch;
+    /* Rows that fit stay where they are, to the bit. */
+    if (fabs(pitch / dx - 1) < 1e-9 && fabs(place - x[a]) < 1e-6 * dx) continue;
+    x[a] = place;
+    *volume *= pitch / dx;
+  }
+}
+
 /* Each rank takes a run of the sites with water. */
 static enum status place_water(struct isph *s, const struct lattice *lattice) {
   const size_t fluid = lattice->fluid_count, ranks = (size_t)ranks_count();
@@ -135,12 +186,14 @@ static enum status place_water(struct isph *s, const struct lattice *lattice) {
           s->next_id++;
           continue;
         }
-        const double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
-                             lattice->origin[1] + (double)j * lattice->spacing[1],
-                             lattice->origin[2] + (double)k * lattice->spacing[2]};
+        double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
+                       lattice->origin[1] + (double)j * lattice->spacing[1],
+                       lattice->origin[2] + (double)k * lattice->spacing[2]};
+        double share = volume;
         const double *velocity;
+        fit_box(s, lattice, x, &share);
         site_state(s, x, &porosity, &velocity);
-        status = isph_add_particle(s, x, velocity, porosity * s->density * volume);
+        status = isph_add_particle(s, x, velocity, porosity * s->density * share);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;

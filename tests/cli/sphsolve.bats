@@ -279,3 +279,23 @@ k = json.load(open("odd.json"))["intrinsic_permeability"]
 assert abs(k / (3.3e-3 ** 2 / 12) - 1) < 0.5 / 6.6 ** 2, k'
   done
 }
+
+@test "isph: a water region that is no whole number of spacings holds its water, and stands under its weight" {
+  cat > tank.cfg << 'END'
+scene = { name = "tank"; method = "isph"; end_time = "0.8 s"; };
+domain = { size = ["7.4 cm", "15 cm"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "7.4 cm", "9.3 cm"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+gauges = ( { name = "bottom"; at = ["3 cm", "0"]; } );
+output = { history_interval = "20 ms"; };
+END
+  /usr/bin/python3 -c "import h5py" 2> /dev/null || skip "no h5py"
+  "$SPH" run tank.cfg -o tank --quiet > /dev/null
+  /usr/bin/python3 -c '
+import h5py
+h = h5py.File("tank.hdf")["history"]
+mass, pressure = h["mass"][()], h["pressure_bottom"][()]
+assert abs(mass[0] / (7.4 * 9.3 * 1e-4 * 0.01 * 1000) - 1) < 1e-9 and mass[-1] == mass[0], mass
+assert abs(pressure[20:].mean() / (9810 * 0.093) - 1) < 0.01, pressure'
+}
