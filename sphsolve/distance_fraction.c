@@ -136,14 +136,15 @@ static bool crosses(const struct surface *s, const long x[3], bool *planes, stru
   bool any = false;
   for (int e = 0; e < 6; e++) {
     int by[3] = {0, 0, 0};
-    by[e / 2] = e % 2 ? 1 : -1;
+    const int axis = e / 2;
+    by[axis] = e % 2 ? 1 : -1;
     const long next = distance_neighbour(&s->grid, x, by);
     if (next < 0 || (value < 0.5) == (s->fraction[next] < 0.5f)) continue;
     any = true;
     if (planes == NULL || (s->piece_of[next] != 0 && s->piece_of[next] <= s->planes)) continue;
     if (edges == 0 && !(normal_of(&s->grid, s->fraction, x, n) > 0)) continue;
     const double part = (0.5 - value) / ((double)s->fraction[next] - value);
-    along += part * by[e / 2] * s->grid.spacing[e / 2] * n[e / 2];
+    along += part * by[axis] * s->grid.spacing[axis] * n[axis];
     edges++;
   }
   if (planes == NULL) return any;
