@@ -43,13 +43,14 @@
 /* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest
  * side again and again. */
 static double around(const struct lattice *l, double ranks, double reach) {
-  double side[3], grown = 1, own = 1;
+  double side[3], grown = 1, own = 1, left = ranks;
   for (int a = 0; a < 3; a++) side[a] = (double)l->size[a];
-  for (double left = ranks; left > 1; left /= 2) {
+  while (left > 1) {
     int longest = 0;
     for (int a = 1; a < 3; a++)
       if (side[a] > side[longest]) longest = a;
     side[longest] /= fmin(2, left);
+    left /= 2;
   }
   for (int a = 0; a < 3; a++) {
     own *= side[a];

@@ -84,8 +84,9 @@ static enum status tell_rows(const struct ghosts *fluid, const struct cluster_bo
   }
   TRY(memory_allocate(boxes, start[ranks] + 1, sizeof **boxes, "boxes of ranks"));
   struct cluster_box *to = *boxes + start[ranks_own()];
-  for (int of_walls = 0; of_walls < (walls != NULL ? 2 : 1); of_walls++) {
+  for (int of_walls = 0; of_walls < 2; of_walls++) {
     const struct ghosts *g = of_walls ? walls : fluid;
+    if (g == NULL) continue;
     const size_t rows = g->end - g->begin, unit = coarse_rows(rows);
     for (size_t r = 0; r < rows; r += unit)
       *to++ = box_around((of_walls ? own_walls : own) + r, r + unit < rows ? unit : rows - r);
