@@ -84,7 +84,7 @@ END
     cp bad.ckpt.1.hdf whole.1
     size=$(stat -c %s bad.ckpt.hdf)
     for damage in flip cut; do
-      if [ $damage = flip ]; then printf '\xa5' | dd of=bad.ckpt.hdf bs=1 seek=$((size / 2)) conv=notrunc status=none
+      if [ $damage = flip ]; then python3 -c 'import sys; f = open("bad.ckpt.hdf", "r+b"); f.seek(int(sys.argv[1])); b = f.read(1)[0] ^ 1; f.seek(-1, 1); f.write(bytes([b]))' $((size / 2))
       else truncate -s $((size - 7)) bad.ckpt.hdf; fi
       (CHECKPOINT="10 ms" VOICE=--verbose resumable_start $method bad --resume > /dev/null 2> err.log)
       grep -q "missing or damaged; resuming from bad.ckpt.1.hdf" err.log
