@@ -11,6 +11,7 @@ struct isph_pace {
   double speed_after; /* m/s */
 };
 
+/* From the lattice and the regions alone, before a run; fails for want of memory. */
 enum status isph_pace_foresee(const struct effect_context *context, struct isph_pace *pace);
 
 #endif
