@@ -34,6 +34,7 @@
   X(PROJECTION, "projection", "pressure that nothing returns", 1)                                  \
   X(CALMING, "calming", "calming", 1)                                                              \
   X(SHIFTING, "shifting", "shifting", 1)                                                           \
+  X(ADVECTION, "advection", "advection past resting particles", 1)                                 \
   X(WALL_GUARD, "wall_guard", "guard at walls", 1)                                                 \
   X(STRAIGHTENING, "straightening", "straightening at open sides", 1)                              \
   X(ENERGY_BOUND, "energy_bound", "what keeps energy from rising", 1)                              \

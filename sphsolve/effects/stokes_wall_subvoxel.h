@@ -20,9 +20,7 @@
 #define WALL_PARABOLA_MAX 0.75
 
 /* The wall bends the profile: with the curvature H (Laplacian of d) the second derivative along the
- * normal is v'' = -(F - G p + H v_a / d_a) / (1 - H d_a / 2). Bounds of what is believed: */
-#define WALL_CURVATURE_MAX 0.5
-#define WALL_GRADIENT_MIN 0.9
+ * normal is v'' = -(F - G p + H v_a / d_a) / (1 - H d_a / 2). */
 
 struct stokes_wall_image {
   double linear;   /* d_b / d_a */

@@ -61,7 +61,8 @@ static inline double wcsph_viscosity_dt(const struct effect_context *context) {
 static inline double wcsph_pressure_dt(const struct effect_context *context) {
   struct lattice_modes modes = wcsph_modes_of(context);
   bool absolute = wcsph_frozen(context) && context->scene->wcsph.equation_of_state == EOS_ABSOLUTE;
-  return lattice_modes_dt(&modes, absolute, context->sound_speed, 0, wcsph_diffusion(context));
+  return lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context), 0,
+                          wcsph_diffusion(context));
 }
 
 static inline bool wcsph_wall_wanted(const struct effect_context *context, enum wall_scheme scheme,
@@ -98,9 +99,16 @@ static inline bool wcsph_shifting_wanted(const struct effect_context *context,
     WHY_WCSPH("the scene says %s", chosen == SWITCH_ON ? "on" : "off");
     return chosen == SWITCH_ON;
   }
-  WHY_WCSPH(wcsph_frozen(context) ? "summed densities keep particles apart as the paper has it"
-                                  : "differences of pressure do not keep particles apart");
-  return !wcsph_frozen(context);
+  const bool frozen = wcsph_frozen(context), stays = wcsph_stays(context, NULL);
+  WHY_WCSPH(frozen  ? "summed densities keep particles apart as the paper has it"
+            : stays ? "particles stay on their sites"
+                    : "differences of pressure do not keep particles apart");
+  return !frozen && !stays;
+}
+
+static inline bool wcsph_advection_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  return wcsph_stays(context, why);
 }
 
 /* See shifting.h. */
@@ -199,6 +207,14 @@ static const struct effect effect_wall_moving = {
     .methods = METHOD_BIT_WCSPH,
     .reads = FIELD_BIT(WALL_VELOCITY),
     .wanted = wcsph_wall_moving_wanted};
+static const struct effect effect_advection = {
+    .name = "advection",
+    .model = "particles stay on their sites, the fluid flows past them",
+    .citation = "Lind, Stansby 2016; Nasar et al. 2019",
+    .methods = METHOD_BIT_WCSPH,
+    .reads = FIELD_BIT(VELOCITY),
+    .writes = FIELD_BIT(VELOCITY),
+    .wanted = wcsph_advection_wanted};
 static const struct effect effect_shifting = {
     .name = "shifting",
     .model = "particles are nudged to where they are fewer",

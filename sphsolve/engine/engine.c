@@ -9,6 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/effects/shifting.h"
+#include "sphsolve/engine/engine_sites.h"
 #include "sphsolve/engine/engine_walls.h"
 #include "sphsolve/engine/simd.h"
 
@@ -84,7 +85,9 @@ static enum status place(struct engine *engine) {
     first = cut[0] * CLUSTER < end ? cut[0] * CLUSTER : end;
     end = cut[1] * CLUSTER < end ? cut[1] * CLUSTER : end;
   }
-  TRY(particles_place(engine->lattice, &engine->fields, first, end - first, p));
+  struct particle_fields now = engine->fields;
+  now.sites = false; /* not yet: particles_make_sites */
+  TRY(particles_place(engine->lattice, &now, first, end - first, p));
 cleanup:
   return status;
 }
@@ -145,6 +148,8 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->viscosity = s->kinematic_viscosity;
   memcpy(pass->force, s->force, sizeof pass->force);
   pass->diffusion = s->pressure_diffusion;
+  pass->weights = s->weights;
+  pass->stabilisation = s->pressure_diffusion / (s->sound_speed * s->sound_speed);
   pass->spacing = geometric;
   if (s->wall == PASS_FROZEN) /* until the first density pass */
     for (size_t i = 0; i < particles_slots(&engine->particles); i++) engine->particles.state[i] = 1;
@@ -238,6 +243,25 @@ static void count_pairs(struct engine *engine) {
     engine->pairs_wall = engine->pairs_fluid - engine->pairs_alone;
 }
 
+/* Walls and their list are for the sums over them, before there is another list. */
+static enum status sum_walls_of_sites(struct engine *engine, double range, double widest) {
+  enum status status = STATUS_OK;
+  const struct pair_table *table = engine->table;
+  struct particles *p = &engine->particles;
+  if (!engine_is_shared(engine))
+    TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
+                         &engine->fluid_wall));
+  TRY(particles_make_sites(p));
+  engine_sites_begin(engine);
+  run_pass(engine, table->sites_walls, false, PHASE_WALL);
+  neighbours_free(&engine->fluid_wall);
+  if (engine_is_shared(engine)) return STATUS_OK; /* walls are part of the next lists */
+  cluster_bins_free(&engine->wall_bins);
+  particles_drop_walls(p);
+cleanup:
+  return status;
+}
+
 /* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have
  * gone far since they were last ordered. The order decides the order of sums and so must not depend
  * on when lists are made: a resumed run makes its own. */
@@ -257,15 +281,19 @@ static enum status make_lists(struct engine *engine, bool order) {
   }
   /* Until the next ordering, if particles keep their speed. */
   double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
+  const bool sites = s->wall == PASS_SITES;
   double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
+  if (sites) horizon = 0;
   if (RANKS) engine_settle(engine);
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
-  TRY(cluster_boxes_fluid(p, horizon, SWERVE, MARGIN * spacing, &engine->boxes));
+  TRY(cluster_boxes_fluid(p, horizon, SWERVE, sites ? 0 : MARGIN * spacing, &engine->boxes));
   if (engine_is_shared(engine)) {
     TRY(engine_list_shared(engine, range, widest));
+    if (sites && !engine->sites_known) TRY(sum_walls_of_sites(engine, range, widest));
     goto listed;
   }
+  if (sites && !engine->sites_known) TRY(sum_walls_of_sites(engine, range, widest));
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (s->wall == PASS_ADAMI) {
@@ -273,9 +301,15 @@ static enum status make_lists(struct engine *engine, bool order) {
     TRY(neighbours_build(&p->frame, &wall_boxes, &bins, range, widest, &engine->wall_fluid));
   }
   cluster_bins_free(&bins);
-  TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
-                       &engine->fluid_wall));
+  if (!sites)
+    TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
+                         &engine->fluid_wall));
 listed:
+  if (sites && !engine->sites_known) {
+    run_pass(engine, engine->table->sites_moments, false, PHASE_WALL);
+    engine_sites_finish(engine);
+    engine->sites_known = true;
+  }
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;
@@ -368,6 +402,23 @@ void engine_set_dt(struct engine *engine, double dt) {
   engine->settings.dt = engine->pass.dt = dt;
 }
 
+/* The rest of a step on sites. */
+static enum status continue_on_sites(struct engine *engine) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  engine_sites_flux(engine);
+  if (RANKS) engine_send(engine, SENT_FLUX);
+  p->state_next = p->flux[0]; /* what it held is in the flux now */
+  run_pass(engine, engine->table->sites_continuity, false, PHASE_CONTINUITY);
+  engine->pair_interactions += (double)engine->pairs_fluid;
+  swap(&p->state, &p->flux[0]);
+  drift(engine, 0); /* finds the largest speed */
+  if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
+  if (RANKS) engine_send(engine, SENT_STATE);
+cleanup:
+  return status;
+}
+
 static void take_velocities(struct particles *p) {
   for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
 }
@@ -411,7 +462,9 @@ enum status engine_step(struct engine *engine) {
   run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
   take_velocities(p);
-  if (s->wall == PASS_FROZEN) {
+  if (s->wall == PASS_SITES) {
+    TRY(continue_on_sites(engine));
+  } else if (s->wall == PASS_FROZEN) {
     drift(engine, 1);
     if (RANKS) engine_send(engine, SENT_MOTION);
   } else {

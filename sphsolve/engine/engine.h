@@ -18,7 +18,7 @@ struct engine_settings {
   double force[3];                    /* m/s^2 */
   double rest_ratio;                  /* see struct pass */
   double pressure_diffusion;          /* m^2/s */
-  double moment, crowding;            /* 1, 1/m^2, see struct lattice_modes */
+  double moment, crowding, weights;   /* 1, 1/m^2, 1/m^2, see struct lattice_modes */
   const double (*region_velocity)[3]; /* of lattice->region - 1; NULL: nothing moves */
   size_t region_count;
   bool wall_moves;
@@ -60,6 +60,7 @@ struct engine {
   double moved;     /* m: longest path of any particle since they were ordered; INFINITY: never */
   double speed_max; /* m/s */
   bool listed;      /* the lists hold: no particle has left its box */
+  bool sites_known; /* the site terms of all own particles */
   /* Directed, when last counted: of fluid with all, with fluid alone, of walls with fluid. */
   uint64_t pairs_fluid, pairs_alone, pairs_wall;
   double pair_interactions; /* evaluated so far: pairs, once for each equation they enter */

@@ -212,8 +212,9 @@ static enum status count_work(struct engine *engine, size_t begin, size_t end) {
   for (size_t u = 0; u < units; u++) {
     const size_t first = begin + u * CUT_UNIT;
     const size_t last = first + CUT_UNIT < end ? first + CUT_UNIT : end;
-    ranks->work[u] =
-        words_of(&engine->fluid_fluid, first, last) + words_of(&engine->fluid_wall, first, last);
+    ranks->work[u] = words_of(&engine->fluid_fluid, first, last);
+    if (engine->settings.wall != PASS_SITES)
+      ranks->work[u] += words_of(&engine->fluid_wall, first, last);
     ranks->work_sum += ranks->work[u];
   }
 cleanup:

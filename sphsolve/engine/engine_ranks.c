@@ -37,6 +37,7 @@ enum status engine_take(struct engine *engine) {
   ranks_gather(g->cut + 1, each, sizeof *g->cut);
   for (size_t r = 0; r < ranks; r++) g->cut[r + 1] += g->cut[r];
   hold_own(g);
+  engine->sites_known = false;
   memory_free(&engine->ranks.work); /* was that of other shares */
 cleanup:
   memory_free(&each);
@@ -59,6 +60,7 @@ void engine_send(struct engine *engine, enum engine_sent what) {
   const struct ghost_field all[] = {FIELD(x[0]), FIELD(x[1]), FIELD(x[2]),  FIELD(v[0]),
                                     FIELD(v[1]), FIELD(v[2]), FIELD(state), FIELD(id)};
   const struct ghost_field place[] = {FIELD(x[0]), FIELD(x[1]), FIELD(x[2]), FIELD(state)};
+  const struct ghost_field flux[] = {FIELD(v_next[0]), FIELD(v_next[1]), FIELD(v_next[2])};
   const struct ghost_field wall[] = {FIELD(wall_state), FIELD(wall_v[0]), FIELD(wall_v[1]),
                                      FIELD(wall_v[2])};
   const struct ghost_field still[] = {
@@ -79,6 +81,12 @@ void engine_send(struct engine *engine, enum engine_sent what) {
     break;
   case SENT_PLACE:
     ghosts_post(&engine->ranks.fluid, 4, place);
+    break;
+  case SENT_FLUX:
+    ghosts_post(&engine->ranks.fluid, 3, flux);
+    break;
+  case SENT_STATE:
+    ghosts_post(&engine->ranks.fluid, 4, all + 3);
     break;
   case SENT_ALL:
     ghosts_post(&engine->ranks.fluid, 6, all);

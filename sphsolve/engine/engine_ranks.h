@@ -26,6 +26,8 @@ enum engine_sent {
   SENT_DENSITY, /* of frozen walls' fluid */
   SENT_WALL,
   SENT_PLACE, /* and pressure */
+  SENT_FLUX,  /* on sites, in v_next */
+  SENT_STATE, /* on sites: velocity and pressure */
   SENT_ALL,
   SENT_WALL_ALL
 };

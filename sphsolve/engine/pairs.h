@@ -13,7 +13,14 @@
 #include "sphsolve/engine/particles.h"
 
 /* What stands at the wall; decides which form of the equations the rows take. */
-enum pass_wall { PASS_FROZEN, PASS_OPEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_WALLS };
+enum pass_wall {
+  PASS_FROZEN,
+  PASS_OPEN,
+  PASS_ADAMI,
+  PASS_SUBVOXEL,
+  PASS_SITES, /* sub-voxel walls, and fluid that stays on its sites: pairs_sites.h */
+  PASS_WALLS
+};
 
 /* Sums of wall densities are counted in this part of rho_0: up to 8 fit. */
 #define WALL_SUM_UNIT 0x1p-29
@@ -47,7 +54,7 @@ struct local {
 struct pass_account {
   double momentum[3], kinetic, elastic;            /* m/s, m^2/s^2 */
   double pressure[3], viscosity[3];                /* m/s^2 */
-  double wall_pressure[3], friction[3], shift[3];  /* m/s^2 */
+  double wall_pressure[3], friction[3], shift[3];  /* m/s^2; on sites of advection */
   double force_work, pressure_work, friction_work; /* m^2/s^3 */
   double viscosity_work, shift_work;
 };
@@ -67,6 +74,8 @@ struct pass {
   double viscosity;        /* m^2/s */
   double force[3];         /* m/s^2 */
   double diffusion;        /* m^2/s, of pressure */
+  double stabilisation;    /* s, diffusion / c^2; on sites */
+  double weights;          /* 1/m^2, of diffusion where no site around is missing; on sites */
   double shift_speed;      /* m/s */
   double shift_length;     /* m, A h */
   double spacing;          /* m */
@@ -88,6 +97,8 @@ struct pair_table {
   /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls
    * and shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
   pass_function *continuity[2][2][2];
+  /* On sites: once, the sums over walls and over fluid; then, of the flux in v_next. */
+  pass_function *sites_walls, *sites_moments, *sites_continuity;
   pass_function *continuity_exact[2][2]; /* without walls, see pairs_exact.h */
   pass_function *image_velocity;         /* wall_v and wall_state of adami's walls */
   pass_function *account;                /* changes nothing */

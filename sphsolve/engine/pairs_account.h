@@ -9,7 +9,8 @@
  * continuity equation's condition of no flow holds the fluid. They differ where the fluid's
  * particles are not spread evenly: summed over all pairs, by -2 sum V P_i grad C_i. The symmetric
  * pressure of frozen walls is its own adjoint. Viscous pairs of fluid are antisymmetric; beside
- * sub-voxel walls what the curvature adds to them (wall_subvoxel.h) is the wall's. */
+ * sub-voxel walls what the curvature adds to them (wall_subvoxel.h), and on sites what B adds to
+ * the pressure gradient, is the wall's. */
 #ifndef TOSUI_ENGINE_PAIRS_ACCOUNT_H
 #define TOSUI_ENGINE_PAIRS_ACCOUNT_H
 
@@ -23,19 +24,21 @@ static void row_account(const struct pass *pass, const struct local *local, size
   memset(moved, 0, sizeof *moved);
   switch (pass->wall) {
   case PASS_FROZEN:
-    row_force_fluid(pass, local, n, at, i, carry, true, true, false, row);
+    row_force_fluid(pass, local, n, at, i, carry, true, true, false, false, row);
     break;
   case PASS_OPEN:
     row_force_exact(pass, local, n, at, i, carry, true, false, row);
     break;
   default:
-    row_force_fluid(pass, local, n, at, i, carry, false, true, false, row);
+    row_force_fluid(pass, local, n, at, i, carry, false, true, false, false, row);
   }
+  const bool sites = pass->wall == PASS_SITES;
   for (int a = 0; a < 3 && pass->shifts; a++) carry[a] = p->shift[a][i];
+  for (int a = 0; a < 3 && sites; a++) carry[a] = -p->v[a][i];
   if (pass->wall == PASS_OPEN && pass->shifts)
     row_force_exact(pass, local, n, at, i, carry, false, true, moved);
-  else if (pass->shifts || pass->wall == PASS_ADAMI)
-    row_force_fluid(pass, local, n, at, i, carry, false, false, true, moved);
+  else if (pass->shifts || sites || pass->wall == PASS_ADAMI)
+    row_force_fluid(pass, local, n, at, i, carry, false, false, true, true, moved);
 }
 
 static void gather_terms(const struct pass *pass, struct local *local, size_t n) {
@@ -56,21 +59,25 @@ static double elastic(const struct pass *pass, double state) {
 struct row_sides {
   struct row_force pairs, moved;
   struct row_wall near;
+  struct site_terms terms;
 };
 
 static void account_row(const struct pass *pass, size_t i, const struct row_force *fluid,
                         const struct row_force *moved, const struct row_sides *walls,
                         struct pass_account *sum) {
   const struct particles *p = pass->particles;
-  const bool subvoxel = pass->wall == PASS_SUBVOXEL;
+  const bool sites = pass->wall == PASS_SITES, subvoxel = sites || pass->wall == PASS_SUBVOXEL;
   const double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
-  const double state = (double)p->state[i], kept = 1 - walls->near.beta;
+  struct site_terms terms = walls->terms;
+  const double state = (double)p->state[i], kept = sites ? terms.kept : 1 - walls->near.beta;
   double drag = 2 * pass->viscosity * pass->l_scale, stiff = 0;
+  double pull[3] = {fluid->pressure[0], fluid->pressure[1], fluid->pressure[2]};
   if (pass->wall == PASS_FROZEN) drag *= state;
-  if (subvoxel) stiff = drag / kept * walls->near.weight;
+  if (subvoxel) stiff = drag / kept * (sites ? terms.weight : walls->near.weight);
+  if (sites) times(terms.correction, pull);
   for (int a = 0; a < 3; a++) {
     const double v = (double)p->v[a][i], viscous = drag * fluid->velocity[a];
-    const double pressed = gradient * square * (fluid->pressure[a] + walls->pairs.pressure[a]);
+    const double pressed = gradient * square * (pull[a] + walls->pairs.pressure[a]);
     const double shifted = gradient * (moved->velocity[a] + walls->moved.velocity[a]);
     double friction = drag * walls->pairs.velocity[a];
     if (subvoxel) friction = drag / kept * (fluid->velocity[a] + walls->near.drag[a]) - viscous;
@@ -92,6 +99,7 @@ static void account_row(const struct pass *pass, size_t i, const struct row_forc
     double wall = walls->pairs.pressure[a];
     if (pass->wall == PASS_ADAMI) wall -= 2 * state * walls->moved.crowd[a];
     if (subvoxel) wall = -2 * state * walls->near.offsets[a];
+    if (sites) wall = pull[a] - fluid->pressure[a] + 2 * state * moved->crowd[a];
     sum->wall_pressure[a] += gradient * square * wall;
   }
   sum->elastic += square * elastic(pass, state);
@@ -120,7 +128,7 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
     }
     memset(walls, 0, sizeof walls);
     n = 0;
-    if (pass->wall != PASS_OPEN)
+    if (pass->wall != PASS_OPEN && pass->wall != PASS_SITES)
       n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref,
                          !subvoxel ? 4
                          : moving  ? 3
@@ -134,6 +142,7 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
       if (!ref.live[l]) continue;
       const size_t i = c * CLUSTER + (size_t)l;
       row_position(pass, &ref, l, at);
+      if (pass->wall == PASS_SITES) site_terms_load(p, i, &walls[l].terms);
       if (n > 0 && subvoxel && moving)
         row_force_subvoxel(pass, local, 0, n, at, i, true, &walls[l].near);
       else if (n > 0 && subvoxel)

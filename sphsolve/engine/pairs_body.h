@@ -115,10 +115,12 @@ struct row_force {
 
 /* Over columns [0, n) that act as fluid does (frozen and adami walls among them). `carry`: the
  * drift of the particle beyond the fluid, in units in which the weight of viscosity is 1 (where
- * there is viscosity). */
+ * there is viscosity), where it is `carried`; `crowded`: the
+ * sums of offsets, too. */
 SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *local, size_t n,
                                  const vec at[3], size_t i, const float carry[3], bool symmetric,
-                                 bool viscosity, bool shift, struct row_force *row) {
+                                 bool viscosity, bool carried, bool crowded,
+                                 struct row_force *row) {
   const struct particles *p = pass->particles;
   float tile[MAX_SUMS][SIMD_LANES];
   vec vi[3], u[3], state = vec_set(p->state[i]), zero = vec_set(0.0f);
@@ -138,17 +140,17 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
       pressure[0] -= weight * g.x;
       pressure[1] -= weight * g.y;
       pressure[2] -= weight * g.z;
-      if (viscosity || shift) {
+      if (viscosity || carried) {
         vec share = !viscosity  ? zero
                     : symmetric ? vec_load(local->field[LSTATE] + k)
                                 : vec_set(1.0f);
-        if (shift) share = shifting_carry(share, g.x, g.y, g.z, u);
-        viscosity_morris_pair(shift || symmetric ? slope * share : slope,
+        if (carried) share = shifting_carry(share, g.x, g.y, g.z, u);
+        viscosity_morris_pair(carried || symmetric ? slope * share : slope,
                               vec_load(local->field[LVX] + k) - vi[0],
                               vec_load(local->field[LVY] + k) - vi[1],
                               vec_load(local->field[LVZ] + k) - vi[2], velocity);
       }
-      if (shift) shifting_pair(slope, g.x, g.y, g.z, crowd);
+      if (crowded) shifting_pair(slope, g.x, g.y, g.z, crowd);
     }
     for (int a = 0; a < 3; a++) {
       vec_store(tile[a] + group * SIMD_WIDTH, pressure[a]);
@@ -156,7 +158,7 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
       vec_store(tile[6 + a] + group * SIMD_WIDTH, crowd[a]);
     }
   }
-  lanes_sums(tile, shift ? 9 : viscosity ? 6 : 3, row->pressure);
+  lanes_sums(tile, crowded ? 9 : viscosity || carried ? 6 : 3, row->pressure);
 }
 
 /* Sub-voxel walls in columns [begin, end). */
@@ -260,7 +262,7 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
       if (wall == PASS_OPEN)
         row_force_exact(pass, local, n, at, i, carry, viscosity, shift, &row);
       else
-        row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, &row);
+        row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, shift, &row);
       double u[3], speed = 0, rate = -2 * near->inflow;
       for (int a = 0; a < 3; a++) {
         double change = pass->force[a] + gradient * square * row.pressure[a];
@@ -289,11 +291,14 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   }
 }
 
+#include "sphsolve/engine/pairs_sites.h"
+
 /* ---- continuity: state_next ---- */
 SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, size_t begin,
-                                 size_t end, bool walls, bool diffusion, bool shift) {
+                                 size_t end, bool walls, bool diffusion, bool shift, bool sites) {
   struct particles *p = pass->particles;
-  const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
+  float *const *v = sites ? p->v_next : p->v;
+  const float *fluid[4] = {v[0], v[1], v[2], p->state};
   /* In units of g_scale: what the pressure's differences and their weights count. */
   double diffuse = 2 * pass->diffusion * pass->l_scale;
   const vec share = vec_set((float)(diffusion ? diffuse / pass->g_scale : 0));
@@ -313,7 +318,9 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       float tile[MAX_SUMS][SIMD_LANES];
       vec at[3], vi[3], u[3], state = vec_set(p->state[i]);
       row_position(pass, &ref, l, at);
-      for (int a = 0; a < 3; a++) vi[a] = vec_set(p->v[a][i]);
+      /* On sites walls, which move with -v_i, complete the sum of gradients to 0: that of
+       * v_j - v_i with them is that of v_j + v_i without. */
+      for (int a = 0; a < 3; a++) vi[a] = vec_set(sites ? -v[a][i] : v[a][i]);
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
       for (int group = 0; group < SIMD_GROUPS; group++) {
@@ -330,7 +337,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
             term += factor * (vec_load(local->field[LSTATE] + k) - state);
           }
           change += slope * term;
-          if (diffusion) pressure_diffusion_pair(slope, &weights);
+          if (diffusion && !sites) pressure_diffusion_pair(slope, &weights);
         }
         for (size_t k = n + first; k < all; k += SIMD_LANES) { /* adami's: p is their own */
           struct geometry g = pair_geometry(local, k, at);
@@ -343,8 +350,12 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
         vec_store(tile[1] + group * SIMD_WIDTH, weights);
       }
       double sum[2];
-      lanes_sums(tile, diffusion ? 2 : 1, sum);
-      double stiff = diffusion ? pass->dt * diffuse * sum[1] : 0;
+      lanes_sums(tile, diffusion && !sites ? 2 : 1, sum);
+      /* On sites that of a full lattice: where neighbours are missing, gradients corrected for it
+       * would let sound run faster than it is slowed down. */
+      double stiff = !diffusion ? 0
+                     : sites    ? pass->dt * pass->diffusion * pass->weights
+                                : pass->dt * diffuse * sum[1];
       double rate = sum[0] + (p->rate != NULL ? (double)p->rate[i] : 0);
       p->state_next[i] =
           (float)((double)p->state[i] + pass->dt * pass->g_scale * rate / (1 + stiff));
@@ -441,7 +452,9 @@ static void count(const struct pass *pass, struct local *local, size_t begin, si
     for (int l = 0; l < CLUSTER; l++) self += ref.live[l];
     size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, 0);
     fluid = count_columns(pass, local, &ref, n) - self;
-    n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, 0);
+    n = 0;
+    if (pass->fluid_wall->rows > 0)
+      n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, 0);
     *alone += fluid;
     *pairs += fluid + count_columns(pass, local, &ref, n);
   }
@@ -470,12 +483,16 @@ FORCES(SUBVOXEL)
 #define CONTINUITY(walls, diffusion, shift)                                                        \
   static void continuity_##walls##_##diffusion##_##shift(                                          \
       const struct pass *pass, struct local *local, size_t begin, size_t end) {                    \
-    continuity_rows(pass, local, begin, end, walls, diffusion, shift);                             \
+    continuity_rows(pass, local, begin, end, walls, diffusion, shift, false);                      \
   }
 #define CONTINUITIES(walls)                                                                        \
   CONTINUITY(walls, 0, 0) CONTINUITY(walls, 0, 1) CONTINUITY(walls, 1, 0) CONTINUITY(walls, 1, 1)
 CONTINUITIES(0)
 CONTINUITIES(1)
+static void sites_continuity(const struct pass *pass, struct local *local, size_t begin,
+                             size_t end) {
+  continuity_rows(pass, local, begin, end, false, true, false, true);
+}
 #define CONTINUITY_EXACT(diffusion, shift)                                                         \
   static void continuity_exact_##diffusion##_##shift(const struct pass *pass, struct local *local, \
                                                      size_t begin, size_t end) {                   \
@@ -502,15 +519,21 @@ CONTINUITY_EXACT(1, 1)
 #define TABLE_NAME(isa) TABLE_NAME_(isa)
 #define TEXT_(isa) #isa
 #define TEXT(isa) TEXT_(isa)
-    const struct pair_table TABLE_NAME(SIMD_ISA) = {
-        .name = TEXT(SIMD_ISA),
-        .density = density,
-        .force = {TABLE_FORCE(FROZEN), TABLE_FORCE(OPEN), TABLE_FORCE(ADAMI),
-                  TABLE_FORCE(SUBVOXEL)},
-        .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
-        .continuity_exact = TABLE_CONTINUITY(exact),
-        .image_velocity = image_velocity,
-        .account = account,
-        .count = count,
-        .count_wall = count_wall,
+const struct pair_table TABLE_NAME(SIMD_ISA) = {
+    .name = TEXT(SIMD_ISA),
+    .density = density,
+    .force = {TABLE_FORCE(FROZEN),
+              TABLE_FORCE(OPEN),
+              TABLE_FORCE(ADAMI),
+              TABLE_FORCE(SUBVOXEL),
+              {{sites_pull, sites_pull}, {sites_flow, sites_flow}}},
+    .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
+    .continuity_exact = TABLE_CONTINUITY(exact),
+    .sites_walls = sites_walls,
+    .sites_moments = sites_moments,
+    .sites_continuity = sites_continuity,
+    .image_velocity = image_velocity,
+    .account = account,
+    .count = count,
+    .count_wall = count_wall,
 };

@@ -52,6 +52,8 @@ static size_t fluid_arrays(struct particles *p, const struct particle_fields *fi
   *kept = n;
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v_next[a], true};
   list[n++] = (struct each){(void **)&p->rate, fields->rate};
+  for (int k = 0; k < 2; k++) list[n++] = (struct each){(void **)&p->flux[k], fields->sites};
+  for (int k = 0; k < 5; k++) list[n++] = (struct each){(void **)&p->site_terms[k], fields->sites};
   return n;
 }
 
@@ -87,7 +89,8 @@ size_t particles_bytes_wall(const struct particle_fields *fields) {
 
 /* The fields a set of particles has, seen from what is allocated. */
 static struct particle_fields fields_of(const struct particles *p) {
-  return (struct particle_fields){.shift = p->shift[0] != NULL, .rate = p->rate != NULL};
+  return (struct particle_fields){
+      .shift = p->shift[0] != NULL, .rate = p->rate != NULL, .sites = p->flux[0] != NULL};
 }
 
 static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,
@@ -99,6 +102,16 @@ static enum status grow_fluid(struct particles *p, const struct particle_fields 
   for (size_t i = 0; i < n; i++)
     if (list[i].wanted) TRY(memory_resize(list[i].array, capacity, sizeof(float), "particles"));
   p->capacity = capacity;
+cleanup:
+  return status;
+}
+
+enum status particles_make_sites(struct particles *p) {
+  enum status status = STATUS_OK;
+  for (int k = 0; k < 2 && p->flux[k] == NULL; k++)
+    TRY(memory_allocate(&p->flux[k], p->capacity, sizeof *p->flux[k], "flux of particles"));
+  for (int k = 0; k < 5 && p->site_terms[k] == NULL; k++)
+    TRY(memory_allocate(&p->site_terms[k], p->capacity, sizeof *p->site_terms[k], "site terms"));
 cleanup:
   return status;
 }
@@ -164,6 +177,17 @@ enum status particles_hold_walls(struct particles *p, size_t from, size_t count,
     p->site[w] = NO_SITE;
 cleanup:
   return status;
+}
+
+void particles_drop_walls(struct particles *p) {
+  const struct particle_fields none = {0};
+  struct each list[24];
+  const size_t n = wall_arrays(p, &none, list);
+  for (size_t i = 0; i < n; i++) memory_free(list[i].array);
+  memory_free(&p->site);
+  memory_free(&p->wall_depth);
+  memory_free(&p->wall_region);
+  p->wall_clusters = 0;
 }
 
 size_t particles_kept(struct particles *p, void **kept[16]) {
@@ -443,13 +467,10 @@ cleanup:
 void particles_free(struct particles *p) {
   const struct particle_fields none = {0};
   struct each list[24];
-  size_t kept, n = fluid_arrays(p, &none, list, &kept);
+  size_t kept;
+  const size_t n = fluid_arrays(p, &none, list, &kept);
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
-  n = wall_arrays(p, &none, list);
-  for (size_t i = 0; i < n; i++) memory_free(list[i].array);
-  memory_free(&p->site);
-  memory_free(&p->wall_depth);
-  memory_free(&p->wall_region);
+  particles_drop_walls(p);
   memory_free(&p->wall_velocity);
   memset(p, 0, sizeof *p);
 }

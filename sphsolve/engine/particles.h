@@ -46,6 +46,10 @@ struct particles {
   float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
   float *rate;     /* beside sub-voxel walls, from the force pass to the next: see struct pass */
   uint32_t *id;    /* site the particle started from */
+  /* On sites (pairs_sites.h): what the sites around do, packed; and from the force pass to the
+   * next, packed too, what the flux that the continuity equation balances has beyond the velocity.
+   */
+  float *site_terms[5], *flux[2];
   /* What a step makes: the new velocity, and in memory that lies idle (see engine_step) the
    * distance to the wall, m, negated where its field is not smooth, and the new state. Free between
    * steps. */
@@ -66,7 +70,7 @@ struct particles {
 
 /* What the effects of a run need; the rest stays NULL. */
 struct particle_fields {
-  bool shift, rate;
+  bool shift, rate, sites;
   bool wall_state, wall_base, wall_depth, wall_v, wall_region;
 };
 
@@ -88,6 +92,10 @@ enum status particles_resize(struct particles *particles, size_t clusters);
  * which the others are the caller's to fill (what a step makes is not kept). */
 enum status particles_hold(struct particles *particles, size_t from, size_t count, size_t to,
                            size_t clusters);
+/* Room for what stands on sites: not before particles are in order, which takes as much. */
+enum status particles_make_sites(struct particles *particles);
+/* Walls, and what is kept of them, are not needed any more. */
+void particles_drop_walls(struct particles *particles);
 enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,
                                  size_t clusters);
 /* Addresses of the fluid's arrays that travel with a particle; 4 bytes a slot each. */

@@ -8,13 +8,14 @@
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
 #include "sphsolve/engine/moment.h"
+#include "sphsolve/wall_shape.h"
 
 /* What the walls around one site do to its momentum equation, and its sums over pore sites. */
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
-  double moment[3][3];         /* sum over pore sites of g_ab times the vector to b */
-  double normal[3], curvature; /* of the nearest wall, 0 where there is none */
-  bool smooth;                 /* the wall distances are those of a surface */
+  double moment[3][3];    /* sum over pore sites of g_ab times the vector to b */
+  struct wall_shape wall; /* the nearest; without where there is none */
+  bool smooth;            /* the wall distances are those of a surface */
 };
 
 static double distance(const struct stokes_operator *op, size_t site) {
@@ -37,31 +38,6 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
   sums->diagonal += offset->viscous * factor;
   for (int a = 0; region && a < 3; a++)
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
-}
-
-/* Normal and curvature of the wall seen from a site: gradient and Laplacian of the wall distance.
- * Where distances from two walls meet, or are noise, the gradient is no unit vector: there is no
- * normal then, and the wall is taken as flat. */
-static void wall_shape(const struct stokes_operator *op, const size_t at[3], size_t site,
-                       double normal[3], double *bend) {
-  const struct lattice *l = op->lattice;
-  const struct stokes_stencil *stencil = op->stencil;
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const double d = distance(op, site);
-  double square = 0.0;
-  for (int c = 0; c < stencil->axis_count; c++) {
-    const int a = stencil->axes[c];
-    const size_t up = at[a] + 1 < l->size[a] ? site + step[a] : site - at[a] * step[a];
-    const size_t down = at[a] > 0 ? site - step[a] : site + (l->size[a] - 1) * step[a];
-    const double high = distance(op, up), low = distance(op, down), h = stencil->spacing[a];
-    normal[c] = (high - low) / (2.0 * h);
-    square += normal[c] * normal[c];
-    *bend += (high + low - 2.0 * d) / (h * h);
-  }
-  const double length = sqrt(square);
-  const bool flat = length < WALL_GRADIENT_MIN || length > 2.0 - WALL_GRADIENT_MIN;
-  *bend = flat ? 0.0 : fmax(-WALL_CURVATURE_MAX, fmin(*bend, WALL_CURVATURE_MAX));
-  for (int c = 0; c < 3; c++) normal[c] = length < 0.5 ? 0.0 : normal[c] / length;
 }
 
 static void sum_site(const struct stokes_operator *op, const size_t at[3], struct site_sums *sums) {
@@ -96,12 +72,12 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
-  if (linear > 0.0) wall_shape(op, at, site, sums->normal, &sums->curvature);
+  if (linear > 0.0) wall_shape_find(op->lattice, site, stencil->unit, &sums->wall);
+  const double curvature = sums->wall.curvature * stencil->unit;
   if (sums->parabola > 0.0) {
     const double d_a = fmax(distance(op, site), WALL_DISTANCE_FLOOR);
-    const double bend = 1.0 / (1.0 - 0.5 * d_a * sums->curvature);
-    sums->parabola *= bend;
-    sums->diagonal += fmax(sums->parabola * sums->curvature / d_a, -0.5 * linear);
+    sums->parabola /= 1.0 - 0.5 * d_a * curvature;
+    sums->diagonal += fmax(sums->parabola * curvature / d_a, -0.5 * linear);
   }
   sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
 }
@@ -119,8 +95,9 @@ static void build_sites(struct stokes_operator *op) {
       op->diagonal[n] = (float)sums.diagonal;
       op->pore_sum[n] = (float)sums.pore_sum;
       op->parabola[n] = (float)(1.0 - sums.parabola);
-      double inverse[3][3];
-      moment_free_normal(axes, sums.normal, sums.moment);
+      double inverse[3][3], normal[3] = {0};
+      for (int a = 0; a < axes; a++) normal[a] = sums.wall.normal[op->stencil->axes[a]];
+      moment_free_normal(axes, normal, sums.moment);
       moment_invert_bounded(axes, sums.moment, inverse);
       for (int a = 0; a < axes; a++) {
         for (int c = a; c < axes; c++)
@@ -231,8 +208,9 @@ static struct flux_weights flux_of_site(const struct stokes_operator *op, const 
     shares += share;
   }
   if (shares > 0.0) {
-    double normal[3] = {0}, curvature = 0.0;
-    wall_shape(op, at, site, normal, &curvature);
+    struct wall_shape wall;
+    wall_shape_find(l, site, op->stencil->unit, &wall);
+    const double curvature = wall.curvature * op->stencil->unit;
     const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
     w.velocity *= bend / fmax(shares, 1.0);
     w.force *= bend / fmax(shares, 1.0);

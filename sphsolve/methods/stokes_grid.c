@@ -1,67 +1,10 @@
 #include "sphsolve/methods/stokes_grid.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "common/memory.h"
-
-/* A flood through the fluid over voxel faces that remembers how often it has gone around the box.
- * Where it meets itself with another count there is a path around: `flows` if that path's closing
- * vector has a component along the force. */
-struct flood {
-  const struct lattice *lattice;
-  double closing_work[3]; /* driving times the length of the box */
-  uint8_t *label;         /* per site: 0 unvisited, 1 visited */
-  int16_t (*turns)[3];    /* per site */
-  size_t *queue;
-};
-
-static bool work_is_done(const struct flood *flood, const int turns[3]) {
-  double work = 0.0, scale = 0.0;
-  for (int a = 0; a < 3; a++) {
-    work += flood->closing_work[a] * turns[a];
-    scale += fabs(flood->closing_work[a] * turns[a]);
-  }
-  return fabs(work) > 1e-9 * scale;
-}
-
-/* Floods the pore of `seed`; the sites are left in queue[0..count). */
-static bool flood_pore(struct flood *flood, size_t seed, size_t *count) {
-  const struct lattice *l = flood->lattice;
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  bool flows = false;
-  size_t head = 0, tail = 0;
-  flood->queue[tail++] = seed;
-  flood->label[seed] = 1;
-  memset(flood->turns[seed], 0, sizeof flood->turns[seed]);
-  while (head < tail) {
-    const size_t site = flood->queue[head++];
-    const size_t at[3] = {site % l->size[0], site / step[1] % l->size[1], site / step[2]};
-    for (int a = 0; a < 3; a++)
-      for (int side = -1; side <= 1; side += 2) {
-        int turns[3] = {flood->turns[site][0], flood->turns[site][1], flood->turns[site][2]};
-        size_t next = site;
-        if (side > 0 && at[a] + 1 == l->size[a])
-          next -= at[a] * step[a], turns[a]++;
-        else if (side < 0 && at[a] == 0)
-          next += (l->size[a] - 1) * step[a], turns[a]--;
-        else
-          next = side > 0 ? site + step[a] : site - step[a];
-        if (l->kind[next] != SITE_FLUID) continue;
-        if (!flood->label[next]) {
-          flood->label[next] = 1;
-          for (int b = 0; b < 3; b++) flood->turns[next][b] = (int16_t)turns[b];
-          flood->queue[tail++] = next;
-          continue;
-        }
-        for (int b = 0; b < 3; b++) turns[b] -= flood->turns[next][b];
-        if (!flows && (turns[0] || turns[1] || turns[2])) flows = work_is_done(flood, turns);
-      }
-  }
-  *count = tail;
-  return flows;
-}
+#include "sphsolve/percolation.h"
 
 static void mark(struct stokes_grid *grid, size_t site) {
   const size_t row = site / grid->size[0], i = site % grid->size[0];
@@ -71,22 +14,14 @@ static void mark(struct stokes_grid *grid, size_t site) {
 static enum status mark_flowing(const struct lattice *lattice, const double driving[3],
                                 struct stokes_grid *grid) {
   enum status status = STATUS_OK;
-  struct flood flood = {.lattice = lattice};
-  for (int a = 0; a < 3; a++)
-    flood.closing_work[a] = driving[a] * (double)lattice->size[a] * lattice->spacing[a];
-  TRY(memory_allocate(&flood.label, lattice->count, 1, "labels of the pores"));
-  TRY(memory_allocate(&flood.turns, lattice->count, sizeof *flood.turns, "paths in the pores"));
-  TRY(memory_allocate(&flood.queue, lattice->fluid_count, sizeof *flood.queue, "pore queue"));
-  for (size_t s = 0; s < lattice->count; s++) {
-    if (lattice->kind[s] != SITE_FLUID || flood.label[s]) continue;
-    size_t count;
-    if (flood_pore(&flood, s, &count))
-      for (size_t q = 0; q < count; q++) mark(grid, flood.queue[q]);
-  }
+  uint8_t *flowing = NULL;
+  bool flows;
+  TRY(memory_allocate(&flowing, lattice->count, 1, "labels of the pores"));
+  TRY(percolation_find(lattice, driving, false, flowing, &flows));
+  for (size_t s = 0; s < lattice->count; s++)
+    if (flowing[s] == PERCOLATION_FLOWS) mark(grid, s);
 cleanup:
-  memory_free(&flood.label);
-  memory_free(&flood.turns);
-  memory_free(&flood.queue);
+  memory_free(&flowing);
   return status;
 }
 

@@ -184,6 +184,7 @@ static void add_force_times(const struct wcsph_run *run, double seconds) {
                {"pressure_difference", s->wall != PASS_FROZEN, 29 * fluid},
                {"viscosity_morris", s->viscosity, 6 * fluid},
                {"shifting", s->shift, 7 * fluid},
+               {"advection", s->wall == PASS_SITES, 4},
                {"wall_subvoxel", subvoxel, 42 * (1 - fluid)}};
   const int count = sizeof terms / sizeof *terms;
   double all = 0;
@@ -235,6 +236,16 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 
+/* On sites, as in method stokes, pores that lead nowhere have no pressure of their own. */
+static enum status close_pores(struct lattice *lattice, const struct scene *scene, bool *flows) {
+  size_t closed;
+  const enum status status = percolation_close(lattice, scene->driving, &closed, flows);
+  if (status == STATUS_OK && closed > 0)
+    log_verbose("%zu of %zu pore sites lead nowhere: their fluid is at rest", closed,
+                closed + lattice->fluid_count);
+  return status;
+}
+
 enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
                       struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -250,9 +261,12 @@ enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct
                       "region velocities"));
   wcsph_settings(scene, plan, region_velocity, &settings);
   /* Before the engine is there: both take memory. */
-  if (plan->context.driving > 0) TRY(percolation_find(lattice, scene->driving, &flows));
+  if (settings.wall == PASS_SITES && plan->context.driving > 0)
+    TRY(close_pores(lattice, scene, &flows));
+  else if (plan->context.driving > 0)
+    TRY(percolation_find(lattice, scene->driving, true, NULL, &flows));
   run.copy.beside = recorder_checkpoint_name(recorder);
-  if (settings.wall != PASS_SUBVOXEL)
+  if (settings.wall != PASS_SUBVOXEL && settings.wall != PASS_SITES)
     TRY(lattice_distances_aside(lattice, run.copy.beside, &aside));
   TRY(engine_make(lattice, &settings, &run.state.engine));
   TRY(lattice_regions_aside(lattice, run.copy.beside, &aside));

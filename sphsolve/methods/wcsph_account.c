@@ -34,7 +34,8 @@ void wcsph_account_begin(const struct engine *engine, struct wcsph_account *acco
                {LEDGER_WALL_FRICTION, walls && s->viscosity},
                {LEDGER_VISCOSITY, s->viscosity},
                {LEDGER_PROJECTION, true},
-               {LEDGER_SHIFTING, s->shift}};
+               {LEDGER_SHIFTING, s->shift},
+               {LEDGER_ADVECTION, s->wall == PASS_SITES}};
   memset(account, 0, sizeof *account);
   for (size_t t = 0; t < sizeof terms / sizeof *terms; t++)
     if (terms[t].on) account->ledger.on |= 1u << terms[t].term;
@@ -54,13 +55,13 @@ static void integrate(size_t count, double *to, const double *from, const double
 }
 
 static void take_rates(const struct pass_account *total, const double force[3], double mass,
-                       double particles, struct ledger_sums *rate) {
+                       double particles, enum ledger_term carried, struct ledger_sums *rate) {
   memset(rate, 0, sizeof *rate);
   for (int a = 0; a < 3; a++) {
     rate->impulse[LEDGER_FORCE][a] = mass * particles * force[a];
     rate->impulse[LEDGER_WALL_PRESSURE][a] = mass * total->wall_pressure[a];
     rate->impulse[LEDGER_WALL_FRICTION][a] = mass * total->friction[a];
-    rate->impulse[LEDGER_SHIFTING][a] = mass * total->shift[a];
+    rate->impulse[carried][a] = mass * total->shift[a];
     rate->impulse[LEDGER_VISCOSITY][a] = mass * total->viscosity[a];
     rate->impulse[LEDGER_PROJECTION][a] = mass * (total->pressure[a] - total->wall_pressure[a]);
   }
@@ -68,7 +69,7 @@ static void take_rates(const struct pass_account *total, const double force[3], 
   rate->work[LEDGER_WALL_FRICTION] = mass * total->friction_work;
   rate->work[LEDGER_VISCOSITY] = mass * total->viscosity_work;
   rate->work[LEDGER_PROJECTION] = mass * total->pressure_work;
-  rate->work[LEDGER_SHIFTING] = mass * total->shift_work;
+  rate->work[carried] = mass * total->shift_work;
 }
 
 enum status wcsph_account_sample(struct engine *engine, double mass, double time,
@@ -82,7 +83,8 @@ enum status wcsph_account_sample(struct engine *engine, double mass, double time
   if (account->samples > 0 && !(time > account->time)) return STATUS_OK;
   TRY(engine_account(engine, &total));
   elastic = mass * total.elastic;
-  take_rates(&total, engine->settings.force, mass, (double)engine->particles.count, &rate);
+  take_rates(&total, engine->settings.force, mass, (double)engine->particles.count,
+             engine->settings.wall == PASS_SITES ? LEDGER_ADVECTION : LEDGER_SHIFTING, &rate);
   for (int t = 0; t < LEDGER_TERMS; t++) {
     for (int a = 0; a < 3; a++) all[a] += rate.impulse[t][a];
     all[3] += rate.work[t];

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/kernel.h"
+#include "sphsolve/effects/advection.h"
 #include "sphsolve/error_split.h"
 #include "sphsolve/method.h"
 #include "sphsolve/methods/stokes_solver.h"
@@ -18,6 +19,7 @@
 #define DELTA 0.1              /* Molteni, Colagrossi 2009 */
 #define SAMPLES_LEAST 80       /* of the Darcy velocity before a flow may be called steady */
 #define TAU_FAST 0.1           /* dx/u: the most of tau where inertia rules */
+#define PEAK_MODEL 6           /* of pore velocity over its mean, in a sand; 2 in ducts */
 
 double wcsph_gap(const struct lattice *lattice) {
   size_t faces[3];
@@ -70,7 +72,7 @@ enum status wcsph_scales(struct plan *plan) {
   context->smoothing_length = context->support / kernel_support_ratio(KERNEL_QUINTIC);
 
   double porosity = (double)lattice->fluid_count / lattice->bulk_count;
-  double peak = *scene->model_path ? 6 : 2; /* of pore velocity over its mean, sands and ducts */
+  double peak = *scene->model_path ? PEAK_MODEL : 2;
   double speed = fmax(region_speed(scene), peak * context->velocity_scale / porosity);
   if (lattice->wall_count == 0) speed = region_speed(scene);
   context->velocity_scale = speed;
@@ -108,10 +110,43 @@ enum status wcsph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
+bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]) {
+  const double cell = context->velocity_scale * context->spacing / context->kinematic_viscosity;
+  const struct scene *scene = context->scene;
+  const char *moves = scene->wcsph.wall != WALL_SUBVOXEL    ? "wcsph.wall is another"
+                      : !context->has_wall                  ? "no walls"
+                      : context->has_moving_wall            ? "a wall region has a velocity"
+                      : scene->shifting != SWITCH_AUTO      ? "the scene chose about shifting"
+                      : !(context->kinematic_viscosity > 0) ? "no viscosity"
+                                                            : NULL;
+  const bool stays = moves == NULL && cell < ADVECTION_CELL_REYNOLDS;
+  if (why == NULL) return stays;
+  if (moves != NULL)
+    snprintf(why, EFFECT_WHY, "particles move: %s", moves);
+  else
+    snprintf(why, EFFECT_WHY, "u dx/nu = %.2g with the largest velocity expected: %s", cell,
+             stays ? "particles may stay on their sites" : "particles move, as it is not below 1");
+  return stays;
+}
+
+enum pass_wall wcsph_pass_wall(const struct effect_context *context) {
+  const enum wall_scheme wall = context->scene->wcsph.wall;
+  return wall == WALL_FROZEN          ? PASS_FROZEN
+         : !context->has_wall         ? PASS_OPEN
+         : wall == WALL_ADAMI         ? PASS_ADAMI
+         : wcsph_stays(context, NULL) ? PASS_SITES
+                                      : PASS_SUBVOXEL;
+}
+
+double wcsph_sound_for_dt(const struct effect_context *context) {
+  return (wcsph_stays(context, NULL) ? 2 : 1) * context->sound_speed;
+}
+
 double wcsph_diffusion(const struct effect_context *context) {
   const double c = context->sound_speed, dx = context->spacing, nu = context->kinematic_viscosity;
   if (context->scene->wcsph.wall == WALL_FROZEN) return 0;
   if (!(nu > 0 && context->has_wall)) return DELTA * context->smoothing_length * c;
+  if (wcsph_stays(context, NULL)) return c * c * WCSPH_TAU_SITES * dx * dx / nu;
   return c * c * fmin(WCSPH_TAU * dx * dx / nu, TAU_FAST * dx / context->velocity_scale);
 }
 
@@ -119,10 +154,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
                     double (*region_velocity)[3], struct engine_settings *settings) {
   const struct effect_context *context = &plan->context;
   memset(settings, 0, sizeof *settings);
-  settings->wall = scene->wcsph.wall == WALL_FROZEN  ? PASS_FROZEN
-                   : !context->has_wall              ? PASS_OPEN
-                   : scene->wcsph.wall == WALL_ADAMI ? PASS_ADAMI
-                                                     : PASS_SUBVOXEL;
+  settings->wall = wcsph_pass_wall(context);
   settings->viscosity = plan_has(plan, "viscosity_morris");
   settings->shift = plan_has(plan, "shifting");
   settings->diffusion = plan_has(plan, "pressure_diffusion");
@@ -138,11 +170,28 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
   settings->moment = modes.moment;
   settings->crowding = modes.crowding;
+  settings->weights = modes.weights;
   settings->pressure_diffusion = wcsph_diffusion(context);
   for (size_t r = 0; r < scene->region_count; r++)
     memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
   settings->region_velocity = (const double(*)[3])region_velocity;
   settings->region_count = scene->region_count;
+}
+
+/* Steps until the pressure of a porous box has settled along the force, to 1/20: it spreads by
+ * Darcy's law at c^2/(1 + dt D w) k/nu (effects/pressure_diffusion.h), k as Kozeny and Carman have
+ * it. */
+static double pressure_steps(const struct plan *plan, const struct lattice_modes *modes) {
+  const struct effect_context *context = &plan->context;
+  const struct lattice *lattice = context->lattice;
+  const double c = context->sound_speed, diffusion = wcsph_diffusion(context);
+  const double porosity = (double)lattice->fluid_count / lattice->bulk_count;
+  if (!*context->scene->model_path || !(context->driving > 0) || !(diffusion > 0)) return 0;
+  const double darcy = context->velocity_scale * porosity / PEAK_MODEL;
+  const double spread =
+      c * c / (1 + plan->dt * diffusion * modes->weights) * darcy / (porosity * context->driving);
+  const double wave = 2 * M_PI / path_length(context->scene, lattice);
+  return 3 / (plan->dt * spread * wave * wave);
 }
 
 enum status wcsph_plan(struct plan *plan, int threads) {
@@ -165,7 +214,7 @@ enum status wcsph_plan(struct plan *plan, int threads) {
       lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
   const bool absolute =
       scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
-  plan->dt_limit = lattice_modes_dt(&modes, absolute, context->sound_speed,
+  plan->dt_limit = lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context),
                                     isfinite(viscous) ? context->kinematic_viscosity : 0,
                                     wcsph_diffusion(context));
   plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
@@ -183,13 +232,11 @@ enum status wcsph_plan(struct plan *plan, int threads) {
                        "\"auto\" or a smaller one, or wcsph.force_dt = true",
                        plan->dt, plan->dt_limit, plan->dt_limited_by, context->sound_speed);
 
-  struct engine_settings settings = {.wall = scene->wcsph.wall == WALL_FROZEN  ? PASS_FROZEN
-                                             : !context->has_wall              ? PASS_OPEN
-                                             : scene->wcsph.wall == WALL_ADAMI ? PASS_ADAMI
-                                                                               : PASS_SUBVOXEL,
+  struct engine_settings settings = {.wall = wcsph_pass_wall(context),
                                      .shift = plan_has(plan, "shifting"),
                                      .wall_moves = plan_has(plan, "wall_moving")};
-  const bool subvoxel = settings.wall == PASS_SUBVOXEL;
+  const bool sites = settings.wall == PASS_SITES;
+  const bool subvoxel = sites || settings.wall == PASS_SUBVOXEL;
   double site = 1 + (lattice->wall_distance != NULL && subvoxel ? sizeof(float) : 0);
   plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
@@ -206,6 +253,9 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   if (!(scene->steady_tolerance > 0) || !isfinite(time)) time = INFINITY;
   time = fmin(scene->end_time, 2 * time);
   plan->steps = ceil(time / plan->dt);
+  if (sites && isfinite(time) && scene->steady_tolerance > 0)
+    plan->steps =
+        ceil(fmin(plan->steps + pressure_steps(plan, &modes), scene->end_time / plan->dt));
   if (scene->steady_tolerance > 0)
     plan->steps = fmax(plan->steps, fmin(SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
   double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;

@@ -9,7 +9,17 @@
  * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
  * (+30 % at .02). */
 #define WCSPH_TAU 0.005
+/* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
+ */
+#define WCSPH_TAU_SITES 0.05
 
+/* Particles stay on their sites (effects/advection.h); `why` may be NULL. */
+bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]);
+enum pass_wall wcsph_pass_wall(const struct effect_context *context);
+/* Sound that the time step has to follow, m/s: gradients corrected along narrow pores let it run
+ * faster. A sand of pores two sites wide is stable up to 1.0 to 1.7 of the limit with twice the
+ * speed, for speeds from .04 to .7 dx/dt_viscous. */
+double wcsph_sound_for_dt(const struct effect_context *context);
 /* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls tau c^2; 0 with frozen walls. */
 double wcsph_diffusion(const struct effect_context *context);
 /* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */

@@ -6,6 +6,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/effects/stokes_wall_subvoxel.h"
+#include "sphsolve/wall_shape.h"
 
 #define SUM_BLOCK 2048
 
@@ -45,8 +46,15 @@ static struct end_of_line end_of_line(const struct engine *engine, size_t slot) 
     }
     share += most;
   }
-  sum.velocity /= fmax(share, 1);
-  sum.pull /= fmax(share, 1);
+  if (share > 0 && engine->settings.wall == PASS_SITES) { /* the wall bends the profile */
+    struct wall_shape wall;
+    wall_shape_find(l, site, engine->pass.spacing, &wall);
+    share = fmax(share, 1) * (1 - 0.5 * d * wall.curvature);
+  } else {
+    share = fmax(share, 1);
+  }
+  sum.velocity /= share;
+  sum.pull /= share;
   return sum;
 }
 
@@ -54,7 +62,9 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   enum status status = STATUS_OK;
   const struct particles *p = &engine->particles;
   struct wcsph_totals *part = NULL;
-  const bool ends = flux && engine->settings.wall == PASS_SUBVOXEL && !engine->settings.wall_moves;
+  const enum pass_wall wall = engine->settings.wall;
+  const bool ends =
+      flux && (wall == PASS_SITES || wall == PASS_SUBVOXEL) && !engine->settings.wall_moves;
   /* First, since it may make new lists, and with them another number of slots. */
   if (ends) TRY(engine_pull(engine));
   const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "common/log.h"
+#include "sphsolve/effects/advection.h"
 
 /* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
  * the change of density means nothing. */
@@ -78,7 +79,13 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
                 back.dt);
     goto cleanup;
   }
-  const char *cause = plan->dt > 0.9 * plan->dt_limit
+  const struct engine_settings *settings = &state->engine.settings;
+  const double cell =
+      state->engine.speed_max * state->engine.pass.spacing / settings->kinematic_viscosity;
+  const char *cause = settings->wall == PASS_SITES && cell > ADVECTION_CELL_REYNOLDS
+                          ? "the flow is too fast for particles that stay on their sites; write "
+                            "effects.shifting = \"on\""
+                      : plan->dt > 0.9 * plan->dt_limit
                           ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
                       : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
                           ? "the force is too strong for this sound speed; raise wcsph.sound_speed"

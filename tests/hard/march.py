@@ -6,24 +6,32 @@ from suite import RUNS, WATER, Run, balances, case, explain, holds, row, slit, s
 from water import scene, soil
 
 
+# Where the time step has a limit that is known: particles that move.
+MOVING = slit(8, more='effects = { shifting = "on"; };\n')
+
+
 @case("A step twice too long: the watchdog sees it, steps back, halves, and the answer is right", fast=True)
 def step_taken_back():
-    limit = explain(slit(8))["dt_limit"]
-    run = Run(slit(8), [f"wcsph.dt={2 * limit:.17g} s", "wcsph.force_dt=true"])
+    limit = explain(MOVING)["dt_limit"]
+    run = Run(MOVING, [f"wcsph.dt={2 * limit:.17g} s", "wcsph.force_dt=true"])
     yield holds("the run ends, and says what it did", "", run.code == 0 and len(run.backs) == 1, "; ".join(run.backs) or run.message[-150:])
     yield row("k over exact", "0.5/N^2 twice", run.json["darcy_velocity"][0] / slit_velocity(8e-4, 1e-3, 0.1), 1, 1 / 64)
     yield holds("/run/limits counts the watchdog's steps", "", run.limits.get("watchdog", 0) > 0, str(run.limits))
+    # On sites the limit is that of narrow pores; a slit bears twice as much.
+    sites = Run(slit(8), [f"wcsph.dt={4 * explain(slit(8))['dt_limit']:.17g} s", "wcsph.force_dt=true"])
+    yield holds("on sites, four times the limit: the same", "", sites.code == 0 and len(sites.backs) >= 1, "; ".join(sites.backs) or sites.message[-150:])
+    yield row("on sites: k over exact", "0.5/N^2 twice", sites.json["darcy_velocity"][0] / slit_velocity(8e-4, 1e-3, 0.1), 1, 1 / 64)
     plain = Run(slit(8))
     yield holds("a run that is never out of bounds has no record of it", "", plain.backs == [] and len(plain.limits) == 1 and "watchdog" not in plain.limits, str(plain.limits))
 
 
 @case("A restart after a step back must go on with the halved step, bit for bit", fast=True)
 def restart_after_a_step_back():
-    limit = explain(slit(8))["dt_limit"]
+    limit = explain(MOVING)["dt_limit"]
     sets = [f"wcsph.dt={2 * limit:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"]
-    whole_run = Run(slit(8), sets)
-    half = Run(slit(8), sets + ["scene.end_time=0.5 s", "checkpoint.interval=1 ms"])
-    rest = Run(slit(8), sets, out=half.folder, resume=True)
+    whole_run = Run(MOVING, sets)
+    half = Run(MOVING, sets + ["scene.end_time=0.5 s", "checkpoint.interval=1 ms"])
+    rest = Run(MOVING, sets, out=half.folder, resume=True)
     yield holds("the first half stepped back", "", len(half.backs) == 1, str(half.backs))
     yield holds("the checkpoint was taken up", "", rest.code == 0 and rest.backs == half.backs and "starting anew" not in rest.message, rest.message.strip()[-150:])
     yield row("Darcy velocity, difference", "bit for bit", rest.json["darcy_velocity"][0] - whole_run.json["darcy_velocity"][0], 0, 0)
@@ -31,8 +39,8 @@ def restart_after_a_step_back():
 
 @case("Twelve times too long: three halvings do not help, and the run ends as the interface says", fast=True)
 def given_up_after_three():
-    limit = explain(slit(8))["dt_limit"]
-    run = Run(slit(8), [f"wcsph.dt={12 * limit:.17g} s", "wcsph.force_dt=true"])
+    limit = explain(MOVING)["dt_limit"]
+    run = Run(MOVING, [f"wcsph.dt={12 * limit:.17g} s", "wcsph.force_dt=true"])
     yield row("exit code", "interfaces.md", run.code, 4, 0)
     for what, word in (("particle", "particle"), ("place", " m "), ("cause", "time step"), ("mend", 'wcsph.dt = "auto"'), ("checkpoint", "out.ckpt.hdf")):
         yield holds(f"the message names the {what}", "", word in run.message, run.message.strip()[-250:])
@@ -84,11 +92,11 @@ def each_bound_within_ten_steps():
     # Streams pile up; a step 1.5 times too long; soil that moves nine times faster than the water can leave it; a piston that strikes water
     # before a nozzle a tenth as wide; fine soil (1e-12 m) driven into water, of which the solver is asked for 140 figures: 250 iterations until
     # they meet, beyond the 2000 allowed then.
-    unstable = 1.5 * explain(slit(8))["dt_limit"]
+    unstable = 1.5 * explain(MOVING)["dt_limit"]
     nozzle = [("water", (0.12, 0, 0.18, 0.2), ""), ("water", (0.18, 0, 0.5, 0.02), ""), ("wall", (0.18, 0.02, 0.5, 0.2), ""), ("wall", (0, 0, 0.06, 0.2), 'velocity = ["1 m/s", "0"];')]
     for name, word, text, sets, dt, ends in (
             ("wcsph, density", "density", streams(), [], 1e-5, 4),
-            ("wcsph, energy", "energy", slit(8), [f"wcsph.dt={unstable:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"], unstable, 0),
+            ("wcsph, energy", "energy", MOVING, [f"wcsph.dt={unstable:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"], unstable, 0),
             ("isph, density", "density", scene((0.4, 0.1), 0.01, [("water", (0.2, 0, 0.4, 0.1), ""), ("porous", (0, 0, 0.15, 0.1), soil(0.1, 0.01) + 'velocity = ["9 m/s", "0"];')], 0.1, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 4),
             ("isph, energy", "energy", scene((0.7, 0.2), 0.01, nozzle, 0.07, gravity=0, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 0),
             ("isph, residual", "residual", scene((0.16, 0.06), 0.01, [("water", (0.08, 0, 0.16, 0.05), ""), ("porous", (0, 0, 0.06, 0.06), soil(0.3, 1e-12) + 'velocity = ["1 m/s", "0"];')], 0.1, isph='dt = "1 ms"; tolerance = 1e-140;'), [], 1e-3, 4)):

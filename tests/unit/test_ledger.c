@@ -170,8 +170,8 @@ static void threads_keep_one_account(void **state) {
 static void walls_take_the_force_of_a_slit(void **state) {
   (void)state;
   const double dx = 1e-4, nu = 1e-6, f = 1e-3;
-  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
-  for (int k = 0; k < 3; k++) {
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
+  for (int k = 0; k < 4; k++) {
     struct lattice lattice = test_slit(4, 0.5, dx);
     const double wide = (walls[k] == PASS_FROZEN ? 5 : 4) * dx;
     struct march march = {.wall = walls[k], .nu = nu, .force = {f}};
@@ -209,8 +209,8 @@ static void walls_take_the_force_of_a_slit(void **state) {
 static void a_step_does_what_its_account_says(void **state) {
   (void)state;
   const double parameter[4] = {16, 4.5, 8, 7};
-  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
-  for (int k = 0; k < 3; k++) {
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
+  for (int k = 0; k < 4; k++) {
     struct lattice lattice =
         test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
     struct march march = {.wall = walls[k], .nu = 1e-5, .force = {0, 0, -1}, .sound = 1.2};
@@ -253,8 +253,8 @@ static void samples_change_nothing(void **state) {
   struct lattice lattice =
       test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
   const int before = omp_get_max_threads();
-  for (int wall = 0; wall < 3; wall++) {
-    const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
+  for (int wall = 0; wall < 4; wall++) {
+    const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
     struct march march = {.wall = walls[wall], .nu = 1e-5, .force = {0, 0, -100}, .sound = 1.2};
     struct engine_settings settings = test_march_settings(&lattice, &march);
     struct wcsph_account account[3] = {0};

@@ -1,5 +1,5 @@
-/* Pore-scale cases of method wcsph, marched in time with moving particles, against exact and
- * independent references.
+/* Pore-scale cases of method wcsph, marched in time, against exact and independent references:
+ * with particles on their sites, as these scenes have it by default, and with moving ones.
  *   verify_pores [FILE.json [DATA_FOLDER]]
  * writes FILE.json (a list of case, status, reference, measured, bound, seconds) and beside it
  * pores.dat (error and time against resolution) and pores.svg (by gnuplot, if it is there).
@@ -13,6 +13,7 @@
 #include "common/memory.h"
 #include "sphsolve/distance.h"
 #include "sphsolve/methods/stokes_solver.h"
+#include "sphsolve/percolation.h"
 #include "tests/unit/engine_march.h"
 
 #define DX 1e-4 /* m */
@@ -23,6 +24,11 @@
 
 static FILE *json, *data;
 static int count, failed;
+/* What sub-voxel walls have beside them: PASS_SITES, or PASS_SUBVOXEL: particles move. */
+static enum pass_wall fluid;
+static const char *moving(void) {
+  return fluid == PASS_SITES ? "" : ", moving";
+}
 
 /* `one_sided`: more than the reference is as good. */
 static void judge(const char *name, double reference, double measured, double bound, double seconds,
@@ -44,7 +50,9 @@ static void report(const char *name, double reference, double measured, double b
   judge(name, reference, measured, bound, seconds, false);
 }
 
+/* Drawn for particles on their sites. */
 static void point(double width, double error, double seconds) {
+  if (fluid != PASS_SITES) return;
   fprintf(data, "%g %.6g %.4g\n", width, fabs(error), seconds);
 }
 
@@ -79,8 +87,8 @@ static void slits(void) {
   for (int i = 0; i < 4; i++)
     for (int shift = 0; shift < 4; shift++) {
       const size_t w = 2u << i;
-      const double ratio = slit(PASS_SUBVOXEL, w, 0.5 + 0.25 * shift - (shift > 1), &seconds);
-      snprintf(name, sizeof name, "slit %zu wide, shifted by %.2f", w, 0.25 * shift);
+      const double ratio = slit(fluid, w, 0.5 + 0.25 * shift - (shift > 1), &seconds);
+      snprintf(name, sizeof name, "slit %zu wide, shifted by %.2f%s", w, 0.25 * shift, moving());
       report(name, 1, ratio, bound[i], seconds);
       if (shift > 0) continue;
       error[i] = ratio - 1;
@@ -89,10 +97,13 @@ static void slits(void) {
   fprintf(data, "\n\n");
   /* Errors of some 1e-5 are rounding and have no order: then it is their size that is judged. */
   const double largest = fmax(fabs(error[1]), fmax(fabs(error[2]), fabs(error[3])));
+  snprintf(name, sizeof name, "slit, 4 to 16 wide: exact but for rounding%s", moving());
   if (largest < EXACT)
-    report("slit, 4 to 16 wide: exact but for rounding", 1, 1 + largest, EXACT, 0);
+    report(name, 1, 1 + largest, EXACT, 0);
   else
-    judge("slit, order from 4 to 16", 2, log(fabs(error[1] / error[3])) / log(4), 0.1, 0, true);
+    judge("slit, order from 4 to 16 wide", 2, log(fabs(error[1] / error[3])) / log(4), 0.1, 0,
+          true);
+  if (fluid != PASS_SITES) return;
   /* numerics.md: exact lattice theory */
   static const struct {
     enum pass_wall wall;
@@ -126,9 +137,9 @@ static void turned_slits(void) {
         test_geometry(2, (const size_t[3]){size[i], 1, size[i]}, DX, test_turned_slit, p);
     char name[64];
     double seconds;
-    const double k = permeability(&l, PASS_SUBVOXEL, along, w, &seconds);
+    const double k = permeability(&l, fluid, along, w, &seconds);
     const double exact = w * w * w / 12 / period;
-    snprintf(name, sizeof name, "slit %g wide, turned 30 degrees", w);
+    snprintf(name, sizeof name, "slit %g wide, turned 30 degrees%s", w, moving());
     report(name, exact, k, bound[i], seconds);
     point(w, k / exact - 1, seconds);
   }
@@ -157,8 +168,8 @@ static void ducts(void) {
         test_geometry(3, (const size_t[3]){(size_t)w + 6, (size_t)w + 6, 4}, DX, duct, p);
     char name[64];
     double seconds;
-    const double k = permeability(&l, PASS_SUBVOXEL, (const double[3]){0, 0, 1}, w, &seconds);
-    snprintf(name, sizeof name, "square duct %d wide", w);
+    const double k = permeability(&l, fluid, (const double[3]){0, 0, 1}, w, &seconds);
+    snprintf(name, sizeof name, "square duct %d wide%s", w, moving());
     report(name, pow(w, 4) * 0.421731 / 12 / pow(w + 6, 2), k, w == 8 ? 0.03 : 0.01, seconds);
   }
 }
@@ -177,8 +188,8 @@ static void arrays(void) {
       struct lattice l = test_geometry(3, (const size_t[3]){n, n, n}, DX, ball,
                                        (const double[4]){radius, (double)n});
       const double exact = 2 * radius * radius / (9 * c * spheres[i][1]);
-      const double k = permeability(&l, PASS_SUBVOXEL, along, sqrt(exact), &seconds) / exact;
-      snprintf(name, sizeof name, "spheres c = %g, %zu a side", c, n);
+      const double k = permeability(&l, fluid, along, sqrt(exact), &seconds) / exact;
+      snprintf(name, sizeof name, "spheres c = %g, %zu a side%s", c, n, moving());
       if (n == 24)
         report(name, 1, k, 0.01, seconds);
       else
@@ -191,8 +202,8 @@ static void arrays(void) {
     const double c = cylinders[i][0], n = 48, exact = n * n / cylinders[i][1];
     struct lattice l = test_geometry(2, (const size_t[3]){48, 1, 48}, DX, cylinder,
                                      (const double[4]){sqrt(c / M_PI) * n, n});
-    const double k = permeability(&l, PASS_SUBVOXEL, along, sqrt(exact), &seconds);
-    snprintf(name, sizeof name, "cylinders c = %g, 48 a side", c);
+    const double k = permeability(&l, fluid, along, sqrt(exact), &seconds);
+    snprintf(name, sizeof name, "cylinders c = %g, 48 a side%s", c, moving());
     report(name, exact, k, 0.01, seconds);
   }
 }
@@ -206,7 +217,7 @@ static void morris_lattice(void) {
     const double n = 50, dx = 0.1 / n, started = clock_seconds();
     struct lattice l =
         test_geometry(2, (const size_t[3]){50, 1, 50}, dx, cylinder, (const double[4]){0.2 * n, n});
-    struct march m = {.wall = PASS_SUBVOXEL,
+    struct march m = {.wall = fluid,
                       .nu = nu[i],
                       .force = {force[i]},
                       .end = 2 * 0.1 * 0.1 / nu[i],
@@ -214,17 +225,17 @@ static void morris_lattice(void) {
                       .tolerance = TOLERANCE};
     const double u = test_march(&l, &m, NULL);
     test_lattice_free(&l);
-    report(i == 0 ? "Morris lattice, case A, mean velocity"
-                  : "Morris lattice, case B, mean velocity",
-           mean[i], u, 0.02, clock_seconds() - started);
+    char name[64];
+    snprintf(name, sizeof name, "Morris lattice, case %c, mean velocity%s", 'A' + i, moving());
+    report(name, mean[i], u, 0.02, clock_seconds() - started);
   }
 }
 
 /* A sand: k against method stokes on the same walls; with the sound speed doubled; with a tenth of
- * the force, for as long a time, so that the particles hardly leave their sites. */
+ * the force, for as long a time, so that moving particles hardly leave their sites. */
 static void pinning(const char *name, struct lattice *l, double gap) {
   const double dx = l->spacing[0], nu = 1e-5, g = 98.0665, started = clock_seconds();
-  struct march m = {.wall = PASS_SUBVOXEL,
+  struct march m = {.wall = fluid,
                     .nu = nu,
                     .force = {0, 0, -g},
                     .end = 6 * gap * gap * dx * dx / nu,
@@ -237,16 +248,20 @@ static void pinning(const char *name, struct lattice *l, double gap) {
     stokes_solver_free(&s);
   }
   char title[96];
+  size_t closed = 0;
+  bool flows;
+  if (fluid == PASS_SITES && percolation_close(l, m.force, &closed, &flows) != STATUS_OK)
+    log_pending_error();
   const double first = clock_seconds(), k = test_march(l, &m, &travel) / g * 9.80665;
-  printf("  %s: moved by %.2f spacings\n", name, travel);
-  snprintf(title, sizeof title, "%s, against stokes", name);
+  printf("  %s%s: the fluid has moved by %.2f spacings\n", name, moving(), travel);
+  snprintf(title, sizeof title, "%s, against stokes%s", name, moving());
   report(title, k_stokes, k, 0.01, clock_seconds() - first);
   m.sound *= 2;
-  snprintf(title, sizeof title, "%s, sound speed doubled", name);
+  snprintf(title, sizeof title, "%s, sound speed doubled%s", name, moving());
   report(title, k, test_march(l, &m, NULL) / g * 9.80665, 0.03, clock_seconds() - first);
   m.sound /= 2;
   m.force[2] /= 10;
-  snprintf(title, sizeof title, "%s, a tenth of the force", name);
+  snprintf(title, sizeof title, "%s, a tenth of the force%s", name, moving());
   report(title, k, test_march(l, &m, NULL) / g * 98.0665, 0.03, clock_seconds() - started);
   test_lattice_free(l);
 }
@@ -306,12 +321,15 @@ int main(int argc, char **argv) {
     fprintf(stderr, "verify_pores: cannot write to %s\n", folder);
     return 1;
   }
-  slits();
-  turned_slits();
-  ducts();
-  arrays();
-  morris_lattice();
-  sands(argc > 2 ? argv[2] : "../shared/data");
+  for (int pass = 0; pass < 2; pass++) {
+    fluid = pass == 0 ? PASS_SITES : PASS_SUBVOXEL;
+    slits();
+    turned_slits();
+    ducts();
+    arrays();
+    morris_lattice();
+    sands(argc > 2 ? argv[2] : "../shared/data");
+  }
   fprintf(json, "\n]\n");
   fclose(json);
   fclose(data);
