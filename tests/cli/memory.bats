@@ -83,13 +83,13 @@ assert 0.9 * said <= peak <= method'
 
 # (A calm flow: where nearly all particles run as fast as the fastest, lists grow beyond what is counted.)
 @test "a state to go back to takes no memory: near its limit a step keeps one on disk" {
-  local calm='force.body_acceleration=["0","0","-5 m/s^2"]'
-  dt=$("$SPH" explain scene.cfg --json --set "$calm" |
+  local calm='force.body_acceleration=["0","0","-5 m/s^2"]' moving='effects.shifting="on"'
+  dt=$("$SPH" explain scene.cfg --json --set "$calm" --set "$moving" |
     /usr/bin/python3 -c "import json, sys; print(0.95 * json.load(sys.stdin)['dt_limit'])")
   march '"subvoxel"' '
 assert plan["disk_bytes"] >= 44 * fluid
 assert peak <= 100 * fluid + 16 * wall
-assert 0.9 * said <= peak <= method' --set wcsph.dt="$dt s" --set "$calm"
+assert 0.9 * said <= peak <= method' --set wcsph.dt="$dt s" --set "$calm" --set "$moving"
 }
 
 @test "on sites: the same bounds" {

@@ -38,8 +38,8 @@ static void test_wcsph(void **state) {
   faults_both(sphsolve_main, NULL, "sphsolve run wcsph.cfg -o out --threads 1 --quiet");
   /* So near its limit that a state to go back to is kept. */
   faults_both(sphsolve_main, NULL,
-              "sphsolve run wcsph.cfg -o out --threads 1 --quiet --set wcsph.dt=44ms "
-              "--set scene.end_time=44ms --set checkpoint.interval=1h --set output.interval=1s");
+              "sphsolve run wcsph.cfg -o out --threads 1 --quiet --set wcsph.dt=43ms "
+              "--set scene.end_time=43ms --set checkpoint.interval=1h --set output.interval=1s");
 }
 static void test_wcsph_resumed(void **state) {
   (void)state;
