@@ -275,7 +275,8 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       (double)state->sample_from,
                       state->dog.halvings,
                       state->dog.trip_time,
-                      (double)engine->pairs_alone};
+                      (double)engine->pairs_alone,
+                      engine->settings.wall};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   TRY(ledger_account_write(&state->account.ledger, sizeof state->account, file, "/state/account"));
@@ -316,7 +317,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   TRY(ledger_account_read(&state->account.ledger, sizeof state->account, file, "/state/account"));
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
-  if (count != 15 || dims[0] != 1)
+  if (count != 16 || dims[0] != 1 || numbers[15] != (double)engine->settings.wall)
     TRY_FAIL(STATUS_INPUT, "%s: /state/numbers is not of this version", h5_path(file));
   if (numbers[6] != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",

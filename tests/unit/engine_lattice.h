@@ -75,7 +75,7 @@ static inline struct engine_settings test_settings(const struct lattice *lattice
                                                    enum pass_wall wall, double support) {
   struct engine_settings settings = {.wall = wall,
                                      .viscosity = true,
-                                     .shift = wall != PASS_FROZEN,
+                                     .shift = wall != PASS_FROZEN && wall != PASS_SITES,
                                      .diffusion = wall != PASS_FROZEN,
                                      .support = support,
                                      .smoothing_length = support / 3};
@@ -84,6 +84,7 @@ static inline struct engine_settings test_settings(const struct lattice *lattice
   settings.rest_ratio = modes.sum;
   settings.moment = modes.moment;
   settings.crowding = modes.crowding;
+  settings.weights = modes.weights;
   return settings;
 }
 

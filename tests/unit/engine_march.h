@@ -49,7 +49,6 @@ static inline struct engine_settings test_march_settings(const struct lattice *l
   double viscous = 2 / (m->nu * modes.laplacian), sound = (sites ? 1 : 2) / (c * modes.gradient);
   double q = sound / viscous;
   s.kinematic_viscosity = m->nu;
-  s.weights = modes.weights;
   s.sound_speed = c;
   s.dt = 0.8 * sound * (sqrt(q * q / 4 + 1) - q / 2);
   memcpy(s.force, m->force, sizeof s.force);
