@@ -50,7 +50,7 @@ void engine_sites_finish(struct engine *engine) {
       m[k] = moment * (double)(k < 5 ? p->site_terms[k][i] : p->v_next[2][i]);
     double full[3][3] = {{m[0], m[3], m[4]}, {m[3], flat ? 1 : m[1], m[5]}, {m[4], m[5], m[2]}};
     if (beside) moment_free_normal(3, wall.normal, full);
-    moment_invert_bounded(3, full, terms.correction);
+    moment_invert(full, terms.correction);
     site_terms_store(p, i, &terms);
   }
 }

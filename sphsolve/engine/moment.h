@@ -4,6 +4,7 @@
 #define TOSUI_ENGINE_MOMENT_H
 
 #include <math.h>
+#include <string.h>
 
 /* Directions with hardly any neighbour get the weight of this eigenvalue. */
 #define MOMENT_FLOOR 0.1
@@ -24,7 +25,9 @@ static inline void moment_free_normal(int axes, const double n[3], double m[3][3
 /* Inverse of a symmetric matrix whose eigenvalues are taken as MOMENT_FLOOR at least, by Jacobi's
  * rotations; m is lost. */
 static inline void moment_invert_bounded(int n, double m[3][3], double inverse[3][3]) {
-  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double v[3][3];
+  memset(v, 0, sizeof v);
+  for (int a = 0; a < 3; a++) v[a][a] = 1;
   for (int sweep = 0; sweep < 8; sweep++)
     for (int p = 0; p < n; p++)
       for (int q = p + 1; q < n; q++) {
