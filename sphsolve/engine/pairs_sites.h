@@ -2,11 +2,11 @@
  * sites around a row do to it is then the same in every step: it is summed once, by the first two
  * passes here, and packed (site_terms.h); steps visit pairs of fluid alone. The equations are those
  * of method stokes, with the change in time and advection:
- *   dv/dt = -(v . grad) v + F + A, A = B G p + (viscous pairs - weight v)/(1 - beta)
+ *   dv/dt = -(v . grad) v + F - B G p + nu (pairs of fluid - weight v)/(1 - beta)
  *   dp/dt = -c^2 D B (v + tau G p) + c^2 tau lap p
- * G p the sum over differences of pressure, D its transpose, B the inverse of G's moment (Bonet,
- * Lok 1999), tau lap p against checkerboards with, beside it, the divergence that takes back what
- * it does to smooth pressures. */
+ * p over density, G p the sum over its differences, D its transpose, B the inverse of G's moment
+ * (Bonet, Lok 1999), tau lap p against checkerboards with, beside it, the divergence that takes
+ * back what it does to smooth pressures. */
 #ifndef TOSUI_ENGINE_PAIRS_SITES_H
 #define TOSUI_ENGINE_PAIRS_SITES_H
 

@@ -124,8 +124,9 @@ bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]) {
   if (moves != NULL)
     snprintf(why, EFFECT_WHY, "particles move: %s", moves);
   else
-    snprintf(why, EFFECT_WHY, "u dx/nu = %.2g with the largest velocity expected: %s", cell,
-             stays ? "particles may stay on their sites" : "particles move, as it is not below 1");
+    snprintf(why, EFFECT_WHY, "u dx/nu = %.2g with the largest velocity expected, %s %g: %s", cell,
+             stays ? "below" : "not below", ADVECTION_CELL_REYNOLDS,
+             stays ? "particles may stay on their sites" : "particles move");
   return stays;
 }
 

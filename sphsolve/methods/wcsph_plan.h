@@ -17,8 +17,8 @@
 bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]);
 enum pass_wall wcsph_pass_wall(const struct effect_context *context);
 /* Sound that the time step has to follow, m/s: gradients corrected along narrow pores let it run
- * faster. A sand of pores two sites wide is stable up to 1.0 to 1.7 of the limit with twice the
- * speed, for speeds from .04 to .7 dx/dt_viscous. */
+ * faster. Among spheres at random a run is quiet at the limit with twice the speed, and noisy
+ * at 1.5 of it. */
 double wcsph_sound_for_dt(const struct effect_context *context);
 /* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls tau c^2; 0 with frozen walls. */
 double wcsph_diffusion(const struct effect_context *context);
