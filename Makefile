@@ -29,9 +29,9 @@ LDFLAGS_ALL = -fopenmp $(SANITIZE) $(LDFLAGS)
 MODULES = ct2model sphsolve analyze
 PROGRAMS = $(foreach p,$(MODULES),$(if $(wildcard $(p)/$(p).c),$(p)))
 SOURCES_common = $(sort $(wildcard common/*.c))
-SOURCES_ct2model = $(sort $(wildcard ct2model/*.c ct2model/*.cc))
-SOURCES_sphsolve = $(sort $(wildcard sphsolve/*.c sphsolve/*/*.c))
-SOURCES_analyze = $(sort $(wildcard analyze/*.c))
+SOURCES_ct2model = $(sort $(foreach e,c cc,$(wildcard ct2model/*.$(e) ct2model/*/*.$(e))))
+SOURCES_sphsolve = $(sort $(wildcard sphsolve/*.c sphsolve/*/*.c sphsolve/*/*/*.c))
+SOURCES_analyze = $(sort $(wildcard analyze/*.c analyze/*/*.c))
 SOURCES_generator = $(sort $(wildcard data-samples/*.c))
 SOURCES_unit = $(sort $(wildcard tests/unit/test_*.c))
 SOURCES_long = $(sort $(wildcard tests/verify/verify_*.c tests/hard/hard_*.c tests/bench/bench_*.c))
@@ -90,12 +90,12 @@ $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 
 # ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
-ASSETS = analyze/page.css analyze/page.js $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
+ASSETS = analyze/report/page.css analyze/report/page.js $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
   $(JAVASCRIPT)/three/three.min.js $(JAVASCRIPT)/three/examples/js/controls/OrbitControls.js
 define asset_rule
 $(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))
 	$$(Q)mkdir -p $$(@D) && { cat $$^ /dev/null; } > $$@
-$(BUILD)/obj/analyze/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
+$(BUILD)/obj/analyze/report/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
 endef
 $(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
 
@@ -108,7 +108,7 @@ $(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/flags
 -include $(shell test -d $(BUILD)/obj-mpi && find $(BUILD)/obj-mpi -name '*.d')
 $(MPI_LIBRARY): $(filter-out $(call mpi_object,sphsolve/sphsolve.c),$(call mpi_object,$(SOURCES_common) $(SOURCES_sphsolve)))
 	$(call say,AR,$@)
-	$(Q)mkdir -p $(@D) && rm -f $@ && ar rcs $@ $^
+	$(Q)mkdir -p $(@D) && rm -f $@ && ar qcs $@ $^
 $(BUILD)/bin/sphsolve-mpi: $(call mpi_object,sphsolve/sphsolve.c) $(MPI_LIBRARY)
 	$(call say,LINK,$@)
 	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(MPI_LIBS)
@@ -126,7 +126,7 @@ $(BUILD)/tests/ranks_%: $(BUILD)/obj/tests/ranks/ranks_%.c.o $(BUILD)/lib/libsph
 define library_rule
 $(call library,$(1)): $(filter-out $(call main_of,$(1)),$(call object,$(SOURCES_$(1))))
 	$$(call say,AR,$$@)
-	$$(Q)mkdir -p $$(@D) && rm -f $$@ && ar rcs $$@ $$(filter %.o,$$^)
+	$$(Q)mkdir -p $$(@D) && rm -f $$@ && ar qcs $$@ $$(filter %.o,$$^)
 endef
 $(foreach p,common $(MODULES),$(eval $(call library_rule,$(p))))
 
@@ -223,7 +223,7 @@ $(BUILD)/fuzz/obj/%.o: %.c $(BUILD)/flags
 	$(Q)mkdir -p $(@D) && clang $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link $(ISA_FLAGS) -I. -I$(BUILD) -Itests/fuzz $(DEP_CFLAGS) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/fuzz/obj && find $(BUILD)/fuzz/obj -name '*.d')
 $(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o) $(call object,$(filter %.cc,$(SOURCES_ct2model)))
-	$(Q)rm -f $@ && ar rcs $@ $^
+	$(Q)rm -f $@ && ar qcs $@ $^
 $(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
 	$(call say,LINK,$@)
 	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_OPENCV) $(DEP_LIBS)

@@ -8,7 +8,7 @@
 #include "analyze/darcy.h"
 #include "analyze/history.h"
 #include "analyze/mixture.h"
-#include "analyze/page.h"
+#include "analyze/report/page.h"
 #include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"

@@ -12,12 +12,12 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/describe.h"
-#include "ct2model/export_tiff.h"
-#include "ct2model/model_output.h"
+#include "ct2model/model/export_tiff.h"
+#include "ct2model/model/model_output.h"
 #include "ct2model/pipeline.h"
 #include "ct2model/report.h"
 #include "ct2model/request.h"
-#include "ct2model/sweep_table.h"
+#include "ct2model/calibrate/sweep_table.h"
 
 /* Said before the work, not after it. */
 static enum status check_output(const char *path) {

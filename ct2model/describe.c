@@ -10,7 +10,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/units.h"
-#include "ct2model/stack.h"
+#include "ct2model/readers/stack.h"
 
 static bool is_model(const char *path) {
   static const unsigned char SIGNATURE[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};

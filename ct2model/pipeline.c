@@ -6,10 +6,10 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
-#include "ct2model/autocrop.h"
-#include "ct2model/binarise.h"
+#include "ct2model/scan/autocrop.h"
+#include "ct2model/model/binarise.h"
 #include "ct2model/scan.h"
-#include "ct2model/wall_distance.h"
+#include "ct2model/surface/wall_distance.h"
 
 double pipeline_grey(const struct pipeline *pipeline, double internal) {
   return internal * pipeline->grey_scale * (pipeline->request->dark_grains ? -1.0 : 1.0);

@@ -8,16 +8,16 @@
 
 #include "common/error.h"
 #include "common/model_file.h"
-#include "ct2model/calibrate.h"
-#include "ct2model/coarse.h"
-#include "ct2model/denoise_effect.h"
-#include "ct2model/morphology.h"
-#include "ct2model/region.h"
+#include "ct2model/calibrate/calibrate.h"
+#include "ct2model/surface/coarse.h"
+#include "ct2model/scan/denoise_effect.h"
+#include "ct2model/model/morphology.h"
+#include "ct2model/scan/region.h"
 #include "ct2model/request.h"
-#include "ct2model/stack.h"
-#include "ct2model/surface_sample.h"
-#include "ct2model/survey.h"
-#include "ct2model/sweep_table.h"
+#include "ct2model/readers/stack.h"
+#include "ct2model/surface/surface_sample.h"
+#include "ct2model/scan/survey.h"
+#include "ct2model/calibrate/sweep_table.h"
 
 struct quality {
   bool percolates[3];

@@ -7,10 +7,10 @@
 
 #include "common/error.h"
 #include "common/options.h"
-#include "ct2model/denoise.h"
-#include "ct2model/image.h"
-#include "ct2model/resample.h"
-#include "ct2model/roi.h"
+#include "ct2model/scan/denoise.h"
+#include "ct2model/readers/image.h"
+#include "ct2model/resample/resample.h"
+#include "ct2model/scan/roi.h"
 
 enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 

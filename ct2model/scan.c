@@ -6,7 +6,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "ct2model/reduce.h"
+#include "ct2model/resample/reduce.h"
 
 enum { BATCH_LEAST = 4, BATCH_MOST = 128 };
 static const double BATCH_BYTES = 16e6; /* of reduced slices */

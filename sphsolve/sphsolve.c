@@ -14,13 +14,13 @@
 #include "common/options.h"
 #include "common/ranks.h"
 #include "common/threads.h"
-#include "sphsolve/cheapest.h"
-#include "sphsolve/explain.h"
-#include "sphsolve/lattice.h"
-#include "sphsolve/method.h"
-#include "sphsolve/plan.h"
-#include "sphsolve/recorder.h"
-#include "sphsolve/scene.h"
+#include "sphsolve/plan/recommend.h"
+#include "sphsolve/plan/explain.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/output/recorder.h"
+#include "sphsolve/scene/scene.h"
 
 enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
 

@@ -9,7 +9,7 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 }
 
 @test "every effect of the registry stands in docs/physics.md" {
-  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\)).*/\1/p' sphsolve/effects.def); do
+  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\)).*/\1/p' sphsolve/plan/registry.def); do
     grep -q "$effect" docs/physics.md || { echo "$effect is not in docs/physics.md"; failed=1; }
   done
   [ -z "$failed" ]

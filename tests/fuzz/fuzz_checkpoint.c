@@ -3,12 +3,12 @@
 
 #include "common/provenance.h"
 #include "fuzz_edits.h"
-#include "sphsolve/lattice.h"
-#include "sphsolve/methods/wcsph_plan.h"
-#include "sphsolve/methods/wcsph_state.h"
-#include "sphsolve/plan.h"
-#include "sphsolve/recorder.h"
-#include "sphsolve/scene.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/wcsph/plan.h"
+#include "sphsolve/wcsph/state.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/output/recorder.h"
+#include "sphsolve/scene/scene.h"
 
 static const char text[] =
     "scene = { method = \"wcsph\"; end_time = \"1 s\"; };\n"

@@ -2,7 +2,7 @@
 #ifndef TOSUI_FUZZ_IMAGE_H
 #define TOSUI_FUZZ_IMAGE_H
 
-#include "ct2model/stack.h"
+#include "ct2model/readers/stack.h"
 #include "fuzz_input.h"
 
 static inline int fuzz_image(const char *ending, const struct raw_layout *raw, const uint8_t *data,

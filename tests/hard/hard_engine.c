@@ -8,9 +8,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "sphsolve/effects/shifting.h"
-#include "sphsolve/isph/isph_output.h"
-#include "sphsolve/methods/isph.h"
+#include "sphsolve/wcsph/effects/shifting.h"
+#include "sphsolve/isph/output.h"
+#include "sphsolve/isph/method.h"
 #include "tests/unit/engine_lattice.h"
 
 static json_t *results;

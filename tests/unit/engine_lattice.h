@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sphsolve/engine/engine.h"
-#include "sphsolve/methods/wcsph_modes.h"
-#include "sphsolve/methods/wcsph_plan.h"
+#include "sphsolve/wcsph/engine/engine.h"
+#include "sphsolve/wcsph/modes.h"
+#include "sphsolve/wcsph/plan.h"
 
 static inline double test_random(uint64_t *state) {
   *state = *state * 6364136223846793005u + 1442695040888963407u;

@@ -2,7 +2,7 @@
 #ifndef TOSUI_TESTS_ENGINE_MARCH_H
 #define TOSUI_TESTS_ENGINE_MARCH_H
 
-#include "sphsolve/methods/wcsph_state.h"
+#include "sphsolve/wcsph/state.h"
 #include "tests/unit/engine_lattice.h"
 
 /* Signed distance to the wall, positive in the fluid, at a point in spacings. */

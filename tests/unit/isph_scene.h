@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sphsolve/methods/isph.h"
+#include "sphsolve/isph/method.h"
 
 struct run {
   struct scene scene;

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ct2model/calibrate.h"
+#include "ct2model/calibrate/calibrate.h"
 
 static void test_threshold_counts_exactly(void **state) {
   (void)state;

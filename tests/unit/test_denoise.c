@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#include "ct2model/denoise.h"
+#include "ct2model/scan/denoise.h"
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE, SLICES = 1000, THREADS = 8 };
 

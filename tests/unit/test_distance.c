@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "common/error.h"
-#include "sphsolve/distance.h"
+#include "sphsolve/geometry/distance.h"
 
 enum { N = 16, SITES = N * N * N, SAMPLES = 12 };
 static float fraction[SITES], distance[SITES];

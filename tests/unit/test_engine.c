@@ -1,5 +1,5 @@
 /* The engine against brute force, against itself on other threads and instruction sets. */
-#include "sphsolve/engine/engine.h"
+#include "sphsolve/wcsph/engine/engine.h"
 
 #include <omp.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "common/kernel.h"
-#include "sphsolve/engine/kernel_vector.h"
+#include "sphsolve/wcsph/engine/kernel_vector.h"
 #include "tests/unit/engine_lattice.h"
 
 static void test_kernel_matches(void **state) {

@@ -19,7 +19,7 @@
 #include "common/model_file.h"
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
-#include "sphsolve/checkpoint_file.h"
+#include "sphsolve/output/checkpoint_file.h"
 
 static char folder[] = "/tmp/tosui-files-XXXXXX";
 static char path[64];

@@ -16,9 +16,9 @@
 #endif
 
 #include "common/kernel.h"
-#include "sphsolve/effects/isph_turbulence.h"
-#include "sphsolve/isph/isph_kernel.h"
-#include "sphsolve/isph/isph_output.h"
+#include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/output.h"
 #include "tests/unit/isph_scene.h"
 
 static void assert_near(double value, double expected, double tolerance) {

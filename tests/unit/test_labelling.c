@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ct2model/connect.h"
-#include "ct2model/phase_bits.h"
-#include "ct2model/specks.h"
+#include "ct2model/model/connect.h"
+#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 
 enum { NX = 17, NY = 13, NZ = 11, SITES = NX * NY * NZ };
 

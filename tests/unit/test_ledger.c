@@ -9,8 +9,8 @@
 #include <omp.h>
 #endif
 
-#include "sphsolve/isph/isph_account.h"
-#include "sphsolve/methods/wcsph_account.h"
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/wcsph/budget.h"
 #include "tests/unit/engine_march.h"
 #include "tests/unit/isph_scene.h"
 

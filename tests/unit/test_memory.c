@@ -9,7 +9,7 @@
 #include <unistd.h>
 #include <cmocka.h>
 
-#include "sphsolve/plan.h"
+#include "sphsolve/plan/plan.h"
 
 /* The scan of S06 at its own resolution, mirrored: 480 x 480 x 511 voxels. */
 static void test_full_scan_fits(void **state) {

@@ -1,5 +1,5 @@
 /* Steady detection on series whose end is known: it never stops early. */
-#include "sphsolve/monitor.h"
+#include "sphsolve/march/monitor.h"
 
 #include <math.h>
 #include <setjmp.h>

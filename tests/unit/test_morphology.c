@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "ct2model/morphology.h"
+#include "ct2model/model/morphology.h"
 
 enum { N = 32, SITES = N * N * N };
 static uint8_t solid[SITES];

@@ -1,5 +1,5 @@
 /* What goes into a page cannot become markup. */
-#include "analyze/page_html.h"
+#include "analyze/report/page_html.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ct2model/reduce.h"
-#include "ct2model/reduce.h"
-#include "ct2model/resample.h"
+#include "ct2model/resample/reduce.h"
+#include "ct2model/resample/reduce.h"
+#include "ct2model/resample/resample.h"
 
 /* Keys (1981), eq. 4 with a = -3/4, written out. */
 static double cubic(double s) {

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "sphsolve/lattice.h"
-#include "sphsolve/scene.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/scene/scene.h"
 
 static char path[] = "/tmp/tosui-scene-XXXXXX";
 

@@ -17,7 +17,7 @@
 #include <zlib.h>
 
 #include "common/error.h"
-#include "ct2model/stack.h"
+#include "ct2model/readers/stack.h"
 
 enum { NX = 37, NY = 21, NZ = 3 };
 static char folder[256];

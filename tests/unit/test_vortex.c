@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <cmocka.h>
 
-#include "sphsolve/effects/shifting.h"
+#include "sphsolve/wcsph/effects/shifting.h"
 #include "tests/unit/engine_lattice.h"
 
 /* Kinetic energy at t = end over the exact exp(-16 pi^2 t/Re) of a unit box with U = 1; `error`:

@@ -11,10 +11,10 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "ct2model/coarse.h"
-#include "ct2model/stack.h"
-#include "ct2model/survey.h"
-#include "ct2model/wall_distance.h"
+#include "ct2model/surface/coarse.h"
+#include "ct2model/readers/stack.h"
+#include "ct2model/scan/survey.h"
+#include "ct2model/surface/wall_distance.h"
 
 /* A scan of one sphere in a periodic box: grey 100 in the grain, 20 outside, linear across a blur
  * of two voxels, written as raw floats. */

@@ -1,5 +1,5 @@
 /* The watchdog: what it takes for out of bounds, what it keeps, when it gives up. */
-#include "sphsolve/watchdog.h"
+#include "sphsolve/march/watchdog.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "common/memory.h"
-#include "sphsolve/step_log.h"
+#include "sphsolve/output/step_log.h"
 
 static void test_worst(void **state) {
   (void)state;

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <cmocka.h>
 
-#include "sphsolve/methods/stokes_solver.h"
-#include "sphsolve/percolation.h"
+#include "sphsolve/stokes/solver.h"
+#include "sphsolve/geometry/percolation.h"
 #include "tests/unit/engine_march.h"
 
 /* Limits found with a prototype: c dt/dx < 1.014 absolute, 2.19 (c dt/h 2.2) gauge, viscous

@@ -13,8 +13,8 @@
 
 #include "common/error.h"
 #include "common/log.h"
-#include "sphsolve/isph/isph_output.h"
-#include "sphsolve/methods/isph.h"
+#include "sphsolve/isph/output.h"
+#include "sphsolve/isph/method.h"
 
 static json_t *results;
 static char scene_file[] = "/tmp/verify_isph_XXXXXX";

@@ -11,9 +11,9 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/distance.h"
-#include "sphsolve/methods/stokes_solver.h"
-#include "sphsolve/percolation.h"
+#include "sphsolve/geometry/distance.h"
+#include "sphsolve/stokes/solver.h"
+#include "sphsolve/geometry/percolation.h"
 #include "tests/unit/engine_march.h"
 
 #define DX 1e-4 /* m */

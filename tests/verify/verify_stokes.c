@@ -11,8 +11,8 @@
 #include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/distance.h"
-#include "sphsolve/methods/stokes_solver.h"
+#include "sphsolve/geometry/distance.h"
+#include "sphsolve/stokes/solver.h"
 
 /* A geometry: signed distance to the wall at a point, for four parameters. */
 struct geometry {

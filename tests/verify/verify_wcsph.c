@@ -12,7 +12,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/methods/wcsph_plan.h"
+#include "sphsolve/wcsph/plan.h"
 
 static FILE *json;
 static int count, failed;

@@ -1,0 +1,15 @@
+/* The report: one self-contained HTML page of everything the runs support. */
+#ifndef TOSUI_ANALYZE_REPORT_PAGE_H
+#define TOSUI_ANALYZE_REPORT_PAGE_H
+
+#include <jansson.h>
+#include <stddef.h>
+
+#include "analyze/run_file.h"
+
+/* Writes the page to `path` (atomically) and its numbers, the JSON of every analysis in it, into
+ * *json (a new object). `command_line` goes to the page's foot. */
+enum status page_write(const struct run *runs, size_t n, const char *path, const char *command_line,
+                       json_t **json);
+
+#endif

@@ -1,0 +1,214 @@
+#include "analyze/report/page_flow.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/report/page_html.h"
+#include "common/memory.h"
+#include "common/statistics.h"
+
+#define LINES 220               /* streamlines sought */
+#define LINE_POINTS 160         /* most points of one */
+static const double step = 0.5; /* of a streamline, cells */
+
+static size_t index_of(const struct flow *flow, size_t x, size_t y, size_t z) {
+  return (z * flow->size[1] + y) * flow->size[0] + x;
+}
+
+/* Coarse cell of a fine index or coordinate. */
+static size_t coarse(size_t fine, size_t from, size_t to) {
+  return fine * to / from;
+}
+
+static enum status fill_solid(const struct run *run, struct flow *flow) {
+  enum status status = STATUS_OK;
+  float *count = NULL;
+  size_t cells = flow->size[0] * flow->size[1] * flow->size[2];
+  TRY(memory_allocate(&flow->solid, cells, sizeof *flow->solid, "grains"));
+  if (run->solid == NULL) return STATUS_OK;
+  TRY(memory_allocate(&count, cells, sizeof *count, "grains"));
+  for (size_t z = 0, site = 0; z < run->size[2]; z++)
+    for (size_t y = 0; y < run->size[1]; y++)
+      for (size_t x = 0; x < run->size[0]; x++, site++) {
+        size_t c = index_of(flow, coarse(x, run->size[0], flow->size[0]),
+                            coarse(y, run->size[1], flow->size[1]),
+                            coarse(z, run->size[2], flow->size[2]));
+        count[c] += 1.0f;
+        flow->solid[c] += run->solid[site] != 0 ? 1.0f : 0.0f;
+      }
+  for (size_t c = 0; c < cells; c++) flow->solid[c] /= count[c];
+cleanup:
+  memory_free(&count);
+  return status;
+}
+
+/* Mean particle velocity of each cell; an empty pore cell takes the mean of its neighbours. */
+static enum status fill_velocity(const struct run *run, const struct particles *particles,
+                                 struct flow *flow) {
+  enum status status = STATUS_OK;
+  size_t cells = flow->size[0] * flow->size[1] * flow->size[2];
+  float *count = NULL;
+  TRY(memory_allocate(&flow->velocity, 3 * cells, sizeof *flow->velocity, "velocities"));
+  TRY(memory_allocate(&count, cells, sizeof *count, "velocities"));
+  for (size_t i = 0; i < particles->count; i++) {
+    size_t at[3];
+    for (int d = 0; d < 3; d++) {
+      double low = run->origin[d] - 0.5 * run->spacing[d];
+      double c = floor((particles->points[3 * i + (size_t)d] - low) / flow->cell[d]);
+      double n = (double)flow->size[d];
+      c -= n * floor(c / n); /* periodic images come home */
+      at[d] = (size_t)fmin(fmax(c, 0.0), n - 1.0);
+    }
+    size_t cell = index_of(flow, at[0], at[1], at[2]);
+    count[cell] += 1.0f;
+    for (size_t d = 0; d < 3; d++)
+      flow->velocity[3 * cell + d] += (float)particles->velocity[3 * i + d];
+  }
+  for (size_t c = 0; c < cells; c++)
+    for (size_t d = 0; d < 3 && count[c] > 0; d++) flow->velocity[3 * c + d] /= count[c];
+  for (size_t z = 0; z < flow->size[2]; z++)
+    for (size_t y = 0; y < flow->size[1]; y++)
+      for (size_t x = 0; x < flow->size[0]; x++) {
+        size_t c = index_of(flow, x, y, z);
+        if (count[c] > 0 || flow->solid[c] > 0.5f) continue;
+        float sum[3] = {0}, n = 0;
+        for (int k = 0; k < 6; k++) {
+          size_t p[3] = {x, y, z};
+          int d = k / 2;
+          if (k % 2 == 0 ? p[d] == 0 : p[d] + 1 >= flow->size[d]) continue;
+          p[d] += k % 2 == 0 ? (size_t)-1 : 1;
+          size_t other = index_of(flow, p[0], p[1], p[2]);
+          if (count[other] == 0) continue;
+          for (size_t e = 0; e < 3; e++) sum[e] += flow->velocity[3 * other + e];
+          n += 1.0f;
+        }
+        for (size_t e = 0; e < 3 && n > 0; e++) flow->velocity[3 * c + e] = sum[e] / n;
+      }
+cleanup:
+  memory_free(&count);
+  return status;
+}
+
+/* Trilinear velocity (cells/s) at a place in cells; false outside. */
+static bool velocity_at(const struct flow *flow, const double at[3], double v[3]) {
+  size_t low[3];
+  double part[3];
+  for (int d = 0; d < 3; d++) {
+    if (!(at[d] >= 0.0) || at[d] > (double)flow->size[d]) return false;
+    double c = fmin(fmax(at[d] - 0.5, 0.0), (double)flow->size[d] - 1.0);
+    low[d] = (size_t)c;
+    part[d] = c - (double)low[d];
+    v[d] = 0.0;
+  }
+  for (int corner = 0; corner < 8; corner++) {
+    size_t p[3];
+    double weight = 1.0;
+    for (int d = 0; d < 3; d++) {
+      bool up = (corner >> d & 1) != 0;
+      p[d] = up && low[d] + 1 < flow->size[d] ? low[d] + 1 : low[d];
+      weight *= up ? part[d] : 1.0 - part[d];
+    }
+    size_t c = index_of(flow, p[0], p[1], p[2]);
+    for (size_t d = 0; d < 3; d++)
+      v[d] += weight * (double)flow->velocity[3 * c + d] / flow->cell[d];
+  }
+  return true;
+}
+
+/* Mid-point steps of `step` cells along +-v into points (4 floats each); stops in grains, at the
+ * box and where the flow is at rest. Returns how many. */
+static size_t trace(const struct flow *flow, const double seed[3], double sign, size_t most,
+                    float *points) {
+  double at[3] = {seed[0], seed[1], seed[2]};
+  size_t n = 0;
+  while (n < most) {
+    double v[3], middle[3], speed = 0.0, metres = 0.0;
+    if (!velocity_at(flow, at, v)) break;
+    for (int d = 0; d < 3; d++) {
+      speed += v[d] * v[d];
+      metres += v[d] * flow->cell[d] * v[d] * flow->cell[d];
+    }
+    speed = sqrt(speed);
+    metres = sqrt(metres);
+    size_t cell[3];
+    for (int d = 0; d < 3; d++) cell[d] = (size_t)fmin(at[d], (double)flow->size[d] - 1.0);
+    if (metres < 1e-3 * flow->speed_high ||
+        flow->solid[index_of(flow, cell[0], cell[1], cell[2])] > 0.5f)
+      break;
+    for (int d = 0; d < 3; d++) {
+      points[4 * n + (size_t)d] = (float)at[d];
+      middle[d] = at[d] + 0.5 * step * sign * v[d] / speed;
+    }
+    points[4 * n + 3] = (float)fmin(metres / flow->speed_high, 1.0);
+    n++;
+    if (!velocity_at(flow, middle, v)) break;
+    speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(speed > 0.0)) break;
+    for (int d = 0; d < 3; d++) at[d] += step * sign * v[d] / speed;
+  }
+  return n;
+}
+
+static double random_unit(uint64_t *state) { /* Knuth's MMIX generator; the same every time */
+  *state = *state * 6364136223846793005u + 1442695040888963407u;
+  return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+/* Seeds are spread evenly over the pores; both ways from each, joined into one line. */
+static enum status fill_lines(struct flow *flow) {
+  enum status status = STATUS_OK;
+  float *backward = NULL;
+  uint64_t state = 2006;
+  const size_t half = LINE_POINTS / 2;
+  TRY(memory_allocate(&flow->line_start, LINES + 1, sizeof *flow->line_start, "streamlines"));
+  TRY(memory_allocate(&flow->points, (size_t)LINES * LINE_POINTS, 4 * sizeof *flow->points,
+                      "streamlines"));
+  TRY(memory_allocate(&backward, half, 4 * sizeof *backward, "streamlines"));
+  for (int tries = 0; tries < 40 * LINES && flow->line_count < LINES; tries++) {
+    double seed[3];
+    for (int d = 0; d < 3; d++) seed[d] = random_unit(&state) * (double)flow->size[d];
+    size_t n = trace(flow, seed, -1.0, half, backward);
+    float *points = flow->points + 4 * flow->point_count;
+    for (size_t i = 0; i < n; i++)
+      memcpy(points + 4 * i, backward + 4 * (n - 1 - i), 4 * sizeof *points);
+    n += n > 0 ? trace(flow, seed, 1.0, half, points + 4 * (n - 1)) : 0;
+    if (n < 12) continue; /* a stub tells nothing */
+    flow->point_count += n - 1;
+    flow->line_start[++flow->line_count] = flow->point_count;
+  }
+cleanup:
+  memory_free(&backward);
+  return status;
+}
+
+enum status flow_build(const struct run *run, const struct particles *particles,
+                       struct flow *flow) {
+  enum status status = STATUS_OK;
+  double *speeds = NULL;
+  memset(flow, 0, sizeof *flow);
+  for (int d = 0; d < 3; d++) {
+    flow->size[d] = run->size[d] < FLOW_SIDE ? run->size[d] : FLOW_SIDE;
+    flow->cell[d] = run->spacing[d] * (double)run->size[d] / (double)flow->size[d];
+  }
+  TRY(fill_solid(run, flow));
+  TRY(fill_velocity(run, particles, flow));
+  TRY(memory_allocate(&speeds, particles->count, sizeof *speeds, "speeds"));
+  for (size_t i = 0; i < particles->count; i++) {
+    const double *v = &particles->velocity[3 * i];
+    speeds[i] = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  flow->speed_high = quantile(speeds, particles->count, 0.99);
+  if (flow->speed_high > 0.0) TRY(fill_lines(flow));
+cleanup:
+  memory_free(&speeds);
+  if (status != STATUS_OK) flow_free(flow);
+  return status;
+}
+
+void flow_free(struct flow *flow) {
+  memory_free(&flow->solid);
+  memory_free(&flow->velocity);
+  memory_free(&flow->line_start);
+  memory_free(&flow->points);
+  memset(flow, 0, sizeof *flow);
+}

@@ -1,0 +1,18 @@
+/* What a run did and where it comes from, for the report: effects, timings, scene, provenance, and
+ * a Methods paragraph with its references. */
+#ifndef TOSUI_ANALYZE_REPORT_PAGE_RECORD_H
+#define TOSUI_ANALYZE_REPORT_PAGE_RECORD_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "analyze/run_file.h"
+
+/* Tables of effects and timings of one run. */
+enum status page_effects(const struct run *run, FILE *stream);
+/* Everything needed to repeat one run: every number of /run, the scene, versions, hashes. */
+enum status page_provenance(const struct run *run, FILE *stream);
+/* Text for a paper about these runs, with citations. */
+enum status page_methods(const struct run *runs, size_t n, FILE *stream);
+
+#endif

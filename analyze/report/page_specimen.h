@@ -1,0 +1,18 @@
+/* The specimen's part of the report: the model file that a run names, if it is found. */
+#ifndef TOSUI_ANALYZE_REPORT_PAGE_SPECIMEN_H
+#define TOSUI_ANALYZE_REPORT_PAGE_SPECIMEN_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "analyze/run_file.h"
+
+/* Writes pictures and a table of the run's model and sets *calibration (a new object, or NULL
+ * without a calibration in the file) for the page's curve. Without a model, or when its file is not
+ * found, a sentence says so; that is no failure. */
+enum status page_specimen(const struct run *run, FILE *stream, json_t **calibration);
+
+/* Body of the calibration's plot: void ratio against threshold, and the grey histogram. */
+void page_calibration_plot(const json_t *calibration, FILE *plot);
+
+#endif

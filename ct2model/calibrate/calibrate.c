@@ -1,0 +1,266 @@
+#include "ct2model/calibrate/calibrate.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+enum status grey_histogram_start(double low, double width, size_t bins,
+                                 struct grey_histogram *histogram) {
+  *histogram = (struct grey_histogram){.low = low, .width = width, .bins = bins};
+  return memory_allocate(&histogram->counts, bins, sizeof *histogram->counts, "a histogram");
+}
+
+void grey_histogram_end(struct grey_histogram *histogram) {
+  memory_free(&histogram->counts);
+}
+
+void grey_histogram_add(struct grey_histogram *histogram, const float *values, size_t n) {
+  const double scale = 1.0 / histogram->width, top = (double)histogram->bins - 1.0;
+  for (size_t i = 0; i < n; i++) {
+    double bin = ((double)values[i] - histogram->low) * scale;
+    bin = bin > 0.0 ? bin : 0.0;
+    histogram->counts[(size_t)(bin < top ? bin : top)]++;
+  }
+  histogram->total += n;
+}
+
+double grey_histogram_porosity(const struct grey_histogram *histogram, double threshold) {
+  double position = (threshold - histogram->low) / histogram->width;
+  if (position <= 0.0) return 0.0;
+  if (position >= (double)histogram->bins) return 1.0;
+  size_t bin = (size_t)position;
+  uint64_t below = 0;
+  for (size_t i = 0; i < bin; i++) below += histogram->counts[i];
+  double part = (position - (double)bin) * (double)histogram->counts[bin];
+  return ((double)below + part) / (double)histogram->total;
+}
+
+double grey_histogram_quantile(const struct grey_histogram *histogram, double porosity) {
+  double target = porosity * (double)histogram->total, below = 0.0;
+  for (size_t i = 0; i < histogram->bins; i++) {
+    double count = (double)histogram->counts[i];
+    if (count > 0.0 && below + count >= target)
+      return histogram->low + histogram->width * ((double)i + (target - below) / count);
+    below += count;
+  }
+  return histogram->low + histogram->width * (double)histogram->bins;
+}
+
+double grey_histogram_slope(const struct grey_histogram *histogram, double porosity) {
+  double low = fmax(porosity - 0.005, 0.0), high = fmin(porosity + 0.005, 0.999);
+  return (grey_histogram_quantile(histogram, high) - grey_histogram_quantile(histogram, low)) /
+         (high / (1.0 - high) - low / (1.0 - low));
+}
+
+static double bin_centre(const struct grey_histogram *histogram, size_t bin) {
+  return histogram->low + histogram->width * ((double)bin + 0.5);
+}
+
+double grey_histogram_otsu(const struct grey_histogram *histogram) {
+  double sum = 0.0, below = 0.0, below_sum = 0.0, best = 0.0, threshold = NAN;
+  for (size_t i = 0; i < histogram->bins; i++)
+    sum += (double)histogram->counts[i] * bin_centre(histogram, i);
+  size_t tied = 0;
+  for (size_t i = 0; i + 1 < histogram->bins; i++) {
+    below += (double)histogram->counts[i];
+    below_sum += (double)histogram->counts[i] * bin_centre(histogram, i);
+    double above = (double)histogram->total - below;
+    if (below == 0.0 || above == 0.0) continue;
+    double distance = below_sum / below - (sum - below_sum) / above;
+    double between = below * above * distance * distance;
+    double edge = histogram->low + histogram->width * (double)(i + 1);
+    if (between > best * (1.0 + 1e-12)) {
+      best = between;
+      threshold = edge;
+      tied = 1;
+    } else if (between >= best * (1.0 - 1e-12) && best > 0.0) {
+      /* Empty bins between the classes are equally good: their middle. */
+      tied++;
+      threshold = edge - 0.5 * histogram->width * (double)(tied - 1);
+    }
+  }
+  return threshold;
+}
+
+/* Box smoothing wide enough to bridge noise and empty levels, on at most 512 coarse bins. */
+enum { COARSE = 512 };
+
+/* Whether `bin`, the first or last that is not empty, holds what was cut off there: far more than
+ * the occupied bins next to it, but less than half of its phase's `share`. Such a spike is no peak.
+ */
+static bool is_clipped(const struct grey_histogram *histogram, size_t bin, bool first,
+                       double share) {
+  const int neighbours = 8;
+  double sum = 0.0;
+  int n = 0;
+  for (size_t i = bin; n<neighbours; n += histogram->counts[i]> 0) {
+    if (first ? ++i == histogram->bins : i-- == 0) break;
+    sum += (double)histogram->counts[i];
+  }
+  double count = (double)histogram->counts[bin];
+  return n == neighbours && count > 4.0 * sum / n && count < 0.5 * share * (double)histogram->total;
+}
+
+static void coarse_histogram(const struct grey_histogram *histogram, double low, double high,
+                             double threshold, double *coarse) {
+  double raw[COARSE] = {0}, pore = grey_histogram_porosity(histogram, threshold);
+  size_t first = 0, last = histogram->bins - 1;
+  while (first < last && histogram->counts[first] == 0) first++;
+  while (last > first && histogram->counts[last] == 0) last--;
+  if (is_clipped(histogram, first, true, pore)) first++;
+  if (is_clipped(histogram, last, false, 1.0 - pore)) last--;
+  for (size_t i = first; i <= last; i++) {
+    double position = (bin_centre(histogram, i) - low) / (high - low) * COARSE;
+    if (position >= 0.0 && position < COARSE) raw[(size_t)position] += (double)histogram->counts[i];
+  }
+  const int half = 6;
+  for (int i = 0; i < COARSE; i++) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = -half; k <= half; k++) {
+      if (i + k < 0 || i + k >= COARSE) continue;
+      double weight = half + 1 - abs(k);
+      sum += weight * raw[i + k];
+      weights += weight;
+    }
+    coarse[i] = sum / weights;
+  }
+}
+
+static int least_between(const double *coarse, int a, int b) {
+  int least = a, step = a < b ? 1 : -1;
+  for (int i = a; i != b + step; i += step)
+    if (coarse[i] < coarse[least]) least = i;
+  return least;
+}
+
+/* The highest local maximum in first <= i < end; the highest value where there is none, as on the
+ * flank of one broad peak. */
+static int highest_peak(const double *coarse, int first, int end) {
+  const int reach = 6;
+  int peak = -1, top = first;
+  for (int i = first; i < end; i++) {
+    bool local = true;
+    for (int k = -reach; k <= reach; k++)
+      if (i + k >= 0 && i + k < COARSE && coarse[i + k] > coarse[i]) local = false;
+    if (local && (peak < 0 || coarse[i] > coarse[peak])) peak = i;
+    if (coarse[i] > coarse[top]) top = i;
+  }
+  return peak >= 0 ? peak : top;
+}
+
+void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
+                           struct grey_phases *phases) {
+  double coarse[COARSE];
+  double low = grey_histogram_quantile(histogram, 0.0005);
+  double high = grey_histogram_quantile(histogram, 0.9995);
+  *phases = (struct grey_phases){.pore_peak = NAN,
+                                 .grain_peak = NAN,
+                                 .valley = NAN,
+                                 .noise = NAN,
+                                 .contrast_to_noise = NAN,
+                                 .valley_depth = 1.0};
+  for (size_t i = 0; i < histogram->bins; i++) phases->levels += histogram->counts[i] > 0;
+  if (!(high > low)) return;
+  coarse_histogram(histogram, low, high, threshold, coarse);
+  double position = (threshold - low) / (high - low) * COARSE;
+  int split = (int)fmin(fmax(position, 1.0), COARSE - 1.0);
+  int pore = highest_peak(coarse, 0, split), grain = highest_peak(coarse, split, COARSE);
+  int valley = least_between(coarse, pore, grain);
+  double step = (high - low) / COARSE;
+  phases->pore_peak = low + (pore + 0.5) * step;
+  phases->grain_peak = low + (grain + 0.5) * step;
+  phases->valley = low + (valley + 0.5) * step;
+  phases->valley_depth = coarse[valley] / fmin(coarse[pore], coarse[grain]);
+  /* The flank away from the other phase is noise alone: 0.3173/2 of a normal distribution lies
+   * below mean - sd. Where the pore's flank is cut off there, the grain's outer flank stands in. */
+  double outer = grey_histogram_porosity(histogram, phases->pore_peak);
+  double flank = grey_histogram_quantile(histogram, outer * 0.3173);
+  double above = 1.0 - grey_histogram_porosity(histogram, phases->grain_peak);
+  phases->noise = phases->pore_peak - flank;
+  if (flank < grey_histogram_quantile(histogram, 0.0) + 1.5 * histogram->width)
+    phases->noise = grey_histogram_quantile(histogram, 1.0 - above * 0.3173) - phases->grain_peak;
+  if (phases->noise > 0.0)
+    phases->contrast_to_noise = (phases->grain_peak - phases->pore_peak) / phases->noise;
+}
+
+/* Floats in the order of their bits: order-preserving keys for a selection by digits. */
+static uint32_t key_of(float value) {
+  uint32_t bits;
+  memcpy(&bits, &value, 4);
+  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+static float value_of(uint32_t key) {
+  uint32_t bits = (key & 0x80000000u) != 0 ? key & 0x7fffffffu : ~key;
+  float value;
+  memcpy(&value, &bits, 4);
+  return value;
+}
+
+enum { DIGITS = 65536 };
+
+/* Adds the weights of greys to the counts of their upper digit, or of the lower one of those with
+ * the upper digit of `key`. */
+static void count_digits(const float *volume, size_t layers, size_t layer_size,
+                         const unsigned *layer_weight, const uint32_t *key, uint64_t *own,
+                         uint64_t *counts) {
+#pragma omp parallel
+  {
+    uint64_t *mine = own + (size_t)omp_get_thread_num() * DIGITS;
+    memset(mine, 0, DIGITS * sizeof *mine);
+#pragma omp for schedule(static)
+    for (size_t z = 0; z < layers; z++) {
+      for (size_t i = z * layer_size; i < (z + 1) * layer_size; i++) {
+        const uint32_t k = key_of(volume[i]);
+        if (key == NULL)
+          mine[k >> 16] += layer_weight[z];
+        else if (k >> 16 == *key >> 16)
+          mine[k & 0xffffu] += layer_weight[z];
+      }
+    }
+#pragma omp critical(grey_digits) /* sums of whole numbers know no order */
+    for (size_t d = 0; d < DIGITS; d++) counts[d] += mine[d];
+  }
+}
+
+enum status volume_threshold(const float *volume, size_t layers, size_t layer_size,
+                             const unsigned *layer_weight, double porosity, double *threshold) {
+  enum status status = STATUS_OK;
+  uint64_t *counts = NULL, total = 0, below = 0, digit = 0;
+  uint64_t *own = NULL;
+  TRY(memory_allocate(&counts, 2 * DIGITS, sizeof *counts, "grey counts"));
+  TRY(memory_allocate(&own, (size_t)omp_get_max_threads() * DIGITS, sizeof *own, "grey counts"));
+  for (size_t z = 0; z < layers; z++) total += (uint64_t)layer_weight[z] * layer_size;
+  double target = porosity * (double)total;
+  uint32_t key = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    uint64_t *count = counts + pass * DIGITS;
+    count_digits(volume, layers, layer_size, layer_weight, pass == 0 ? NULL : &key, own, count);
+    for (digit = 0; digit + 1 < DIGITS && (double)(below + count[digit]) < target; digit++)
+      below += count[digit];
+    key |= (uint32_t)digit << (pass == 0 ? 16 : 0);
+  }
+  /* The grey at the target, how much volume has exactly it, and its neighbours in grey. */
+  float grey = value_of(key), lower = -INFINITY, upper = INFINITY;
+  double equal = (double)counts[DIGITS + digit];
+#pragma omp parallel for schedule(static) reduction(max : lower) reduction(min : upper)
+  for (size_t i = 0; i < layers * layer_size; i++) {
+    if (volume[i] < grey && volume[i] > lower) lower = volume[i];
+    if (volume[i] > grey && volume[i] < upper) upper = volume[i];
+  }
+  double low = isfinite(lower) ? 0.5 * ((double)grey + (double)lower) : (double)grey - 0.5;
+  double high = isfinite(upper) ? 0.5 * ((double)grey + (double)upper) : (double)grey + 0.5;
+  double share = equal > 0.0 ? (target - (double)below) / equal : 0.5;
+  /* Under one half the nearer count keeps this grey solid: the threshold stays under it. */
+  *threshold = share < 0.5 ? low + 2.0 * share * ((double)grey - low)
+                           : (double)grey + (2.0 * share - 1.0) * (high - (double)grey);
+  if (share < 0.5 && *threshold >= (double)grey) *threshold = nextafter((double)grey, -INFINITY);
+cleanup:
+  memory_free(&counts);
+  memory_free(&own);
+  return status;
+}

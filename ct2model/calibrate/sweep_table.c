@@ -1,0 +1,133 @@
+#include "ct2model/calibrate/sweep_table.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/output_file.h"
+#include "ct2model/pipeline.h"
+
+enum { ROWS = 256, MOST_ROWS = 2 * ROWS + 1 };
+
+/* Internal greys first, first + step, ... such that both phases occur at each. */
+static void choose_rows(const struct pipeline *pipeline, double *first, double *step,
+                        size_t *count) {
+  const struct grey_histogram *histogram = &pipeline->histogram;
+  double low = grey_histogram_quantile(histogram, 0.0005);
+  double high = grey_histogram_quantile(histogram, 0.9995);
+  if (histogram->width == 1.0 && high - low < 2.0 * ROWS) {
+    *first = floor(low) + 0.5;
+    *step = 1.0;
+    *count = (size_t)fmax(1.0, floor(high - *first) + 1.0);
+  } else {
+    *first = low;
+    *step = (high - low) / (ROWS - 1);
+    *count = ROWS;
+  }
+}
+
+/* counts[i]: weighted voxels of the resampled volume above row i - 1 and up to row i. */
+static void count_volume(const struct pipeline *pipeline, double first, double step, size_t rows,
+                         double *counts, double *total) {
+  size_t layer = pipeline->size[0] * pipeline->size[1];
+#pragma omp parallel for schedule(static)
+  for (size_t z = 0; z < pipeline->size[2]; z++) {
+    uint32_t below[MOST_ROWS] = {0};
+    for (size_t i = 0; i < layer; i++) {
+      double row = ceil(((double)pipeline->volume[z * layer + i] - first) / step);
+      if (row < (double)rows) below[row > 0.0 ? (size_t)row : 0]++;
+    }
+#pragma omp critical(volume_counts) /* sums of whole numbers know no order */
+    {
+      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i] * pipeline->weight[z];
+      *total += (double)layer * pipeline->weight[z];
+    }
+  }
+}
+
+static void reverse(double *values, size_t n) {
+  for (size_t i = 0; i < n / 2; i++) {
+    double swap = values[i];
+    values[i] = values[n - 1 - i];
+    values[n - 1 - i] = swap;
+  }
+}
+
+static double void_ratio_of(double pores, double total) {
+  return total > pores ? pores / (total - pores) : INFINITY;
+}
+
+enum status sweep_table_make(const struct pipeline *pipeline, struct sweep_table *table) {
+  enum status status = STATUS_OK;
+  const struct grey_histogram *histogram = &pipeline->histogram;
+  double first, step;
+  memset(table, 0, sizeof *table);
+  choose_rows(pipeline, &first, &step, &table->count);
+  size_t n = table->count;
+  TRY(memory_allocate(&table->threshold, n, sizeof(double), "the sweep"));
+  TRY(memory_allocate(&table->void_ratio, n, sizeof(double), "the sweep"));
+  TRY(memory_allocate(&table->histogram, n, sizeof(double), "the sweep"));
+  double total = (double)histogram->total, last = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    double grey = first + step * (double)i;
+    double pores = total * grey_histogram_porosity(histogram, grey);
+    table->threshold[i] = pipeline_grey(pipeline, grey);
+    table->void_ratio[i] = void_ratio_of(pores, total);
+    table->histogram[i] = pores - last;
+    last = pores;
+  }
+  if (pipeline->volume != NULL) {
+    TRY(memory_allocate(&table->void_ratio_resampled, n, sizeof(double), "the sweep"));
+    TRY(memory_allocate(&table->histogram_resampled, n, sizeof(double), "the sweep"));
+    total = 0.0;
+    count_volume(pipeline, first, step, n, table->histogram_resampled, &total);
+    double pores = 0.0;
+    for (size_t i = 0; i < n; i++) {
+      pores += table->histogram_resampled[i];
+      table->void_ratio_resampled[i] = void_ratio_of(pores, total);
+    }
+  }
+  if (pipeline->request->dark_grains) {
+    double *columns[] = {table->threshold, table->void_ratio, table->histogram,
+                         table->void_ratio_resampled, table->histogram_resampled};
+    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+      if (columns[c] != NULL) reverse(columns[c], n);
+  }
+cleanup:
+  if (status != STATUS_OK) sweep_table_end(table);
+  return status;
+}
+
+void sweep_table_end(struct sweep_table *table) {
+  memory_free(&table->threshold);
+  memory_free(&table->void_ratio);
+  memory_free(&table->histogram);
+  memory_free(&table->void_ratio_resampled);
+  memory_free(&table->histogram_resampled);
+}
+
+enum status sweep_table_write(const struct sweep_table *table, const char *path) {
+  enum status status = STATUS_OK;
+  bool both = table->void_ratio_resampled != NULL;
+  char *text = NULL;
+  size_t size = 0;
+  FILE *stream = open_memstream(&text, &size);
+  if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for the table");
+  fprintf(stream, "threshold,void_ratio,histogram%s\n",
+          both ? ",void_ratio_resampled,histogram_resampled" : "");
+  for (size_t i = 0; i < table->count; i++) {
+    fprintf(stream, "%.8g,%.8g,%.10g", table->threshold[i], table->void_ratio[i],
+            table->histogram[i]);
+    if (both)
+      fprintf(stream, ",%.8g,%.10g", table->void_ratio_resampled[i], table->histogram_resampled[i]);
+    fputc('\n', stream);
+  }
+  if (fclose(stream) != 0) TRY_FAIL(STATUS_RUN, "out of memory for the table");
+  TRY(output_write(path, text, size));
+cleanup:
+  free(text);
+  return status;
+}

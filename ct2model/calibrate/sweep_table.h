@@ -1,0 +1,27 @@
+/* Void ratio and grey histogram against the threshold, at both resolutions. */
+#ifndef TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
+#define TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+
+struct pipeline;
+
+/* Rows rise in the reported grey. Solid is the grain side of the threshold. Of an integer scan the
+ * thresholds lie half-way between levels, where "above" and "at or above" are the same. The
+ * histograms count the voxels between a row's threshold and the last row's. */
+struct sweep_table {
+  size_t count;
+  double *threshold;
+  double *void_ratio, *histogram;                     /* original resolution */
+  double *void_ratio_resampled, *histogram_resampled; /* NULL without a resampled volume */
+};
+
+/* Free with sweep_table_end. */
+enum status sweep_table_make(const struct pipeline *pipeline, struct sweep_table *table);
+void sweep_table_end(struct sweep_table *table);
+/* CSV: threshold,void_ratio,histogram,void_ratio_resampled,histogram_resampled. */
+enum status sweep_table_write(const struct sweep_table *table, const char *path);
+
+#endif

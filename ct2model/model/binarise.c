@@ -1,0 +1,319 @@
+#include "ct2model/model/binarise.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/variants.h"
+#include "ct2model/model/connect.h"
+
+static double void_ratio_of(double porosity) {
+  return porosity / (1.0 - porosity);
+}
+
+/* ---- calibration ---- */
+
+/* Grain and pore swapped turn e into 1/e. Where that fits the measured void ratio and the given
+ * reading does not, one of the two is meant otherwise. */
+static enum status check_reading(const struct pipeline *pipeline, double porosity, bool sure) {
+  const struct request *request = pipeline->request;
+  double bright = void_ratio_of(request->dark_grains ? 1.0 - porosity : porosity);
+  double e = void_ratio_of(porosity);
+  const char *mine = request->dark_grains ? "dark" : "bright";
+  const char *other = request->dark_grains ? "bright" : "dark";
+  if (isnan(request->void_ratio)) {
+    if (e > 20.0 || e < 0.05)
+      log_warning("void ratio %.3g with bright grains, %.3g with dark ones: is --grain %s meant?",
+                  bright, 1.0 / bright, other);
+    return STATUS_OK;
+  }
+  double misfit = fabs(log(e / request->void_ratio)), swapped = fabs(log(e * request->void_ratio));
+  if (!(misfit > log(1.5) && swapped < 0.5 * misfit)) return STATUS_OK;
+  if (sure && !request->grain_given)
+    return FAIL(STATUS_INPUT,
+                "%s: the image has a void ratio of %.3g with bright grains and %.3g with dark "
+                "ones, measured is %.3g: say --grain %s, or --grain %s if that is what you mean",
+                pipeline->stack.files[0].path, bright, 1.0 / bright, request->void_ratio, other,
+                mine);
+  log_warning("the histogram's own valley gives a void ratio of %.3g with bright grains and %.3g "
+              "with dark ones, measured is %.3g: is --grain %s meant?",
+              bright, 1.0 / bright, request->void_ratio, other);
+  return STATUS_OK;
+}
+
+/* What denoising would do, measured on a part of one slice; "" where it would do nothing. */
+static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
+  struct denoise_effect effect;
+  double e = pipeline->void_ratio_original;
+  text[0] = '\0';
+  if (pipeline->region.denoise != DENOISE_NONE) return;
+  if (!(pipeline->survey.phases.contrast_to_noise > 0.0)) return;
+  if (denoise_effect_measure(&pipeline->survey, pipeline->survey_size, DENOISE_NLM, e / (1.0 + e),
+                             1, 512, &effect) != STATUS_OK)
+    error_clear();
+  else if (effect.surface < 0.95)
+    snprintf(text, size, "; --denoise nlm would take %.0f %% of the surface away as noise",
+             100.0 * (1.0 - effect.surface));
+}
+
+static void warn_of_contrast(struct pipeline *pipeline) {
+  const struct grey_phases *phases = &pipeline->phases;
+  char advice[100];
+  bool unimodal = phases->valley_depth > 0.9;
+  if (!unimodal && !(phases->contrast_to_noise < 5.0)) return;
+  advise_denoising(pipeline, advice, sizeof advice);
+  if (unimodal)
+    log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
+                "much is grain, but not where; compare the model with the slices%s",
+                advice);
+  else
+    log_warning("contrast is only %.1f times the noise: at full resolution the grain surface is "
+                "rough, so specific surface and wall distances are unsure%s%s",
+                phases->contrast_to_noise,
+                phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "",
+                advice);
+}
+
+static void warn_if_fragile(struct pipeline *pipeline) {
+  const struct grey_phases *phases = &pipeline->phases;
+  const struct request *request = pipeline->request;
+  if (phases->levels <= 2) return;
+  double threshold = pipeline->threshold_original, e = pipeline->void_ratio_original;
+  double contrast = phases->grain_peak - phases->pore_peak;
+  warn_of_contrast(pipeline);
+  double position = (threshold - phases->pore_peak) / contrast;
+  if (position < 0.15 || position > 0.85)
+    log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
+                "check the void ratio and the region (--crop must not hold the container)",
+                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
+                pipeline_grey(pipeline, phases->grain_peak));
+  /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */
+  double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
+  double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
+  if (request->rule == THRESHOLD_AUTO && shift > 0.1)
+    log_warning("the match is steep: %.2g in the void ratio moves the threshold by %.0f %% of the "
+                "contrast",
+                error, 100.0 * shift);
+  bool sure = pipeline->survey.beam_error < 0.5 * fabs(pipeline->survey.beam);
+  if (fabs(pipeline->survey.beam) > 0.1 && sure && !pipeline->correction.beam)
+    log_warning("the grain is %.0f %% of the contrast %s at the rim than in the middle (beam "
+                "hardening?): one threshold does not fit both; --correct beam levels it",
+                100.0 * fabs(pipeline->survey.beam),
+                pipeline->survey.beam > 0.0 ? "brighter" : "darker");
+  if (pipeline->survey.rings > 0.05 && !pipeline->correction.rings)
+    log_warning("rings of %.0f %% of the contrast; --correct rings takes them out",
+                100.0 * pipeline->survey.rings);
+}
+
+static enum status check_levels(const struct pipeline *pipeline) {
+  size_t levels = 0;
+  for (size_t i = 0; i < pipeline->calibration.bins; i++)
+    levels += pipeline->calibration.counts[i] > 0;
+  if (levels >= 2) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: all pixels of the region have the same grey; nothing to divide",
+              pipeline->stack.files[0].path);
+}
+
+/* The middle between the two greys of a segmented image. */
+static double middle_of_two(const struct grey_histogram *histogram) {
+  double sum = 0.0;
+  for (size_t i = 0; i < histogram->bins; i++)
+    if (histogram->counts[i] > 0)
+      sum += 0.5 * (histogram->low + histogram->width * ((double)i + 0.5));
+  return sum;
+}
+
+/* T and dT/de of the resampled volume at `porosity`. */
+static enum status resampled_threshold(struct pipeline *pipeline, double porosity,
+                                       double *threshold) {
+  enum status status = STATUS_OK;
+  size_t layer = pipeline->size[0] * pipeline->size[1];
+  double low = fmax(0.001, porosity - 0.005), high = fmin(0.999, porosity + 0.005);
+  double at_low = 0.0, at_high = 0.0;
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, porosity,
+                       threshold));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, low, &at_low));
+  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, high,
+                       &at_high));
+  pipeline->threshold_slope = (at_high - at_low) / (void_ratio_of(high) - void_ratio_of(low));
+cleanup:
+  return status;
+}
+
+/* A histogram of one peak does not show the phases; the noise from pixel to pixel does. */
+static void phases_of_survey(struct pipeline *pipeline) {
+  const struct grey_phases *seen = &pipeline->survey.phases;
+  if (!(seen->contrast_to_noise > 0.0)) return;
+  pipeline->phases.pore_peak = seen->pore_peak;
+  pipeline->phases.grain_peak = seen->grain_peak;
+  pipeline->phases.noise = seen->noise;
+  pipeline->phases.contrast_to_noise = seen->contrast_to_noise;
+}
+
+enum status binarise_calibrate(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  const struct grey_histogram *histogram = &pipeline->calibration;
+  double sign = request->dark_grains ? -1.0 : 1.0;
+  TRY(check_levels(pipeline));
+  pipeline->otsu = grey_histogram_otsu(histogram);
+  double porosity = request->void_ratio / (1.0 + request->void_ratio);
+  double first = isnan(porosity) ? pipeline->otsu : grey_histogram_quantile(histogram, porosity);
+  grey_histogram_phases(histogram, first, &pipeline->phases);
+  /* A void ratio far off puts the threshold on a peak, and both sides see the same one. */
+  if (pipeline->phases.valley_depth > 0.9)
+    grey_histogram_phases(histogram, pipeline->otsu, &pipeline->phases);
+  if (pipeline->phases.valley_depth > 0.9 && pipeline->region.denoise == DENOISE_NONE &&
+      pipeline->survey.phases.valley_depth > 0.9)
+    phases_of_survey(pipeline);
+  if (!isnan(request->scale_peak)) {
+    double peak = sign * pipeline->phases.grain_peak;
+    if (!(peak > 0.0))
+      TRY_FAIL(STATUS_INPUT, "--scale-peak: the grain peak is at %g, which no factor scales", peak);
+    pipeline->grey_scale = request->scale_peak / peak;
+  }
+  if (pipeline->phases.levels == 2) {
+    pipeline->threshold_original = middle_of_two(histogram);
+    pipeline->phases.pore_peak = grey_histogram_quantile(histogram, 0.0) + 0.5 * histogram->width;
+    pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0) - 0.5 * histogram->width;
+    pipeline->phases.noise = pipeline->phases.contrast_to_noise = NAN;
+  }
+  if (request->rule == THRESHOLD_AUTO) {
+    bool segmented = pipeline->phases.levels == 2;
+    double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
+    TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
+                      segmented || pipeline->phases.valley_depth < 0.5));
+    if (!segmented) pipeline->threshold_original = first;
+    pipeline->threshold = pipeline->threshold_original;
+  } else {
+    pipeline->threshold_original = request->rule == THRESHOLD_OTSU
+                                       ? pipeline->otsu
+                                       : sign * request->threshold / pipeline->grey_scale;
+    pipeline->threshold = pipeline->threshold_original;
+    porosity = grey_histogram_porosity(histogram, pipeline->threshold);
+    if (porosity <= 0.0 || porosity >= 1.0)
+      TRY_FAIL(STATUS_INPUT, "--threshold %g: all of the region is %s; its greys go from %g to %g",
+               pipeline_grey(pipeline, pipeline->threshold), porosity > 0.0 ? "pore" : "grain",
+               pipeline_grey(pipeline, grey_histogram_quantile(histogram, 0.0)),
+               pipeline_grey(pipeline, grey_histogram_quantile(histogram, 1.0)));
+    TRY(check_reading(pipeline, porosity, true));
+  }
+  /* A region of interest fixes the threshold at full resolution; the region that is modelled may
+   * be denser or looser, and the resampled model matches its void ratio. */
+  if (request->roi.kind != ROI_NONE)
+    porosity = grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original);
+  histogram = &pipeline->histogram;
+  if (porosity <= 0.0 || porosity >= 1.0)
+    TRY_FAIL(STATUS_INPUT, "all of the region is %s at threshold %g",
+             porosity > 0.0 ? "pore" : "grain",
+             pipeline_grey(pipeline, pipeline->threshold_original));
+  pipeline->threshold_slope_original = grey_histogram_slope(histogram, porosity);
+  pipeline->threshold_slope = pipeline->threshold_slope_original;
+  if (pipeline->volume != NULL) {
+    double matched;
+    TRY(resampled_threshold(pipeline, porosity, &matched));
+    if (request->rule == THRESHOLD_AUTO) pipeline->threshold = matched;
+  }
+  pipeline->void_ratio_original =
+      void_ratio_of(grey_histogram_porosity(histogram, pipeline->threshold_original));
+  if (pipeline->region.denoise != DENOISE_NONE)
+    TRY(denoise_effect_measure(&pipeline->survey, pipeline->survey_size, pipeline->region.denoise,
+                               pipeline->void_ratio_original /
+                                   (1.0 + pipeline->void_ratio_original),
+                               4, SIZE_MAX, &pipeline->denoised));
+  warn_if_fragile(pipeline);
+cleanup:
+  return status;
+}
+
+/* ---- connection ---- */
+
+static bool is_off_the_flow(const struct part *part, const void *context) {
+  return !part->percolates[*(const int *)context];
+}
+
+TARGETS static size_t count_changes(const uint8_t *a, const uint8_t *b, size_t n) {
+  size_t changes = 0;
+  for (size_t x = 0; x < n; x++) changes += a[x] != b[x];
+  return changes;
+}
+
+/* Grain surface per bulk volume of the periodic model; faces show 3/2 of it. */
+static double model_surface(const struct voxel_model *model) {
+  size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], cx = 0, cy = 0, cz = 0;
+#pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
+  for (size_t line = 0; line < ny * nz; line++) {
+    const size_t y = line % ny, z = line / ny; // NOLINT: a model has a row
+    const uint8_t *row = model->solid + line * nx;
+    cx += count_changes(row, row + 1, nx - 1) + (row[0] != row[nx - 1]);
+    cy += count_changes(row, model->solid + (z * ny + (y + 1) % ny) * nx, nx);
+    cz += count_changes(row, model->solid + ((z + 1) % nz * ny + y) * nx, nx);
+  }
+  const size_t changes[3] = {cx, cy, cz};
+  double sum = 0.0, sites = (double)model_site_count(model);
+  for (int d = 0; d < 3; d++) sum += (double)changes[d] / model->spacing[d];
+  return 2.0 / 3.0 * sum / sites;
+}
+
+static enum status count_floating_grains(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct parts grains = {0};
+  struct quality *quality = &pipeline->quality;
+  size_t largest = 0;
+  TRY(parts_find(pipeline->model.solid, pipeline->model.size, pipeline->model.periodic, 1,
+                 &grains));
+  for (size_t p = 0; p < grains.count; p++)
+    if (grains.parts[p].voxels > grains.parts[largest].voxels) largest = p;
+  for (size_t p = 0; p < grains.count; p++) {
+    if (p == largest) continue;
+    quality->floating_grains++;
+    quality->floating_voxels += grains.parts[p].voxels;
+  }
+cleanup:
+  parts_end(&grains);
+  return status;
+}
+
+enum status binarise_connect(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct voxel_model *model = &pipeline->model;
+  struct quality *quality = &pipeline->quality;
+  struct parts pores = {0};
+  const int flow = pipeline->place[2];
+  size_t sites = model_site_count(model), pore_voxels = 0, connected = 0;
+  TRY(parts_find(model->solid, model->size, model->periodic, 0, &pores));
+  for (size_t p = 0; p < pores.count; p++) {
+    const struct part *part = &pores.parts[p];
+    pore_voxels += part->voxels;
+    for (int a = 0; a < 3; a++) quality->percolates[a] |= part->percolates[pipeline->place[a]];
+    if (part->percolates[flow]) {
+      connected += part->voxels;
+    } else {
+      quality->isolated_pores++;
+      quality->isolated_voxels += part->voxels;
+    }
+  }
+  if (!quality->percolates[2])
+    log_warning("no pore path leads through the model along z: nothing can flow; %s",
+                model->size[flow] > 1 ? "a finer --size may open the throats" : "it has one layer");
+  if (pipeline->request->fill_islands && quality->isolated_pores > 0) {
+    if (connected == 0)
+      TRY_FAIL(STATUS_INPUT,
+               "--islands fill would fill every pore: none leads through the model along z");
+    pore_voxels -= parts_paint(&pores, is_off_the_flow, &flow, 1, model->solid);
+    log_info("filled %zu isolated pores (%zu voxels)", quality->isolated_pores,
+             quality->isolated_voxels);
+  }
+  if (pore_voxels == sites)
+    TRY_FAIL(STATUS_INPUT, "the model would be all pore at threshold %g",
+             pipeline_grey(pipeline, pipeline->threshold));
+  model->void_ratio = (double)pore_voxels / (double)(sites - pore_voxels);
+  quality->porosity = (double)pore_voxels / (double)sites;
+  quality->connected_porosity = (double)connected / (double)sites;
+  quality->surface_model = model_surface(model);
+  TRY(count_floating_grains(pipeline));
+cleanup:
+  parts_end(&pores);
+  return status;
+}

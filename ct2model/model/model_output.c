@@ -1,0 +1,153 @@
+#include "ct2model/model/model_output.h"
+
+#include <math.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "common/provenance.h"
+
+static enum status write_number(struct h5_file *file, const char *group, const char *name,
+                                double value) {
+  return h5_write_attribute(file, group, name, H5_F64, 1, &value);
+}
+
+/* Greys of the middle slice as reported, for people who look at the report. */
+static enum status write_slice(struct h5_file *file, const struct pipeline *pipeline) {
+  const size_t dims[2] = {pipeline->region.size[1], pipeline->region.size[0]};
+  for (size_t i = 0; i < dims[0] * dims[1]; i++)
+    pipeline->middle[i] = (float)pipeline_grey(pipeline, (double)pipeline->middle[i]);
+  return h5_write(file, "/calibration/slice", H5_F32, 2, dims, pipeline->middle, true);
+}
+
+static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const char *group = "/calibration";
+  const struct sweep_table *table = &pipeline->table;
+  TRY(h5_write(file, "/calibration/threshold", H5_F64, 1, &table->count, table->threshold, false));
+  TRY(h5_write(file, "/calibration/void_ratio", H5_F64, 1, &table->count,
+               table->void_ratio_resampled, false));
+  TRY(h5_write(file, "/calibration/histogram", H5_F64, 1, &table->count, table->histogram_resampled,
+               false));
+  TRY(h5_write(file, "/calibration/void_ratio_original", H5_F64, 1, &table->count,
+               table->void_ratio, false));
+  TRY(h5_write(file, "/calibration/histogram_original", H5_F64, 1, &table->count, table->histogram,
+               false));
+  TRY(write_slice(file, pipeline));
+  TRY(write_number(file, group, "threshold", pipeline_grey(pipeline, pipeline->threshold)));
+  TRY(write_number(file, group, "threshold_original",
+                   pipeline_grey(pipeline, pipeline->threshold_original)));
+  TRY(write_number(file, group, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu)));
+  TRY(write_number(file, group, "dthreshold_dvoid_ratio",
+                   pipeline_grey(pipeline, pipeline->threshold_slope)));
+  TRY(write_number(file, group, "threshold_uncertainty", pipeline_threshold_error(pipeline)));
+  TRY(write_number(file, group, "threshold_valley",
+                   pipeline_grey(pipeline, pipeline->phases.valley)));
+  TRY(write_number(file, group, "contrast_to_noise", pipeline->phases.contrast_to_noise));
+  TRY(write_number(file, group, "beam_hardening", pipeline->survey.beam));
+  TRY(write_number(file, group, "rings", pipeline->survey.rings));
+  TRY(write_number(file, group, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak)));
+  TRY(write_number(file, group, "grain_peak",
+                   pipeline_grey(pipeline, pipeline->phases.grain_peak)));
+cleanup:
+  return status;
+}
+
+/* Pore widths, and the void ratio against the size of the window. */
+static enum status write_curves(struct h5_file *file, const struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct morphology *m = &pipeline->morphology;
+  const size_t bins = THICKNESS_BINS, count = m->window_count;
+  double sizes[WINDOW_SIZES], places[WINDOW_SIZES];
+  for (size_t i = 0; i < count; i++) {
+    sizes[i] = (double)m->window[i] * pipeline->model.spacing[0];
+    places[i] = (double)m->window_places[i];
+  }
+  if (isfinite(m->thickness_median))
+    TRY(h5_write(file, "/quality/local_thickness", H5_F64, 1, &bins, m->thickness_histogram,
+                 false));
+  if (count == 0) goto cleanup;
+  TRY(h5_write(file, "/quality/window", H5_F64, 1, &count, sizes, false));
+  TRY(h5_write(file, "/quality/windows", H5_F64, 1, &count, places, false));
+  TRY(h5_write(file, "/quality/void_ratio", H5_F64, 1, &count, m->window_mean, false));
+  TRY(h5_write(file, "/quality/void_ratio_deviation", H5_F64, 1, &count, m->window_deviation,
+               false));
+cleanup:
+  return status;
+}
+
+static enum status write_quality(struct h5_file *file, const struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct quality *quality = &pipeline->quality;
+  const struct morphology *morphology = &pipeline->morphology;
+  int32_t percolates[3] = {quality->percolates[2], quality->percolates[1], quality->percolates[0]};
+  TRY(write_number(file, "/model", "void_ratio_error",
+                   pipeline->model.void_ratio - pipeline->request->void_ratio));
+  TRY(write_number(file, "/model", "porosity", quality->porosity));
+  TRY(write_number(file, "/model", "connected_porosity", quality->connected_porosity));
+  TRY(write_number(file, "/model", "isolated_pores", (double)quality->isolated_pores));
+  TRY(write_number(file, "/model", "isolated_pore_voxels", (double)quality->isolated_voxels));
+  TRY(write_number(file, "/model", "specific_surface", quality->surface_original));
+  TRY(write_number(file, "/model", "specific_surface_model", quality->surface_model));
+  TRY(write_number(file, "/model", "floating_grains", (double)quality->floating_grains));
+  TRY(write_number(file, "/model", "floating_grain_voxels", (double)quality->floating_voxels));
+  TRY(write_number(file, "/model", "correlation_length", morphology->correlation_length));
+  TRY(write_number(file, "/model", "pore_voxels_touching_grain", morphology->touching));
+  TRY(write_number(file, "/model", "local_thickness_median", morphology->thickness_median));
+  TRY(write_number(file, "/model", "expected_error_of_k", morphology->expected_error));
+  TRY(write_curves(file, pipeline));
+  static const char *const SCAN_AXES[] = {"yzx", "zxy", "xyz"};
+  TRY(h5_write_attribute_text(file, "/model", "scan_axes",
+                              SCAN_AXES[pipeline->request->flow_axis]));
+  static const char *const AXES[] = {"x", "y", "z"};
+  TRY(h5_write_attribute_text(file, "/model", "mirror_axis",
+                              pipeline->request->mirror ? AXES[pipeline->request->mirror_axis]
+                                                        : "none"));
+  TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
+cleanup:
+  return status;
+}
+
+static enum status write_provenance(struct h5_file *file, const struct pipeline *pipeline,
+                                    const struct options *options) {
+  enum status status = STATUS_OK;
+  size_t n = pipeline->stack.file_count;
+  uint64_t *hashes = NULL;
+  const char **paths = NULL;
+  TRY(memory_allocate(&hashes, n, sizeof *hashes, "hashes"));
+  TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
+#pragma omp parallel for schedule(dynamic)
+  for (size_t i = 0; i < n; i++) {
+    const struct image *image = &pipeline->stack.files[i];
+    paths[i] = image->path;
+    enum status one =
+        hash_file(image->data_path != NULL ? image->data_path : image->path, &hashes[i]);
+    if (one != STATUS_OK) {
+#pragma omp critical
+      status = one;
+    }
+  }
+  if (status != STATUS_OK) goto cleanup;
+  TRY(provenance_write(file, "ct2model", options_command_line(options), n, paths, hashes));
+cleanup:
+  memory_free(&hashes);
+  memory_free(&paths);
+  return status;
+}
+
+enum status model_output_write(const struct pipeline *pipeline, const struct options *options) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  struct voxel_model model = pipeline->model;
+  if (pipeline->request->mirror_axis != 2) model.mirror_plane = -1; /* it is a layer of z */
+  TRY(h5_create(pipeline->request->output, &file));
+  TRY(model_write(file, &model));
+  TRY(write_calibration(file, pipeline));
+  TRY(write_quality(file, pipeline));
+  TRY(write_provenance(file, pipeline, options));
+  struct h5_file *whole = file;
+  file = NULL; /* commit frees it */
+  TRY(h5_commit(whole));
+cleanup:
+  h5_close(file);
+  return status;
+}

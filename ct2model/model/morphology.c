@@ -1,0 +1,256 @@
+#include "ct2model/model/morphology.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/variants.h"
+
+static size_t wrap(size_t at, long step, size_t n) {
+  return (size_t)(((long)at + step) % (long)n + (long)n) % n;
+}
+
+static double touching_share(const struct voxel_model *model, size_t layers) {
+  const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
+  size_t pores = 0, touching = 0;
+#pragma omp parallel for schedule(static) reduction(+ : pores, touching)
+  for (size_t row = 0; row < ny * layers; row++) {
+    size_t y = row % ny, z = row / ny;
+    const uint8_t *s = model->solid, *at = s + row * nx;
+    const uint8_t *sides[4] = {
+        s + (z * ny + (y + 1) % ny) * nx, s + (z * ny + (y + ny - 1) % ny) * nx,
+        s + ((z + 1) % nz * ny + y) * nx, s + ((z + nz - 1) % nz * ny + y) * nx};
+    for (size_t x = 0; x < nx; x++) {
+      if (at[x] != 0) continue;
+      pores++;
+      touching += (at[(x + 1) % nx] | at[(x + nx - 1) % nx] | sides[0][x] | sides[1][x] |
+                   sides[2][x] | sides[3][x]) != 0;
+    }
+  }
+  return pores > 0 ? (double)touching / (double)pores : 0.0;
+}
+
+TARGETS static size_t count_both(const uint8_t *restrict a, const uint8_t *restrict b, size_t n) {
+  size_t both = 0;
+  for (size_t x = 0; x < n; x++) both += (a[x] | b[x]) == 0;
+  return both;
+}
+
+/* Share of voxel pairs at `distance` along `axis` that are both pore. */
+static double both_pore(const struct voxel_model *model, int axis, size_t distance) {
+  const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
+  size_t both = 0;
+#pragma omp parallel for schedule(static) reduction(+ : both)
+  for (size_t row = 0; row < ny * nz; row++) {
+    size_t y = row % ny, z = row / ny;
+    size_t y2 = axis == 1 ? (y + distance) % ny : y, z2 = axis == 2 ? (z + distance) % nz : z;
+    size_t shift = axis == 0 ? distance : 0;
+    const uint8_t *a = model->solid + row * nx, *b = model->solid + (z2 * ny + y2) * nx;
+    both += count_both(a, b + shift, nx - shift) + count_both(a + nx - shift, b, shift);
+  }
+  return (double)both / (double)model_site_count(model);
+}
+
+static double correlation_length(const struct voxel_model *model) {
+  double sum = 0.0, porosity = both_pore(model, 0, 0), variance = porosity * (1.0 - porosity);
+  int axes = 0;
+  for (int axis = 0; axis < 3; axis++) {
+    if (model->size[axis] < 8) continue;
+    double length = 0.5;
+    for (size_t r = 1; r <= model->size[axis] / 2; r++) {
+      double covariance = both_pore(model, axis, r) - porosity * porosity;
+      if (covariance <= 0.0) break;
+      length += covariance / variance;
+    }
+    sum += length * model->spacing[axis];
+    axes++;
+  }
+  return axes > 0 ? sum / axes : NAN;
+}
+
+/* ---- local thickness ---- */
+
+/* Balls are centred on voxels; the widest ball of a pore lies between them, and is a little
+ * wider. */
+static const float MISSED = 0.25f;
+
+/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel, where it lies
+ * in the layers from `low` to `high` - 1; periodic. */
+static void paint_ball(const struct voxel_model *model, size_t site, float diameter, size_t low,
+                       size_t high, uint8_t *width) {
+  const uint8_t quarters = (uint8_t)fminf(4.0f * diameter, 4 * THICKNESS_BINS - 1);
+  const size_t *n = model->size;
+  const size_t at[3] = {site % n[0], site / n[0] % n[1], site / n[0] / n[1]};
+  double radius = 0.5 * (double)diameter, unit = model->spacing[0];
+  long reach[3];
+  for (int d = 0; d < 3; d++) {
+    reach[d] = (long)floor(radius * unit / model->spacing[d]);
+    if (reach[d] > (long)n[d] / 2) reach[d] = (long)n[d] / 2;
+  }
+  for (long dz = -reach[2]; dz <= reach[2]; dz++) {
+    const size_t layer = wrap(at[2], dz, n[2]);
+    if (layer < low || layer >= high) continue;
+    for (long dy = -reach[1]; dy <= reach[1]; dy++) {
+      double z = (double)dz * model->spacing[2] / unit, y = (double)dy * model->spacing[1] / unit;
+      double left = radius * radius - z * z - y * y;
+      if (left < 0.0) continue;
+      long half = (long)sqrt(left);
+      if (half > reach[0]) half = reach[0];
+      uint8_t *row = width + (layer * n[1] + wrap(at[1], dy, n[1])) * n[0];
+      for (long dx = -half; dx <= half; dx++) {
+        uint8_t *value = row + wrap(at[0], dx, n[0]);
+        if (*value < quarters) *value = quarters;
+      }
+    }
+  }
+}
+
+static float ball_of(const struct voxel_model *model, size_t site) {
+  return 2.0f * model->wall_distance[site] / (float)model->spacing[0] + MISSED;
+}
+
+/* The voxels that all balls hold, about, and the widest ball. */
+static uint64_t count_work(const struct voxel_model *model, float *widest) {
+  const size_t plane = model->size[0] * model->size[1];
+  uint64_t work = 0;
+  float most = 0.0f;
+#pragma omp parallel for schedule(static) reduction(+ : work) reduction(max : most)
+  for (size_t z = 0; z < model->size[2]; z++) {
+    for (size_t i = z * plane; i < (z + 1) * plane; i++) {
+      if (model->solid[i] != 0) continue;
+      const float ball = ball_of(model, i), radius = fminf(0.5f * (ball - MISSED), 1e4f);
+      work += 1 + (uint64_t)(4.2f * radius * radius * radius);
+      most = ball > most ? ball : most;
+    }
+  }
+  *widest = most;
+  return work;
+}
+
+/* All balls, where they lie in a few layers: what others paint there is not lost. */
+static void paint_layers(const struct voxel_model *model, size_t low, size_t high, float widest,
+                         uint8_t *width) {
+  const size_t plane = model->size[0] * model->size[1], nz = model->size[2];
+  const double far = 0.5 * (double)widest * model->spacing[0] / model->spacing[2] + 1.0;
+  const size_t reach = far < (double)nz ? (size_t)far : nz;
+  const size_t n = high - low + 2 * reach < nz ? high - low + 2 * reach : nz;
+  for (size_t k = 0; k < n; k++) {
+    const size_t z = (low + nz - reach + k) % nz; // NOLINT: a model has a layer
+    for (size_t i = z * plane; i < (z + 1) * plane; i++)
+      if (model->solid[i] == 0) paint_ball(model, i, ball_of(model, i), low, high, width);
+  }
+}
+
+enum { SLAB = 16 };
+static enum status measure_thickness(const struct voxel_model *model, size_t layers,
+                                     struct morphology *morphology) {
+  enum status status = STATUS_OK;
+  size_t pores = 0, used = model->size[0] * model->size[1] * layers;
+  uint8_t *width = NULL;
+  float widest;
+  double counts[4 * THICKNESS_BINS] = {0};
+  morphology->thickness_median = morphology->expected_error = NAN;
+  if (count_work(model, &widest) > 2000000000u) return STATUS_OK;
+  TRY(memory_allocate(&width, used, sizeof *width, "pore widths"));
+#pragma omp parallel for schedule(dynamic)
+  for (size_t low = 0; low < layers; low += SLAB)
+    paint_layers(model, low, low + SLAB < layers ? low + SLAB : layers, widest, width);
+  for (size_t i = 0; i < used; i++) {
+    if (model->solid[i] != 0) continue;
+    counts[width[i]] += 1.0;
+    morphology->thickness_histogram[width[i] / 4] += 1.0;
+    pores++;
+  }
+  double below = 0.0;
+  for (int b = 0; b < 4 * THICKNESS_BINS && pores > 0; b++) {
+    if (counts[b] > 0.0 && below + counts[b] >= 0.5 * (double)pores) {
+      morphology->thickness_median = (b + (0.5 * (double)pores - below) / counts[b]) / 4.0;
+      break;
+    }
+    below += counts[b];
+  }
+  for (int b = 0; b < THICKNESS_BINS && pores > 0; b++)
+    morphology->thickness_histogram[b] /= (double)pores;
+  morphology->expected_error = 0.5 / pow(morphology->thickness_median, 2.0);
+cleanup:
+  memory_free(&width);
+  return status;
+}
+
+/* ---- windows ---- */
+
+/* Pore voxels in each box [0,x) x [0,y) x [0,z). */
+static enum status summed_volume(const struct voxel_model *model, size_t layers, uint32_t **sums) {
+  size_t nx = model->size[0] + 1, ny = model->size[1] + 1, nz = layers + 1;
+  enum status status = memory_allocate(sums, nx * ny * nz, sizeof **sums, "window sums");
+  if (status != STATUS_OK) return status;
+  uint32_t *s = *sums;
+  for (size_t z = 1; z < nz; z++) {
+    for (size_t y = 1; y < ny; y++) {
+      uint32_t row = 0;
+      for (size_t x = 1; x < nx; x++) {
+        row += model->solid[((z - 1) * (ny - 1) + y - 1) * (nx - 1) + x - 1] == 0;
+        size_t i = (z * ny + y) * nx + x;
+        s[i] = row + s[i - nx] + s[i - nx * ny] - s[i - nx - nx * ny];
+      }
+    }
+  }
+  return STATUS_OK;
+}
+
+static size_t window_statistics(const struct voxel_model *model, size_t layers, const uint32_t *s,
+                                size_t window, double *mean, double *deviation) {
+  size_t nx = model->size[0] + 1, ny = model->size[1] + 1;
+  size_t half = window > 1 ? window / 2 : 1, count = 0;
+  double sum = 0.0, squares = 0.0, volume = (double)window * (double)window * (double)window;
+  for (size_t z = 0; z + window <= layers; z += half) {
+    for (size_t y = 0; y + window <= model->size[1]; y += half) {
+      for (size_t x = 0; x + window <= model->size[0]; x += half) {
+        size_t a = (z * ny + y) * nx + x, dz = window * ny * nx, dy = window * nx, dx = window;
+        double pores = (double)(s[a + dz + dy + dx] - s[a + dy + dx] - s[a + dz + dx] -
+                                s[a + dz + dy] + s[a + dx] + s[a + dy] + s[a + dz] - s[a]);
+        double porosity = pores / volume;
+        sum += porosity;
+        squares += porosity * porosity;
+        count++;
+      }
+    }
+  }
+  double n = sum / (double)count, sd = sqrt(fmax(0.0, squares / (double)count - n * n));
+  *mean = n / (1.0 - n);
+  *deviation = sd / ((1.0 - n) * (1.0 - n)); /* de = dn / (1 - n)^2 */
+  return count;
+}
+
+static enum status measure_windows(const struct voxel_model *model, size_t layers,
+                                   struct morphology *morphology) {
+  uint32_t *sums = NULL;
+  size_t least = layers;
+  for (int d = 0; d < 2; d++) least = model->size[d] < least ? model->size[d] : least;
+  if (least < 8 || (double)model_site_count(model) > 4e9) return STATUS_OK;
+  enum status status = summed_volume(model, layers, &sums);
+  if (status != STATUS_OK) return status;
+  for (size_t window = 4; window <= least && morphology->window_count < WINDOW_SIZES;) {
+    size_t i = morphology->window_count++;
+    morphology->window[i] = window;
+    morphology->window_places[i] = window_statistics(
+        model, layers, sums, window, &morphology->window_mean[i], &morphology->window_deviation[i]);
+    size_t next = window * 2 <= least ? window * 2 : least;
+    if (next == window) break;
+    window = next;
+  }
+  memory_free(&sums);
+  return STATUS_OK;
+}
+
+enum status morphology_measure(const struct voxel_model *model, size_t layers,
+                               struct morphology *morphology) {
+  enum status status = STATUS_OK;
+  memset(morphology, 0, sizeof *morphology);
+  morphology->touching = touching_share(model, layers);
+  morphology->correlation_length = correlation_length(model);
+  TRY(measure_thickness(model, layers, morphology));
+  TRY(measure_windows(model, layers, morphology));
+cleanup:
+  return status;
+}

@@ -1,0 +1,276 @@
+#include "ct2model/readers/image.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/memory.h"
+#include "ct2model/readers/image_meta.h"
+#include "ct2model/readers/image_nrrd.h"
+#include "ct2model/readers/image_png.h"
+#include "ct2model/readers/image_tiff.h"
+#include "ct2model/readers/inflate.h"
+
+static const struct image_reader RAW = {"raw", NULL, NULL, image_read_contiguous};
+static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
+                                                     &image_nrrd_reader, &image_meta_reader};
+#define READER_COUNT (sizeof READERS / sizeof *READERS)
+
+bool image_name_known(const char *name) {
+  static const char *const EXTENSIONS[] = {".tif",  ".tiff", ".png", ".mhd", ".mha",
+                                           ".nrrd", ".nhdr", ".btf", ".tf8"};
+  const char *dot = strrchr(name, '.');
+  if (dot == NULL) return false;
+  for (size_t i = 0; i < sizeof EXTENSIONS / sizeof *EXTENSIONS; i++) {
+    if (strcasecmp(dot, EXTENSIONS[i]) == 0) return true;
+  }
+  return false;
+}
+
+enum status image_file_size(const char *path, uint64_t *size) {
+  struct stat info;
+  if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  if (!S_ISREG(info.st_mode)) /* to read a pipe might never end */
+    return FAIL(STATUS_INPUT, "%s: a %s, not an image file", path,
+                S_ISDIR(info.st_mode) ? "folder" : "pipe or device");
+  *size = (uint64_t)info.st_size;
+  return STATUS_OK;
+}
+
+enum status raw_layout_parse(const char *text, struct raw_layout *layout) {
+  static const struct {
+    const char *name;
+    int bits;
+    char format;
+    bool big_endian;
+  } TYPES[] = {
+      {"u8", 8, 'u', false},     {"i8", 8, 'i', false},     {"u16le", 16, 'u', false},
+      {"u16be", 16, 'u', true},  {"i16le", 16, 'i', false}, {"i16be", 16, 'i', true},
+      {"u32le", 32, 'u', false}, {"u32be", 32, 'u', true},  {"i32le", 32, 'i', false},
+      {"i32be", 32, 'i', true},  {"f32le", 32, 'f', false}, {"f32be", 32, 'f', true},
+      {"f64le", 64, 'f', false}, {"f64be", 64, 'f', true},
+  };
+  char name[8] = "";
+  int used = 0;
+  memset(layout, 0, sizeof *layout);
+  if (strchr(text, '-') == NULL &&
+      sscanf(text, "%zux%zux%zu:%7s%n", &layout->size[0], &layout->size[1], &layout->size[2], name,
+             &used) == 4 &&
+      text[used] == '\0' && layout->size[0] > 0 && layout->size[1] > 0 && layout->size[2] > 0) {
+    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
+      if (strcmp(name, TYPES[i].name) != 0) continue;
+      layout->given = true;
+      layout->big_endian = TYPES[i].big_endian;
+      (void)pixel_type_of(TYPES[i].bits, TYPES[i].format, &layout->type);
+      return STATUS_OK;
+    }
+  }
+  return FAIL(STATUS_USAGE,
+              "--raw %s: write NXxNYxNZ:TYPE with TYPE one of u8 i8 u16le u16be i16le i16be u32le "
+              "u32be i32le i32be f32le f32be f64le f64be, e.g. 480x480x256:u16le",
+              text);
+}
+
+static enum status raw_open(const struct raw_layout *raw, struct image *image) {
+  uint64_t bytes = 0;
+  size_t page_bytes;
+  enum status status = image_file_size(image->path, &bytes);
+  if (status != STATUS_OK) return status;
+  if (!size_multiply(raw->size[0], raw->size[1], &page_bytes) ||
+      !size_multiply(page_bytes, pixel_size(raw->type), &page_bytes))
+    return FAIL(STATUS_USAGE, "--raw: slices of %zux%zu are too large", raw->size[0], raw->size[1]);
+  image->reader = &RAW;
+  image->size[0] = raw->size[0];
+  image->size[1] = raw->size[1];
+  image->type = raw->type;
+  image->pages = (size_t)(bytes / page_bytes);
+  image->swap = raw->big_endian;
+  image->plain = true;
+  if (image->pages == 0 || bytes % page_bytes != 0)
+    return FAIL(STATUS_INPUT,
+                "%s: %llu bytes are not whole slices of %zux%zu %s (%zu bytes each); check --raw",
+                image->path, (unsigned long long)bytes, raw->size[0], raw->size[1],
+                pixel_name(raw->type), page_bytes);
+  return STATUS_OK;
+}
+
+static enum status read_head(const char *path, unsigned char *head, size_t size, size_t *got) {
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  *got = fread(head, 1, size, file);
+  int failed = ferror(file);
+  fclose(file);
+  if (failed) return FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  if (*got == 0) return FAIL(STATUS_INPUT, "%s: empty file; leave it out or export it again", path);
+  return STATUS_OK;
+}
+
+enum status image_open(const char *path, const struct raw_layout *raw, struct image *image) {
+  enum status status = STATUS_OK;
+  unsigned char head[512];
+  size_t got = 0;
+  uint64_t bytes = 0;
+  memset(image, 0, sizeof *image);
+  for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
+  TRY(memory_copy_text(path, strlen(path), &image->path));
+  if (raw != NULL && raw->given) {
+    TRY(raw_open(raw, image));
+    goto cleanup;
+  }
+  TRY(image_file_size(path, &bytes));
+  TRY(read_head(path, head, sizeof head, &got));
+  for (size_t i = 0; i < READER_COUNT && image->reader == NULL; i++) {
+    if (READERS[i]->claims(path, head, got)) image->reader = READERS[i];
+  }
+  if (image->reader == NULL)
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: not a TIFF, PNG, MetaImage or NRRD file; convert it to one of them, or for headerless "
+        "pixels give --raw NXxNYxNZ:u8|u16le|...",
+        path);
+  TRY(image->reader->open(path, image));
+  size_t pixels;
+  if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: an image without pixels" EXPORT_AGAIN, path);
+  if (!size_multiply(image->size[0], image->size[1], &pixels) || pixels > ((size_t)1 << 32))
+    TRY_FAIL(STATUS_INPUT, "%s: slices of %zux%zu are too large", path, image->size[0],
+             image->size[1]);
+cleanup:
+  if (status != STATUS_OK) image_close(image);
+  return status;
+}
+
+void image_close(struct image *image) {
+  memory_free(&image->path);
+  memory_free(&image->data_path);
+  memory_free(&image->page_offsets);
+  inflate_end(image->inflated);
+  image->inflated = NULL;
+}
+
+bool image_has_levels(const struct image *image) {
+  double low, high;
+  return image->plain && pixel_levels(image->type, &low, &high);
+}
+
+enum status image_read_stored(const struct image *image, size_t page, void *out) {
+  const size_t bytes = image->size[0] * image->size[1] * pixel_size(image->type);
+  enum status status = image->reader->read(image, page, out);
+  unsigned char *pixels = out;
+  /* White for black among all levels, signed or not, is every bit the other way. */
+  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++)
+    pixels[i] = (unsigned char)~pixels[i];
+  return status;
+}
+
+enum status image_read(const struct image *image, size_t page, float *out) {
+  enum status status = STATUS_OK;
+  const size_t pixels = image->size[0] * image->size[1];
+  const bool levels = image_has_levels(image);
+  void *stored = NULL;
+  if (!image->plain) return image->reader->read(image, page, out);
+  TRY(memory_allocate(&stored, pixels, pixel_size(image->type), "a slice"));
+  TRY(levels ? image_read_stored(image, page, stored) : image->reader->read(image, page, stored));
+  pixels_to_float(out, stored, pixels, image->type);
+  for (size_t i = 0; i < pixels && image->invert && !levels; i++) out[i] = -out[i];
+cleanup:
+  memory_free(&stored);
+  return status;
+}
+
+/* Whether a link leads `path` out of the folder of the header. */
+static bool leads_out(const char *header, const char *path) {
+  char *of_header = realpath(header, NULL), *of_path = realpath(path, NULL);
+  bool out = false;
+  if (of_header != NULL && of_path != NULL) {
+    const size_t folder = (size_t)(strrchr(of_header, '/') - of_header) + 1;
+    out = strncmp(of_header, of_path, folder) != 0;
+  }
+  free(of_header);
+  free(of_path);
+  return out;
+}
+
+enum status image_data_beside(struct image *image, const char *name, int line) {
+  const char *slash = strrchr(image->path, '/');
+  size_t folder = slash == NULL ? 0 : (size_t)(slash - image->path) + 1;
+  char *joined;
+  enum status status = memory_allocate(&joined, folder + strlen(name) + 1, 1, "a path");
+  if (status != STATUS_OK) return status;
+  memcpy(joined, image->path, folder);
+  strcpy(joined + folder, name);
+  if (name[0] == '/' || strncmp(name, "../", 3) == 0 || strstr(name, "/../") != NULL ||
+      leads_out(image->path, joined)) {
+    memory_free(&joined);
+    return FAIL(STATUS_INPUT,
+                "%s:%d: the pixels in %s lie outside the header's folder; a header may name only "
+                "files beside it: move them together, or give the pixels themselves with --raw",
+                image->path, line, name);
+  }
+  memory_free(&image->data_path);
+  image->data_path = joined;
+  return STATUS_OK;
+}
+
+enum status image_claim_pixels(struct image *image, bool compressed) {
+  const char *path = image->data_path != NULL ? image->data_path : image->path;
+  uint64_t bytes = 0;
+  enum status status = image_file_size(path, &bytes);
+  if (status != STATUS_OK) return status;
+  double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
+                  (double)pixel_size(image->type);
+  if (image->data_offset == PIXELS_AT_END) {
+    if (compressed)
+      return FAIL(STATUS_INPUT, "%s: compressed pixels need a header of known size", image->path);
+    image->data_offset = (double)bytes > wanted ? bytes - (uint64_t)wanted : 0;
+  }
+  if (compressed) {
+    /* No stream of deflate unpacks to more than 1032 times its length. */
+    double most = 1032.0 * ((double)bytes - (double)image->data_offset);
+    if (!(wanted <= most))
+      return FAIL(STATUS_INPUT,
+                  "%s: the header promises %.0f bytes of pixels, but the compressed data can hold "
+                  "at most %.0f; the file is cut short or damaged",
+                  image->path, wanted, fmax(most, 0));
+    status = inflate_start(path, image->data_offset, (uint64_t)wanted, &image->inflated);
+    image->data_offset = 0;
+    return status;
+  }
+  if ((double)bytes - (double)image->data_offset >= wanted) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f" EXPORT_AGAIN,
+              path, (double)bytes - (double)image->data_offset, wanted);
+}
+
+/* One page at `offset` of a file as it is. */
+static enum status read_bytes(const char *path, uint64_t offset, size_t size, size_t page,
+                              unsigned char *out) {
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  size_t done = 0;
+  while (done < size) {
+    ssize_t got = pread(file, out + done, size - done, (off_t)(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    done += (size_t)got;
+  }
+  close(file);
+  if (done == size) return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
+}
+
+enum status image_read_contiguous(const struct image *image, size_t page, void *out) {
+  const size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
+  const uint64_t offset = image->data_offset + (uint64_t)page * bytes;
+  enum status status = image->inflated != NULL
+                           ? inflate_read(image->inflated, offset, bytes, out)
+                           : read_bytes(image->data_path != NULL ? image->data_path : image->path,
+                                        offset, bytes, page, out);
+  if (status == STATUS_OK && image->swap) pixels_swap(out, pixels, image->type);
+  return status;
+}

@@ -1,0 +1,162 @@
+#include "ct2model/readers/image_png.h"
+
+#include <errno.h>
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+/* libpng reports by longjmp; everything that must be freed lives in this struct. */
+struct png_session {
+  FILE *file;
+  png_structp png;
+  png_infop info;
+  unsigned char *pixels;
+  png_bytep *rows;
+  char message[120];
+};
+
+static void on_error(png_structp png, png_const_charp text) {
+  struct png_session *session = png_get_error_ptr(png);
+  snprintf(session->message, sizeof session->message, "%s", text);
+  longjmp(png_jmpbuf(png), 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+  (void)png;
+  (void)text;
+}
+
+static void session_end(struct png_session *session) {
+  if (session->png != NULL)
+    png_destroy_read_struct(&session->png, session->info != NULL ? &session->info : NULL, NULL);
+  if (session->file != NULL) fclose(session->file);
+  memory_free(&session->pixels);
+  memory_free(&session->rows);
+}
+
+static enum status session_start(struct png_session *session, const char *path) {
+  memset(session, 0, sizeof *session);
+  session->file = fopen(path, "rb");
+  if (session->file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  session->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, session, on_error, on_warning);
+  if (session->png != NULL) session->info = png_create_info_struct(session->png);
+  if (session->info == NULL) return FAIL(STATUS_RUN, "%s: out of memory", path);
+  /* Texts and profiles, for which libpng takes as much memory as the file claims, 2 GB, are
+   * skipped. */
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
+                              1);
+  return STATUS_OK;
+}
+
+static bool png_claims(const char *path, const unsigned char *head, size_t n) {
+  (void)path;
+  return n >= 8 && png_sig_cmp(head, 0, 8) == 0;
+}
+
+/* Screen resolutions that programs write without being asked are no voxel sizes. */
+static bool is_screen_resolution(double pixels_per_metre) {
+  static const double DPI[] = {72, 96, 100, 150, 300, 600};
+  for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
+    if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
+  }
+  return false;
+}
+
+static enum status png_open(const char *path, struct image *image) {
+  struct png_session session;
+  enum status status = session_start(&session, path);
+  if (status != STATUS_OK) goto cleanup;
+  if (setjmp(png_jmpbuf(session.png))) {
+    status = FAIL(STATUS_INPUT, "%s: not a readable PNG: %s" EXPORT_AGAIN, path, session.message);
+    goto cleanup;
+  }
+  png_init_io(session.png, session.file);
+  png_read_info(session.png, session.info);
+  image->size[0] = png_get_image_width(session.png, session.info);
+  image->size[1] = png_get_image_height(session.png, session.info);
+  image->pages = 1;
+  image->plain = true;
+  image->type = png_get_bit_depth(session.png, session.info) == 16 ? PIXEL_U16 : PIXEL_U8;
+  int colour = png_get_color_type(session.png, session.info);
+  if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
+    snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
+  png_uint_32 x, y;
+  int unit;
+  if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
+      x > 0 && y > 0 && !is_screen_resolution(x)) {
+    image->voxel[0] = 1.0 / x;
+    image->voxel[1] = 1.0 / y;
+    image->voxel_source = "PNG pHYs";
+  }
+cleanup:
+  session_end(&session);
+  return status;
+}
+
+/* Colour pixels count as grey only where red, green and blue agree. */
+static enum status colour_to_grey(const struct image *image, const unsigned char *pixels,
+                                  unsigned char *out) {
+  size_t bytes = pixel_size(image->type);
+  for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
+    const unsigned char *rgb = pixels + 3 * bytes * i;
+    if (memcmp(rgb, rgb + bytes, bytes) != 0 || memcmp(rgb, rgb + 2 * bytes, bytes) != 0)
+      return FAIL(STATUS_INPUT,
+                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
+                  "levels",
+                  image->path, i % image->size[0], i / image->size[0]);
+    memcpy(out + bytes * i, rgb, bytes);
+  }
+  return STATUS_OK;
+}
+
+static enum status png_read(const struct image *image, size_t page, void *out) {
+  struct png_session session;
+  enum status status = session_start(&session, image->path);
+  (void)page;
+  if (status != STATUS_OK) goto cleanup;
+  if (setjmp(png_jmpbuf(session.png))) {
+    status =
+        FAIL(STATUS_INPUT, "%s: cannot be decoded: %s" EXPORT_AGAIN, image->path, session.message);
+    goto cleanup;
+  }
+  png_init_io(session.png, session.file);
+  png_read_info(session.png, session.info);
+  if (png_get_color_type(session.png, session.info) == PNG_COLOR_TYPE_PALETTE)
+    png_set_palette_to_rgb(session.png);
+  if (png_get_bit_depth(session.png, session.info) < 8) png_set_expand_gray_1_2_4_to_8(session.png);
+  png_set_strip_alpha(session.png);
+  (void)png_set_interlace_handling(session.png);
+  png_read_update_info(session.png, session.info);
+  size_t row = png_get_rowbytes(session.png, session.info);
+  size_t channels = png_get_channels(session.png, session.info);
+  if (png_get_image_width(session.png, session.info) != image->size[0] ||
+      png_get_image_height(session.png, session.info) != image->size[1] ||
+      row != image->size[0] * channels * pixel_size(image->type)) {
+    status = FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
+    goto cleanup;
+  }
+  status = memory_allocate(&session.pixels, image->size[1], row, "a PNG slice");
+  if (status == STATUS_OK)
+    status = memory_allocate(&session.rows, image->size[1], sizeof *session.rows, "PNG rows");
+  if (status != STATUS_OK) goto cleanup;
+  for (size_t y = 0; y < image->size[1]; y++) session.rows[y] = session.pixels + y * row;
+  png_read_image(session.png, session.rows);
+  png_read_end(session.png, NULL);
+  const size_t pixels = image->size[0] * image->size[1];
+  if (channels == 1)
+    memcpy(out, session.pixels, pixels * pixel_size(image->type));
+  else
+    status = colour_to_grey(image, session.pixels, out);
+  pixels_swap(out, pixels, image->type); /* a PNG is big-endian */
+cleanup:
+  session_end(&session);
+  return status;
+}
+
+const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read};

@@ -1,0 +1,459 @@
+#include "ct2model/readers/image_tiff.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "common/memory.h"
+#include "ct2model/readers/tiff_description.h"
+
+/* libtiff has one handler for all threads; the text of the last error belongs to the thread. */
+static _Thread_local char tiff_message[160];
+
+static void on_error(const char *module, const char *format, va_list arguments) {
+  (void)module;
+  /* Strips are read whole: of no row it says the last that could be. */
+  static const char NO_ROW[] = " at scanline 4294967295";
+  vsnprintf(tiff_message, sizeof tiff_message, format, arguments);
+  char *at = strstr(tiff_message, NO_ROW);
+  if (at != NULL) memmove(at, at + sizeof NO_ROW - 1, strlen(at + sizeof NO_ROW - 1) + 1);
+}
+
+/* Once: libtiff keeps them where other threads read them. */
+static void handlers_set(void) {
+  TIFFSetErrorHandler(on_error);
+  TIFFSetWarningHandler(NULL);
+}
+
+/* A file whose header may name another first directory than is written there. */
+struct source {
+  int file;
+  uint64_t at;
+  unsigned char head[16];
+  size_t head_size;
+};
+
+static tmsize_t source_read(thandle_t handle, void *to, tmsize_t size) {
+  struct source *source = handle;
+  ssize_t got;
+  do got = pread(source->file, to, (size_t)size, (off_t)source->at);
+  while (got < 0 && errno == EINTR);
+  if (got > 0 && source->at < source->head_size) {
+    const size_t n = source->head_size - source->at;
+    memcpy(to, source->head + source->at, n < (size_t)got ? n : (size_t)got);
+  }
+  if (got > 0) source->at += (uint64_t)got;
+  return got;
+}
+
+static tmsize_t source_write(thandle_t handle, void *from, tmsize_t size) {
+  (void)handle, (void)from, (void)size;
+  return -1;
+}
+
+static toff_t source_size(thandle_t handle) {
+  struct stat info;
+  return fstat(((struct source *)handle)->file, &info) == 0 ? (toff_t)info.st_size : 0;
+}
+
+static toff_t source_seek(thandle_t handle, toff_t offset, int whence) {
+  struct source *source = handle;
+  const uint64_t from = whence == SEEK_CUR   ? source->at
+                        : whence == SEEK_END ? source_size(handle)
+                                             : 0;
+  return source->at = from + offset;
+}
+
+static int source_close(thandle_t handle) {
+  struct source *source = handle;
+  const int failed = close(source->file);
+  free(source);
+  return failed;
+}
+
+/* With its first directory at `directory`, 0: where the header says. libtiff finds the number of a
+ * directory by going through all before it, and a stack of n pages would be gone through n times;
+ * the first it takes as it is. Plain reads: a mapped file that shrinks would end us. */
+static TIFF *tiff_start(const char *path, uint64_t directory) {
+  static pthread_once_t handlers = PTHREAD_ONCE_INIT;
+  struct source *source =
+      calloc(1, sizeof *source); /* libtiff's own, like the rest of its memory */
+  tiff_message[0] = '\0';
+  (void)pthread_once(&handlers, handlers_set);
+  if (source == NULL) return NULL;
+  source->file = open(path, O_RDONLY | O_CLOEXEC);
+  if (source->file < 0) {
+    snprintf(tiff_message, sizeof tiff_message, "%s", strerror(errno));
+    free(source);
+    return NULL;
+  }
+  unsigned char *head = source->head;
+  const size_t got = directory == 0 ? 0 : (size_t)fmax(0, (double)pread(source->file, head, 16, 0));
+  if (got >= 8) {
+    const bool big = head[2] == 43 || head[3] == 43;
+    source->head_size = big ? 16 : 8;
+    for (int i = 0; i < (big ? 8 : 4); i++) {
+      const int place = head[0] == 'I' ? i : (big ? 7 : 3) - i;
+      head[(big ? 8 : 4) + place] = (unsigned char)(directory >> (8 * i));
+    }
+  }
+  TIFF *tiff = TIFFClientOpen(path, "rm", source, source_read, source_write, source_seek,
+                              source_close, source_size, NULL, NULL);
+  if (tiff == NULL) source_close(source);
+  if (tiff != NULL) source->head_size = 0; /* what else lies there is as written */
+  return tiff;
+}
+
+static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
+  (void)path;
+  return n >= 8 && ((head[0] == 'I' && head[1] == 'I' && (head[2] == 42 || head[2] == 43)) ||
+                    (head[0] == 'M' && head[1] == 'M' && (head[3] == 42 || head[3] == 43)));
+}
+
+struct tiff_layout {
+  uint32_t width, height;
+  uint16_t bits, samples, format, photometric, compression, planar;
+};
+
+static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
+  memset(layout, 0, sizeof *layout);
+  TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &layout->width);
+  TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &layout->height);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &layout->bits);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &layout->samples);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout->format);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout->compression);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout->planar);
+  if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout->photometric))
+    layout->photometric = PHOTOMETRIC_MINISBLACK;
+}
+
+static enum status layout_type(const char *path, const struct tiff_layout *layout,
+                               enum pixel_type *type) {
+  char format = layout->format == SAMPLEFORMAT_IEEEFP ? 'f'
+                : layout->format == SAMPLEFORMAT_INT  ? 'i'
+                                                      : 'u';
+  bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* parts of a byte */
+  if (whole && layout->samples == 1 && format == 'u') {
+    *type = PIXEL_U8;
+    return STATUS_OK;
+  }
+  if (!pixel_type_of(layout->bits, format, type))
+    return FAIL(STATUS_INPUT, "%s: %u bits a sample are not read; save as 8, 16 or 32 bit", path,
+                layout->bits);
+  return STATUS_OK;
+}
+
+/* Whether the greys of a palette are whole numbers of 8 bits (TIFF's have 16). Entries that are no
+ * grey do not count: a pixel that has one is refused. */
+static bool palette_is_whole(TIFF *tiff, const struct tiff_layout *layout) {
+  uint16_t *palette[3];
+  if (layout->photometric != PHOTOMETRIC_PALETTE || layout->bits > 8 ||
+      !TIFFGetField(tiff, TIFFTAG_COLORMAP, &palette[0], &palette[1], &palette[2]))
+    return true;
+  for (size_t i = 0; i < (size_t)1 << layout->bits; i++) {
+    const uint16_t grey = palette[0][i];
+    if (grey % 257 != 0 && grey == palette[1][i] && grey == palette[2][i]) return false;
+  }
+  return true;
+}
+
+static void read_resolution(TIFF *tiff, const char *description, struct image *image) {
+  float resolution[2] = {0, 0};
+  uint16_t unit = RESUNIT_INCH;
+  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &resolution[0]);
+  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &resolution[1]);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
+  const double metres = unit == RESUNIT_CENTIMETER ? 0.01 : unit == RESUNIT_INCH ? 0.0254 : NAN;
+  tiff_voxel_size(description, resolution, metres, image);
+}
+
+/* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */
+static bool imagej_contiguous(TIFF *tiff, const char *description, const struct tiff_layout *layout,
+                              struct image *image) {
+  char text[40];
+  uint64_t bytes, *offsets = NULL;
+  if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
+      !tiff_description_value(description, "images", text, sizeof text) ||
+      layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
+      layout->photometric == PHOTOMETRIC_PALETTE || !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
+      !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
+    return false;
+  unsigned long long images = strtoull(text, NULL, 10);
+  uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);
+  if (text[0] == '-' || images < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
+    return false;
+  if (offsets[0] == 0 || offsets[0] > bytes) return false;
+  image->pages = (size_t)images;
+  image->data_offset = offsets[0];
+  image->swap = TIFFIsByteSwapped(tiff) != 0;
+  if ((bytes - image->data_offset) / page < images) {
+    image->pages = (size_t)((bytes - image->data_offset) / page);
+    snprintf(image->note, sizeof image->note, "cut short: %zu of %llu slices are there",
+             image->pages, images);
+  }
+  return image->pages > 0;
+}
+
+/* The offsets of all directories of full size; thumbnails (reduced images) are left out. */
+static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
+  size_t room = 0;
+  enum status status = STATUS_OK;
+  do {
+    struct tiff_layout layout;
+    uint32_t kind = 0;
+    TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    if ((kind & FILETYPE_REDUCEDIMAGE) != 0) continue;
+    layout_read(tiff, &layout);
+    if (layout.width != first->width || layout.height != first->height)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: page %zu: %ux%u, but the first page is %ux%u; save pages of one size",
+               image->path, image->pages, layout.width, layout.height, first->width, first->height);
+    if (layout.bits != first->bits || layout.format != first->format ||
+        layout.samples != first->samples)
+      TRY_FAIL(
+          STATUS_INPUT,
+          "%s: page %zu: %u bits, but the first page has %u bits a sample; save pages of one type",
+          image->path, image->pages, layout.bits, first->bits);
+    if (image->pages == room) {
+      room = room == 0 ? 64 : 2 * room;
+      TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
+                        "the pages of a TIFF"));
+    }
+    image->plain &= palette_is_whole(tiff, &layout);
+    image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
+  } while (TIFFReadDirectory(tiff));
+  if (tiff_message[0] == '\0' && !TIFFLastDirectory(tiff))
+    snprintf(tiff_message, sizeof tiff_message, "its directories lead in a circle");
+  /* A clean end leaves no message; a broken chain of directories does. */
+  if (tiff_message[0] != '\0')
+    TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
+             tiff_message);
+cleanup:
+  return status;
+}
+
+static enum status tiff_open(const char *path, struct image *image) {
+  enum status status = STATUS_OK;
+  struct tiff_layout layout;
+  char *description = NULL;
+  TIFF *tiff = tiff_start(path, 0);
+  if (tiff == NULL)
+    TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s" EXPORT_AGAIN, path,
+             tiff_message[0] != '\0' ? tiff_message : "its first directory is damaged");
+  layout_read(tiff, &layout);
+  if (layout.width == 0 || layout.height == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height" EXPORT_AGAIN, path);
+  if (!TIFFIsCODECConfigured(layout.compression))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: compression %u is not supported by libtiff here; save it uncompressed", path,
+             layout.compression);
+  TRY(layout_type(path, &layout, &image->type));
+  image->size[0] = layout.width;
+  image->size[1] = layout.height;
+  image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
+  image->plain = true;
+  if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
+    snprintf(image->note, sizeof image->note, "stored in colour; read as grey");
+  if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
+  read_resolution(tiff, description, image);
+  TRY(tiff_refuse_hyperstack(path, description));
+  if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
+  image->data_offset = 0;
+  image->pages = 0;
+  tiff_message[0] = '\0';
+  TRY(collect_pages(tiff, &layout, image));
+cleanup:
+  if (tiff != NULL) TIFFClose(tiff);
+  return status;
+}
+
+/* One row of decoded samples to values of the image's type: sub-byte samples, palettes and colours
+ * that are grey. */
+struct row_decoder {
+  const struct image *image;
+  struct tiff_layout layout;
+  uint16_t *palette[3];
+};
+
+/* Entries of the palette, in `out` where greys are whole, to greys. */
+static enum status map_palette(const struct row_decoder *decoder, const unsigned char *in, size_t n,
+                               void *out) {
+  const struct image *image = decoder->image;
+  const bool bytes = image->type == PIXEL_U8;
+  for (size_t x = 0; x < n; x++) {
+    uint16_t entry = in[x];
+    if (!bytes) memcpy(&entry, in + 2 * x, 2);
+    const uint16_t grey = decoder->palette[0][entry];
+    if (grey != decoder->palette[1][entry] || grey != decoder->palette[2][entry])
+      return FAIL(STATUS_INPUT, "%s: palette entry %u is a colour, not grey; save as grey",
+                  image->path, entry);
+    if (!image->plain)
+      ((float *)out)[x] = (float)(grey / 257.0);
+    else if (bytes)
+      ((unsigned char *)out)[x] = (unsigned char)(grey / 257);
+    else
+      ((uint16_t *)out)[x] = grey;
+  }
+  return STATUS_OK;
+}
+
+/* `small` holds a row of bytes. */
+static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
+                              size_t n, size_t y, unsigned char *small, void *page) {
+  const struct tiff_layout *layout = &decoder->layout;
+  const struct image *image = decoder->image;
+  const size_t bytes = pixel_size(image->type), stride = bytes * layout->samples;
+  const bool palette = layout->photometric == PHOTOMETRIC_PALETTE;
+  char *out = (char *)page + (y * image->size[0] + x0) * (image->plain ? bytes : sizeof(float));
+  if (layout->bits < 8) {
+    unsigned mask = (1u << layout->bits) - 1u, top = palette ? 1u : 255u / mask;
+    for (size_t x = 0; x < n; x++) {
+      size_t bit = x * layout->bits;
+      small[x] =
+          (unsigned char)(((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask) * top);
+    }
+    in = small;
+  }
+  if (palette) return map_palette(decoder, in, n, out);
+  if (layout->samples == 1 && !image->plain) { /* among pages with palettes */
+    pixels_to_float((float *)(void *)out, in, n, image->type);
+    return STATUS_OK;
+  }
+  if (layout->samples == 1) {
+    memcpy(out, in, n * bytes);
+    return STATUS_OK;
+  }
+  for (size_t x = 0; x < n; x++, in += stride) {
+    if (layout->samples > 2 &&
+        (memcmp(in, in + bytes, bytes) != 0 || memcmp(in, in + 2 * bytes, bytes) != 0))
+      return FAIL(STATUS_INPUT,
+                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
+                  "levels",
+                  image->path, x0 + x, y);
+    memcpy(out + x * bytes, in, bytes);
+  }
+  return STATUS_OK;
+}
+
+/* Strips of a page that is stored as it is wanted are decoded in place. */
+static bool stands_as_wanted(const struct row_decoder *decoder, size_t row) {
+  const struct image *image = decoder->image;
+  return image->plain && decoder->layout.photometric != PHOTOMETRIC_PALETTE &&
+         decoder->layout.samples == 1 && row == image->size[0] * pixel_size(image->type) &&
+         decoder->layout.bits >= 8;
+}
+
+static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, void *out) {
+  enum status status = STATUS_OK;
+  const struct image *image = decoder->image;
+  size_t width = image->size[0], height = image->size[1];
+  uint32_t rows = 0;
+  unsigned char *buffer = NULL, *small = NULL;
+  size_t row = (size_t)TIFFScanlineSize64(tiff);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rows);
+  if (rows == 0 || rows > height) rows = (uint32_t)height;
+  size_t strip_bytes;
+  if (!size_multiply(row, rows, &strip_bytes) || (tmsize_t)strip_bytes != TIFFStripSize(tiff))
+    TRY_FAIL(STATUS_INPUT, "%s: strips of an unsupported layout; save it uncompressed",
+             image->path);
+  if (!stands_as_wanted(decoder, row)) {
+    TRY(memory_allocate(&buffer, strip_bytes, 1, "a TIFF strip"));
+    TRY(memory_allocate(&small, width, 1, "a TIFF row"));
+  }
+  for (size_t y0 = 0; y0 < height; y0 += rows) {
+    size_t n = height - y0 < rows ? height - y0 : rows;
+    unsigned char *to = buffer == NULL ? (unsigned char *)out + y0 * row : buffer;
+    tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), to, (tmsize_t)(n * row));
+    if (got < (tmsize_t)(n * row))
+      TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s" EXPORT_AGAIN, image->path,
+               y0, y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
+    for (size_t y = 0; y < n && buffer != NULL; y++)
+      TRY(decode_row(decoder, buffer + y * row, 0, width, y0 + y, small, out));
+  }
+cleanup:
+  memory_free(&buffer);
+  memory_free(&small);
+  return status;
+}
+
+static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, void *out) {
+  enum status status = STATUS_OK;
+  const struct image *image = decoder->image;
+  size_t width = image->size[0], height = image->size[1];
+  uint32_t tile[2] = {0, 0};
+  unsigned char *buffer = NULL, *small = NULL;
+  TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile[0]);
+  TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile[1]);
+  size_t bytes = (size_t)TIFFTileSize(tiff), row = (size_t)TIFFTileRowSize(tiff);
+  if (tile[0] == 0 || tile[1] == 0 || bytes < row * tile[1])
+    TRY_FAIL(STATUS_INPUT, "%s: tiles of an unsupported layout; save it uncompressed", image->path);
+  TRY(memory_allocate(&buffer, bytes, 1, "a TIFF tile"));
+  TRY(memory_allocate(&small, tile[0], 1, "a TIFF row"));
+  for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
+    for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
+      if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
+        TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s" EXPORT_AGAIN,
+                 image->path, x0, y0, tiff_message);
+      size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
+      size_t ny = height - y0 < tile[1] ? height - y0 : tile[1];
+      for (size_t y = 0; y < ny; y++)
+        TRY(decode_row(decoder, buffer + y * row, x0, nx, y0 + y, small, out));
+    }
+  }
+cleanup:
+  memory_free(&buffer);
+  memory_free(&small);
+  return status;
+}
+
+/* Opens a page and checks what its layout has that the first page's need not have. */
+static enum status page_open(const struct image *image, size_t page, struct row_decoder *decoder,
+                             TIFF **handle) {
+  enum status status = STATUS_OK;
+  struct tiff_layout *layout = &decoder->layout;
+  decoder->image = image;
+  TIFF *tiff = *handle = tiff_start(image->path, image->page_offsets[page]);
+  if (tiff == NULL)
+    TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s" EXPORT_AGAIN, image->path, page,
+             tiff_message);
+  layout_read(tiff, layout);
+  if (layout->width != image->size[0] || layout->height != image->size[1])
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
+  if (layout->samples > 1 && layout->planar != PLANARCONFIG_CONTIG)
+    TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
+  if (layout->compression == COMPRESSION_JPEG)
+    TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+  if (layout->photometric == PHOTOMETRIC_PALETTE) {
+    if (layout->samples != 1 || (image->type != PIXEL_U8 && image->type != PIXEL_U16))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
+               pixel_name(image->type));
+    if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
+                      &decoder->palette[2]))
+      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
+  }
+cleanup:
+  return status;
+}
+
+static enum status tiff_read(const struct image *image, size_t page, void *out) {
+  enum status status = STATUS_OK;
+  TIFF *tiff = NULL;
+  struct row_decoder decoder = {0};
+  if (image->data_offset != 0) return image_read_contiguous(image, page, out);
+  TRY(page_open(image, page, &decoder, &tiff));
+  TRY(TIFFIsTiled(tiff) ? read_tiles(tiff, &decoder, out) : read_strips(tiff, &decoder, out));
+cleanup:
+  if (tiff != NULL) TIFFClose(tiff);
+  return status;
+}
+
+const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read};

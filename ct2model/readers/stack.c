@@ -1,0 +1,308 @@
+#include "ct2model/readers/stack.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+
+struct name_list {
+  char **names;
+  size_t count, room;
+};
+
+static void names_free(struct name_list *list) {
+  for (size_t i = 0; i < list->count; i++) memory_free(&list->names[i]);
+  memory_free(&list->names);
+}
+
+static enum status names_add(struct name_list *list, const char *folder, const char *name) {
+  if (list->count == list->room) {
+    size_t room = list->room == 0 ? 64 : 2 * list->room;
+    enum status status = memory_resize(&list->names, room, sizeof *list->names, "file names");
+    if (status != STATUS_OK) return status;
+    list->room = room;
+  }
+  size_t size = strlen(folder) + strlen(name) + 2;
+  char *path;
+  enum status status = memory_allocate(&path, size, 1, "a file name");
+  if (status != STATUS_OK) return status;
+  bool plain = folder[0] == '\0' || folder[strlen(folder) - 1] == '/';
+  snprintf(path, size, "%s%s%s", folder, plain ? "" : "/", name);
+  list->names[list->count++] = path;
+  return STATUS_OK;
+}
+
+int natural_compare(const char *a, const char *b) {
+  const char *const a_start = a, *const b_start = b;
+  while (*a != '\0' && *b != '\0') {
+    if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
+      while (*a == '0') a++;
+      while (*b == '0') b++;
+      size_t na = strspn(a, "0123456789"), nb = strspn(b, "0123456789");
+      if (na != nb) return na < nb ? -1 : 1;
+      int order = strncmp(a, b, na);
+      if (order != 0) return order;
+      a += na;
+      b += nb;
+    } else {
+      if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
+      a++;
+      b++;
+    }
+  }
+  if (*a != *b) return *a == '\0' ? -1 : 1;
+  return strcmp(a_start, b_start); /* slice_1 and slice_01: a fixed order */
+}
+
+static int by_natural_order(const void *a, const void *b) {
+  return natural_compare(*(char *const *)a, *(char *const *)b);
+}
+
+static const char *base_name(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash != NULL ? slash + 1 : path;
+}
+
+/* The images of a folder. Files of other kinds are left out, and counted so that nothing is lost
+ * in silence. A header with its pixels beside it (x.mhd, x.raw) is one image. */
+static enum status list_folder(const char *folder, bool raw, struct name_list *list) {
+  enum status status = STATUS_OK;
+  size_t before = list->count, ignored = 0;
+  DIR *handle = opendir(folder);
+  if (handle == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", folder, strerror(errno));
+  for (struct dirent *entry; (entry = readdir(handle)) != NULL;) {
+    if (entry->d_name[0] == '.') continue;
+    if (raw || image_name_known(entry->d_name))
+      TRY(names_add(list, folder, entry->d_name));
+    else
+      ignored++;
+  }
+  if (list->count == before)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no .tif, .png, .mhd or .nrrd files in this folder; for headerless files give "
+             "--raw",
+             folder);
+  if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
+  qsort(list->names + before, list->count - before, sizeof *list->names, by_natural_order);
+cleanup:
+  if (handle != NULL) closedir(handle);
+  return status;
+}
+
+static enum status list_files(const char *const *paths, size_t count, bool raw,
+                              struct name_list *list) {
+  enum status status = STATUS_OK;
+  for (size_t i = 0; i < count; i++) {
+    struct stat info;
+    if (stat(paths[i], &info) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", paths[i], strerror(errno));
+    if (S_ISDIR(info.st_mode))
+      TRY(list_folder(paths[i], raw, list));
+    else
+      TRY(names_add(list, "", paths[i]));
+  }
+  /* A shell sorts slice_10 before slice_9. */
+  if (count > 1) qsort(list->names, list->count, sizeof *list->names, by_natural_order);
+  for (size_t i = 1; i < list->count; i++) {
+    if (strcmp(list->names[i - 1], list->names[i]) == 0)
+      TRY_FAIL(STATUS_INPUT, "%s: given twice; name it once", list->names[i]);
+  }
+cleanup:
+  return status;
+}
+
+/* The last number in a name, -1 if it has none. */
+static long long slice_number(const char *path) {
+  const char *name = base_name(path), *dot = strrchr(name, '.');
+  const char *end = dot != NULL ? dot : name + strlen(name);
+  while (end > name && !isdigit((unsigned char)end[-1])) end--;
+  const char *start = end;
+  while (start > name && isdigit((unsigned char)start[-1])) start--;
+  return start == end || end - start > 17 ? -1 : strtoll(start, NULL, 10);
+}
+
+/* The first slice speaks for all; one that says otherwise is named. */
+static void warn_of_other_voxels(const struct stack *stack) {
+  const struct image *first = &stack->files[0];
+  for (size_t i = 1; i < stack->file_count; i++) {
+    const struct image *image = &stack->files[i];
+    if (!(fabs(image->voxel[0] / first->voxel[0] - 1.0) > 0.01)) continue;
+    log_warning("%s: its %s say %.4g um a pixel, those of %s %.4g um; the first slice's is taken",
+                image->path, image->voxel_source, image->voxel[0] * 1e6, base_name(first->path),
+                first->voxel[0] * 1e6);
+    return;
+  }
+}
+
+/* Gaps are a warning: some scanners number every second slice. A uniform stride is no gap. */
+static void warn_of_gaps(const struct name_list *list) {
+  if (list->count < 3) return;
+  long long stride = 0;
+  for (size_t i = 1; i < list->count; i++) {
+    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
+    if (a < 0 || b < 0) return;
+    if (b > a && (stride == 0 || b - a < stride)) stride = b - a;
+  }
+  size_t gaps = 0;
+  for (size_t i = 1; i < list->count; i++) {
+    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
+    if (b - a == stride) continue;
+    if (gaps++ > 4) continue;
+    if (b == a)
+      log_warning("%s and %s carry the same number; both are used", base_name(list->names[i - 1]),
+                  base_name(list->names[i]));
+    else
+      log_warning("the numbering jumps from %s to %s: slices missing?",
+                  base_name(list->names[i - 1]), base_name(list->names[i]));
+  }
+  if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
+}
+
+static void look_for_levels(struct stack *stack) {
+  stack->has_levels = true;
+  for (size_t i = 0; i < stack->file_count; i++)
+    stack->has_levels &= image_has_levels(&stack->files[i]);
+}
+
+static enum status check_agreement(const struct image *first, const struct image *image) {
+  if (image->reader != first->reader)
+    return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; name one kind, e.g. FOLDER/*.tif",
+                image->path, image->reader->name, first->reader->name);
+  if (image->size[0] != first->size[0] || image->size[1] != first->size[1])
+    return FAIL(STATUS_INPUT,
+                "%s: %zux%zu, but the first slice is %zux%zu; leave it out or crop all alike",
+                image->path, image->size[0], image->size[1], first->size[0], first->size[1]);
+  if (image->type != first->type)
+    return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; save all as one type",
+                image->path, pixel_name(image->type), pixel_name(first->type));
+  return STATUS_OK;
+}
+
+static enum status open_files(const struct name_list *list, const struct raw_layout *raw,
+                              struct stack *stack) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(&stack->files, list->count, sizeof *stack->files, "the list of slices"));
+  TRY(memory_allocate(&stack->first_slice, list->count + 1, sizeof *stack->first_slice,
+                      "the list of slices"));
+  size_t noted = 0;
+  for (size_t i = 0; i < list->count; i++) {
+    struct image *image = &stack->files[i];
+    TRY(image_open(list->names[i], raw, image));
+    stack->file_count = i + 1;
+    TRY(check_agreement(&stack->files[0], image));
+    stack->first_slice[i + 1] = stack->first_slice[i] + image->pages;
+    if (image->note[0] != '\0' && noted++ == 0)
+      log_warning("%s: %s%s", image->path, image->note,
+                  list->count > 1 ? " (and perhaps others)" : "");
+  }
+  const struct image *first = &stack->files[0];
+  stack->size[0] = first->size[0];
+  stack->size[1] = first->size[1];
+  stack->size[2] = stack->first_slice[list->count];
+  stack->type = first->type;
+  memcpy(stack->voxel, first->voxel, sizeof stack->voxel);
+  stack->voxel_source = first->voxel_source;
+  look_for_levels(stack);
+  if (raw != NULL && raw->given && stack->size[2] != raw->size[2])
+    TRY_FAIL(STATUS_INPUT, "%s: %zu slices of %zux%zu, but --raw says %zu; correct it", first->path,
+             stack->size[2], raw->size[0], raw->size[1], raw->size[2]);
+cleanup:
+  return status;
+}
+
+enum status stack_open(const char *const *paths, size_t count, const struct raw_layout *raw,
+                       struct stack *stack) {
+  enum status status = STATUS_OK;
+  struct name_list list = {0};
+  memset(stack, 0, sizeof *stack);
+  TRY(list_files(paths, count, raw != NULL && raw->given, &list));
+  TRY(open_files(&list, raw, stack));
+  warn_of_gaps(&list);
+  warn_of_other_voxels(stack);
+cleanup:
+  names_free(&list);
+  if (status != STATUS_OK) stack_close(stack);
+  return status;
+}
+
+void stack_compare_voxel(const struct stack *stack, double given) {
+  char text[2][40];
+  static const char *const NAMES[] = {"pixel", "pixel", "slice"};
+  for (int d = 0; d < 3; d += 2) {
+    if (!(fabs(stack->voxel[d] / given - 1.0) > 0.01)) continue;
+    quantity_format(stack->voxel[d], "m", text[0], sizeof text[0]);
+    quantity_format(given, "m", text[1], sizeof text[1]);
+    log_warning("the %s say %s from %s to %s; --voxel-size %s is used", stack->voxel_source,
+                text[0], NAMES[d], NAMES[d], text[1]);
+    return;
+  }
+}
+
+void stack_close(struct stack *stack) {
+  for (size_t i = 0; i < stack->file_count; i++) image_close(&stack->files[i]);
+  memory_free(&stack->files);
+  memory_free(&stack->first_slice);
+  stack->file_count = 0;
+}
+
+static size_t file_of_slice(const struct stack *stack, size_t z) {
+  size_t low = 0, high = stack->file_count;
+  while (high - low > 1) {
+    size_t middle = (low + high) / 2;
+    if (stack->first_slice[middle] <= z)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+enum status stack_read(const struct stack *stack, size_t z, float *out) {
+  size_t file = file_of_slice(stack, z);
+  return image_read(&stack->files[file], z - stack->first_slice[file], out);
+}
+
+enum status stack_read_stored(const struct stack *stack, size_t z, void *out) {
+  size_t file = file_of_slice(stack, z);
+  return image_read_stored(&stack->files[file], z - stack->first_slice[file], out);
+}
+
+enum status stack_keep_labels(struct stack *stack, size_t z) {
+  enum status status = STATUS_OK;
+  size_t pixels = stack->size[0] * stack->size[1], others = 0;
+  float *slice = NULL;
+  if (!stack->files[0].invert) return STATUS_OK;
+  TRY(memory_allocate(&slice, pixels, sizeof *slice, "a slice"));
+  TRY(stack_read(stack, z, slice));
+  float low = slice[0], high = slice[0];
+  for (size_t i = 0; i < pixels; i++) {
+    low = fminf(low, slice[i]);
+    high = fmaxf(high, slice[i]);
+  }
+  for (size_t i = 0; i < pixels; i++) others += slice[i] != low && slice[i] != high;
+  if (others > 0) goto cleanup;
+  log_warning("%s says white is zero, but holds labels: they are used as stored, the higher one "
+              "is bright",
+              stack->files[0].path);
+  for (size_t i = 0; i < stack->file_count; i++) stack->files[i].invert = false;
+  look_for_levels(stack);
+cleanup:
+  memory_free(&slice);
+  return status;
+}
+
+void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size) {
+  size_t file = file_of_slice(stack, z);
+  const char *base = base_name(stack->files[file].path);
+  if (stack->files[file].pages == 1)
+    snprintf(name, size, "%s", base);
+  else
+    snprintf(name, size, "%s[%zu]", base, z - stack->first_slice[file]);
+}

@@ -1,0 +1,98 @@
+#include "ct2model/readers/tiff_description.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double unit_in_metres(const char *unit) {
+  static const struct {
+    const char *name;
+    double metres;
+  } UNITS[] = {
+      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},     {"\\u00B5m", 1e-6},
+      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},  {"&#181;m", 1e-6},
+      {"&#xB5;m", 1e-6},   {"&#xb5;m", 1e-6},   {"nm", 1e-9},     {"mm", 1e-3},
+      {"cm", 1e-2},        {"m", 1.0},          {"inch", 0.0254},
+  };
+  for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
+    if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
+  }
+  return NAN;
+}
+
+bool tiff_description_value(const char *description, const char *key, char *value, size_t size) {
+  size_t length = strlen(key);
+  for (const char *line = description; line != NULL && *line != '\0';) {
+    const char *end = strchr(line, '\n');
+    size_t n = end != NULL ? (size_t)(end - line) : strlen(line);
+    if (n > length && strncmp(line, key, length) == 0 && line[length] == '=') {
+      snprintf(value, size, "%.*s", (int)(n - length - 1), line + length + 1);
+      return true;
+    }
+    line = end != NULL ? end + 1 : NULL;
+  }
+  return false;
+}
+
+/* PhysicalSizeX="5.83" PhysicalSizeXUnit="um" of OME-XML; micrometres if no unit is given. */
+static double ome_size(const char *xml, char axis) {
+  char key[32], value[40], unit[16] = "um";
+  snprintf(key, sizeof key, "PhysicalSize%c=\"", axis);
+  const char *at = strstr(xml, key);
+  if (at == NULL || sscanf(at + strlen(key), "%39[^\"]", value) != 1) return NAN;
+  snprintf(key, sizeof key, "PhysicalSize%cUnit=\"", axis);
+  const char *unit_at = strstr(xml, key);
+  if (unit_at != NULL) (void)sscanf(unit_at + strlen(key), "%15[^\"]", unit);
+  return strtod(value, NULL) * unit_in_metres(unit);
+}
+
+void tiff_voxel_size(const char *description, const float resolution[2], double metres,
+                     struct image *image) {
+  char text[40];
+  if (description != NULL && strstr(description, "PhysicalSizeX") != NULL) {
+    image->voxel[0] = ome_size(description, 'X');
+    image->voxel[1] = ome_size(description, 'Y');
+    image->voxel[2] = ome_size(description, 'Z');
+    if (image->voxel[0] > 0.0) image->voxel_source = "OME metadata";
+    return;
+  }
+  bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
+    metres = unit_in_metres(text);
+    image->voxel_source = "ImageJ metadata";
+  } else if (isfinite(metres)) {
+    image->voxel_source = "TIFF resolution tags";
+  }
+  for (int axis = 0; axis < 2; axis++) {
+    double voxel = metres / (double)resolution[axis];
+    /* 600 dpi and coarser, 42 um: a page, unless the unit is one of a microscope. */
+    bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
+    image->voxel[axis] = resolution[axis] > 0.0f && isfinite(voxel) && !page ? voxel : NAN;
+  }
+  if (imagej && isfinite(image->voxel[0]) &&
+      tiff_description_value(description, "spacing", text, sizeof text))
+    image->voxel[2] = strtod(text, NULL) * metres;
+  if (!(image->voxel[2] > 0.0)) image->voxel[2] = NAN;
+  if (!isfinite(image->voxel[0])) image->voxel_source = NULL;
+}
+
+enum status tiff_refuse_hyperstack(const char *path, const char *description) {
+  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=\"", "SizeT=\""};
+  char text[40];
+  if (description == NULL) return STATUS_OK;
+  bool imagej = strncmp(description, "ImageJ=", 7) == 0;
+  bool ome = strstr(description, "<OME") != NULL;
+  for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
+    const char *at = ome ? strstr(description, OME[i]) : NULL;
+    int count = at != NULL ? atoi(at + strlen(OME[i])) : 1;
+    if (imagej && tiff_description_value(description, KEYS[i], text, sizeof text))
+      count = atoi(text);
+    if (count > 1)
+      return FAIL(STATUS_INPUT,
+                  "%s: a hyperstack of %d %s; save one of them as a stack, or if they are slices "
+                  "say so (Fiji: Image > Properties) and save again",
+                  path, count, KEYS[i]);
+  }
+  return STATUS_OK;
+}

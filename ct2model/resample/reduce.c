@@ -1,0 +1,83 @@
+#include "ct2model/resample/reduce.h"
+
+#include <string.h>
+
+#include "common/variants.h"
+
+enum { LANES = RESAMPLE_LANES };
+
+/* Rows are summed while they are in the nearest cache: each input row goes into the few output rows
+ * that it has a weight in, and an output row is reduced along x once it is complete. */
+
+TARGETS static void start_row(float *restrict sum, const float *restrict row, float weight,
+                              size_t n) {
+  for (size_t i = 0; i < n; i++) sum[i] = weight * row[i];
+}
+
+TARGETS static void add_row(float *restrict sum, const float *restrict row, float weight,
+                            size_t n) {
+  for (size_t i = 0; i < n; i++) sum[i] += weight * row[i];
+}
+
+/* Weights behind `count` are zero, and so is what `in` holds behind its end. */
+TARGETS static void weigh_columns(const float *restrict in, const struct resample_axis *x,
+                                  float *restrict out) {
+  for (size_t i = 0; i < x->out; i++) {
+    const float *weight = x->weight + i * x->taps, *at = in + x->first[i];
+    float lane[LANES] = {0};
+    for (size_t k = 0; k < x->count[i]; k += LANES)
+      for (size_t l = 0; l < LANES; l++) lane[l] += weight[k + l] * at[k + l];
+    for (size_t half = LANES / 2; half > 0; half /= 2)
+      for (size_t l = 0; l < half; l++) lane[l] += lane[l + half];
+    out[i] = lane[0];
+  }
+}
+
+static size_t pitch_of(const struct resample_axis *x) {
+  return (x->in + x->taps + LANES - 1) / LANES * LANES;
+}
+
+/* The most output rows that one input row has a weight in. */
+static size_t rows_open(const struct resample_axis *y) {
+  size_t most = 1;
+  for (size_t i = 0, end = 0; i < y->out; i++) {
+    while (end < y->out && y->first[end] < y->first[i] + y->count[i]) end++;
+    if (end - i > most) most = end - i;
+  }
+  return most;
+}
+
+size_t reduction_scratch(const struct resample_axis *x, const struct resample_axis *y) {
+  return rows_open(y) * pitch_of(x);
+}
+
+void reduction_start(const struct resample_axis *x, const struct resample_axis *y, float *scratch,
+                     float *out, struct reduction *reduction) {
+  *reduction = (struct reduction){.x = x, .y = y, .n = x->in, .sums = scratch, .out = out};
+  reduction->open = rows_open(y);
+  reduction->pitch = pitch_of(x);
+  for (size_t i = 0; i < reduction->open; i++)
+    memset(scratch + i * reduction->pitch + x->in, 0, (reduction->pitch - x->in) * sizeof *scratch);
+}
+
+void reduction_add(struct reduction *reduction, const float *row) {
+  const struct resample_axis *x = reduction->x, *y = reduction->y;
+  const size_t at = reduction->at++, n = reduction->n, open = reduction->open;
+  if (x == NULL) {
+    memcpy(reduction->out + at * n, row, n * sizeof *row);
+    return;
+  }
+  for (size_t i = reduction->done; i < y->out && y->first[i] <= at; i++) {
+    const float weight = y->weight[i * y->taps + at - y->first[i]];
+    float *sum = reduction->sums + i % open * reduction->pitch; // NOLINT: one row at least is open
+    if (at == y->first[i])
+      start_row(sum, row, weight, n);
+    else
+      add_row(sum, row, weight, n);
+  }
+  for (size_t i = reduction->done; i < y->out && y->first[i] + y->count[i] == at + 1; i++) {
+    // NOLINTNEXTLINE: one row at least is open
+    weigh_columns(reduction->sums + i % open * reduction->pitch, x, reduction->out + i * x->out);
+    reduction->done++;
+  }
+}

@@ -1,0 +1,82 @@
+#include "ct2model/scan/denoise_effect.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+enum { BINS = 65536 };
+
+/* Pairs of neighbours in x and y on different sides of the threshold. */
+static double faces(const float *slices, size_t count, const size_t size[2], double threshold) {
+  size_t found = 0, nx = size[0], ny = size[1];
+  for (size_t row = 0; row < count * ny; row++) {
+    const float *at = slices + row * nx;
+    for (size_t x = 0; x < nx; x++) {
+      bool grain = (double)at[x] > threshold;
+      if (x + 1 < nx) found += ((double)at[x + 1] > threshold) != grain;
+      if (row % ny + 1 < ny) found += ((double)at[x + nx] > threshold) != grain;
+    }
+  }
+  return (double)found;
+}
+
+/* Threshold of `porosity`, and the share under `other`. */
+static enum status threshold_of(const float *slices, size_t n, double porosity, double other,
+                                double *threshold, double *share) {
+  enum status status = STATUS_OK;
+  struct grey_histogram histogram = {0};
+  double low = (double)slices[0], high = low;
+  for (size_t i = 0; i < n; i++) {
+    low = (double)slices[i] < low ? (double)slices[i] : low;
+    high = (double)slices[i] > high ? (double)slices[i] : high;
+  }
+  TRY(grey_histogram_start(low, high > low ? (high - low) * 1.000001 / BINS : 1.0, BINS,
+                           &histogram));
+  grey_histogram_add(&histogram, slices, n);
+  *threshold = grey_histogram_quantile(&histogram, porosity);
+  *share = grey_histogram_porosity(&histogram, other);
+cleanup:
+  grey_histogram_end(&histogram);
+  return status;
+}
+
+enum status denoise_effect_measure(const struct survey *survey, const size_t size[2],
+                                   enum denoise kind, double porosity, size_t slices, size_t most,
+                                   struct denoise_effect *effect) {
+  enum status status = STATUS_OK;
+  size_t count = survey->count < slices ? survey->count : slices, part[2], first[2];
+  float *noisy = NULL, *clean = NULL;
+  double raw, after, share;
+  for (int d = 0; d < 2; d++) {
+    part[d] = size[d] < most ? size[d] : most;
+    first[d] = (size[d] - part[d]) / 2;
+  }
+  size_t plane = part[0] * part[1];
+  TRY(memory_allocate(&noisy, count * plane, sizeof *noisy, "slices"));
+  TRY(memory_allocate(&clean, count * plane, sizeof *clean, "slices"));
+  for (size_t i = 0; i < count; i++) {
+    const float *from = survey->sample + (i * survey->count / count * size[1] + first[1]) * size[0];
+    for (size_t y = 0; y < part[1]; y++)
+      memcpy(noisy + i * plane + y * part[0], from + y * size[0] + first[0],
+             part[0] * sizeof *noisy);
+  }
+  memcpy(clean, noisy, count * plane * sizeof *clean);
+#pragma omp parallel for schedule(dynamic)
+  for (size_t i = 0; i < count; i++) {
+    enum status one = denoise_slice(kind, &survey->phases, part, clean + i * plane);
+    if (one != STATUS_OK) {
+#pragma omp critical
+      status = one;
+    }
+  }
+  if (status != STATUS_OK) goto cleanup;
+  TRY(threshold_of(noisy, count * plane, porosity, 0.0, &raw, &share));
+  TRY(threshold_of(clean, count * plane, porosity, raw, &after, &share));
+  effect->void_ratio = share / (1.0 - share);
+  effect->surface = faces(clean, count, part, after) / faces(noisy, count, part, raw);
+cleanup:
+  memory_free(&noisy);
+  memory_free(&clean);
+  return status;
+}

@@ -1,0 +1,41 @@
+/* What a few slices tell before the scan is read: phases and noise, radial trend (beam hardening),
+ * rings; and the correction of the latter two. Greys are those of the region, bright grain. */
+#ifndef TOSUI_CT2MODEL_SCAN_SURVEY_H
+#define TOSUI_CT2MODEL_SCAN_SURVEY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scan/region.h"
+
+struct survey {
+  size_t count; /* slices looked at, and their greys [count][y][x] */
+  float *sample;
+  struct grey_phases phases;
+  /* Radii are from the axis of rotation, in pixels. */
+  size_t radii;
+  double pore_trend[2], grain_trend[2]; /* a + b rho^2, rho = r / radii */
+  double beam; /* grain at the rim less grain at the middle, share of the contrast; NAN: unknown */
+  double beam_error; /* what it may be off, from the two halves of the slices */
+  double rings;      /* standard deviation from ring to ring, share of the contrast; NAN: unknown */
+  bool rings_stay;   /* the same in all slices */
+  float *ring_profile; /* [radii], mean over the slices looked at */
+};
+
+/* `porosity` helps to tell the phases apart; NAN if unknown. Without `all`, about a million pixels
+ * are enough for trend and rings. Free with survey_end. */
+enum status survey_take(const struct region *region, double porosity, bool all,
+                        struct survey *survey);
+void survey_end(struct survey *survey);
+
+/* Levels both phases over the radius, takes rings out. Kept by the region that reads. */
+struct correction {
+  const struct survey *survey;
+  bool beam, rings;
+};
+/* One slice of a region that has a correction, in place. */
+enum status correction_apply(const struct region *region, float *slice);
+
+#endif

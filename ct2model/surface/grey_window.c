@@ -1,0 +1,302 @@
+#include "ct2model/surface/grey_window.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/variants.h"
+#include "ct2model/surface/phase_bits.h"
+#include "ct2model/resample/reduce.h"
+#include "ct2model/surface/specks.h"
+
+enum { UNITS_OF_CONTRAST = 8192, SPECK_REACH = 12 };
+
+enum status grey_window_start(const struct region *region, double threshold, double contrast,
+                              bool mirror, size_t speck_limit, long low, long high, size_t room,
+                              struct grey_window *window) {
+  enum status status = STATUS_OK;
+  size_t plane = region->size[0] * region->size[1];
+  *window = (struct grey_window){.region = region,
+                                 .threshold = threshold,
+                                 .scale = UNITS_OF_CONTRAST / contrast,
+                                 .mirror = mirror,
+                                 .speck_limit = speck_limit,
+                                 .low = low,
+                                 .high = high,
+                                 .first = low,
+                                 .room = room,
+                                 .words = phase_words(region->size[0])};
+  const size_t words = room * region->size[1] * window->words;
+  const size_t threads = (size_t)omp_get_max_threads();
+  TRY(memory_allocate(&window->field, room * plane, sizeof *window->field, "a window of slices"));
+  TRY(memory_allocate(&window->bits, words, sizeof *window->bits, "phases"));
+  TRY(memory_allocate(&window->scratch, 2 * (words + threads * window->words),
+                      sizeof *window->scratch, "phases"));
+  window->buffer_size = region_buffer_size(region);
+  TRY(memory_allocate(&window->buffer, threads, window->buffer_size, "slices"));
+  TRY(memory_allocate(&window->row, threads * region->size[0], sizeof *window->row, "rows"));
+cleanup:
+  if (status != STATUS_OK) grey_window_end(window);
+  return status;
+}
+
+void grey_window_end(struct grey_window *window) {
+  memory_free(&window->field);
+  memory_free(&window->bits);
+  memory_free(&window->scratch);
+  memory_free(&window->buffer);
+  memory_free(&window->row);
+}
+
+static size_t slice_of(const struct grey_window *window, long z) {
+  long n = (long)window->region->size[2];
+  if (window->mirror) return (size_t)(z < 0 ? 0 : z >= n ? n - 1 : z);
+  return (size_t)(((z % n) + n) % n);
+}
+
+/* Greys as distances from the threshold, away from zero, so that the sign is that of the grey
+ * against the threshold: the whole part is taken off first, without rounding. */
+TARGETS static void row_distances(float *restrict grey, size_t n, float whole, float part,
+                                  float scale, int16_t *restrict out) {
+  for (size_t i = 0; i < n; i++) {
+    const float value = (grey[i] - whole - part) * scale;
+    grey[i] = value > 32767.0f ? 32767.0f : value < -32767.0f ? -32767.0f : value;
+  }
+  for (size_t i = 0; i < n; i++) {
+    const int32_t cut = (int32_t)grey[i];
+    out[i] = (int16_t)(cut + (grey[i] > (float)cut) - (grey[i] < (float)cut));
+  }
+}
+
+static enum status read_slices(struct grey_window *window, size_t n) {
+  enum status status = STATUS_OK;
+  const struct region *region = window->region;
+  const size_t nx = region->size[0], ny = region->size[1];
+  const float whole = (float)floor(window->threshold);
+  const float part = (float)(window->threshold - (double)whole), scale = (float)window->scale;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t i = 0; i < n; i++) {
+    const size_t thread = (size_t)omp_get_thread_num();
+    float *row = window->row + thread * nx;
+    int16_t *target = window->field + (window->depth + i) * nx * ny;
+    uint64_t *bits = window->bits + (window->depth + i) * ny * window->words;
+    struct pixel_rows rows;
+    enum status one =
+        region_read_rows(region, slice_of(window, window->first + (long)(window->depth + i)),
+                         window->buffer + thread * window->buffer_size, &rows);
+    for (size_t y = 0; y < ny && one == STATUS_OK; y++) {
+      pixel_rows_read(&rows, y, nx, row);
+      row_distances(row, nx, whole, part, scale, target + y * nx);
+      phase_row(target + y * nx, nx, bits + y * window->words);
+    }
+    if (one != STATUS_OK) {
+#pragma omp critical
+      status = one;
+    }
+  }
+  window->depth += n;
+  return status;
+}
+
+enum status grey_window_move(struct grey_window *window, long first, long end) {
+  const size_t plane = window->region->size[0] * window->region->size[1];
+  const size_t words = window->region->size[1] * window->words;
+  if (first < window->low) first = window->low;
+  if (end > window->high) end = window->high;
+  if (first > window->first) {
+    size_t dropped = (size_t)(first - window->first);
+    if (dropped > window->depth) dropped = window->depth;
+    window->depth -= dropped;
+    memmove(window->field, window->field + dropped * plane,
+            window->depth * plane * sizeof *window->field);
+    memmove(window->bits, window->bits + dropped * words,
+            window->depth * words * sizeof *window->bits);
+    window->first = first;
+  }
+  long missing = end - window->first - (long)window->depth;
+  if (missing <= 0) return STATUS_OK;
+  /* Islands that reach into the new slices. */
+  const size_t from = window->depth > SPECK_REACH ? window->depth - SPECK_REACH : 0;
+  enum status status = read_slices(window, (size_t)missing);
+  if (status != STATUS_OK || window->speck_limit < 2) return status;
+  const size_t size[3] = {window->region->size[0], window->region->size[1], window->depth - from};
+  window->specks += specks_remove(window->field + from * plane, window->bits + from * words, size,
+                                  window->speck_limit, window->scratch);
+  return STATUS_OK;
+}
+
+/* Rows y, y + 1, y - 1 of layer `deep` of the window and row y of the layers above and below:
+ * periodic in x and y, repeated at the window's ends. */
+enum { HERE, Y_NEXT, Y_LAST, Z_NEXT, Z_LAST, NEAR };
+static void near_rows(const struct grey_window *window, size_t y, size_t deep, size_t rows[NEAR]) {
+  const size_t ny = window->region->size[1], layer = deep * ny;
+  rows[HERE] = layer + y;
+  rows[Y_NEXT] = layer + (y + 1 < ny ? y + 1 : 0);
+  rows[Y_LAST] = layer + (y > 0 ? y - 1 : ny - 1);
+  rows[Z_NEXT] = deep + 1 < window->depth ? rows[HERE] + ny : rows[HERE];
+  rows[Z_LAST] = deep > 0 ? rows[HERE] - ny : rows[HERE];
+}
+
+static size_t differing(const uint64_t *a, const uint64_t *b, size_t words) {
+  size_t sum = 0;
+  for (size_t w = 0; w < words; w++) sum += (size_t)__builtin_popcountll(a[w] ^ b[w]);
+  return sum;
+}
+
+void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
+                         size_t changes[3]) {
+  const size_t nx = window->region->size[0], ny = window->region->size[1], words = window->words;
+  size_t cx = 0, cy = 0, cz = 0;
+#pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
+  for (size_t row = z0 * ny; row < z1 * ny; row++) {
+    size_t rows[NEAR];
+    const size_t y = row % ny, z = row / ny; // NOLINT: a row lies in a slice of ny > 0
+    near_rows(window, y, (size_t)((long)z - window->first), rows);
+    const uint64_t *at = window->bits + rows[HERE] * words;
+    for (size_t w = 0; w < words; w++) {
+      const uint64_t next = at[w] >> 1 | (w + 1 < words ? at[w + 1] << 63 : 0);
+      const size_t pairs = nx - 1 - w * PHASE_WORD; /* from this word on */
+      const uint64_t both = pairs < PHASE_WORD ? ((uint64_t)1 << pairs) - 1 : ~(uint64_t)0;
+      cx += (size_t)__builtin_popcountll((at[w] ^ next) & both);
+    }
+    if (y + 1 < ny) cy += differing(at, window->bits + rows[Y_NEXT] * words, words);
+    if (z + 1 < window->region->size[2])
+      cz += differing(at, window->bits + rows[Z_NEXT] * words, words);
+  }
+  changes[0] += cx;
+  changes[1] += cy;
+  changes[2] += cz;
+}
+
+/* Grain shares of n voxels: 0 or 1 where no neighbour is of the other phase, else that of a voxel
+ * cut by the plane that its grey gradient says. at[-1] and at[n] are there. */
+TARGETS static void cut_shares(const int16_t *restrict at, const int16_t *restrict y_next,
+                               const int16_t *restrict y_last, const int16_t *restrict z_next,
+                               const int16_t *restrict z_last, size_t n, float *restrict shares) {
+  for (size_t x = 0; x < n; x++) {
+    const int here = at[x], a = at[x + 1], b = at[(long)x - 1], c = y_next[x], d = y_last[x],
+              e = z_next[x], f = z_last[x], grain = here > 0;
+    const int cut = ((a > 0) ^ grain) | ((b > 0) ^ grain) | ((c > 0) ^ grain) | ((d > 0) ^ grain) |
+                    ((e > 0) ^ grain) | ((f > 0) ^ grain);
+    const int slope = abs(a - b) + abs(c - d) + abs(e - f);
+    float share = 0.5f + 2.0f * (float)here / (float)(slope > 0 ? slope : 1);
+    share = share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
+    shares[x] = cut & (slope > 0) ? share : (float)grain;
+  }
+}
+
+TARGETS static void whole_shares(uint64_t grain, uint32_t n, float *restrict shares) {
+  for (uint32_t half = 0; half < n; half += 32) {
+    const uint32_t bits = (uint32_t)(grain >> half), end = n - half < 32 ? n - half : 32;
+    for (uint32_t i = 0; i < end; i++) shares[half + i] = (float)(bits >> i & 1);
+  }
+}
+
+/* Grain shares of one row, of which few groups of voxels are cut. The row stands at row[1 .. nx],
+ * with what follows it periodically at both ends; `near` are the other rows. */
+enum { GROUP = 16 };
+static void row_fractions(const int16_t *row, const int16_t *const near[NEAR],
+                          const uint64_t *grain, const uint64_t *cut, size_t nx, float *shares) {
+  for (size_t x = 0; x < nx; x += PHASE_WORD)
+    whole_shares(grain[x / PHASE_WORD], (uint32_t)(nx - x < PHASE_WORD ? nx - x : PHASE_WORD),
+                 shares + x);
+  for (size_t x = 0, end; x < nx; x = end + GROUP) {
+    for (end = x; end < nx && (cut[end / PHASE_WORD] >> end % PHASE_WORD & 0xffffu) != 0;)
+      end += GROUP;
+    if (end == x) continue;
+    const size_t n = (end < nx ? end : nx) - x;
+    cut_shares(row + 1 + x, near[Y_NEXT] + x, near[Y_LAST] + x, near[Z_NEXT] + x, near[Z_LAST] + x,
+               n, shares + x);
+  }
+}
+
+/* What a thread needs for a row. */
+struct row_scratch {
+  float *shares;
+  int16_t *padded;
+  uint64_t *cut, *beside;
+};
+
+static void make_fractions(const struct grey_window *window, size_t y, size_t deep,
+                           const struct row_scratch *scratch) {
+  const size_t nx = window->region->size[0], words = window->words;
+  const int16_t *near[NEAR];
+  const uint64_t *bits[NEAR];
+  size_t rows[NEAR];
+  near_rows(window, y, deep, rows);
+  for (int i = 0; i < NEAR; i++) {
+    near[i] = window->field + rows[i] * nx;
+    bits[i] = window->bits + rows[i] * words;
+  }
+  /* Voxels with a neighbour of the other phase. */
+  phase_next(bits[HERE], nx, scratch->cut);
+  phase_last(bits[HERE], nx, scratch->beside);
+  for (size_t w = 0; w < words; w++) {
+    const uint64_t at = bits[HERE][w];
+    scratch->cut[w] = (at ^ scratch->cut[w]) | (at ^ scratch->beside[w]) | (at ^ bits[Y_NEXT][w]) |
+                      (at ^ bits[Y_LAST][w]) | (at ^ bits[Z_NEXT][w]) | (at ^ bits[Z_LAST][w]);
+  }
+  memcpy(scratch->padded + 1, near[HERE], nx * sizeof *scratch->padded);
+  scratch->padded[0] = near[HERE][nx - 1];
+  scratch->padded[nx + 1] = near[HERE][0];
+  row_fractions(scratch->padded, near, bits[HERE], scratch->cut, nx, scratch->shares);
+}
+
+enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
+                                  struct resampler *area, float *volume) {
+  enum status status = STATUS_OK;
+  float *shares = NULL;
+  int16_t *padded = NULL;
+  const size_t nx = window->region->size[0], ny = window->region->size[1], words = window->words;
+  const size_t threads = (size_t)omp_get_max_threads();
+  TRY(memory_allocate(&shares, threads * nx, sizeof *shares, "grain fractions"));
+  TRY(memory_allocate(&padded, threads * (nx + 2), sizeof *padded, "grain fractions"));
+  for (size_t z = z0; z < z1; z += area->batch) {
+    size_t n = z1 - z < area->batch ? z1 - z : area->batch;
+#pragma omp parallel for schedule(dynamic)
+    for (size_t i = 0; i < n; i++) {
+      const size_t thread = (size_t)omp_get_thread_num();
+      const struct row_scratch scratch = {shares + thread * nx, padded + thread * (nx + 2),
+                                          window->scratch + 2 * thread * words,
+                                          window->scratch + (2 * thread + 1) * words};
+      struct reduction reduction;
+      resampler_begin(area, i, &reduction);
+      for (size_t y = 0; y < ny; y++) {
+        make_fractions(window, y, (size_t)((long)(z + i) - window->first), &scratch);
+        reduction_add(&reduction, scratch.shares);
+      }
+    }
+    resampler_add(area, z, n, volume);
+  }
+cleanup:
+  memory_free(&shares);
+  memory_free(&padded);
+  return status;
+}
+
+bool grey_window_in_grain(const struct grey_window *window, const double point[3]) {
+  const size_t *size = window->region->size;
+  long low[3];
+  double part[3], value = 0.0;
+  for (int d = 0; d < 3; d++) {
+    double at = point[d] - 0.5;
+    low[d] = (long)floor(at);
+    part[d] = at - (double)low[d];
+  }
+  for (unsigned c = 0; c < 8; c++) {
+    long at[3];
+    double weight = 1.0;
+    for (unsigned d = 0; d < 3; d++) {
+      at[d] = low[d] + (long)(c >> d & 1);
+      weight *= (c >> d & 1) != 0 ? part[d] : 1.0 - part[d];
+    }
+    size_t x = (size_t)(at[0] + (long)size[0]) % size[0];
+    size_t y = (size_t)(at[1] + (long)size[1]) % size[1];
+    long deep = at[2] - window->first;
+    size_t z = deep < 0 ? 0 : deep >= (long)window->depth ? window->depth - 1 : (size_t)deep;
+    value += weight * window->field[(z * size[1] + y) * size[0] + x];
+  }
+  return value > 0.0;
+}

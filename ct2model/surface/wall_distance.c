@@ -1,0 +1,274 @@
+#include "ct2model/surface/wall_distance.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "ct2model/surface/grey_window.h"
+#include "ct2model/resample/resample.h"
+#include "ct2model/surface/specks.h"
+#include "ct2model/surface/surfels.h"
+
+enum {
+  BAND_LAYERS = 4, /* model voxels from the surface with exact distances */
+  MARGIN = 6,      /* slices around new ones in which islands are looked for */
+  AREA_BATCH = 8,
+  STEP_LEAST = 8 /* new slices at a time, at least */
+};
+/* Held at a time; a third of it beside a scan in memory. */
+static const double WINDOW_VOXELS = 24e6;
+
+/* The surface between slices first and first + surfels.size[2] - 1. */
+struct piece {
+  long first;
+  struct surfels surfels;
+};
+
+struct walk {
+  const struct region *region;
+  const struct wall_request *request;
+  double factor[3], stretch[3], unit; /* unit: m a stretched voxel */
+  double band;                        /* stretched voxels */
+  struct grey_window window;
+  struct resampler area;
+  struct piece *pieces; /* those within the band of the next layer, by z */
+  size_t piece_count;
+  size_t signed_layers, measured_layers;
+  size_t changes[3];
+};
+
+/* The upper mirror plane: the middle of the last layer, in slices. */
+static double mirror_plane(const struct walk *walk) {
+  return ((double)walk->request->size[2] - 0.5) * walk->factor[2];
+}
+
+static double layer_centre(const struct walk *walk, size_t layer) {
+  return ((double)layer + 0.5) * walk->factor[2];
+}
+
+/* Where the last point's nearest disc is: in a block of a piece. */
+struct nearest {
+  size_t piece, block;
+};
+
+static double piece_distance(const struct walk *walk, const double point[3], double best, size_t i,
+                             size_t *block) {
+  const struct piece *piece = &walk->pieces[i];
+  const double local[3] = {point[0], point[1], point[2] - (double)piece->first * walk->stretch[2]};
+  double low = 0.5 * walk->stretch[2];
+  double high = ((double)piece->surfels.size[2] - 0.5) * walk->stretch[2];
+  double gap = fmax(0.0, fmax(low - local[2], local[2] - high));
+  return gap < best + 1.0 ? surfels_distance(&piece->surfels, local, best, block) : best;
+}
+
+static double pieces_distance(const struct walk *walk, const double point[3], double best,
+                              struct nearest *near) {
+  const struct nearest last = *near;
+  if (last.piece < walk->piece_count)
+    best = piece_distance(walk, point, best, last.piece, &near->block);
+  for (size_t i = 0; i < walk->piece_count; i++) {
+    size_t block = SURFELS_NOWHERE;
+    if (i == last.piece) continue;
+    best = piece_distance(walk, point, best, i, &block);
+    if (block != SURFELS_NOWHERE) *near = (struct nearest){i, block};
+  }
+  return best;
+}
+
+/* Distance of `point` (stretched voxels of the region) to the surface, at most `limit`. */
+static double wall_distance(const struct walk *walk, const double point[3], double limit,
+                            struct nearest *near) {
+  double best = pieces_distance(walk, point, limit, near);
+  if (!walk->request->mirror) return best;
+  /* Images by reflection about z = 0 and about the middle of the last layer. */
+  double plane = mirror_plane(walk) * walk->stretch[2];
+  const double images[2] = {-point[2], 2.0 * plane - point[2]};
+  for (int i = 0; i < 2; i++) {
+    double away = i == 0 ? point[2] : plane - point[2];
+    if (away > best + 1.0) continue;
+    const double image[3] = {point[0], point[1], images[i]};
+    struct nearest beyond = {SURFELS_NOWHERE, SURFELS_NOWHERE};
+    best = pieces_distance(walk, image, best, &beyond);
+  }
+  return best;
+}
+
+static void centre_of(const struct walk *walk, size_t row, size_t x, double point[3]) {
+  const size_t *size = walk->request->size;
+  const size_t at[3] = {x, row % size[1], row / size[1]};
+  for (int d = 0; d < 3; d++) point[d] = ((double)at[d] + 0.5) * walk->factor[d];
+}
+
+/* Phases of the voxel centres of one layer, while its slices are in the window: -1 grain, 1 pore.
+ */
+static void sign_layer(const struct walk *walk, size_t layer, float *distance) {
+  const size_t *size = walk->request->size;
+#pragma omp parallel for schedule(static)
+  for (size_t row = layer * size[1]; row < (layer + 1) * size[1]; row++) {
+    for (size_t x = 0; x < size[0]; x++) {
+      double point[3];
+      centre_of(walk, row, x, point);
+      distance[row * size[0] + x] = grey_window_in_grain(&walk->window, point) ? -1.0f : 1.0f;
+    }
+  }
+}
+
+static void measure_layer(const struct walk *walk, size_t layer, float *distance) {
+  const size_t *size = walk->request->size;
+  const double step = walk->factor[0] * walk->stretch[0];
+#pragma omp parallel for schedule(dynamic, 4)
+  for (size_t row = layer * size[1]; row < (layer + 1) * size[1]; row++) {
+    double best = walk->band;
+    struct nearest near = {SURFELS_NOWHERE, SURFELS_NOWHERE};
+    for (size_t x = 0; x < size[0]; x++) {
+      double point[3];
+      centre_of(walk, row, x, point);
+      for (int d = 0; d < 3; d++) point[d] *= walk->stretch[d];
+      /* One step further the distance is at most one step more. */
+      best = wall_distance(walk, point, fmin(walk->band, 1.0001 * (best + step)), &near);
+      float *value = &distance[row * size[0] + x];
+      *value = best < walk->band ? *value * (float)(best * walk->unit) : INFINITY;
+    }
+  }
+}
+
+/* Surface between slices `from` and `to`; none beyond the mirror plane, where the image is it. */
+static enum status add_piece(struct walk *walk, long from, long to) {
+  enum status status = STATUS_OK;
+  if (walk->request->mirror) {
+    long last = (long)ceil(mirror_plane(walk) + 0.5) - 1;
+    if (to > last) to = last;
+  }
+  if (to <= from) return STATUS_OK;
+  TRY(memory_resize(&walk->pieces, walk->piece_count + 1, sizeof *walk->pieces, "the surface"));
+  struct piece *piece = &walk->pieces[walk->piece_count];
+  size_t plane = walk->region->size[0] * walk->region->size[1];
+  const size_t size[3] = {walk->region->size[0], walk->region->size[1], (size_t)(to - from) + 1};
+  piece->first = from;
+  const size_t deep = (size_t)(from - walk->window.first);
+  TRY(surfels_build(walk->window.field + deep * plane,
+                    walk->window.bits + deep * size[1] * walk->window.words, size, walk->stretch,
+                    &piece->surfels));
+  walk->piece_count++;
+cleanup:
+  return status;
+}
+
+static void drop_pieces(struct walk *walk) {
+  double needed = layer_centre(walk, walk->measured_layers) - walk->band / walk->stretch[2] - 2.0;
+  size_t kept = 0;
+  for (size_t i = 0; i < walk->piece_count; i++) {
+    struct piece *piece = &walk->pieces[i];
+    if ((double)(piece->first + (long)piece->surfels.size[2]) < needed)
+      surfels_end(&piece->surfels);
+    else
+      walk->pieces[kept++] = *piece;
+  }
+  walk->piece_count = kept;
+}
+
+/* Everything that the slices up to `end` allow; those up to `done` are behind. */
+static enum status advance(struct walk *walk, long done, long end, struct wall_result *result) {
+  enum status status = STATUS_OK;
+  const size_t layers = walk->request->size[2];
+  bool last = end == walk->window.high - 1;
+  long n = (long)walk->region->size[2], z0 = done < 0 ? 0 : done, z1 = last || end > n ? n : end;
+  TRY(grey_window_move(&walk->window, done - MARGIN, end + MARGIN));
+  if (z1 > z0) grey_window_changes(&walk->window, (size_t)z0, (size_t)z1, walk->changes);
+  if (!walk->request->distances) goto cleanup;
+  if (z1 > z0)
+    TRY(grey_window_fractions(&walk->window, (size_t)z0, (size_t)z1, &walk->area,
+                              result->grain_fraction));
+  TRY(add_piece(walk, done, end));
+  long held = walk->window.first + (long)walk->window.depth;
+  for (; walk->signed_layers < layers; walk->signed_layers++) {
+    if (layer_centre(walk, walk->signed_layers) + 0.5 > (double)held && !last) break;
+    sign_layer(walk, walk->signed_layers, result->distance);
+  }
+  for (; walk->measured_layers < layers; walk->measured_layers++) {
+    double reach = layer_centre(walk, walk->measured_layers) + walk->band / walk->stretch[2];
+    if (reach > (double)end && !last) break;
+    measure_layer(walk, walk->measured_layers, result->distance);
+  }
+  drop_pieces(walk);
+cleanup:
+  return status;
+}
+
+static enum status walk_start(const struct region *region, const struct wall_request *request,
+                              struct walk *walk) {
+  enum status status = STATUS_OK;
+  double spacing = 0.0, reduction = 1.0;
+  *walk = (struct walk){.region = region, .request = request};
+  walk->unit = fmin(region->voxel[0], fmin(region->voxel[1], region->voxel[2]));
+  for (int d = 0; d < 3; d++) {
+    walk->factor[d] = (double)region->size[d] / (double)request->size[d];
+    walk->stretch[d] = region->voxel[d] / walk->unit;
+    spacing = fmax(spacing, walk->factor[d] * walk->stretch[d]);
+    reduction *= walk->factor[d];
+  }
+  walk->band = fmax(BAND_LAYERS * spacing, 8.0) + 1.0;
+  long halo = (long)ceil(walk->band / walk->stretch[2]) + 2, n = (long)region->size[2];
+  double room = WINDOW_VOXELS / ((double)region->size[0] * (double)region->size[1]);
+  if (region->held != NULL) room /= 3.0;
+  room = fmin(fmax(room, STEP_LEAST + 2 * MARGIN + 1), (double)(n + 2 * halo));
+  /* Islands far smaller than a model voxel are noise to the model and would spoil the distances
+   * around them. */
+  TRY(grey_window_start(region, request->threshold, request->contrast, request->mirror,
+                        (size_t)fmin(SPECK_MOST, reduction / 8.0), request->mirror ? -1 : -halo,
+                        request->mirror ? n + 1 : n + halo, (size_t)room, &walk->window));
+  if (request->distances)
+    TRY(resampler_start(FILTER_AREA, region->size, request->size, AREA_BATCH, &walk->area));
+cleanup:
+  return status;
+}
+
+static void walk_end(struct walk *walk) {
+  for (size_t i = 0; i < walk->piece_count; i++) surfels_end(&walk->pieces[i].surfels);
+  memory_free(&walk->pieces);
+  resampler_end(&walk->area);
+  grey_window_end(&walk->window);
+}
+
+enum status wall_measure(const struct region *region, const struct wall_request *request,
+                         struct wall_result *result) {
+  enum status status = STATUS_OK;
+  struct walk walk = {0};
+  struct progress progress;
+  size_t sites = request->distances ? request->size[0] * request->size[1] * request->size[2] : 0;
+  const double *voxel = region->voxel;
+  memset(result, 0, sizeof *result);
+  TRY(memory_allocate(&result->distance, sites, sizeof *result->distance, "wall distances"));
+  TRY(memory_allocate(&result->grain_fraction, sites, sizeof *result->grain_fraction,
+                      "grain fractions"));
+  TRY(walk_start(region, request, &walk));
+  long step = (long)walk.window.room - 2 * MARGIN - 1, last = walk.window.high - 1;
+  if (step < 1) step = 1;
+  if (request->distances)
+    progress_start(&progress, "surface", "slices", (double)(walk.window.high - walk.window.low));
+  for (long done = walk.window.low; done < last; done += step) {
+    long end = done + step < last ? done + step : last;
+    TRY(advance(&walk, done, end, result));
+    if (request->distances) progress_update(&progress, (double)(end + 1 - walk.window.low), NULL);
+  }
+  if (request->distances) progress_end(&progress);
+  result->specks = walk.window.specks;
+  /* Sums of shares that round. */
+  for (size_t i = 0; request->distances && i < sites; i++)
+    result->grain_fraction[i] = fminf(fmaxf(result->grain_fraction[i], 0.0f), 1.0f);
+  /* Faces show 3/2 of an isotropic surface (Crofton); of n voxels in a row n - 1 have a next. */
+  for (int d = 0; d < 3; d++) {
+    double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
+    if (n > 1.0) result->surface_area += 2.0 / 3.0 * (double)walk.changes[d] * face * n / (n - 1.0);
+  }
+cleanup:
+  walk_end(&walk);
+  if (status != STATUS_OK) wall_result_end(result);
+  return status;
+}
+
+void wall_result_end(struct wall_result *result) {
+  memory_free(&result->distance);
+  memory_free(&result->grain_fraction);
+}

@@ -1,0 +1,343 @@
+#include "sphsolve/geometry/lattice.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/model_file.h"
+#include "common/node_memory.h"
+#include "common/provenance.h"
+#include "common/ranks.h"
+#include "sphsolve/geometry/distance.h"
+
+/* The sign of a distance follows the kind of its site, so that no method divides by a distance of
+ * the wrong side. Of sites [first, end). */
+static void sign_distances(struct lattice *lattice, size_t first, size_t end) {
+  double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
+  float least = (float)(1e-3 * spacing);
+  for (size_t i = first; i < end; i++) {
+    float *d = &lattice->wall_distance[i];
+    if (lattice->kind[i] == SITE_WALL)
+      *d = fminf(*d, -least);
+    else
+      *d = fmaxf(*d, least);
+  }
+}
+
+/* Sites of the planes that each rank fills of a lattice of so many. */
+static enum status planes_of(const size_t size[3], size_t **start) {
+  const size_t ranks = (size_t)ranks_count();
+  const enum status status = memory_allocate(start, ranks + 1, sizeof **start, "the lattice");
+  for (size_t r = 0; r <= ranks && status == STATUS_OK; r++)
+    (*start)[r] = size[2] * r / ranks * size[0] * size[1];
+  return status;
+}
+
+/* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
+static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  struct voxel_model model;
+  float *inner = NULL;
+  size_t *start = NULL;
+  status = model_read(scene->model_path, &model);
+  if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
+    error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
+  TRY(status);
+  TRY(hash_file(scene->model_path, &lattice->model_hash));
+  double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
+  double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
+  if (most > 1.5 * least)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: voxels of %g x %g x %g m are too far from cubes; choose --size so that "
+             "they are about as wide as high",
+             scene->model_path, model.spacing[0], model.spacing[1], model.spacing[2]);
+  lattice->dimensions = 3;
+  lattice->bulk_count = (double)model_site_count(&model);
+  size_t pad[3], count = 1;
+  bool padded = false;
+  for (int a = 0; a < 3; a++) {
+    pad[a] = model.periodic[a] ? 0 : (size_t)layers;
+    padded = padded || pad[a] > 0;
+    lattice->spacing[a] = model.spacing[a];
+    lattice->size[a] = model.size[a] + 2 * pad[a];
+    lattice->origin[a] = (0.5 - (double)pad[a]) * model.spacing[a];
+    if (!size_multiply(count, lattice->size[a], &count))
+      TRY_FAIL(STATUS_INPUT, "%s: too many voxels", scene->model_path);
+  }
+  lattice->count = count;
+  TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
+  const float *source = model.wall_distance;
+  if (source == NULL) {
+    /* The model's own surface: from its grey fraction, else the voxel faces. */
+    TRY(node_allocate(&inner, model_site_count(&model), sizeof *inner, "wall distances"));
+    TRY(planes_of(model.size, &start));
+    const size_t plane = model.size[0] * model.size[1];
+    const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
+    if (model.grain_fraction != NULL)
+      TRY(ranks_agree(distance_from_fraction(model.size, model.spacing, model.periodic, first, end,
+                                             model.grain_fraction, inner)));
+    else
+      distance_from_faces(model.size, model.spacing, model.periodic, first, end, model.solid,
+                          inner);
+    node_share(inner, start, sizeof *inner);
+    memory_free(&start);
+    source = inner;
+  }
+  TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                    "wall distances"));
+  TRY(planes_of(lattice->size, &start));
+  const size_t plane = lattice->size[0] * lattice->size[1];
+  for (size_t k = start[ranks_own()] / plane; k < start[ranks_own() + 1] / plane; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++) {
+        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
+        /* How deep the site lies in the added walls, and its nearest voxel. */
+        double depth = 0, room = INFINITY;
+        size_t near[3];
+        for (int a = 0; a < 3; a++) {
+          size_t n = model.size[a];
+          near[a] = xyz[a] < pad[a] ? 0 : xyz[a] - pad[a] < n ? xyz[a] - pad[a] : n - 1;
+          double x = ((double)xyz[a] - (double)pad[a] + 0.5) * model.spacing[a];
+          double outside = fmax(-x, x - (double)n * model.spacing[a]);
+          if (!model.periodic[a] && outside > 0) depth = fmax(depth, outside);
+          if (!model.periodic[a] && outside <= 0) room = fmin(room, -outside);
+        }
+        size_t from = (near[2] * model.size[1] + near[1]) * model.size[0] + near[0];
+        lattice->kind[at] = SITE_WALL;
+        if (depth > 0) {
+          lattice->wall_distance[at] = (float)-depth;
+          continue;
+        }
+        bool grain = model.solid[from] != 0;
+        lattice->kind[at] = grain ? SITE_WALL : SITE_FLUID;
+        double d = source[from];
+        if (padded && !grain) d = fmin(d, room);
+        lattice->wall_distance[at] = (float)d;
+      }
+  const size_t own = start[ranks_own()], end = start[ranks_own() + 1];
+  sign_distances(lattice, own, end);
+  node_share(lattice->kind, start, 1);
+  node_share(lattice->wall_distance, start, sizeof *lattice->wall_distance);
+cleanup:
+  memory_free(&start);
+  memory_free(&inner);
+  model_free(&model);
+  return status;
+}
+
+/* Number of sites whose centres lie inside a length. */
+static size_t sites_in(double length, double spacing) {
+  double n = floor(length / spacing + 0.5 - 1e-9);
+  return n < 1 ? 1 : (size_t)n;
+}
+
+static bool box_holds(const double box[6], const double x[3], int dimensions) {
+  for (int a = 0; a < 3; a++) {
+    if (dimensions == 2 && a == 1) continue;
+    if (!(x[a] > box[a] && x[a] < box[a + 3])) return false;
+  }
+  return true;
+}
+
+/* Kind and region of a point: the last region that holds it. Soil is a property of space, water is
+ * what fills it: a water region fills what it claims, in or out of soil, and a later porous region
+ * does not take it away; soil that no water region covers is dry unless it is `saturated`. */
+static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
+                  uint16_t *region) {
+  bool water = false;
+  *kind = SITE_EMPTY;
+  *region = 0;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *candidate = &scene->regions[r];
+    if (!box_holds(candidate->box, x, scene->dimensions)) continue;
+    switch (candidate->type) {
+    case REGION_WATER:
+      water = true;
+      *kind = SITE_FLUID;
+      break;
+    case REGION_WALL:
+      water = false;
+      *kind = SITE_WALL;
+      break;
+    case REGION_EMPTY:
+      water = false;
+      *kind = SITE_EMPTY;
+      break;
+    case REGION_POROUS:
+      *kind = water || all_saturated || candidate->saturated ? SITE_FLUID : SITE_EMPTY;
+      break;
+    case REGION_INFLOW:
+      continue; /* a boundary, it fills nothing */
+    }
+    *region = (uint16_t)(r + 1);
+  }
+}
+
+/* Whether all soil starts full of water without being told: no surface is possible where there is
+ * no water region at all, or where the domain is endless along the driving force. */
+static bool saturated_by_nature(const struct scene *scene) {
+  bool water = false;
+  for (size_t r = 0; r < scene->region_count; r++)
+    water = water || scene->regions[r].type == REGION_WATER;
+  for (int a = 0; a < 3; a++)
+    if (scene->periodic[a] && scene->driving[a] != 0) return true;
+  return !water;
+}
+
+/* Claims the sites of planes [first, end); whether any of all stays empty. */
+static bool fill_sites(const struct scene *scene, const size_t pad[3], const size_t inner[3],
+                       bool all_saturated, size_t first, size_t end, struct lattice *lattice) {
+  bool empty = false;
+  for (size_t k = first; k < end; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++) {
+        size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
+        double x[3];
+        bool outside = false;
+        for (int a = 0; a < 3; a++) {
+          x[a] = lattice->origin[a] + (double)xyz[a] * scene->spacing;
+          outside = outside || xyz[a] < pad[a] || xyz[a] >= pad[a] + inner[a];
+        }
+        if (outside)
+          lattice->kind[at] = SITE_WALL;
+        else
+          claim(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
+        empty = empty || lattice->kind[at] == SITE_EMPTY;
+      }
+  return ranks_any(empty);
+}
+
+static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  size_t pad[3], inner[3], count = 1, *start = NULL;
+  lattice->dimensions = scene->dimensions;
+  lattice->bulk_count = 1;
+  for (int a = 0; a < 3; a++) {
+    lattice->spacing[a] = scene->spacing;
+    inner[a] = sites_in(scene->domain_size[a], scene->spacing);
+    double length = (double)inner[a] * scene->spacing;
+    if (scene->periodic[a] && fabs(length - scene->domain_size[a]) > 1e-3 * scene->spacing)
+      TRY(scene_error(scene, AT_SIZE,
+                      "the periodic length %g m in %c is no whole number of spacings (%g m); %g m "
+                      "would be",
+                      scene->domain_size[a], 'x' + a, scene->spacing, length));
+    pad[a] = scene->periodic[a] ? 0 : (size_t)layers;
+    lattice->size[a] = inner[a] + 2 * pad[a];
+    lattice->origin[a] = (0.5 - (double)pad[a]) * scene->spacing;
+    const double sites = scene->domain_size[a] / scene->spacing;
+    lattice->bulk_count *= fabs(sites - (double)inner[a]) < 1e-6 ? (double)inner[a] : sites;
+    if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40)
+      TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; choose a wider one",
+                      scene->spacing));
+  }
+  lattice->count = count;
+  TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
+  TRY(node_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
+  TRY(planes_of(lattice->size, &start));
+  const size_t from = start[ranks_own()], to = start[ranks_own() + 1];
+  const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
+  bool wall = false;
+  /* With all soil saturated first: if that leaves no site empty, there is no surface and it is. */
+  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_nature(scene))
+    fill_sites(scene, pad, inner, false, first, end, lattice);
+  for (size_t at = from; at < to; at++) wall = wall || lattice->kind[at] == SITE_WALL;
+  node_share(lattice->kind, start, 1);
+  node_share(lattice->region, start, sizeof *lattice->region);
+  if (ranks_any(wall)) {
+    TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
+                      "wall distances"));
+    for (size_t at = from; at < to; at++) {
+      const size_t row = at / lattice->size[0];
+      const size_t site[3] = {at % lattice->size[0], row % lattice->size[1],
+                              row / lattice->size[1]};
+      double x[3];
+      for (int a = 0; a < 3; a++) x[a] = lattice->origin[a] + (double)site[a] * scene->spacing;
+      lattice->wall_distance[at] = (float)distance_to_boxes(scene, x);
+    }
+    sign_distances(lattice, from, to);
+    node_share(lattice->wall_distance, start, sizeof *lattice->wall_distance);
+  }
+cleanup:
+  memory_free(&start);
+  return status;
+}
+
+enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  *lattice = (struct lattice){0};
+  if (*scene->model_path)
+    TRY(from_model(scene, wall_layers, lattice));
+  else
+    TRY(from_domain(scene, wall_layers, lattice));
+  for (size_t i = 0; i < lattice->count; i++) {
+    lattice->fluid_count += lattice->kind[i] == SITE_FLUID;
+    lattice->wall_count += lattice->kind[i] == SITE_WALL;
+  }
+cleanup:
+  if (status != STATUS_OK) lattice_free(lattice);
+  return status;
+}
+
+void lattice_free(struct lattice *lattice) {
+  memory_free(&lattice->kind);
+  memory_free(&lattice->wall_distance);
+  memory_free(&lattice->region);
+}
+
+/* Distances lie first in the file, then regions. */
+enum status lattice_distances_aside(struct lattice *l, const char *beside,
+                                    struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  /* What ranks hold once stays. */
+  if (l->wall_distance == NULL || ranks_count() > 1) return STATUS_OK;
+  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
+  TRY(scratch_write(&aside->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
+  memory_free(&l->wall_distance);
+  aside->distances = true;
+cleanup:
+  return status;
+}
+
+enum status lattice_regions_aside(struct lattice *l, const char *beside,
+                                  struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  if (l->region == NULL || ranks_count() > 1) return STATUS_OK;
+  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
+  TRY(scratch_write(&aside->file, l->count * sizeof *l->wall_distance, l->region,
+                    l->count * sizeof *l->region));
+  memory_free(&l->region);
+  aside->regions = true;
+cleanup:
+  return status;
+}
+
+enum status lattice_take_back(struct lattice *l, struct lattice_aside *aside) {
+  enum status status = STATUS_OK;
+  const size_t distances = l->count * sizeof *l->wall_distance;
+  if (aside->distances) {
+    TRY(memory_allocate(&l->wall_distance, l->count, sizeof *l->wall_distance, "wall distances"));
+    TRY(scratch_read(&aside->file, 0, l->wall_distance, distances));
+  }
+  if (aside->regions) {
+    TRY(memory_allocate(&l->region, l->count, sizeof *l->region, "the lattice"));
+    TRY(scratch_read(&aside->file, distances, l->region, l->count * sizeof *l->region));
+  }
+cleanup:
+  scratch_close(&aside->file);
+  return status;
+}
+
+void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
+  const size_t *n = lattice->size;
+  faces[0] = faces[1] = faces[2] = 0;
+  for (size_t k = 0; k < n[2]; k++)
+    for (size_t j = 0; j < n[1]; j++)
+      for (size_t i = 0; i < n[0]; i++) {
+        size_t at = (k * n[1] + j) * n[0] + i;
+        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
+                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
+                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
+        for (int a = 0; a < 3; a++) faces[a] += lattice->kind[at] != lattice->kind[next[a]];
+      }
+}

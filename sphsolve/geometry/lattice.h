@@ -1,0 +1,60 @@
+/* The sites a scene starts from: one per voxel of the model, or per spacing of the domain. wcsph
+ * puts a particle on each site, stokes solves on the sites.
+ *
+ * Where an axis is not periodic and the domain is closed there, `wall_layers` layers of wall are
+ * added outside on each side, so that the lattice itself is periodic for wcsph and stokes and no
+ * kernel reaches around. isph makes its own walls and asks for 0 layers. */
+#ifndef TOSUI_SPHSOLVE_GEOMETRY_LATTICE_H
+#define TOSUI_SPHSOLVE_GEOMETRY_LATTICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "common/scratch_file.h"
+#include "sphsolve/scene/scene.h"
+
+enum site_kind { SITE_EMPTY = 0, SITE_FLUID = 1, SITE_WALL = 2 };
+
+struct lattice {
+  int dimensions;    /* 2: size[1] == 1 and y is no direction of the kernel */
+  size_t size[3];    /* x, y, z; site (i, j, k) at index (k * ny + j) * nx + i */
+  double spacing[3]; /* m */
+  double origin[3];  /* m: centre of site (0, 0, 0) */
+  size_t count;      /* product of size */
+  size_t fluid_count, wall_count;
+  /* Sites without added wall layers: the bulk of the Darcy velocity. Not whole where a closed side
+   * of a domain lies within a site. */
+  double bulk_count;
+  uint8_t *kind;     /* enum site_kind */
+  /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
+   * model's wall_distance, else its grain_fraction, else the voxel faces; from the boxes of a
+   * domain exactly. NULL when there is no wall. */
+  float *wall_distance;
+  /* Region that claimed a site + 1, 0 for none (outer walls); NULL for a model. Wall velocity and
+   * slip come from scene.regions. */
+  uint16_t *region;
+  uint64_t model_hash; /* of the model file; 0 without */
+};
+
+struct lattice_aside {
+  struct scratch_file file;
+  bool distances, regions;
+};
+
+enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
+void lattice_free(struct lattice *lattice);
+
+/* What a method does not look at while it runs lies on disk (`beside` its results) meanwhile.
+ * Taking it back frees `aside`, also where it fails. */
+enum status lattice_distances_aside(struct lattice *lattice, const char *beside,
+                                    struct lattice_aside *aside);
+enum status lattice_regions_aside(struct lattice *lattice, const char *beside,
+                                  struct lattice_aside *aside);
+enum status lattice_take_back(struct lattice *lattice, struct lattice_aside *aside);
+
+/* Faces between sites of different kind, by the axis they are normal to; periodic. */
+void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);
+
+#endif

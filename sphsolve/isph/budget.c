@@ -1,0 +1,271 @@
+/* The equation, per mass m of water of a particle, u = v_D/eps its velocity, I = C_r/(eps G) the
+ * inertia that soil adds (isph_drag.h; I = eps = 1 in free water):
+ *   m I dv_D/dt = m [ f - grad P/rho_w + viscous + drag ]
+ * It keeps the momentum sum m I v_D and, times u, the kinetic energy sum m I v_D^2/(2 eps). A step
+ * takes v^n to v^{n+1} with every force as it was applied,
+ *   m I (v^{n+1} - v^n) = dt sum F,
+ *   T^{n+1} - T^n = dt sum F.u^{n+1} - sum (m I/(2 eps)) |v^{n+1} - v^n|^2,
+ * of which the last is what stepping in time takes (never gives): identities, so that energy closes
+ * to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
+ *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (isph_drag.h)
+ * and grad P that of isph_step.c's correct. Then come what is no force: the guards at walls,
+ * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the
+ * bound of isph_energy.c; and particles that move on into other soil at the same v_D (soil_entry),
+ * come and go.
+ *
+ * Pressure is the one force that acts both on the water and back on something else, and there the
+ * two sides are summed by themselves. Momentum: walls, from the pressure of the particles before
+ * them carried on to the wall,
+ *   F = sum_i sum_w eps_i V_i V_w slope (P_i + P_w) r_iw,   P_w = P_i - rho f.r_iw
+ * with f along closed axes (round periodic ones it makes no pressure)
+ * (with the pairs of a planar wall and a P linear in space it is exactly the integral of P over the
+ * face, for sum V slope r r = 1: a pair n spacings long crosses it n times, at P's mean on the
+ * face); open sides the same with their own pressure; soil sum V P grad eps. The water gets -grad
+ * P by differences that know no wall, summed particle by particle. What the two differ by, action
+ * without reaction, is a term of its own (projection); so is what viscous pairs do not give each
+ * other (m_i V_j is not m_j V_i between particles of different porosity). Energy: the pressure's
+ * work on the water is counted particle by particle, that of walls that move, open sides and the
+ * relaxation (P div v as it was asked for) by itself; the rest is work where an exact projection
+ * would do none. What then is not accounted for, in momentum and energy, is what no effect has
+ * counted: rounding. */
+#include "sphsolve/isph/budget.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/effects/relaxation.h"
+#include "sphsolve/isph/ranks.h"
+
+static double porosity_of(const struct isph *s, size_t i) {
+  return s->on.soil ? s->porosity[i] : 1;
+}
+
+static double inertia_of(const struct isph *s, size_t i) {
+  return s->on.soil ? s->inertia[i] : 1;
+}
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void give(struct ledger_sums *sums, enum ledger_term term, double scale,
+                 const double force[3], const double u[3]) {
+  for (int a = 0; a < 3; a++) sums->impulse[term][a] += scale * force[a];
+  sums->work[term] += scale * dot(force, u);
+}
+
+/* Momentum m I v and energy m I v^2/(2 eps), with `sign`. */
+static void hold(double mass, double inertia, double porosity, const double v[3], double sign,
+                 double momentum[3], double *energy) {
+  for (int a = 0; a < 3; a++) momentum[a] += sign * mass * inertia * v[a];
+  *energy += sign * 0.5 * mass * inertia / porosity * dot(v, v);
+}
+
+static void held(const struct isph *s, double momentum[3], double *energy) {
+  double total[4];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[4] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      hold(s->mass[i] * s->thickness, inertia_of(s, i), porosity_of(s, i), s->velocity[i], 1, sum,
+           &sum[3]);
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 4, total);
+  memcpy(momentum, total, 3 * sizeof *total);
+  *energy = total[3];
+}
+
+void isph_account_begin(struct isph *s) {
+  const struct {
+    enum ledger_term term;
+    bool on;
+  } terms[] = {{LEDGER_FORCE, dot(s->force, s->force) > 0},
+               {LEDGER_WALL_PRESSURE, s->boundary_count > 0},
+               {LEDGER_WALL_FRICTION, s->boundary_count > 0 && s->on.viscosity && s->on.no_slip},
+               {LEDGER_OPEN_SIDES, s->on.open_sides},
+               {LEDGER_ENTERED, s->on.open_sides},
+               {LEDGER_LEFT, s->on.open_sides},
+               {LEDGER_LOST, s->boundary_count > 0},
+               {LEDGER_SOIL_PRESSURE, s->on.soil},
+               {LEDGER_SOIL_ENTRY, s->on.soil},
+               {LEDGER_DRAG_LINEAR, s->on.drag_linear},
+               {LEDGER_DRAG_FORCHHEIMER, s->on.drag_forchheimer},
+               {LEDGER_VISCOSITY, s->on.viscosity},
+               {LEDGER_TURBULENCE, s->on.turbulence},
+               {LEDGER_RELAXATION, s->on.relaxation},
+               {LEDGER_PROJECTION, true},
+               {LEDGER_CALMING, s->on.calming},
+               {LEDGER_SHIFTING, s->on.shifting},
+               {LEDGER_WALL_GUARD, s->boundary_count > 0},
+               {LEDGER_STRAIGHTENING, s->on.open_sides},
+               {LEDGER_ENERGY_BOUND, s->on.energy},
+               {LEDGER_TIME_STEP, true}};
+  memset(&s->account, 0, sizeof s->account);
+  for (size_t t = 0; t < sizeof terms / sizeof *terms; t++)
+    if (terms[t].on) s->account.on |= 1u << terms[t].term;
+  held(s, s->account.momentum[0], &s->account.energy[0]);
+}
+
+/* Walls and open sides on particle i; and the work of those that move. `scale`: m dt / rho. */
+static void account_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                          double scale, const double u[3], struct ledger_sums *sums) {
+  const double *x = s->position[i];
+  double f[3] = {0};
+  for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+    double r[3] = {0}, weight = scale * s->wall_volume * (double)chunk->wall_slope[p];
+    isph_separation(s, x, s->boundary_position, entry, r);
+    if (s->boundary_kind[j] == BOUNDARY_WALL) {
+      const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);
+      give(sums, LEDGER_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
+    } else {
+      const bool head = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
+      const double pressure =
+          head ? 2 * s->boundary_pressure[j] : 2 * s->pressure[i] - s->density * dot(f, r);
+      give(sums, LEDGER_OPEN_SIDES, weight * pressure, r, u);
+    }
+  }
+}
+
+/* sum V P grad eps, at a face of soil. `scale`: m dt / (eps rho), V dt. */
+static void account_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                         double scale, struct ledger_sums *sums) {
+  const double *x = s->position[i], still[3] = {0}, *soil = still;
+  const float *l = s->correction[i];
+  double g[3] = {0}, gradient[3] = {0};
+  if (s->on.moving_soil) soil = s->soil_velocity[i];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    double r[3] = {0},
+           d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
+    isph_separation(s, x, s->position, chunk->pair[p], r);
+    for (int a = 0; a < 3; a++) g[a] += d * r[a];
+  }
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) gradient[a] += (double)l[3 * b + a] * g[b];
+  give(sums, LEDGER_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
+}
+
+static void account_drag(const struct isph *s, size_t i, double scale, const double before[3],
+                         const double u[3], struct ledger_sums *sums) {
+  const double *v = s->velocity[i], eps = s->porosity[i];
+  double own[3] = {0}, linear[3] = {0}, forchheimer[3] = {0}, square = 0;
+  for (int a = 0; a < 3; a++) {
+    if (s->on.moving_soil) own[a] = eps * s->soil_velocity[i][a];
+    square += (before[a] - own[a]) * (before[a] - own[a]);
+  }
+  const double speed = sqrt(square);
+  for (int a = 0; a < 3; a++) {
+    linear[a] = -s->drag_a[i] * (v[a] - own[a]);
+    forchheimer[a] = -s->drag_b[i] * speed * (2 * (v[a] - own[a]) - (before[a] - own[a]));
+  }
+  give(sums, LEDGER_DRAG_LINEAR, scale, linear, u);
+  give(sums, LEDGER_DRAG_FORCHHEIMER, scale, forchheimer, u);
+}
+
+/* The pairs' viscous force goes to what makes the larger part of nu + max(nu_T, nu_c). */
+static void account_viscosity(const struct isph *s, size_t i, double scale, const double u[3],
+                              struct ledger_sums *sums) {
+  const struct isph_applied *applied = &s->applied[i];
+  const double eps = porosity_of(s, i), thick = s->eddy[i] * eps;
+  const double own = thick > 0 ? s->viscosity / thick : 1;
+  const bool calming = s->on.calming && (!s->on.turbulence || thick - s->viscosity <= s->calm);
+  const enum ledger_term more = calming ? LEDGER_CALMING : LEDGER_TURBULENCE;
+  give(sums, LEDGER_VISCOSITY, scale * own, applied->viscous, u);
+  give(sums, more, scale * (1 - own), applied->viscous, u);
+  give(sums, LEDGER_WALL_FRICTION, scale, applied->friction, u);
+}
+
+void isph_account_forces(struct isph *s, double tau, double dt) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    struct isph_chunk *chunk = &s->chunks[c];
+    struct ledger_sums *sums = &chunk->account;
+    memset(sums, 0, sizeof *sums);
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), *f = s->force;
+      const double inertia = inertia_of(s, i), *v = s->velocity[i];
+      const double *applied = s->applied[i].pressure;
+      double u[3] = {0}, before[3], pressed[3] = {0}, square = 0;
+      for (int a = 0; a < 3; a++) {
+        u[a] = v[a] / eps;
+        before[a] = 2 * s->predicted[i][a] - v[a]; /* see correct() */
+        pressed[a] = -applied[a] / s->density - f[a];
+        square += (v[a] - before[a]) * (v[a] - before[a]);
+        sums->impulse[LEDGER_FORCE][a] += m * dt * f[a];
+      }
+      give(sums, LEDGER_PROJECTION, m * dt, pressed, u);
+      sums->work[LEDGER_TIME_STEP] -= 0.5 * m * inertia / eps * square;
+      if (s->on.viscosity) account_viscosity(s, i, m * dt, u, sums);
+      if (s->on.soil) account_drag(s, i, m * dt, before, u, sums);
+      if (s->on.soil && s->soil_share[i] > 0 && s->soil_share[i] < 1)
+        account_soil(s, chunk, i, m * dt / (eps * s->density), sums);
+      account_sides(s, chunk, i, m * dt / s->density, u, sums);
+      if (s->on.open_sides) {
+        const double left = s->on.soil ? s->drag_left[i] : 1;
+        give(sums, LEDGER_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
+      }
+      const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
+      if (s->on.relaxation) sums->work[LEDGER_RELAXATION] -= power * relaxation_source(s, i, tau);
+      if (s->on.moving_soil) sums->work[LEDGER_SOIL_PRESSURE] -= power * s->porosity_rate[i];
+    }
+    const enum ledger_term does[] = {LEDGER_WALL_PRESSURE, LEDGER_OPEN_SIDES, LEDGER_RELAXATION,
+                                     LEDGER_SOIL_PRESSURE};
+    for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
+      sums->work[LEDGER_PROJECTION] -= sums->work[does[t]];
+      for (int a = 0; a < 3; a++) sums->impulse[LEDGER_PROJECTION][a] -= sums->impulse[does[t]][a];
+    }
+  }
+}
+
+void isph_account_change(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
+                         size_t i, const double from[3]) {
+  const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), in = inertia_of(s, i);
+  hold(m, in, eps, s->velocity[i], 1, sums->impulse[term], &sums->work[term]);
+  hold(m, in, eps, from, -1, sums->impulse[term], &sums->work[term]);
+}
+
+void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
+                      size_t i, const double way[3]) {
+  const double given = s->mass[i] * s->thickness * dot(s->force, way);
+  sums->work[LEDGER_FORCE] += given;
+  if (term != LEDGER_FORCE) sums->work[term] -= given;
+}
+
+void isph_account_moved(struct isph *s) {
+  isph_add_accounts(s);
+  if (s->on.soil) held(s, s->account_held, &s->account_held[3]);
+}
+
+void isph_account_gone(struct isph *s, enum ledger_term term, const struct isph_gone *gone) {
+  const double m = gone->mass * s->thickness, in = gone->inertia, eps = gone->porosity;
+  const double *v = gone->velocity;
+  hold(m, in, eps, v, -1, s->account.sums.impulse[term], &s->account.sums.work[term]);
+  hold(m, in, eps, v, -1, s->account_held, &s->account_held[3]);
+}
+
+void isph_account_entered(struct isph *s, const double position[3], const double velocity[3],
+                          double mass) {
+  struct soil_point soil = {.porosity = 1, .inertia = 1};
+  struct ledger_sums *sums = &s->account.sums;
+  if (s->on.soil) isph_soil_at(s, position, 0, &soil);
+  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, sums->impulse[LEDGER_ENTERED],
+       &sums->work[LEDGER_ENTERED]);
+  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, s->account_held,
+       &s->account_held[3]);
+}
+
+void isph_account_settled(struct isph *s) {
+  struct ledger_sums *sums = &s->account.sums;
+  double now[4];
+  if (!s->on.soil) return;
+  held(s, now, &now[3]);
+  for (int a = 0; a < 3; a++) sums->impulse[LEDGER_SOIL_ENTRY][a] += now[a] - s->account_held[a];
+  sums->work[LEDGER_SOIL_ENTRY] += now[3] - s->account_held[3];
+}
+
+void isph_account_end(struct isph *s) {
+  held(s, s->account.momentum[1], &s->account.energy[1]);
+}

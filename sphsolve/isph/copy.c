@@ -1,0 +1,81 @@
+/* A copy of the state to go back to: what a checkpoint holds, in memory. */
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/state.h"
+
+/* The arrays of a state: per own particle, per boundary particle, per region. */
+static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9]) {
+  const size_t own = s->share.end - s->share.begin;
+  size_t n = 0;
+#define ADD(member, first, count)                                                                  \
+  do {                                                                                             \
+    array[n] = (count) > 0 ? s->member + (first) : NULL;                                           \
+    bytes[n++] = (count) * sizeof *s->member;                                                      \
+  } while (0)
+  ADD(position, s->share.begin, own);
+  ADD(velocity, s->share.begin, own);
+  ADD(pressure, s->share.begin, own);
+  ADD(mass, s->share.begin, own);
+  ADD(id, s->share.begin, own);
+  ADD(boundary_position, 0, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
+  ADD(wall_boxes, 0, s->wall_box_count);
+  ADD(soil_offset, 0, s->scene->region_count);
+  ADD(column_front, 0, s->column_count);
+#undef ADD
+  return n;
+}
+
+enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
+  enum status status = STATUS_OK;
+  void *array[9];
+  size_t bytes[9], total = 0, used = 0, n = copied_arrays(s, array, bytes);
+  for (size_t i = 0; i < n; i++) total += bytes[i];
+  TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
+  for (size_t i = 0; i < n; i++) {
+    if (array[i]) memcpy(copy->block + used, array[i], bytes[i]);
+    used += bytes[i];
+  }
+  copy->count = s->share.end - s->share.begin;
+  copy->time = s->time, copy->thickest = s->thickest;
+  copy->step = s->step;
+  copy->next_id = s->next_id;
+  copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
+  copy->numbers[2] = s->entered_mass;
+  copy->account = s->account;
+  copy->counts[0] = s->lost_count, copy->counts[1] = s->left_count;
+  copy->counts[2] = s->entered_count;
+cleanup:
+  return status;
+}
+
+enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
+  enum status status = STATUS_OK;
+  void *array[9];
+  size_t bytes[9], used = 0;
+  TRY(isph_reserve(s, copy->count));
+  s->count = s->share.end = copy->count;
+  s->share.begin = 0;
+  size_t n = copied_arrays(s, array, bytes);
+  for (size_t i = 0; i < n; i++) {
+    if (array[i]) memcpy(array[i], copy->block + used, bytes[i]);
+    used += bytes[i];
+  }
+  s->time = copy->time, s->thickest = copy->thickest;
+  s->step = copy->step;
+  s->next_id = copy->next_id;
+  s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];
+  s->entered_mass = copy->numbers[2];
+  s->account = copy->account;
+  s->lost_count = copy->counts[0], s->left_count = copy->counts[1];
+  s->entered_count = copy->counts[2];
+  isph_wall_move(s, 0);
+  TRY(isph_sort_walls(s));
+  TRY(isph_refresh(s));
+cleanup:
+  return status;
+}
+
+void isph_copy_free(struct isph_copy *copy) {
+  memory_free(&copy->block);
+}

@@ -1,0 +1,152 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/effects/relaxation.h"
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/ranks.h"
+
+/* In a closed tank under a steady force the water's energy, kinetic and potential,
+ *   E = sum m (v^2 / (2 eps^2) - f.x),
+ * may only fall. Three things give it some nevertheless, and show near rest, when nothing else
+ * takes energy any more. The relaxation of the density lets crowded water have its room again, R =
+ * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it widens no more than the step's
+ * friction and what it contracts elsewhere pay for, by the pressures of the step before: widening
+ * <= (friction + contracting) / widening, unless the water as a whole is crowded by more than
+ * CROWDED, when its volume matters more. The projection, whose gradient and divergence are each
+ * other's adjoint but for sum V grad W, and the shift lift the water by 1e-7 to 1e-6 of its energy
+ * in a step, by spreading its particles. What is lifted is let down again: all particles are drawn
+ * along the force towards the lowest, by the one strain that makes E^{n+1} = E^n. The flow is left
+ * alone: a factor on velocities would take from waves, whose energy is less than 1e-5 of the
+ * water's, what the water as a whole has gained (it ended a wave of 3 cm/s on a metre of water
+ * within two periods). Only what a new porosity adds to u = v/eps is taken from the velocities. */
+
+#define CROWDED 0.0025 /* twice this: relaxation is free */
+
+static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
+  double total;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *v = velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+      sum += 0.5 * s->mass[i] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
+    }
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &total);
+  return total;
+}
+
+double isph_kinetic_energy(const struct isph *s) {
+  return kinetic_of(s, s->velocity);
+}
+
+double isph_potential_energy(const struct isph *s) {
+  const double *f = s->force;
+  double total;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *x = s->position[i];
+      sum -= s->mass[i] * (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]);
+    }
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &total);
+  return total;
+}
+
+void isph_energy_relax(struct isph *s, double tau, double dt) {
+  enum { WIDENS, CONTRACTS, CROWD, VOLUME, COUNT };
+  double total[COUNT];
+  s->widening = 1;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double asked = -s->volume[i] * relaxation_source(s, i, tau);
+      double given = s->pressure[i] * asked * dt;
+      sum[given > 0 ? WIDENS : CONTRACTS] += fabs(given);
+      sum[CROWD] += asked * tau, sum[VOLUME] += s->volume[i];
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, COUNT, total);
+  double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
+  double free = fmin(1, total[CROWD] / total[VOLUME] / CROWDED - 1);
+  if (total[WIDENS] > 0)
+    s->widening = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[WIDENS]);
+  s->unpaid = free > s->widening ? 1 - s->widening / free : 0;
+  s->widening = fmax(s->widening, free);
+}
+
+double isph_energy_given(const struct isph *s, double tau, double dt) {
+  double total;
+  if (s->unpaid <= 0) return 0;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, tau);
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &total);
+  return s->unpaid * fmax(0, total * dt);
+}
+
+#define STRAIN_MOST 1e-3 /* of a step */
+#define TRIM_MOST 0.01   /* of the kinetic energy, a step */
+
+void isph_energy_settle(struct isph *s, double (*way)[3], double budget) {
+  enum { WORK, WEIGHT, MASS, COUNT };
+  const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  double total[COUNT], lowest = -INFINITY;
+#pragma omp parallel for schedule(static) reduction(max : lowest)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *x = s->position[i];
+      double depth = (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]) / force;
+      sum[WORK] -= s->mass[i] * (f[0] * way[i][0] + f[1] * way[i][1] + f[2] * way[i][2]);
+      sum[WEIGHT] -= s->mass[i] * force * depth, sum[MASS] += s->mass[i];
+      lowest = fmax(lowest, depth);
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, COUNT, total);
+  lowest = ranks_max(lowest);
+  const double weight = total[WEIGHT] + total[MASS] * force * lowest;
+  double excess = isph_kinetic_energy(s) + total[WORK] - budget;
+  if (!(excess > 0 && weight > 0)) return;
+  double strain = fmin(excess / weight, STRAIN_MOST) / force;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *x = s->position[i];
+      double down[3], depth = (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]) / force;
+      for (int a = 0; a < 3; a++) down[a] = strain * (lowest - depth) * f[a], way[i][a] += down[a];
+      isph_account_way(s, &s->chunks[c].account, LEDGER_ENERGY_BOUND, i, down);
+    }
+}
+
+void isph_energy_trim(struct isph *s, double most) {
+  double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
+  if (!(excess > 0 && kinetic > 0)) return;
+  double scale = sqrt(1 - fmin(excess / kinetic, TRIM_MOST));
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    struct isph_chunk *chunk = &s->chunks[c];
+    memset(&chunk->account, 0, sizeof chunk->account);
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double from[3];
+      memcpy(from, s->velocity[i], sizeof from);
+      for (int a = 0; a < 3; a++) s->velocity[i][a] *= scale;
+      isph_account_change(s, &chunk->account, LEDGER_ENERGY_BOUND, i, from);
+    }
+  }
+  isph_add_accounts(s);
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
+}

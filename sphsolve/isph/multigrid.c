@@ -1,0 +1,262 @@
+#include "sphsolve/isph/multigrid.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/levels.h"
+#include "sphsolve/isph/ranks.h"
+
+struct isph_multigrid {
+  struct levels levels;
+  double origin[3];
+  size_t capacity, layer_capacity;
+  uint32_t *base; /* [own particles]: lowest node of its cell */
+  float (*fraction)[3];
+  uint32_t *order; /* own particles by layer of cells along z */
+  int64_t *whole;  /* [nodes, cells]: sums in units, the same in whatever order */
+  size_t whole_room;
+  uint32_t *layer_start;
+};
+
+/* A box around the particles of all ranks. */
+static enum status shape(struct isph *s, struct isph_multigrid *grid) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  double most[6], extent[3];
+  bool used[3];
+  for (size_t i = s->share.begin; i < s->share.end; i++)
+    for (int a = 0; a < 3; a++) {
+      low[a] = fmin(low[a], s->position[i][a]);
+      high[a] = fmax(high[a], s->position[i][a]);
+    }
+  for (int a = 0; a < 3; a++) most[a] = high[a], most[3 + a] = -low[a];
+  ranks_max_all(most, 6);
+  for (int a = 0; a < 3; a++) {
+    used[a] = s->dimensions == 3 || a != 1;
+    grid->origin[a] = s->periodic[a] ? s->low[a] : -most[3 + a];
+    extent[a] = (s->periodic[a] ? s->high[a] : most[a]) - grid->origin[a];
+  }
+  return levels_shape(&grid->levels, extent, used, s->periodic, s->spacing);
+}
+
+/* Weights of the 8 corners of the cell of own particle i. */
+static void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
+  double f[3] = {(double)grid->fraction[i][0], (double)grid->fraction[i][1],
+                 (double)grid->fraction[i][2]};
+  int n = 0, top = grid->levels.used[1] ? 1 : 0;
+  for (int c = 0; c <= 1; c++)
+    for (int b = 0; b <= top; b++)
+      for (int a = 0; a <= 1; a++)
+        weight[n++] =
+            (a ? f[0] : 1 - f[0]) * (top ? (b ? f[1] : 1 - f[1]) : 1) * (c ? f[2] : 1 - f[2]);
+}
+
+/* Nodes around the cell of own particle i. */
+static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
+  const struct level *fine = &grid->levels.at[0];
+  const uint32_t base = grid->base[i], row = base / (uint32_t)fine->nodes[0];
+  const uint32_t x = base - row * (uint32_t)fine->nodes[0], z = row / (uint32_t)fine->nodes[1];
+  const uint32_t y = row - z * (uint32_t)fine->nodes[1];
+  const size_t right = (size_t)fine->upper[0][x] - x;
+  const int above = fine->upper[2][z];
+  node[0] = base;
+  node[1] = base + right;
+  if (!grid->levels.used[1]) {
+    node[2] = level_node(fine, (int)x, (int)y, above);
+    node[3] = node[2] + right;
+    return 4;
+  }
+  const int behind = fine->upper[1][y];
+  node[2] = level_node(fine, (int)x, behind, (int)z);
+  node[4] = level_node(fine, (int)x, (int)y, above);
+  node[6] = level_node(fine, (int)x, behind, above);
+  for (int c = 2; c < 8; c += 2) node[c + 1] = node[c] + right;
+  return 8;
+}
+
+/* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
+ * alone, so that they are the same in any order, on any number of ranks; of MOST of the largest
+ * there is room for. */
+#define MOST 0x1p16
+
+static double unit_of(const struct isph *s, const double *value) {
+  double most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most)
+  for (size_t i = s->share.begin; i < s->share.end; i++) most = fmax(most, fabs(value[i]));
+  most = ranks_max(most);
+  int exponent = 0;
+  frexp(most, &exponent);
+  return most > 0 && isfinite(most) ? ldexp(MOST / 0x1p62, exponent) : 1;
+}
+
+/* `sums` are those of all ranks, times `unit`. */
+static void add_up(const struct isph_multigrid *grid, size_t n, double unit, double *sums) {
+  ranks_sum_whole(grid->whole, n);
+#pragma omp parallel for schedule(static)
+  for (size_t k = 0; k < n; k++) sums[k] = unit * (double)grid->whole[k];
+}
+
+/* Adds value[i] of all particles to the nodes around, by layers of two colours. */
+static void gather(const struct isph *s, const double *value, double *nodes) {
+  const struct isph_multigrid *grid = s->multigrid;
+  const struct level *fine = &grid->levels.at[0];
+  const double unit = unit_of(s, value), scale = 1 / unit;
+  memset(grid->whole, 0, fine->node_count * sizeof *grid->whole);
+  for (int parity = 0; parity < 2; parity++) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int k = parity; k < fine->cells[2]; k += 2)
+      for (uint32_t p = grid->layer_start[k]; p < grid->layer_start[k + 1]; p++) {
+        size_t i = grid->order[p], node[8];
+        double weight[8], scaled = scale * value[s->share.begin + i];
+        int n = particle_corners(grid, i, node);
+        weights_of(grid, i, weight);
+        for (int c = 0; c < n; c++) grid->whole[node[c]] += (int64_t)(weight[c] * scaled);
+      }
+  }
+  add_up(grid, fine->node_count, unit, nodes);
+}
+
+/* Mean coefficient of the cells. */
+static void find_coefficients(const struct isph *s) {
+  struct isph_multigrid *grid = s->multigrid;
+  struct level *fine = &grid->levels.at[0];
+  const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
+  const double volume = fine->h[0] * fine->h[1] * fine->h[2];
+  double *value = s->work[1];
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->share.begin; i < s->share.end; i++)
+    value[i] = s->mobility[i] * s->volume[i] / volume;
+  const double unit = unit_of(s, value), scale = 1 / unit;
+  memset(grid->whole, 0, fine->cell_count * sizeof *grid->whole);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    const size_t base = grid->base[i - s->share.begin], row = base / nx;
+    const size_t cell = (row / ny * (size_t)fine->cells[1] + row % ny) * (size_t)fine->cells[0];
+    grid->whole[cell + base % nx] += (int64_t)(scale * value[i]);
+  }
+  add_up(grid, fine->cell_count, unit, fine->k);
+}
+
+enum status multigrid_build(struct isph *s) {
+  enum status status = STATUS_OK;
+  if (s->multigrid == NULL)
+    TRY(memory_allocate(&s->multigrid, 1, sizeof *s->multigrid, "the preconditioner"));
+  struct isph_multigrid *grid = s->multigrid;
+  TRY(shape(s, grid));
+  struct level *fine = &grid->levels.at[0];
+  const size_t own = s->share.end - s->share.begin, sums = fine->node_count; /* cells are fewer */
+  if (own > grid->capacity) {
+    size_t n = own + own / 4;
+    TRY(memory_resize(&grid->base, n, sizeof *grid->base, "the preconditioner"));
+    TRY(memory_resize(&grid->fraction, n, sizeof *grid->fraction, "the preconditioner"));
+    TRY(memory_resize(&grid->order, n, sizeof *grid->order, "the preconditioner"));
+    grid->capacity = n;
+  }
+  if (sums > grid->whole_room) {
+    TRY(memory_resize(&grid->whole, sums + sums / 4, sizeof *grid->whole, "the preconditioner"));
+    grid->whole_room = sums + sums / 4;
+  }
+  size_t layers = (size_t)fine->cells[2];
+  if (layers + 1 > grid->layer_capacity) {
+    TRY(memory_resize(&grid->layer_start, 2 * layers + 1, sizeof *grid->layer_start,
+                      "the preconditioner"));
+    grid->layer_capacity = 2 * layers + 1;
+  }
+  memset(grid->layer_start, 0, (layers + 1) * sizeof *grid->layer_start);
+  for (size_t i = 0; i < own; i++) {
+    int at[3];
+    for (int a = 0; a < 3; a++) {
+      const double x = s->position[s->share.begin + i][a];
+      double scaled = grid->levels.used[a] ? (x - grid->origin[a]) / fine->h[a] : 0;
+      at[a] = (int)fmin(fmax(0, floor(scaled)), fine->cells[a] - 1);
+      grid->fraction[i][a] = (float)fmin(fmax(0, scaled - at[a]), 1);
+    }
+    grid->base[i] = (uint32_t)level_node(fine, at[0], at[1], at[2]);
+    grid->layer_start[at[2] + 1]++;
+  }
+  for (size_t k = 0; k < layers; k++) grid->layer_start[k + 1] += grid->layer_start[k];
+  size_t plane = (size_t)fine->nodes[0] * (size_t)fine->nodes[1];
+  for (size_t i = 0; i < own; i++)
+    grid->order[grid->layer_start[grid->base[i] / plane]++] = (uint32_t)i;
+  for (size_t k = layers; k > 0; k--) grid->layer_start[k] = grid->layer_start[k - 1];
+  grid->layer_start[0] = 0;
+  find_coefficients(s);
+  gather(s, s->tied, fine->tie);
+  levels_assemble(&grid->levels);
+cleanup:
+  return status;
+}
+
+void multigrid_apply(struct isph *s, const double *r, double *z) {
+  struct isph_multigrid *grid = s->multigrid;
+  struct level *fine = &grid->levels.at[0];
+  gather(s, r, fine->b);
+  levels_cycle(&grid->levels);
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    double weight[8], sum = r[i] / s->diagonal[i];
+    size_t node[8];
+    int n = particle_corners(grid, i - s->share.begin, node);
+    weights_of(grid, i - s->share.begin, weight);
+    for (int c = 0; c < n; c++) sum += weight[c] * fine->x[node[c]];
+    z[i] = sum;
+  }
+}
+
+size_t multigrid_nodes(const struct isph *s) {
+  return s->multigrid->levels.at[0].node_count;
+}
+
+size_t multigrid_number(const struct isph *s, size_t node, bool back) {
+  static const int plain[3] = {0, 1, 2};
+  const int *from = back ? s->cells.axis : plain, *to = back ? plain : s->cells.axis;
+  const int *n = s->multigrid->levels.at[0].nodes;
+  size_t at[3];
+  for (int k = 0; k < 3; node /= (size_t)n[from[k++]]) at[from[k]] = node % (size_t)n[from[k]];
+  return (at[to[2]] * (size_t)n[to[1]] + at[to[1]]) * (size_t)n[to[0]] + at[to[0]];
+}
+
+size_t multigrid_row_before(const struct isph *s, const double x[3]) {
+  const struct isph_multigrid *grid = s->multigrid;
+  const struct level *fine = &grid->levels.at[0];
+  int at[3] = {0};
+  for (int k = 1; k < 3; k++) {
+    const int a = s->cells.axis[k];
+    if (grid->levels.used[a])
+      at[a] = (int)fmin(fmax(0, (x[a] - grid->origin[a]) / fine->h[a]), fine->cells[a] - 1);
+  }
+  return multigrid_number(s, level_node(fine, at[0], at[1], at[2]), false);
+}
+
+int multigrid_interpolation(const struct isph *s, size_t i, size_t node[8], double weight[8]) {
+  weights_of(s->multigrid, i, weight);
+  return particle_corners(s->multigrid, i, node);
+}
+
+int multigrid_row(const struct isph *s, size_t node, size_t column[27], double value[27]) {
+  const struct level *fine = &s->multigrid->levels.at[0];
+  const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
+  const size_t i = node % nx, j = node / nx % ny, k = node / nx / ny;
+  const int at[3][3] = {{fine->lower[0][i], (int)i, fine->upper[0][i]},
+                        {fine->lower[1][j], (int)j, fine->upper[1][j]},
+                        {fine->lower[2][k], (int)k, fine->upper[2][k]}};
+  int n = 0;
+  for (int c = 0; c < 27; c++) {
+    const double entry = (double)fine->stencil[27 * node + (size_t)c];
+    if (entry == 0 && c != 13) continue;
+    column[n] = level_node(fine, at[0][c % 3], at[1][c / 3 % 3], at[2][c / 9]);
+    value[n++] = entry;
+  }
+  return n;
+}
+
+void multigrid_free(struct isph *s) {
+  struct isph_multigrid *grid = s->multigrid;
+  if (grid == NULL) return;
+  levels_free(&grid->levels);
+  memory_free(&grid->base);
+  memory_free(&grid->fraction);
+  memory_free(&grid->order);
+  memory_free(&grid->whole);
+  memory_free(&grid->layer_start);
+  memory_free(&s->multigrid);
+}

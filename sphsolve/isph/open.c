@@ -1,0 +1,360 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
+ * with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column for each cell of the
+ * window): with a fixed head they carry the hydrostatic pressure of that head and take their speed
+ * from the water before them, with a fixed flux they have its speed. The foremost becomes water as
+ * it crosses the side; a particle that leaves becomes the foremost. So the water sees the same
+ * spacing on both sides at any moment, and a given flux is exact in mass. */
+
+static bool used(const struct isph *s, int a) {
+  return !(s->dimensions == 2 && a == 1);
+}
+
+enum status isph_open_create(struct isph *s) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  TRY(memory_allocate(&s->sides, scene->region_count, sizeof *s->sides, "inflow regions"));
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    if (region->type != REGION_INFLOW) continue;
+    struct isph_open_side side = {.axis = -1};
+    double thinnest = INFINITY, near = 1e-6 * s->spacing;
+    for (int a = 0; a < 3; a++) {
+      side.low[a] = region->box[a], side.high[a] = region->box[a + 3];
+      double width = side.high[a] - side.low[a];
+      bool at_low = side.low[a] <= s->low[a] + near, at_high = side.high[a] >= s->high[a] - near;
+      if (!used(s, a) || s->periodic[a] || at_low == at_high || width >= thinnest) continue;
+      thinnest = width;
+      side.axis = a;
+      side.inward = at_low ? 1 : -1;
+      side.edge = at_low ? s->low[a] : s->high[a];
+    }
+    if (side.axis < 0)
+      TRY_FAIL(STATUS_INPUT,
+               "%s:%d: an inflow region is a thin box on one side of the domain that is not "
+               "periodic; this box touches none, or two opposite ones",
+               scene->path, region->line);
+    side.head = region->head, side.flux = region->flux;
+    if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
+    side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
+    size_t columns = 1;
+    for (int a = 0; a < 3; a++) {
+      double width = side.high[a] - side.low[a];
+      side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / s->spacing));
+      side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
+      columns *= (size_t)side.cells[a];
+    }
+    side.first = s->column_count;
+    s->column_count += columns;
+    s->sides[s->side_count++] = side;
+  }
+  TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
+  TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front,
+                      "inflow regions"));
+cleanup:
+  return status;
+}
+
+/* Layers of a column: one more than of a wall, for the foremost moves away from the side. */
+static int column_layers(const struct isph *s) {
+  return isph_wall_layers(s) + 1;
+}
+
+static void place_column(struct isph *s, size_t c) {
+  const struct isph_column *column = &s->columns[c];
+  const struct isph_open_side *side = &s->sides[column->side];
+  if (column->dry) return;
+  for (int l = 0; l < column_layers(s); l++)
+    s->boundary_position[column->first + (size_t)l][side->axis] =
+        side->edge - side->inward * (s->column_front[c] + l * s->spacing);
+}
+
+enum status isph_open_fill(struct isph *s, size_t *capacity) {
+  for (size_t k = 0; k < s->side_count; k++) {
+    const struct isph_open_side *side = &s->sides[k];
+    for (int c = 0; c < side->cells[0] * side->cells[1] * side->cells[2]; c++) {
+      struct isph_column *column = &s->columns[side->first + (size_t)c];
+      int at[3] = {c % side->cells[0], c / side->cells[0] % side->cells[1],
+                   c / side->cells[0] / side->cells[1]};
+      double x[3];
+      for (int a = 0; a < 3; a++) x[a] = side->low[a] + (at[a] + 0.5) * side->pitch[a];
+      x[side->axis] = side->edge;
+      memcpy(column->at, x, sizeof x);
+      column->side = k;
+      column->first = s->boundary_count;
+      s->column_front[side->first + (size_t)c] = 0.5 * s->spacing;
+      column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
+      if (column->dry) continue;
+      for (int l = 0; l < column_layers(s); l++) {
+        x[side->axis] = side->edge - side->inward * (l + 0.5) * s->spacing;
+        enum status status = isph_wall_add(s, capacity, x, side->kind, k);
+        if (status != STATUS_OK) return status;
+      }
+    }
+  }
+  return STATUS_OK;
+}
+
+double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z) {
+  const double *g = s->scene->gravity;
+  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  if (strength == 0) return s->density * GRAVITY_STANDARD * side->head;
+  return fmax(0, s->density * strength * (side->head - z));
+}
+
+/* The head stands on the side itself, half a spacing and more before the boundary particles: their
+ * pressure continues the line from particle to side, so that a pair counts 1 + d_j/d_i times with
+ * its difference to the side. `r`: to the boundary particle; `to_side`: to its foot on the side. */
+double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
+                         double to_side[3]) {
+  const struct isph_open_side *side = &s->sides[s->boundary_box[j]];
+  int n = side->axis;
+  double depth = side->inward > 0 ? xi[n] - s->low[n] : s->high[n] - xi[n];
+  memcpy(to_side, r, 3 * sizeof *r);
+  to_side[n] = depth * side->inward;
+  return 1 + fmax(0, fabs(r[n]) - depth) / fmax(depth, 0.25 * s->spacing);
+}
+
+/* The open side through which x has left the domain, -1 for none. */
+int isph_open_side_behind(const struct isph *s, const double x[3]) {
+  for (size_t k = 0; k < s->side_count; k++) {
+    const struct isph_open_side *side = &s->sides[k];
+    bool behind =
+        side->inward > 0 ? x[side->axis] < s->low[side->axis] : x[side->axis] > s->high[side->axis];
+    for (int a = 0; a < 3; a++)
+      if (a != side->axis && used(s, a))
+        behind = behind && x[a] > side->low[a] && x[a] < side->high[a];
+    if (behind) return (int)k;
+  }
+  return -1;
+}
+
+/* Bulk volumes that differ by less than this stand in one lattice. */
+#define SAME_SPACING 0.2
+
+/* The column behind which x has left goes on from there, unless the water is of another spacing. */
+static void follow(struct isph *s, int k, const double x[3], double volume) {
+  const struct isph_open_side *side = &s->sides[k];
+  int at[3];
+  for (int a = 0; a < 3; a++) {
+    double cell = (x[a] - side->low[a]) / side->pitch[a];
+    at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
+  }
+  size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
+  size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
+  double *front = &s->column_front[side->first + c];
+  if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
+    *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);
+}
+
+static bool is_outside(const struct isph *s, const double x[3]) {
+  for (int a = 0; a < 3; a++)
+    if (used(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
+  return false;
+}
+
+static void count_gone(struct isph *s, const struct isph_gone *gone) {
+  const double *x = gone->position, mass = gone->mass * s->thickness;
+  int side = isph_open_side_behind(s, x);
+  isph_account_gone(s, side >= 0 ? LEDGER_LEFT : LEDGER_LOST, gone);
+  if (side >= 0) {
+    s->left_count++, s->left_mass += mass;
+    follow(s, side, x, gone->volume);
+    return;
+  }
+  if (s->lost_count == 0)
+    log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and is "
+                "taken out",
+                s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
+  const double *v = gone->velocity;
+  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
+  if (!(speed <= s->flung[0]))
+    memcpy(s->flung, (double[5]){speed, x[0], x[1], x[2], (double)gone->id}, sizeof s->flung);
+  if (s->lost_count < LEDGER_LOSSES) {
+    const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
+    memcpy(s->losses[s->lost_count], loss, sizeof loss);
+  }
+  s->lost_count++, s->lost_mass += mass;
+}
+
+enum status isph_remove_outside(struct isph *s) {
+  enum status status = STATUS_OK;
+  struct isph_gone *here = NULL, *all = NULL;
+  size_t kept = 0, gone = 0, total = 0;
+  s->flung[0] = 0;
+  for (size_t i = s->share.begin; i < s->share.end; i++) gone += is_outside(s, s->position[i]);
+  TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
+  gone = 0;
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    if (is_outside(s, s->position[i])) {
+      struct isph_gone *g = &here[gone++];
+      memcpy(g->position, s->position[i], sizeof g->position);
+      memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
+      g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
+      g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
+      continue;
+    }
+    if (kept != i) {
+      memcpy(s->position[kept], s->position[i], sizeof *s->position);
+      memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
+      s->pressure[kept] = s->pressure[i];
+      s->mass[kept] = s->mass[i];
+      s->id[kept] = s->id[i];
+    }
+    kept++;
+  }
+  s->count = kept;
+  if (!ranks_any(gone > 0)) goto cleanup;
+  TRY(isph_join(here, gone, sizeof *here, &all, &total));
+  for (size_t k = 0; k < total; k++) count_gone(s, &all[k]);
+cleanup:
+  memory_free(&here);
+  memory_free(&all);
+  return status;
+}
+
+/* How far x stands in front of a window, m; INFINITY where it does not. */
+static double depth_before(const struct isph *s, const struct isph_open_side *side,
+                           const double x[3]) {
+  for (int a = 0; a < 3; a++)
+    if (a != side->axis && used(s, a) && !(x[a] > side->low[a] && x[a] < side->high[a]))
+      return INFINITY;
+  return side->inward > 0 ? x[side->axis] - s->low[side->axis]
+                          : s->high[side->axis] - x[side->axis];
+}
+
+/* A given pressure says nothing about the spin and the spread of the water that comes in, and a
+ * window without more breeds jets and eddies: within a spacing of it free water goes straight, and
+ * comes in evenly; within two, more and more. In soil the drag sees to it. */
+void isph_open_straighten(struct isph *s) {
+  for (size_t k = 0; k < s->side_count; k++) {
+    const struct isph_open_side *side = &s->sides[k];
+    if (side->kind != BOUNDARY_OPEN_HEAD) continue;
+    const int n = side->axis;
+    const double reach = 2 * s->spacing;
+    double total[2], mean = 0; /* volume, and volume times velocity */
+    for (int pass = 0; pass < 2; pass++) {
+#pragma omp parallel for schedule(static)
+      for (size_t c = 0; c < s->chunk_count; c++) {
+        double sum[2] = {0};
+        for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+          double depth = depth_before(s, side, s->position[i]);
+          if (depth >= reach || (s->on.soil && s->soil_share[i] > 0)) continue;
+          double *v = s->predicted[i], *given = s->applied[i].straightened;
+          double keep = fmin(1, fmax(0, depth / s->spacing - 1));
+          if (pass == 0) {
+            sum[0] += s->volume[i], sum[1] += s->volume[i] * v[n];
+            continue;
+          }
+          for (int a = 0; a < 3; a++) given[a] -= v[a];
+          for (int a = 0; a < 3; a++)
+            if (a != n) v[a] *= keep;
+          if (mean * side->inward > 0) v[n] = keep * v[n] + (1 - keep) * mean;
+          for (int a = 0; a < 3; a++) given[a] += v[a];
+        }
+        memcpy(s->sums[c], sum, sizeof sum);
+      }
+      if (pass > 0) break;
+      isph_add_up(s, 2, total);
+      if (total[0] > 0) mean = total[1] / total[0];
+    }
+  }
+}
+
+/* Less water than this around a place on the side, where half is usual: the next comes at once. */
+#define WATER_LEAST 0.15
+
+enum status isph_open_measure(struct isph *s) {
+  enum status status = STATUS_OK, worst = STATUS_OK;
+  double(*seen)[2] = NULL; /* [columns]: water, and its speed along the axis */
+  TRY(memory_allocate(&seen, s->column_count, sizeof *seen, "inflow regions"));
+  for (size_t c = 0; c < s->column_count; c++) {
+    const struct isph_column *column = &s->columns[c];
+    const struct isph_open_side *side = &s->sides[column->side];
+    double velocity[3];
+    if (column->dry || side->kind == BOUNDARY_OPEN_FLUX || !isph_answers_for(s, column->at))
+      continue;
+    status = isph_probe(s, column->at, &seen[c][0], velocity);
+    if (status != STATUS_OK) worst = status;
+    seen[c][1] = velocity[side->axis];
+  }
+  TRY(ranks_agree(worst));
+  if (s->column_count > 0) ranks_sum_all(&seen[0][0], 2 * s->column_count);
+  for (size_t c = 0; c < s->column_count; c++) {
+    struct isph_column *column = &s->columns[c];
+    const struct isph_open_side *side = &s->sides[column->side];
+    double porosity = 1;
+    struct soil_point soil;
+    if (column->dry) continue;
+    if (s->on.soil) {
+      isph_soil_at(s, column->at, 0, &soil);
+      porosity = soil.porosity;
+    }
+    if (side->kind == BOUNDARY_OPEN_FLUX) {
+      column->speed = side->flux / porosity;
+      continue;
+    }
+    if (seen[c][0] < WATER_LEAST) s->column_front[c] = 0;
+    column->speed = side->inward * seen[c][1] / porosity;
+  }
+cleanup:
+  memory_free(&seen);
+  return status;
+}
+
+static enum status admit(struct isph *s, size_t c) {
+  const struct isph_column *column = &s->columns[c];
+  const struct isph_open_side *side = &s->sides[column->side];
+  double x[3], velocity[3] = {0}, porosity = 1, volume = 1;
+  memcpy(x, column->at, sizeof x);
+  x[side->axis] -= side->inward * s->column_front[c];
+  for (int a = 0; a < 3; a++)
+    if (used(s, a)) volume *= side->pitch[a];
+  if (s->on.soil) {
+    struct soil_point soil;
+    isph_soil_at(s, x, 0, &soil);
+    porosity = soil.porosity;
+  }
+  velocity[side->axis] = side->inward * column->speed * porosity;
+  double mass = porosity * s->density * volume;
+  /* The last in the order of all. */
+  if (ranks_own() + 1 == ranks_count()) {
+    enum status status = isph_add_particle(s, x, velocity, mass);
+    if (status != STATUS_OK) return status;
+    if (side->kind == BOUNDARY_OPEN_HEAD)
+      s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
+  } else {
+    s->next_id++;
+  }
+  isph_account_entered(s, x, velocity, mass);
+  s->entered_count++, s->entered_mass += mass * s->thickness;
+  return STATUS_OK;
+}
+
+enum status isph_open_move(struct isph *s, double dt) {
+  for (size_t c = 0; c < s->column_count; c++) {
+    struct isph_column *column = &s->columns[c];
+    if (column->dry) continue;
+    double path = fmin(column->speed * dt, 0.9 * s->spacing); /* one particle a step */
+    double *front = &s->column_front[c];
+    *front -= path;
+    if (*front > 1.1 * s->spacing) *front -= s->spacing; /* nothing has left */
+    if (*front <= 0) {
+      enum status status = admit(s, c);
+      if (status != STATUS_OK) return status;
+      *front += s->spacing;
+    }
+    place_column(s, c);
+  }
+  return STATUS_OK;
+}

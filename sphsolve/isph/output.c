@@ -1,0 +1,393 @@
+#include "sphsolve/isph/output.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/ranks.h"
+
+static double domain_volume(const struct isph *s) {
+  return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);
+}
+
+void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[3] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      for (int a = 0; a < 3; a++) sum[a] += s->volume[i] * s->velocity[i][a];
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 3, velocity);
+  for (int a = 0; a < 3; a++) velocity[a] *= s->thickness / domain_volume(s);
+}
+
+double isph_reynolds(const struct isph *s, const double velocity[3]) {
+  double grain = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++)
+    if (s->scene->regions[k].type == REGION_POROUS)
+      grain = fmax(grain, s->scene->regions[k].grain_size);
+  if (!(grain > 0) || !(s->viscosity > 0)) return NAN;
+  return sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]) *
+         grain / s->viscosity;
+}
+
+/* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
+ */
+static bool solve_small(int n, double m[4][4], double b[4]) {
+  for (int c = 0; c < n; c++) {
+    int pivot = c;
+    for (int r = c + 1; r < n; r++)
+      if (fabs(m[r][c]) > fabs(m[pivot][c])) pivot = r;
+    if (!(fabs(m[pivot][c]) > 1e-6)) return false;
+    for (int k = 0; k < n; k++) {
+      double swap = m[c][k];
+      m[c][k] = m[pivot][k], m[pivot][k] = swap;
+    }
+    double swap = b[c];
+    b[c] = b[pivot], b[pivot] = swap;
+    for (int r = c + 1; r < n; r++) {
+      double f = m[r][c] / m[c][c];
+      for (int k = c; k < n; k++) m[r][k] -= f * m[c][k];
+      b[r] -= f * b[c];
+    }
+  }
+  for (int c = n - 1; c >= 0; c--) {
+    for (int k = c + 1; k < n; k++) b[c] -= m[c][k] * b[k];
+    b[c] /= m[c][c];
+  }
+  return true;
+}
+
+/* Separation of x from the nearest image of particle i, in units of its support; r < 1 counts. */
+static double scaled_separation(const struct isph *s, size_t i, const double point[3],
+                                double r[3]) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    r[a] = s->position[i][a] - point[a];
+    if (s->dimensions == 2 && a == 1) r[a] = 0;
+    if (s->periodic[a]) {
+      double length = s->high[a] - s->low[a];
+      r[a] -= length * round(r[a] / length);
+    }
+    r[a] /= s->support[i];
+    square += r[a] * r[a];
+  }
+  return sqrt(square);
+}
+
+double isph_pressure_at(const struct isph *s, const double point[3]) {
+  enum { RIGHT = 16, WEIGHT = 20, PRESSURE, FILLED, COUNT };
+  double total[COUNT], m[4][4], b[4];
+  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r[3], w, slope, length = scaled_separation(s, i, point, r);
+      if (length >= 1) continue;
+      isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
+      double basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
+      for (int p = 0; p < n; p++) {
+        sum[RIGHT + p] += w * basis[p] * s->pressure[i];
+        for (int q = 0; q < n; q++) sum[4 * p + q] += w * basis[p] * basis[q];
+      }
+      sum[WEIGHT] += w, sum[PRESSURE] += w * s->pressure[i];
+      sum[FILLED] += w * s->volume[i] / pow(s->support[i], s->dimensions);
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, COUNT, total);
+  if (total[FILLED] < 0.1) return 0;
+  for (int p = 0; p < 4; p++) {
+    b[p] = total[RIGHT + p] / total[WEIGHT];
+    for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
+  }
+  return solve_small(n, m, b) ? b[0] : total[PRESSURE] / total[WEIGHT];
+}
+
+/* The part of the kernel that reaches beyond a side of the domain is made up for. */
+double isph_plane_flux(const struct isph *s, int axis, double position) {
+  double flux;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r = s->position[i][axis] - position, length = s->high[axis] - s->low[axis];
+      double h = 0.5 * s->support[i], within = 1;
+      if (s->periodic[axis])
+        r -= length * round(r / length);
+      else
+        within = kernel_integral((s->high[axis] - position) / h) -
+                 kernel_integral((s->low[axis] - position) / h);
+      sum += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
+             fmax(within, 0.5);
+    }
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &flux);
+  return flux * s->thickness;
+}
+
+enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  char name[64];
+  TRY(recorder_add_column(recorder, "potential_energy", "J", 1));
+  TRY(recorder_add_column(recorder, "velocity_rms", "m/s", 1));
+  TRY(recorder_add_column(recorder, "front_low", "m", 3));
+  TRY(recorder_add_column(recorder, "front_high", "m", 3));
+  TRY(recorder_add_column(recorder, "iterations", "1", 1));
+  TRY(recorder_add_column(recorder, "particles", "1", 1));
+  for (int t = 0; t < LEDGER_TERMS; t++) {
+    if (!ledger_is_on(&s->account, t)) continue;
+    snprintf(name, sizeof name, "work_%s", ledger_name(t));
+    TRY(recorder_add_column(recorder, name, "J", 1));
+  }
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    static const char *const kinds[] = {"water", "porous", "wall", "inflow", "empty"};
+    snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1, kinds[s->scene->regions[k].type]);
+    TRY(recorder_add_column(recorder, name, "m^3", 1));
+  }
+  for (size_t k = 0; k < s->scene->gauge_count; k++) {
+    snprintf(name, sizeof name, "pressure_%s", s->scene->gauges[k].name);
+    TRY(recorder_add_column(recorder, name, "Pa", 1));
+  }
+  for (size_t k = 0; k < s->scene->plane_count; k++) {
+    snprintf(name, sizeof name, "flux_%s", s->scene->planes[k].name);
+    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+  }
+cleanup:
+  return status;
+}
+
+/* Volume of water (not of bulk) in a region's box, where its soil is now. A particle counts by as
+ * much of it, a cube of its bulk volume, as is inside; water at a side of the domain is inside of
+ * what touches that side. (By its middle alone, whole rows come and go: .04 of the water in a tank
+ * 12 particles across.) */
+static double volume_in_region(const struct isph *s, size_t k) {
+  const struct region *region = &s->scene->regions[k];
+  double volume, near = 1e-6 * s->spacing;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]), inside = 1;
+      for (int a = 0; a < 3; a++) {
+        if (s->dimensions == 2 && a == 1) continue;
+        double low = region->box[a], high = region->box[a + 3];
+        double x = s->position[i][a] - s->soil_offset[k][a];
+        double from = low <= s->low[a] + near ? -INFINITY : low,
+               to = high >= s->high[a] - near ? INFINITY : high;
+        inside *= fmax(0, fmin(x + 0.5 * size, to) - fmax(x - 0.5 * size, from)) / size;
+      }
+      sum += inside * s->mass[i] / s->density;
+    }
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &volume);
+  return volume * s->thickness;
+}
+
+/* Sums and extremes over all particles. */
+struct whole {
+  double mass, kinetic, potential, momentum[3], squares, filling; /* in this order in s->sums */
+  double extreme[7];                                              /* high, -low, filling */
+};
+
+static void sum_up(const struct isph *s, struct whole *whole) {
+  double total[8], most[7];
+  for (int k = 0; k < 7; k++) most[k] = -INFINITY;
+#pragma omp parallel for schedule(static) reduction(max : most[:7])
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[8] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *x = s->position[i], *v = s->velocity[i], m = s->mass[i];
+      double eps = s->porosity != NULL ? s->porosity[i] : 1, square = 0;
+      double half = 0.5 * (s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]));
+      for (int a = 0; a < 3; a++) {
+        double pore = v[a] / eps;
+        square += pore * pore;
+        sum[2] -= m * s->force[a] * x[a];
+        sum[3 + a] += m * pore;
+        most[a] = fmax(most[a], x[a] + half);
+        most[3 + a] = fmax(most[3 + a], half - x[a]);
+      }
+      sum[0] += m;
+      sum[1] += 0.5 * m * square;
+      sum[6] += square;
+      sum[7] += s->filling[i];
+      most[6] = fmax(most[6], s->filling[i]);
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, 8, total);
+  memcpy(whole, total, sizeof total);
+  ranks_max_all(most, 7);
+  memcpy(whole->extreme, most, sizeof most);
+}
+
+enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt) {
+  struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
+  struct whole whole;
+  double *extra = NULL;
+  size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count +
+             s->scene->plane_count,
+         c = 0;
+  enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
+  if (status != STATUS_OK) return status;
+  sum_up(s, &whole);
+  double scale = s->thickness, count = (double)(s->total > 0 ? s->total : 1);
+  row.mass = whole.mass * scale, row.kinetic_energy = whole.kinetic * scale;
+  for (int a = 0; a < 3; a++) row.momentum[a] = whole.momentum[a] * scale;
+  row.density_max = s->density * fmax(0, whole.extreme[6]);
+  row.density_mean = s->density * whole.filling / count;
+  isph_darcy_velocity(s, row.darcy_velocity);
+  row.reynolds = isph_reynolds(s, row.darcy_velocity);
+  extra[c++] = whole.potential * scale;
+  extra[c++] = sqrt(whole.squares / count);
+  /* A particle by a wall is no cube: what of it would stand in the wall is not there. */
+  for (int a = 0; a < 3; a++)
+    extra[c++] = s->periodic[a] ? -whole.extreme[3 + a] : fmax(-whole.extreme[3 + a], s->low[a]);
+  for (int a = 0; a < 3; a++)
+    extra[c++] = s->periodic[a] ? whole.extreme[a] : fmin(whole.extreme[a], s->high[a]);
+  extra[c++] = s->solve.iterations;
+  extra[c++] = (double)s->total;
+  for (int t = 0; t < LEDGER_TERMS; t++)
+    if (ledger_is_on(&s->account, t)) extra[c++] = s->account.sums.work[t];
+  for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
+  for (size_t k = 0; k < s->scene->gauge_count; k++)
+    extra[c++] = isph_pressure_at(s, s->scene->gauges[k].at);
+  for (size_t k = 0; k < s->scene->plane_count; k++)
+    extra[c++] = isph_plane_flux(s, s->scene->planes[k].axis, s->scene->planes[k].position);
+  status = recorder_row(recorder, &row, extra);
+  memory_free(&extra);
+  return status;
+}
+
+enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  const size_t first = s->share.begin, own = s->share.end - first;
+  size_t vectors[2] = {own, 3}, regions[2] = {s->scene->region_count, 3};
+  size_t walls[2] = {s->boundary_count, 3};
+  TRY(recorder_checkpoint_begin(recorder, &file));
+  TRY(h5_write_share(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
+  TRY(h5_write_share(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
+  TRY(h5_write_share(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
+  TRY(h5_write_share(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
+  TRY(h5_write_share(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
+  TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
+  if (s->boundary_count > 0)
+    TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
+  if (s->column_count > 0)
+    TRY(h5_write(file, "/state/column_front", H5_F64, 1, &s->column_count, s->column_front, false));
+  double boxes[6];
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    char name[64];
+    size_t six = 6;
+    memcpy(boxes, s->wall_boxes[b].low, 3 * sizeof *boxes);
+    memcpy(boxes + 3, s->wall_boxes[b].high, 3 * sizeof *boxes);
+    snprintf(name, sizeof name, "/state/box_%zu", b);
+    TRY(h5_write(file, name, H5_F64, 1, &six, boxes, false));
+  }
+  double numbers[] = {s->time, s->lost_mass, s->left_mass, s->entered_mass, s->thickest};
+  int64_t counts[] = {s->step, (int64_t)s->next_id, (int64_t)s->lost_count, (int64_t)s->left_count,
+                      (int64_t)s->entered_count};
+  TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 5, numbers));
+  TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  size_t losses[2] = {LEDGER_LOSSES, 6};
+  TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
+  TRY(ledger_account_write(&s->account, sizeof s->account, file, "/state/account"));
+  double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->calm_from};
+  double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
+                    s->solve.residual};
+  TRY(h5_write_attribute(file, "/state", "solve", H5_F64, 4, solve));
+  TRY(h5_write_attribute(file, "/state", "settling", H5_F64, 4, &s->settling));
+  TRY(h5_write_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
+  status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+/* Reads `count` rows from the `first` on of a dataset of `rows`, of `width` numbers each, into an
+ * array that is there already. */
+static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, size_t rows,
+                             size_t first, size_t count, size_t width, void *to) {
+  enum status status = STATUS_OK;
+  size_t dims[2] = {0, 1};
+  int rank;
+  void *data = NULL;
+  TRY(h5_shape(file, name, 2, &rank, dims));
+  if (dims[0] != rows || (rank == 2 ? dims[1] : 1) != width)
+    TRY_FAIL(STATUS_INPUT, "%s: %s is of another scene; remove the file to start anew",
+             h5_path(file), name);
+  if (count == 0) goto cleanup;
+  dims[0] = count;
+  TRY(h5_read_share(file, name, type, rank, rows, first, dims, &data));
+  memcpy(to, data, count * width * h5_type_size(type));
+cleanup:
+  memory_free(&data);
+  return status;
+}
+
+static enum status read_into(struct h5_file *file, const char *name, enum h5_type type,
+                             size_t count, size_t width, void *to) {
+  return read_rows(file, name, type, count, 0, count, width, to);
+}
+
+enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  size_t dims[2];
+  int rank;
+  double numbers[5], dog[3], solve[4];
+  int64_t counts[5];
+  TRY(h5_shape(file, "/state/position", 2, &rank, dims));
+  if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
+  const size_t all = dims[0], ranks = (size_t)ranks_count();
+  const size_t first = all * (size_t)ranks_own() / ranks;
+  const size_t own = all * ((size_t)ranks_own() + 1) / ranks - first;
+  TRY(isph_reserve(s, own));
+  s->count = own;
+  TRY(read_rows(file, "/state/position", H5_F64, all, first, own, 3, s->position));
+  TRY(read_rows(file, "/state/velocity", H5_F64, all, first, own, 3, s->velocity));
+  TRY(read_rows(file, "/state/pressure", H5_F64, all, first, own, 1, s->pressure));
+  TRY(read_rows(file, "/state/mass", H5_F64, all, first, own, 1, s->mass));
+  TRY(read_rows(file, "/state/id", H5_U64, all, first, own, 1, s->id));
+  TRY(read_into(file, "/state/soil_offset", H5_F64, s->scene->region_count, 3, s->soil_offset));
+  if (s->boundary_count > 0)
+    TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,
+                  s->boundary_position));
+  if (s->column_count > 0)
+    TRY(read_into(file, "/state/column_front", H5_F64, s->column_count, 1, s->column_front));
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    char name[64];
+    double box[6];
+    snprintf(name, sizeof name, "/state/box_%zu", b);
+    TRY(read_into(file, name, H5_F64, 6, 1, box));
+    memcpy(s->wall_boxes[b].low, box, 3 * sizeof *box);
+    memcpy(s->wall_boxes[b].high, box + 3, 3 * sizeof *box);
+  }
+  TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 5, numbers));
+  TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
+  TRY(h5_read_attribute(file, "/state", "solve", H5_F64, 4, solve));
+  TRY(h5_read_attribute(file, "/state", "settling", H5_F64, 4, &s->settling));
+  s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1], s->calm_from = (int64_t)dog[2];
+  s->solve.iterations = (int)solve[0], s->solve.iterations_total = (int)solve[1];
+  s->solve.solves = (int)solve[2], s->solve.residual = solve[3];
+  s->time = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
+  s->entered_mass = numbers[3], s->thickest = numbers[4];
+  s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
+  s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
+  TRY(read_into(file, "/state/losses", H5_F64, LEDGER_LOSSES, 6, s->losses));
+  isph_wall_move(s, 0);
+  TRY(isph_sort_walls(s));
+  TRY(isph_refresh(s));
+  TRY(ledger_account_read(&s->account, sizeof s->account, file, "/state/account"));
+cleanup:
+  return status;
+}

@@ -1,0 +1,17 @@
+/* How fast the water of a scene will move, for the forecast of its time steps. */
+#ifndef TOSUI_SPHSOLVE_ISPH_PACE_H
+#define TOSUI_SPHSOLVE_ISPH_PACE_H
+
+#include "common/error.h"
+#include "sphsolve/plan/plan.h"
+
+struct isph_pace {
+  double speed;       /* m/s, of the fastest water, while what drives it lasts */
+  double lasts;       /* s; INFINITY: to the end */
+  double speed_after; /* m/s */
+};
+
+/* From the lattice and the regions alone, before a run; fails for want of memory. */
+enum status isph_pace_foresee(const struct effect_context *context, struct isph_pace *pace);
+
+#endif

@@ -1,0 +1,322 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/multigrid.h"
+#include "sphsolve/isph/petsc.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
+ * with a support of a few spacings misses 1 are taken out of every operator. */
+static void normalise_kernel(struct isph *s) {
+  double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0;
+  double top = 0, trace = 0; /* of a level surface's outermost layer */
+  int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach_y; j <= reach_y; j++)
+      for (int i = -reach; i <= reach; i++) {
+        double r2 = i * i + j * j + k * k;
+        if (r2 >= ratio * ratio) continue;
+        isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), ratio, &w, &slope);
+        sum_w += w, sum_m += slope * i * i;
+        if (k <= 0) top -= slope * k, trace += slope * r2;
+        if (r2 > 0) sum_s += slope;
+      }
+  s->kernel_w = 1 / sum_w;
+  s->kernel_slope = 1 / sum_m;
+  s->slope_sum = sum_s / sum_m;
+  s->lopsided_top = top * ratio / trace;
+}
+
+enum status isph_reserve(struct isph *s, size_t n) {
+  enum status status = STATUS_OK;
+  const char *what = "water particles";
+  if (n <= s->capacity) return STATUS_OK;
+  if (s->capacity > 0) n += n / (isph_is_shared(s) ? 32 : 4);
+  if (n > PAIR_MASK)
+    return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most", n, PAIR_MASK);
+  TRY(memory_resize(&s->id, n, sizeof *s->id, what));
+  TRY(memory_resize(&s->position, n, sizeof *s->position, what));
+  TRY(memory_resize(&s->velocity, n, sizeof *s->velocity, what));
+  TRY(memory_resize(&s->pressure, n, sizeof *s->pressure, what));
+  TRY(memory_resize(&s->mass, n, sizeof *s->mass, what));
+  TRY(memory_resize(&s->volume, n, sizeof *s->volume, what));
+  TRY(memory_resize(&s->support, n, sizeof *s->support, what));
+  if (s->on.soil) {
+    TRY(memory_resize(&s->porosity, n, sizeof *s->porosity, what));
+    TRY(memory_resize(&s->soil_share, n, sizeof *s->soil_share, what));
+    TRY(memory_resize(&s->inertia, n, sizeof *s->inertia, what));
+    TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
+    TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
+    TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
+    TRY(memory_resize(&s->moment_lack, n, sizeof *s->moment_lack, what));
+    if (s->on.moving_soil) {
+      TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
+      TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
+    }
+  }
+  TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
+  TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
+  TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
+  if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
+  if (isph_is_free(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
+  if (s->on.turbulence || s->on.shifting || s->on.calming)
+    TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
+  TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
+  if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
+  TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
+  TRY(memory_resize(&s->applied, n, sizeof *s->applied, what));
+  TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
+  TRY(memory_resize(&s->source, n, sizeof *s->source, what));
+  TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
+  for (int k = 0; k < 4; k++) TRY(memory_resize(&s->work[k], n, sizeof *s->work[k], what));
+  TRY(memory_resize(&s->pair_first, n, sizeof *s->pair_first, what));
+  TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
+  TRY(memory_resize(&s->pair_number, n, sizeof *s->pair_number, what));
+  TRY(memory_resize(&s->wall_number, n, sizeof *s->wall_number, what));
+  TRY(memory_resize(&s->order, n, sizeof *s->order, what));
+  TRY(memory_resize(&s->cell_of, n, sizeof *s->cell_of, what));
+  TRY(memory_resize(&s->scratch, n, sizeof(double[3]), what));
+  s->capacity = n;
+cleanup:
+  return status;
+}
+
+enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
+                              double mass) {
+  enum status status = isph_reserve(s, s->count + 1);
+  if (status != STATUS_OK) return status;
+  size_t i = s->count++;
+  memcpy(s->position[i], position, sizeof s->position[i]);
+  memcpy(s->velocity[i], velocity, sizeof s->velocity[i]);
+  s->pressure[i] = 0;
+  s->mass[i] = mass;
+  s->id[i] = s->next_id++;
+  return STATUS_OK;
+}
+
+/* A water site inside a porous box holds eps0 of a full site's water, by the box's sharp edge: the
+ * sum of the masses is then exact, and the smoothed porosity spreads the particles by itself. */
+static void site_state(const struct isph *s, const double x[3], double *porosity,
+                       const double **velocity) {
+  static const double still[3] = {0};
+  *porosity = 1;
+  *velocity = still;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    bool inside = true;
+    for (int a = 0; a < 3; a++)
+      if (s->dimensions == 3 || a != 1)
+        inside = inside && x[a] >= region->box[a] && x[a] < region->box[a + 3];
+    if (inside && region->type == REGION_POROUS) *porosity = region->porosity;
+    if (inside && region->type == REGION_WATER) *velocity = region->velocity;
+  }
+}
+
+static bool boxes_meet(const struct isph *s, const double p[6], const double q[6]) {
+  const double near = 1e-6 * s->spacing;
+  for (int a = 0; a < 3; a++)
+    if ((s->dimensions == 3 || a != 1) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near))
+      return false;
+  return true;
+}
+
+/* The water region that alone fills the place of x; NULL where others have a part in it. */
+static const struct region *filled_by(const struct isph *s, const double x[3]) {
+  const struct region *regions = s->scene->regions, *found = NULL;
+  const size_t n = s->scene->region_count;
+  for (size_t k = 0; k < n && found == NULL; k++) {
+    bool inside = regions[k].type == REGION_WATER;
+    for (int a = 0; a < 3; a++)
+      if (s->dimensions == 3 || a != 1)
+        inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
+    if (inside) found = &regions[k];
+  }
+  for (size_t k = 0; k < n && found != NULL; k++) {
+    const struct region *other = &regions[k];
+    const bool cuts =
+        other->type == REGION_WATER ||
+        ((other->type == REGION_WALL || other->type == REGION_EMPTY) && other > found);
+    if (other != found && cuts && boxes_meet(s, other->box, found->box)) return NULL;
+  }
+  return found;
+}
+
+/* Sites lie a spacing apart from the domain's corner, whatever the box of water: the rows of a box
+ * that is no whole number of them are drawn over it, so that its water is all there and stands
+ * evenly. `volume` of the site goes with them. */
+static void fit_box(const struct isph *s, const struct lattice *lattice, double x[3],
+                    double *volume) {
+  const struct region *region = filled_by(s, x);
+  if (region == NULL) return;
+  for (int a = 0; a < 3; a++) {
+    if (s->dimensions == 2 && a == 1) continue;
+    const double dx = lattice->spacing[a], low = region->box[a], length = region->box[a + 3] - low;
+    const double first = floor((low - lattice->origin[a]) / dx + 1e-9) + 1;
+    const double last = ceil((low + length - lattice->origin[a]) / dx - 1e-9) - 1;
+    const double rows = fmax(1, last - first + 1), pitch = length / rows;
+    const double row = round((x[a] - lattice->origin[a]) / dx) - first;
+    const double place = low + (row + 0.5) * pitch;
+    /* Rows that fit stay where they are, to the bit. */
+    if (fabs(pitch / dx - 1) < 1e-9 && fabs(place - x[a]) < 1e-6 * dx) continue;
+    x[a] = place;
+    *volume *= pitch / dx;
+  }
+}
+
+/* Each rank takes a run of the sites with water. */
+static enum status place_water(struct isph *s, const struct lattice *lattice) {
+  const size_t fluid = lattice->fluid_count, ranks = (size_t)ranks_count();
+  const size_t first = fluid * (size_t)ranks_own() / ranks;
+  const size_t end = fluid * ((size_t)ranks_own() + 1) / ranks;
+  enum status status = isph_reserve(s, end > first ? end - first : 1);
+  if (status != STATUS_OK) return status;
+  double volume = lattice->spacing[0] * lattice->spacing[2], porosity;
+  if (s->dimensions == 3) volume *= lattice->spacing[1];
+  size_t site = 0;
+  for (size_t k = 0; k < lattice->size[2]; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++, site++) {
+        if (lattice->kind[site] != SITE_FLUID) continue;
+        if (s->next_id < first || s->next_id >= end) {
+          s->next_id++;
+          continue;
+        }
+        double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
+                       lattice->origin[1] + (double)j * lattice->spacing[1],
+                       lattice->origin[2] + (double)k * lattice->spacing[2]};
+        double share = volume;
+        const double *velocity;
+        fit_box(s, lattice, x, &share);
+        site_state(s, x, &porosity, &velocity);
+        status = isph_add_particle(s, x, velocity, porosity * s->density * share);
+        if (status != STATUS_OK) return status;
+      }
+  return STATUS_OK;
+}
+
+enum status isph_create(const struct scene *scene, const struct lattice *lattice,
+                        const struct isph_switches *switches, struct isph *s) {
+  enum status status = STATUS_OK;
+  memset(s, 0, sizeof *s);
+  s->scene = scene;
+  s->on = *switches;
+  s->widening = 1;
+  s->dimensions = scene->dimensions;
+  s->density = scene->fluid.density;
+  s->viscosity = scene->fluid.viscosity / scene->fluid.density;
+  double product = 1;
+  for (int a = 0; a < 3; a++) {
+    bool used = s->dimensions == 3 || a != 1;
+    s->force[a] = used ? scene->driving[a] : 0;
+    s->low[a] = 0;
+    s->high[a] = used ? scene->domain_size[a] : lattice->spacing[a];
+    s->periodic[a] = used && scene->periodic[a];
+    if (used) product *= lattice->spacing[a];
+  }
+  s->spacing = s->dimensions == 3 ? cbrt(product) : sqrt(product);
+  s->thickness = s->dimensions == 3 ? 1 : lattice->spacing[1];
+  for (int code = 0; code < 27; code++) {
+    int step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
+    for (int a = 0; a < 3; a++)
+      if (s->periodic[a]) s->shift[code][a] = step[a] * (s->high[a] - s->low[a]);
+  }
+  normalise_kernel(s);
+  s->soil_porosity_least = isph_soil_minimum(scene);
+  s->support_max =
+      scene->isph.support_ratio * s->spacing * pow(s->soil_porosity_least, -1.0 / s->dimensions);
+  for (int a = 0; a < 3; a++) {
+    double length = s->high[a] - s->low[a], support = scene->isph.support_ratio * s->spacing;
+    if (s->periodic[a] && length < support)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: domain.size: %.4g m along the periodic axis %c is less than the "
+               "kernel's support of %.4g m; make the domain wider or the spacing smaller",
+               scene->path, length, "xyz"[a], support);
+    if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
+  }
+  TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
+  TRY(isph_open_create(s));
+  TRY(isph_wall_create(s));
+  TRY(place_water(s, lattice));
+  TRY(isph_refresh(s));
+  isph_account_begin(s);
+cleanup:
+  return status;
+}
+
+void isph_free(struct isph *s) {
+  multigrid_free(s);
+  isph_petsc_free(s);
+  ghosts_free(&s->share);
+
+  for (size_t c = 0; c < s->chunk_capacity; c++) {
+    memory_free(&s->chunks[c].pair);
+    memory_free(&s->chunks[c].slope);
+    memory_free(&s->chunks[c].matrix);
+    memory_free(&s->chunks[c].wall);
+    memory_free(&s->chunks[c].wall_slope);
+  }
+  void *blocks[] = {&s->id,
+                    &s->position,
+                    &s->velocity,
+                    &s->pressure,
+                    &s->mass,
+                    &s->volume,
+                    &s->support,
+                    &s->porosity,
+                    &s->soil_share,
+                    &s->inertia,
+                    &s->drag_a,
+                    &s->drag_b,
+                    &s->drag_left,
+                    &s->soil_velocity,
+                    &s->porosity_rate,
+                    &s->filling,
+                    &s->imbalance,
+                    &s->correction,
+                    &s->moment_lack,
+                    &s->surface,
+                    &s->near,
+                    &s->gradient,
+                    &s->mobility,
+                    &s->eddy,
+                    &s->predicted,
+                    &s->applied,
+                    &s->diagonal,
+                    &s->source,
+                    &s->tied,
+                    &s->work[0],
+                    &s->work[1],
+                    &s->work[2],
+                    &s->work[3],
+                    &s->partial,
+                    &s->sums,
+                    &s->chunk_cut,
+                    &s->layer_start,
+                    &s->pair_first,
+                    &s->wall_first,
+                    &s->pair_number,
+                    &s->wall_number,
+                    &s->order,
+                    &s->cell_of,
+                    &s->scratch,
+                    &s->chunks,
+                    &s->cells.start,
+                    &s->wall_cells.start,
+                    &s->wall_order,
+                    &s->wall_boxes,
+                    &s->boundary_position,
+                    &s->boundary_pressure,
+                    &s->boundary_kind,
+                    &s->boundary_box,
+                    &s->sides,
+                    &s->columns,
+                    &s->column_front,
+                    &s->soil_offset};
+  for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
+  memset(s, 0, sizeof *s);
+}

@@ -1,0 +1,107 @@
+/* What method isph will take: memory, steps, time, and the error of k. */
+#include "sphsolve/isph/method.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/isph/pace.h"
+
+enum status isph_scales(struct plan *plan) {
+  struct effect_context *context = &plan->context;
+  const struct scene *scene = context->scene;
+  context->support = scene->isph.support_ratio * context->spacing;
+  context->smoothing_length = context->support / kernel_support_ratio(scene->isph.kernel);
+  return STATUS_OK;
+}
+
+/* Seconds a particle and step take on one core in 2-D and 3-D, measured; of a step's least
+ * iterations. */
+static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
+
+/* Steps as isph_stable_dt will choose them, while the water is fast and after. */
+static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
+  const struct effect_context *context = &plan->context;
+  const double dx = context->spacing, time = context->scene->end_time;
+  const double force = context->driving > 0 ? 0.25 * sqrt(dx / context->driving) : INFINITY;
+  const double least = fmin(fmin(force, plan->dt_limit), time / 2);
+  if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
+  const double way = (context->has_surface ? 0.2 : 0.1) * dx;
+  const double fast = fmin(time, pace->lasts);
+  return fast / fmin(least, way / pace->speed) +
+         (time - fast) / fmin(least, way / pace->speed_after);
+}
+
+/* Spacings that the two smeared ends of a layer of soil are off, together: 20 and 40 spacings of
+ * gravel between two heads, -0.8 and +0.6 % of k. */
+#define SOIL_ENDS 0.2
+
+/* Drag is implicit and exact in even soil, so that only the ends of layers between two heads count.
+ * Elsewhere no k is asked for, or no estimate is known. */
+static void expect_isph(struct plan *plan) {
+  const struct scene *scene = plan->context.scene;
+  struct expectation *e = &plan->expected;
+  double thinnest = INFINITY;
+  int heads = 0, axis = 0;
+  bool round = !plan->context.has_surface && !plan->context.has_inflow;
+  for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type != REGION_INFLOW || region->boundary != BOUNDARY_HEAD) continue;
+    heads++;
+    for (int a = 0; a < 3; a++)
+      if (!(plan->context.lattice->dimensions == 2 && a == 1) &&
+          region->box[a + 3] - region->box[a] < region->box[axis + 3] - region->box[axis])
+        axis = a;
+  }
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type == REGION_POROUS)
+      thinnest =
+          fmin(thinnest, (region->box[axis + 3] - region->box[axis]) / plan->context.spacing);
+  }
+  if (heads == 2 && isfinite(thinnest)) {
+    e->error = e->least = SOIL_ENDS / thinnest;
+    snprintf(e->why, sizeof e->why, "the ends of soil %.3g spacings long are known to %g of one",
+             thinnest, SOIL_ENDS);
+  } else if (round && isfinite(thinnest)) {
+    snprintf(e->why, sizeof e->why,
+             "even soil is exact; where it ends beside water or walls no estimate is known");
+  } else {
+    snprintf(e->why, sizeof e->why,
+             "no k is asked for; fronts and surfaces are good to about a spacing");
+  }
+}
+
+enum status isph_plan(struct plan *plan, int threads) {
+  const struct effect_context *context = &plan->context;
+  const struct scene *scene = context->scene;
+  double n = (double)context->lattice->fluid_count;
+  double neighbours = context->lattice->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
+                                                        : 3.14 * pow(scene->isph.support_ratio, 2);
+  /* In that time what starts at rest falls half a spacing. */
+  double fall = sqrt(context->spacing / context->driving);
+  if (!isnan(scene->isph.dt) && scene->isph.dt > fall)
+    return scene_error(scene, AT_ISPH_DT,
+                       "%g s is beyond the limit of %g s, sqrt(spacing / acceleration); use dt = "
+                       "\"auto\"",
+                       scene->isph.dt, fall);
+  if (!isnan(scene->isph.dt) && scene->isph.dt > plan->dt_limit)
+    return scene_error(scene, AT_ISPH_DT,
+                       "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
+                       scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
+  plan->dt = scene->isph.dt; /* NAN: chosen each step */
+  plan->bytes_fluid = 516 + 1.3 * neighbours * 12;
+  if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
+  plan->bytes_wall = 0;
+  plan->bytes_method = n * plan->bytes_fluid;
+  plan->bytes_copy = n * ISPH_COPY_BYTES;
+  struct isph_pace pace;
+  enum status status = isph_pace_foresee(context, &pace);
+  if (status != STATUS_OK) return status;
+  plan->steps = isnan(plan->dt) ? steps_at(plan, &pace) : scene->end_time / plan->dt;
+  plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
+  plan->seconds =
+      plan->steps * n * SECONDS_PER_STEP[context->lattice->dimensions - 2] / fmin(threads, 8);
+  expect_isph(plan);
+  return STATUS_OK;
+}

@@ -1,0 +1,207 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/effects/relaxation.h"
+#include "sphsolve/isph/effects/surface.h"
+#include "sphsolve/isph/multigrid.h"
+#include "sphsolve/isph/petsc.h"
+#include "sphsolve/isph/ranks.h"
+
+#define ITERATIONS_MAX 2000
+
+/* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
+ * and ranks, whose shares begin with a block. */
+double isph_dot(struct isph *s, const double *a, const double *b) {
+  const size_t first = s->share.begin, n = s->share.end;
+  double total = 0, *own = s->partial + isph_first_chunk(s);
+#pragma omp parallel for schedule(static)
+  for (size_t k = 0; k < (n - first + CHUNK - 1) / CHUNK; k++) {
+    size_t begin = first + k * CHUNK, end = begin + CHUNK < n ? begin + CHUNK : n;
+    double sum = 0;
+    for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
+    own[k] = sum;
+  }
+  isph_gather_chunks(s, s->partial);
+  for (size_t k = 0; k < (s->total + CHUNK - 1) / CHUNK; k++) total += s->partial[k];
+  return total;
+}
+
+/* Row i of
+ *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
+ *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
+ * The driving force f enters through its potential, with the coefficients of the pressure itself:
+ * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
+ * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
+ * images reflect the velocity. */
+void isph_assemble(struct isph *s, double tau) {
+  const bool again = s->solve.again;
+  static const double none[3] = {0};
+  const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
+  double(*v)[3] = again ? s->velocity : s->predicted;
+  double fixed = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const double *xi = s->position[i], *vi = v[i];
+      double ki = s->mobility[i], vol = s->volume[i];
+      double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+        double r[3], slope = chunk->slope[p];
+        isph_separation(s, xi, s->position, entry, r);
+        const double *vj = v[j];
+        float a = (float)(vol * s->volume[j] * (ki + s->mobility[j]) * slope);
+        chunk->matrix[p] = a;
+        diagonal += (double)a;
+        source += (double)a * rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        divergence += s->volume[j] * slope *
+                      ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
+      }
+      double beside = s->on.surface ? s->surface[i] : 0;
+      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+        uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+        double r[3], slope = chunk->wall_slope[p];
+        isph_separation(s, xi, s->boundary_position, entry, r);
+        if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
+          double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+          double a = 2 * vol * s->wall_volume * ki * slope * stretch;
+          diagonal += a, tied += a;
+          source += a * (held * s->boundary_pressure[j] +
+                         rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
+          continue;
+        }
+        const double *vw = isph_wall_velocity(s, j);
+        walled += 2 * vol * s->wall_volume * ki * slope;
+        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+        isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+        double image = 2 * s->wall_volume * slope;
+        if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
+        for (int a = 0; a < 3; a++) divergence += image * mirror[a] * (vi[a] - vw[a]) * r[a];
+      }
+      if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
+      source -= vol * divergence;
+      if (s->on.surface) {
+        double coefficient, load;
+        surface_row(s, i, diagonal + walled, &coefficient, &load);
+        diagonal += coefficient, tied += coefficient;
+        source += load;
+      }
+      if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau);
+      s->diagonal[i] = diagonal > 0 ? diagonal : 1;
+      s->source[i] = source;
+      s->tied[i] = tied;
+    }
+  }
+  for (size_t i = s->share.begin; i < s->share.end; i++) fixed += s->tied[i];
+  s->closed = ranks_sum(fixed) == 0;
+}
+
+static void multiply_chunks(const struct isph *s, bool outer, const double *x, double *y) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    if (chunk->outer != outer) continue;
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double sum = s->diagonal[i] * x[i];
+      const uint32_t *pair = chunk->pair + s->pair_first[i];
+      const float *a = chunk->matrix + s->pair_first[i];
+      size_t n = s->pair_number[i];
+      for (size_t p = 0; p < n; p++) sum -= (double)a[p] * x[pair[p] & PAIR_MASK];
+      y[i] = sum;
+    }
+  }
+}
+
+void isph_multiply(struct isph *s, double *x, double *y) {
+  if (isph_is_shared(s)) ghosts_post(&s->share, 1, &ISPH_FIELD(x));
+  multiply_chunks(s, false, x, y);
+  if (!isph_is_shared(s)) return;
+  ghosts_finish(&s->share);
+  multiply_chunks(s, true, x, y);
+}
+
+static void remove_mean(struct isph *s, double *values) {
+  double *ones = s->work[3];
+  for (size_t i = s->share.begin; i < s->share.end; i++) ones[i] = 1;
+  double mean = isph_dot(s, values, ones) / (double)s->total;
+  for (size_t i = s->share.begin; i < s->share.end; i++) values[i] -= mean;
+}
+
+enum status isph_solve_failed(struct isph *s, double error, int iterations) {
+  double *q = s->work[1], most = -1, own, worst[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  size_t at = s->share.begin;
+  isph_multiply(s, s->pressure, q);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    double off = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
+    if (off > most) most = off, at = i;
+  }
+  own = most;
+  ranks_max_all(&most, 1);
+  if (own == most && s->share.end > s->share.begin) {
+    memcpy(worst, s->position[at], sizeof *s->position);
+    worst[3] = (double)s->id[at];
+  }
+  ranks_max_all(worst, 4);
+  return FAIL(STATUS_NUMERIC,
+              "residual: particle %.0f at (%.4g, %.4g, %.4g) m: relative error %.2g of the "
+              "pressure solve after %d iterations",
+              worst[3], worst[0], worst[1], worst[2], error, iterations);
+}
+
+enum status isph_solve_pressure(struct isph *s) {
+  size_t n = s->count;
+  double *x = s->pressure, *b = s->source;
+  double *r = s->work[0], *z = s->work[1], *p = s->work[2], *q = s->work[3];
+  double tolerance = s->scene->isph.tolerance;
+  struct isph_solve *solve = &s->solve;
+  enum status status;
+  if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
+  if (s->total == 0) return STATUS_OK;
+  if (RANKS && s->scene->isph.solver == SOLVER_PETSC) return isph_petsc_solve(s);
+  if (s->closed) remove_mean(s, b);
+  double norm = sqrt(isph_dot(s, b, b));
+  solve->residual = 0;
+  if (!(norm > 0)) {
+    if (norm != 0)
+      return FAIL(STATUS_NUMERIC,
+                  "t = %.4g s: the pressure equation has no finite "
+                  "right-hand side; use a smaller isph.dt",
+                  s->time);
+    if (n > 0) memset(x, 0, n * sizeof *x);
+    return STATUS_OK;
+  }
+  if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;
+  isph_multiply(s, x, q);
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->share.begin; i < s->share.end; i++) r[i] = b[i] - q[i];
+  /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
+   * the velocities the pressure makes: one tolerance means the same whatever the number of
+   * particles (the plain norm of r asks for more the smoother b is on its scale). */
+  double error = 0, rz = 0, energy = 0;
+  int iteration = 0;
+  for (;; iteration++) {
+    multigrid_apply(s, r, z);
+    double rz_new = isph_dot(s, r, z), beta = iteration > 0 ? rz_new / rz : 0;
+    double whole = fmax(isph_dot(s, x, b), solve->energy);
+    rz = rz_new;
+    error = sqrt(fabs(rz) / fmax(whole, 1e-300));
+    energy = whole;
+    if (!(rz > 0) || !(error > tolerance) || iteration == ITERATIONS_MAX) break;
+#pragma omp parallel for schedule(static)
+    for (size_t i = s->share.begin; i < s->share.end; i++) p[i] = z[i] + beta * p[i];
+    isph_multiply(s, p, q);
+    double step = rz / isph_dot(s, p, q);
+#pragma omp parallel for schedule(static)
+    for (size_t i = s->share.begin; i < s->share.end; i++) x[i] += step * p[i], r[i] -= step * q[i];
+  }
+  solve->energy = energy;
+  solve->iterations += iteration;
+  solve->iterations_total += iteration;
+  solve->residual = error;
+  if (!(error <= 1e3 * tolerance)) return isph_solve_failed(s, error, iteration);
+  if (s->closed) remove_mean(s, x);
+  return STATUS_OK;
+}

@@ -1,0 +1,286 @@
+#include "sphsolve/isph/ranks.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+enum { TAG = 5, TAG_SUMS };
+
+/* What a particle is known by. */
+struct particle {
+  double position[3], velocity[3], pressure, mass;
+  uint64_t id;
+};
+
+static size_t layer_cells(const struct isph *s) {
+  return (size_t)s->cells.count[s->cells.axis[0]] * (size_t)s->cells.count[s->cells.axis[1]];
+}
+static int layer_count(const struct isph *s) {
+  return s->cells.count[s->cells.axis[2]];
+}
+
+/* The layer that holds the particle of that number in the order of all. */
+static int layer_of(const struct isph *s, size_t number) {
+  int low = 0, high = layer_count(s) - 1;
+  while (low < high) {
+    const int middle = (low + high + 1) / 2;
+    if (s->layer_start[middle] <= (double)number)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+
+/* Layers that rank r answers for: those of its own particles, and empty ones beside them. */
+static bool layers_of(const struct isph *s, int r, int *low, int *high) {
+  const size_t from = s->share.cut[r], to = s->share.cut[r + 1];
+  if (from == to) return false;
+  *low = from == 0 ? 0 : layer_of(s, from);
+  *high = layer_count(s) - 1;
+  if (to < s->total) {
+    *high = layer_of(s, to);
+    if (s->layer_start[*high] >= (double)to) --*high;
+  }
+  return true;
+}
+
+/* Whether rank r holds the particles of a layer. */
+static bool is_held(const struct isph *s, int low, int high, int layer) {
+  const int axis = s->cells.axis[2], n = layer_count(s);
+  const int beyond = (int)ceil(s->support_max / s->cells.size[axis] - 1e-9);
+  low -= beyond, high += beyond;
+  if (layer >= low && layer <= high) return true;
+  return s->periodic[axis] && (layer + n <= high || layer - n >= low);
+}
+
+bool isph_answers_for(const struct isph *s, const double x[3]) {
+  if (!isph_is_shared(s)) return true;
+  const int layer = (int)(isph_cell_of(&s->cells, x) / layer_cells(s));
+  for (int r = 0, low, high; r < ranks_count(); r++)
+    if (layers_of(s, r, &low, &high) && layer <= high) return r == ranks_own();
+  return false;
+}
+
+static struct particle particle_at(const struct isph *s, size_t i) {
+  struct particle p = {.pressure = s->pressure[i], .mass = s->mass[i], .id = s->id[i]};
+  memcpy(p.position, s->position[i], sizeof p.position);
+  memcpy(p.velocity, s->velocity[i], sizeof p.velocity);
+  return p;
+}
+
+/* Cuts the order of all, from how many particles each layer of cells has. */
+static enum status cut(struct isph *s) {
+  enum status status = STATUS_OK;
+  const size_t layers = (size_t)layer_count(s), plane = layer_cells(s);
+  double *work = NULL;
+  if (s->layer_start == NULL) {
+    TRY(memory_allocate(&s->layer_start, layers + 1, sizeof *s->layer_start, "shares"));
+    TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
+  }
+  memset(s->layer_start, 0, (layers + 1) * sizeof *s->layer_start);
+  for (size_t i = 0; i < s->count; i++) s->layer_start[s->cell_of[i] / plane + 1]++;
+  ranks_sum_all(s->layer_start, layers + 1);
+  for (size_t l = 0; l < layers; l++) s->layer_start[l + 1] += s->layer_start[l];
+  s->total = (size_t)s->layer_start[layers];
+  s->share.tag = TAG;
+  s->share.bytes_most = sizeof(double[6]);
+  TRY(memory_allocate(&work, s->chunk_count + 1, sizeof *work, "shares"));
+  for (size_t c = 0; c < s->chunk_count; c++)
+    work[c] = (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
+  TRY(ghosts_cut(&s->share, s->total, CHUNK, work));
+  for (int r = 0; r <= ranks_count(); r++) s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
+cleanup:
+  memory_free(&work);
+  return status;
+}
+
+static void move_particles(struct isph *s, size_t to, size_t from, size_t n) {
+  if (n == 0 || to == from) return;
+  memmove(s->position + to, s->position + from, n * sizeof *s->position);
+  memmove(s->velocity + to, s->velocity + from, n * sizeof *s->velocity);
+  memmove(s->pressure + to, s->pressure + from, n * sizeof *s->pressure);
+  memmove(s->mass + to, s->mass + from, n * sizeof *s->mass);
+  memmove(s->id + to, s->id + from, n * sizeof *s->id);
+}
+
+static void put_particle(struct isph *s, size_t i, const struct particle *p) {
+  memcpy(s->position[i], p->position, sizeof p->position);
+  memcpy(s->velocity[i], p->velocity, sizeof p->velocity);
+  s->pressure[i] = p->pressure;
+  s->mass[i] = p->mass;
+  s->id[i] = p->id;
+}
+
+/* Each rank gets from all others what it is to hold: those of lower ranks before those that it
+ * keeps, those of higher ones behind. */
+static enum status bring(struct isph *s) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
+  struct particle *out = NULL, *in = NULL;
+  size_t *send = NULL, *start = NULL, n = 0, kept = 0;
+  int low, high;
+  TRY(memory_allocate(&send, ranks, sizeof *send, "shares"));
+  TRY(memory_allocate(&start, ranks + 1, sizeof *start, "shares"));
+  for (int pass = 0; pass < 2; pass++) {
+    if (pass == 1) TRY(memory_allocate(&out, n + 1, sizeof *out, "particles that change hands"));
+    n = 0;
+    for (size_t r = 0; r < ranks; r++) {
+      if (r == own || !layers_of(s, (int)r, &low, &high)) continue;
+      for (size_t i = 0; i < s->count; i++) {
+        if (!is_held(s, low, high, (int)(s->cell_of[i] / plane))) continue;
+        if (pass == 0)
+          send[r]++;
+        else
+          out[n] = particle_at(s, i);
+        n++;
+      }
+    }
+  }
+  TRY(ghosts_exchange(sizeof *out, send, out, start, &in));
+  memory_free(&out);
+  const bool any = layers_of(s, (int)own, &low, &high);
+  for (size_t i = 0; any && i < s->count; i++)
+    if (is_held(s, low, high, (int)(s->cell_of[i] / plane))) move_particles(s, kept++, i, 1);
+  const size_t lower = start[own], all = start[ranks];
+  TRY(isph_reserve(s, kept + all));
+  move_particles(s, lower, 0, kept);
+  for (size_t k = 0; k < all; k++) put_particle(s, k < lower ? k : kept + k, &in[k]);
+  s->count = kept + all;
+cleanup:
+  memory_free(&send);
+  memory_free(&start);
+  memory_free(&out);
+  memory_free(&in);
+  return status;
+}
+
+enum status isph_share_out(struct isph *s) {
+  enum status status = STATUS_OK;
+  s->total = s->count;
+  if (ranks_count() > 1) {
+    for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
+    TRY(cut(s));
+    TRY(bring(s));
+  }
+  if (s->total / CHUNK + 1 > s->partial_room) {
+    s->partial_room = s->total / CHUNK * 9 / 8 + 1;
+    TRY(memory_resize(&s->partial, s->partial_room, sizeof *s->partial, "sums"));
+  }
+cleanup:
+  return status;
+}
+
+void isph_find_own(struct isph *s) {
+  struct ghosts *g = &s->share;
+  g->begin = 0, g->end = s->count;
+  if (!isph_is_shared(s)) return;
+  const size_t plane = layer_cells(s), from = g->cut[ranks_own()];
+  int low, high;
+  bool before = false;
+  g->runs = 0, g->end = 0;
+  if (!layers_of(s, ranks_own(), &low, &high)) return;
+  for (int l = 0; l < layer_count(s); l++) {
+    const bool here = is_held(s, low, high, l);
+    if (here && !before) {
+      g->run[g->runs].here = s->cells.start[(size_t)l * plane];
+      g->run[g->runs++].number = (size_t)s->layer_start[l];
+    }
+    before = here;
+  }
+  const int first = layer_of(s, from);
+  g->begin = s->cells.start[(size_t)first * plane] + (from - (size_t)s->layer_start[first]);
+  g->end = g->begin + (g->cut[ranks_own() + 1] - from);
+}
+
+enum status isph_find_ghosts(struct isph *s) {
+  enum status status = STATUS_OK;
+  struct ghosts *g = &s->share;
+  if (!isph_is_shared(s)) return STATUS_OK;
+  TRY(memory_allocate(&g->wanted, s->count + 1, 1, "ghosts"));
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    struct isph_chunk *chunk = &s->chunks[c];
+    chunk->outer = false;
+    for (size_t p = 0; p < chunk->pair_count; p++) {
+      size_t j = chunk->pair[p] & PAIR_MASK;
+      if (j < g->begin || j >= g->end) g->wanted[j] = chunk->outer = true;
+    }
+  }
+  /* isph_probe reads any. */
+  for (size_t j = 0; s->on.open_sides && j < s->count; j++)
+    g->wanted[j] = j < g->begin || j >= g->end;
+  TRY(ghosts_agree(g, s->count));
+cleanup:
+  memory_free(&g->wanted);
+  return status;
+}
+
+void isph_send(struct isph *s, int count, const struct ghost_field *fields) {
+  if (!isph_is_shared(s)) return;
+  ghosts_post(&s->share, count, fields);
+  ghosts_finish(&s->share);
+}
+
+/* Sums go from rank to rank, each of which adds its own between the two calls; then all have them.
+ */
+static void sums_arrive(double *sums, size_t n) {
+  if (ranks_own() == 0) return;
+  ranks_receive(sums, n * sizeof *sums, ranks_own() - 1, TAG_SUMS);
+  ranks_wait();
+}
+static void sums_go_on(double *sums, size_t n) {
+  if (ranks_count() == 1) return;
+  if (ranks_own() + 1 < ranks_count()) {
+    ranks_send(sums, n * sizeof *sums, ranks_own() + 1, TAG_SUMS);
+    ranks_wait();
+    memset(sums, 0, n * sizeof *sums);
+  }
+  ranks_sum_all(sums, n);
+}
+
+void isph_add_up(const struct isph *s, int width, double *total) {
+  for (int k = 0; k < width; k++) total[k] = 0;
+  sums_arrive(total, (size_t)width);
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (int k = 0; k < width; k++) total[k] += s->sums[c][k];
+  sums_go_on(total, (size_t)width);
+}
+
+void isph_add_accounts(struct isph *s) {
+  struct ledger_sums *sums = &s->account.sums;
+  double numbers[sizeof *sums / sizeof(double)];
+  const size_t n = sizeof numbers / sizeof *numbers;
+  memcpy(numbers, sums, sizeof numbers);
+  sums_arrive(numbers, n);
+  memcpy(sums, numbers, sizeof numbers);
+  for (size_t c = 0; c < s->chunk_count; c++) ledger_add(sums, &s->chunks[c].account);
+  memcpy(numbers, sums, sizeof numbers);
+  sums_go_on(numbers, n);
+  memcpy(sums, numbers, sizeof numbers);
+}
+
+void isph_gather_chunks(struct isph *s, double *numbers) {
+  if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_cut, sizeof *numbers);
+}
+
+enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  size_t *send = NULL, *start = NULL;
+  char *all;
+  TRY(memory_allocate(&send, ranks, sizeof *send, "messages from ranks"));
+  TRY(memory_allocate(&start, ranks + 1, sizeof *start, "messages from ranks"));
+  for (size_t r = 0; r < ranks; r++) send[r] = count;
+  ranks_swap_counts(send, start + 1);
+  for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
+  *total = start[ranks];
+  TRY(memory_allocate(joined, *total + 1, size, "messages from ranks"));
+  memcpy(&all, joined, sizeof all);
+  if (count > 0) memcpy(all + start[own] * size, list, count * size);
+  ranks_gather(all, start, size);
+cleanup:
+  memory_free(&send);
+  memory_free(&start);
+  return status;
+}

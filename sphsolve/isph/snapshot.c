@@ -1,0 +1,157 @@
+/* A snapshot has its particles in the order of their numbers, so that snapshots can be compared
+ * line by line; each rank writes a run of lines. */
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/output.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Whose line each particle is. */
+struct lines {
+  size_t first, count; /* that this rank writes */
+  size_t *send;        /* [ranks]: how many of its particles go there */
+  uint32_t *item;      /* own particles, by the rank that writes them */
+  uint32_t *place;     /* [count]: lines, from `first`, in the order in which they come */
+};
+
+/* Sends what a field has of the own particles to where it is written. */
+static enum status send_field(const struct isph *s, const struct lines *lines, const void *field,
+                              size_t size, void *written) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  const char *from = (const char *)field + s->share.begin * size;
+  char *out = NULL, *in = NULL, *to = written;
+  size_t *start = NULL, others = 0, k = 0;
+  for (size_t r = 0; r < ranks; r++) others += r == own ? 0 : lines->send[r];
+  TRY(memory_allocate(&out, others + 1, size, "a snapshot"));
+  TRY(memory_allocate(&start, ranks + 1, sizeof *start, "a snapshot"));
+  const uint32_t *item = lines->item, *mine = NULL;
+  for (size_t r = 0; r < ranks; item += lines->send[r++]) {
+    if (r == own) mine = item;
+    for (size_t j = 0; r != own && j < lines->send[r]; j++)
+      memcpy(out + size * k++, from + size * item[j], size);
+  }
+  if (ranks > 1) TRY(ghosts_exchange(size, lines->send, out, start, &in));
+  for (size_t j = 0; j < lines->count; j++) {
+    const bool own_line = ranks == 1 || (j >= start[own] && j < start[own + 1]);
+    const char *value = own_line ? from + size * mine[j - start[own]] : in + size * j;
+    memcpy(to + size * lines->place[j], value, size);
+  }
+cleanup:
+  memory_free(&out);
+  memory_free(&in);
+  memory_free(&start);
+  return status;
+}
+
+/* Line of a particle: how many with a lower number there are, by one bit for each. */
+static size_t line_of(const int64_t *there, const uint64_t *before, uint64_t id) {
+  const uint64_t below = (uint64_t)there[id / 64] & (((uint64_t)1 << id % 64) - 1);
+  return before[id / 64] + (size_t)__builtin_popcountll(below);
+}
+
+static enum status find_lines(const struct isph *s, struct lines *lines) {
+  enum status status = STATUS_OK;
+  const size_t ranks = (size_t)ranks_count(), own = s->share.end - s->share.begin;
+  const size_t words = s->next_id / 64 + 1;
+  int64_t *there = NULL; /* a bit for each number; each rank's own are summed */
+  uint64_t *before = NULL;
+  uint32_t *line = NULL, *place = NULL;
+  size_t *next = NULL;
+  const uint64_t *id = s->id + s->share.begin;
+  TRY(memory_allocate(&there, words, sizeof *there, "a snapshot"));
+  TRY(memory_allocate(&before, words, sizeof *before, "a snapshot"));
+  TRY(memory_allocate(&line, s->capacity, sizeof *line, "a snapshot"));
+  TRY(memory_allocate(&next, ranks + 1, sizeof *next, "a snapshot"));
+  TRY(memory_allocate(&lines->send, ranks, sizeof *lines->send, "a snapshot"));
+  TRY(memory_allocate(&lines->item, own, sizeof *lines->item, "a snapshot"));
+  for (size_t i = 0; i < own; i++)
+    there[id[i] / 64] = (int64_t)((uint64_t)there[id[i] / 64] | (uint64_t)1 << id[i] % 64);
+  ranks_sum_whole(there, words);
+  for (size_t w = 1; w < words; w++)
+    before[w] = before[w - 1] + (uint64_t)__builtin_popcountll((uint64_t)there[w - 1]);
+  lines->first = s->total * (size_t)ranks_own() / ranks;
+  lines->count = s->total * ((size_t)ranks_own() + 1) / ranks - lines->first;
+  /* The rank of a line, twice: to count, and to fill. */
+  for (int pass = 0; pass < 2; pass++) {
+    for (size_t i = 0; i < own; i++) {
+      const size_t at = line_of(there, before, id[i]);
+      size_t r = at * ranks / s->total;
+      while (at >= s->total * (r + 1) / ranks) r++;
+      while (at < s->total * r / ranks) r--;
+      if (pass == 0) lines->send[r]++;
+      if (pass == 1) lines->item[next[r]++] = (uint32_t)i;
+      line[s->share.begin + i] = (uint32_t)(at - s->total * r / ranks);
+    }
+    for (size_t r = 1; pass == 0 && r < ranks; r++) next[r] = next[r - 1] + lines->send[r - 1];
+  }
+  /* How the lines come tells where they go. */
+  TRY(memory_allocate(&place, lines->count, sizeof *place, "a snapshot"));
+  TRY(memory_allocate(&lines->place, lines->count, sizeof *place, "a snapshot"));
+  for (size_t k = 0; k < lines->count; k++) lines->place[k] = (uint32_t)k;
+  TRY(send_field(s, lines, line, sizeof *line, place));
+  if (lines->count > 0) memcpy(lines->place, place, lines->count * sizeof *place);
+cleanup:
+  memory_free(&place);
+  memory_free(&there);
+  memory_free(&before);
+  memory_free(&line);
+  memory_free(&next);
+  return status;
+}
+
+/* A field of a snapshot as it lies in the state. */
+struct source {
+  const struct isph *state;
+  const struct lines *lines;
+  const void *from;
+  size_t size;
+  double scale, without; /* without: value where there is none of it */
+};
+
+static enum status fill(const void *context, void *data) {
+  const struct source *source = context;
+  double *values = data;
+  if (source->from != NULL) {
+    enum status status = send_field(source->state, source->lines, source->from, source->size, data);
+    if (status != STATUS_OK) return status;
+  }
+  for (size_t k = 0; k < source->lines->count; k++) {
+    if (source->from == NULL) values[k] = source->without;
+    if (source->scale != 1) values[k] *= source->scale;
+  }
+  return STATUS_OK;
+}
+
+enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct lines l = {0};
+  const struct source sources[] = {{s, &l, s->position, sizeof *s->position, 1, 0},
+                                   {s, &l, s->velocity, sizeof *s->velocity, 1, 0},
+                                   {s, &l, s->pressure, sizeof *s->pressure, 1, 0},
+                                   {s, &l, s->filling, sizeof *s->filling, s->density, 0},
+                                   {s, &l, s->porosity, sizeof *s->porosity, 1, 1},
+                                   {s, &l, s->surface, sizeof *s->surface, 1, 0},
+                                   {s, &l, s->volume, sizeof *s->volume, s->thickness, 0},
+                                   {s, &l, s->id, sizeof *s->id, 1, 0}};
+  const struct source *from = sources;
+  const struct snapshot_field
+      at = {.type = H5_F64, .components = 3, .fill = fill, .context = from},
+      fields[] = {
+          {"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, fill, from + 1},
+          {"pressure", "Pa", "pressure", H5_F64, 1, NULL, fill, from + 2},
+          {"density", "kg/m^3", "water density times filling, sum of V W", H5_F64, 1, NULL, fill,
+           from + 3},
+          {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, fill, from + 4},
+          {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, fill, from + 5},
+          {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, fill, from + 6},
+          {"id", "1", "number of the particle", H5_U64, 1, NULL, fill, from + 7}};
+  TRY(find_lines(s, &l));
+  TRY(recorder_snapshot(recorder, s->time, s->step, l.count, &at, sizeof fields / sizeof *fields,
+                        fields));
+cleanup:
+  memory_free(&l.send);
+  memory_free(&l.item);
+  memory_free(&l.place);
+  return status;
+}

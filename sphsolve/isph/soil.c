@@ -1,0 +1,119 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+
+#include "sphsolve/isph/effects/drag.h"
+#include "sphsolve/isph/kernel.h"
+
+/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half
+ * as wide as that of the water in the least porous soil (M15 section 4 with soil markers in the
+ * limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
+ * change with eps: an edge steeper than the spacing of the particles in the soil is one that their
+ * sums do not resolve. One width for all soils, so that their shares add up to 1 where they touch.
+ * Boxes that touch a closed side go on beyond it, so that walls see no thinner soil. */
+
+struct box {
+  double low[3], high[3];
+};
+
+/* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it
+ * touches a closed side or fills a periodic axis. */
+static struct box box_of(const struct isph *s, size_t k, double ahead, const double x[3]) {
+  const struct region *region = &s->scene->regions[k];
+  double near = 1e-6 * s->spacing;
+  struct box box;
+  for (int a = 0; a < 3; a++) {
+    double low = region->box[a], high = region->box[a + 3],
+           offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
+    bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
+    if (s->dimensions == 2 && a == 1) open_low = open_high = true;
+    if (s->periodic[a] && !(open_low && open_high)) {
+      double length = s->high[a] - s->low[a];
+      offset += length * round((x[a] - 0.5 * (low + high) - offset) / length);
+      open_low = open_high = false;
+    }
+    box.low[a] = open_low ? -INFINITY : low + offset;
+    box.high[a] = open_high ? INFINITY : high + offset;
+  }
+  return box;
+}
+
+static double share_of_box(const struct isph *s, const struct box *box, const double x[3]) {
+  double spread = pow(s->soil_porosity_least, -1.0 / s->dimensions);
+  double h = 0.25 * s->scene->isph.support_ratio * s->spacing * spread, share = 1;
+  for (int a = 0; a < 3; a++)
+    share *= kernel_integral((x[a] - box->low[a]) / h) - kernel_integral((x[a] - box->high[a]) / h);
+  return share;
+}
+
+/* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
+static double share_left(const struct isph *s, const struct box *box, size_t next, double ahead,
+                         const double x[3]) {
+  for (; next < s->scene->region_count; next++) {
+    if (s->scene->regions[next].type != REGION_POROUS) continue;
+    struct box both = box_of(s, next, ahead, x);
+    bool overlap = true;
+    for (int a = 0; a < 3; a++) {
+      both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
+      overlap = overlap && both.low[a] < both.high[a];
+    }
+    if (overlap)
+      return share_left(s, box, next + 1, ahead, x) - share_left(s, &both, next + 1, ahead, x);
+  }
+  return share_of_box(s, box, x);
+}
+
+/* M15 eqs. 9c and 9d without alpha nu / D50^2 and beta / D50. */
+static double linear_of(double eps) {
+  return (1 - eps) * (1 - eps) / (eps * eps * eps);
+}
+static double forchheimer_of(double eps) {
+  return (1 - eps) / (eps * eps * eps);
+}
+
+void isph_soil_at(const struct isph *s, const double position[3], double ahead,
+                  struct soil_point *soil) {
+  const struct scene *scene = s->scene;
+  const bool over_eps = scene->isph.form == FORM_M15;
+  double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    if (region->type != REGION_POROUS) continue;
+    struct box box = box_of(s, k, ahead, position);
+    if (share_of_box(s, &box, position) <= 0) continue;
+    /* A later soil takes the place of an earlier one. */
+    double w = share_left(s, &box, k + 1, ahead, position), d = region->grain_size;
+    double scale = over_eps ? region->porosity : 1; /* 1/G */
+    if (w <= 0) continue;
+    solid += w * (1 - region->porosity);
+    share += w;
+    a += w * scale * region->alpha * s->viscosity / (d * d) * linear_of(region->porosity);
+    b += w * scale * region->beta / d * forchheimer_of(region->porosity);
+    inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
+    for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
+    paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
+  }
+  double eps = scene->isph.porosity_paper ? paper : 1 - solid;
+  double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
+  soil->porosity = eps;
+  soil->solid = share;
+  /* Inertia and drag, as multiples of the pressure gradient, count by the share of the soil, whose
+   * own they are: a layer then weighs and loses as much as with sharp faces, next to free water and
+   * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in
+   * it: too small for the forces over rho_w, the drag too large for M15's forces over eps. */
+  soil->a = a, soil->b = b, soil->inertia = 1 - share + inertia;
+  if (scene->isph.porosity_paper && own < 1) {
+    double scale = over_eps ? eps / own : 1;
+    soil->a = a * weight * scale * linear_of(eps) / linear_of(own);
+    soil->b = b * weight * scale * forchheimer_of(eps) / forchheimer_of(own);
+    soil->inertia = inertia_coefficient(eps) / (over_eps ? 1 : eps);
+  }
+  for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
+}
+
+double isph_soil_minimum(const struct scene *scene) {
+  double least = 1;
+  for (size_t k = 0; k < scene->region_count; k++)
+    if (scene->regions[k].type == REGION_POROUS) least = fmin(least, scene->regions[k].porosity);
+  return least;
+}

@@ -1,0 +1,346 @@
+/* The particles of method isph and the passes of one step.
+ *
+ * Every particle carries a fixed mass of water m. Its bulk volume V = m / (eps rho_w) and its
+ * support he = ratio V^(1/dimensions) follow the porosity eps at its place, so that inside soil the
+ * particles stand further apart and still see the same number of neighbours. Velocities are Darcy
+ * velocities v_D; particles move with v_D / eps.
+ *
+ * Particles are sorted by cell each step; neighbour lists are kept per chunk of CHUNK particles, so
+ * that threads never share an array and no sum depends on their number. */
+#ifndef TOSUI_SPHSOLVE_ISPH_STATE_H
+#define TOSUI_SPHSOLVE_ISPH_STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "sphsolve/parallel/ghosts.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/output/ledger.h"
+#include "sphsolve/scene/scene.h"
+#include "sphsolve/march/watchdog.h"
+
+#define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
+#define SUMS 24      /* at most at once */
+#define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
+#define PAIR_MASK ((1u << PAIR_BITS) - 1)
+#define IMAGE_NONE 13 /* code of "no periodic image" */
+
+/* What of the physics is on; each is an effect of the plan. */
+struct isph_switches {
+  bool soil, moving_soil, drag_linear, drag_forchheimer;
+  bool viscosity, turbulence, relaxation, surface, shifting, calming, energy;
+  bool walls, no_slip, moving_walls, open_sides;
+};
+
+/* A box of wall, or the tank around the domain (inverted). */
+struct isph_wall_box {
+  double low[3], high[3];
+  double velocity[3];
+  bool slip, tank;
+};
+
+enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
+
+/* A window in a side of the domain through which water comes and goes. */
+struct isph_open_side {
+  int axis;               /* of its normal */
+  double inward;          /* +1: on the low side, -1: on the high side */
+  double edge;            /* where on the axis */
+  double low[3], high[3]; /* rectangle on the side; equal along `axis` */
+  enum boundary_kind kind;
+  double head, flux;
+  double velocity[3]; /* of its boundary particles, where the flux is given */
+  int cells[3];       /* columns across the rectangle */
+  double pitch[3];    /* their widths; along `axis` the spacing */
+  size_t first;       /* of its columns; those above the head are there, but dry */
+};
+
+/* A file of boundary particles behind one cell of a window, that moves with the water. */
+struct isph_column {
+  size_t side, first; /* first of its boundary particles */
+  bool dry;           /* above the head: air, and no particles */
+  double at[3];       /* its axis on the side */
+  double front;       /* distance of the foremost particle behind the side, 0 .. spacing */
+  double speed;       /* of the water there, inward: of the pores */
+};
+
+/* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
+ * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
+ * at open sides (m/s). */
+struct isph_applied {
+  double pressure[3], viscous[3], friction[3], straightened[3];
+};
+
+struct isph_chunk {
+  size_t begin, end;
+  struct ledger_sums account; /* of the step */
+  bool outer;                 /* reads particles of other ranks */
+  size_t pair_count, pair_capacity;
+  uint32_t *pair; /* neighbour | image << PAIR_BITS */
+  float *slope;   /* -W'(r)/r of the pair, normalised */
+  float *matrix;  /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
+  size_t wall_count, wall_capacity;
+  uint32_t *wall; /* boundary particle | image << PAIR_BITS */
+  float *wall_slope;
+};
+
+struct isph_cells {
+  int count[3];
+  int axis[3]; /* from the one along which cells follow each other to that of their layers, the
+                  longest */
+  double origin[3], size[3];
+  uint32_t *start; /* [cells + 1] */
+};
+
+struct isph_solve {
+  int iterations, iterations_total, solves;
+  double residual, energy; /* energy: x.b of the step's first solve */
+  bool again;              /* what is solved is what the first projection left of div v */
+};
+
+struct isph_multigrid;
+struct isph_petsc;
+
+struct isph {
+  const struct scene *scene;
+  struct isph_switches on;
+  int dimensions;
+  double spacing, thickness; /* thickness: of a 2-D scene, 1 for 3-D */
+  double low[3], high[3];    /* the domain */
+  bool periodic[3];
+  double shift[27][3];           /* of the periodic images */
+  double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
+  double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
+  double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
+  double density, viscosity;     /* rho_w, nu */
+  double force[3];               /* g + a - grad P / rho, m/s^2 */
+  double widening;               /* share of what the relaxation asks of crowded water */
+  double unpaid;                 /* share of that which friction does not pay for */
+  double time, thickest;         /* thickest: largest nu + nu_T of the last step */
+  double calm;                   /* the calming's viscosity */
+  int64_t step;
+
+  size_t count, capacity; /* of the particles here: the own ones, and ghosts before and after */
+  size_t total;           /* of all ranks */
+  struct ghosts share;    /* this rank computes [share.begin, share.end) */
+  size_t *chunk_cut;      /* [ranks + 1]: in chunks of all */
+  double *layer_start;    /* [layers of cells + 1]: particles of all before it; NULL on one rank */
+  double pairs_now;       /* of the own particles */
+  uint64_t next_id;
+  uint64_t *id;
+  double (*position)[3], (*velocity)[3];
+  double *pressure, *mass;
+
+  /* found anew each step */
+  double *volume, *support;
+  double *porosity, *soil_share;     /* NULL without soil */
+  double *inertia, *drag_a, *drag_b; /* NULL without soil */
+  double (*soil_velocity)[3];        /* NULL unless soil moves */
+  double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
+  double *filling;                   /* sum V W with walls: 1 in the bulk */
+  double (*imbalance)[3];            /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];            /* L, gradient correction */
+  float (*moment_lack)[6];           /* C of isph_moment.c; NULL without soil */
+  double *surface;                   /* 0 bulk .. 1 surface; NULL without */
+  double *near;           /* its largest in the neighbourhood; NULL unless water is free */
+  float (*gradient)[9];   /* dv_a/dx_b; NULL if nobody asks */
+  double *drag_left;      /* B: share of v_D left by the drag; NULL without */
+  double *mobility;       /* k = B T G / rho_w */
+  double *eddy;           /* nu + nu_T; NULL without viscosity */
+  double (*predicted)[3]; /* v* without the driving force */
+  struct isph_applied *applied;
+  double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
+  struct isph_multigrid *multigrid;
+  struct isph_petsc *petsc;
+  double *work[4]; /* r, z, p, q of CG */
+  double *partial; /* [chunks of all]: of a sum */
+  size_t partial_room;
+  double (*sums)[SUMS];              /* [own chunks]: of several; see isph_add_up */
+  uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
+  uint16_t *pair_number, *wall_number;
+  size_t chunk_count, chunk_capacity;
+  struct isph_chunk *chunks;
+  struct isph_cells cells, wall_cells;
+  uint32_t *wall_order;
+  uint32_t *order, *cell_of;
+  void *scratch; /* for the sort: 3 doubles a particle */
+  bool closed;   /* no row fixes the pressure: the constant is removed */
+  struct isph_solve solve;
+
+  /* boundary */
+  size_t wall_box_count;
+  struct isph_wall_box *wall_boxes;
+  size_t boundary_count;
+  double (*boundary_position)[3];
+  double *boundary_pressure; /* open sides of given head; NULL without any */
+  uint8_t *boundary_kind;
+  uint16_t *boundary_box; /* wall box, or open side */
+  size_t side_count, column_count;
+  struct isph_open_side *sides;
+  struct isph_column *columns;
+  double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
+  double wall_volume;
+  double support_max, support_now; /* the largest there can be, and there is */
+  double soil_porosity_least;
+
+  size_t region_count;
+  double (*soil_offset)[3]; /* how far each region's soil has moved */
+
+  /* ledger */
+  double flung[5]; /* speed, place and number of the fastest particle lost in this step */
+  size_t lost_count, left_count, entered_count;
+  double losses[LEDGER_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
+  double lost_mass, left_mass, entered_mass;
+  struct ledger_account account;
+  double account_held[4]; /* within a step: momentum and energy before soil is found anew */
+  double pair_interactions, pair_seconds;
+  struct watchdog dog;
+  int64_t calm_from; /* step since which the watchdog has nothing to say */
+  struct isph_settling {
+    double since, reference[3];
+  } settling;
+  double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
+  double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
+};
+
+/* What is here collective, all ranks call; the same bits on any number of them.
+ * Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
+enum status isph_create(const struct scene *scene, const struct lattice *lattice,
+                        const struct isph_switches *switches, struct isph *s);
+void isph_free(struct isph *s);
+/* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
+ * leave a fresh state; who changes positions by hand calls it. */
+enum status isph_refresh(struct isph *s);
+/* One step of length dt, s, from a fresh state. */
+enum status isph_advance(struct isph *s, double dt);
+/* The largest step the effects allow now, s; *limited_by names the effect. */
+double isph_stable_dt(const struct isph *s, const char **limited_by);
+
+/* isph_copy.c: a state to go back to. Going back leaves a fresh state; the watchdog stays. */
+struct isph_copy {
+  char *block;
+  size_t count, counts[3];
+  double time, thickest, numbers[3];
+  struct ledger_account account;
+  int64_t step;
+  uint64_t next_id;
+};
+enum status isph_keep(const struct isph *s, struct isph_copy *copy);
+enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
+void isph_copy_free(struct isph_copy *copy);
+#define ISPH_COPY_BYTES 72.0 /* per particle */
+
+enum status isph_reserve(struct isph *s, size_t capacity);
+enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
+                              double mass);
+
+/* isph_soil.c */
+struct soil_point {
+  double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
+  double inertia;         /* C_r / (eps G) */
+  double a, b;            /* drag coefficients over G, 1/s and 1/m */
+  double velocity[3];
+};
+/* At a place, where moving soil stands a time `ahead` from now. */
+void isph_soil_at(const struct isph *s, const double position[3], double ahead,
+                  struct soil_point *soil);
+double isph_soil_minimum(const struct scene *scene);
+
+/* isph_wall.c */
+enum status isph_wall_create(struct isph *s);
+void isph_wall_move(struct isph *s, double dt);
+enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
+                          enum boundary_kind kind, size_t box);
+int isph_wall_layers(const struct isph *s);
+/* Along which axes boundary particle j at xj (its periodic image) mirrors a particle at xi (1 or 0
+ * each), and its distance from the wall over that of xi. */
+void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+                      double mirror[3], double *ratio);
+/* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it
+ * through a wall within dt. */
+void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
+
+/* isph_cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
+ * filling, imbalance, correction. */
+enum status isph_sort(struct isph *s);
+uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
+enum status isph_sort_walls(struct isph *s);
+enum status isph_find_neighbours(struct isph *s);
+
+/* isph_moment.c: operators exact for linear fields in soil. */
+void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
+/* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
+void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
+                      const double wall_moment[6]);
+/* Evens the slopes of all pairs by it. */
+void isph_moment_even(struct isph *s);
+
+/* isph_energy.c: no energy out of nothing. Kinetic with the velocity of the pores; potential -f.x.
+ */
+double isph_kinetic_energy(const struct isph *s);
+double isph_potential_energy(const struct isph *s);
+/* Between predictor and projection: how far crowded water may widen. */
+void isph_energy_relax(struct isph *s, double tau, double dt);
+/* What relaxation added in a step where the water is crowded as a whole, J or J/m, beyond what
+ * friction paid for; after the projection. */
+double isph_energy_given(const struct isph *s, double tau, double dt);
+/* Lets down by the ways ahead what they lift beyond the budget, kinetic energy before the step and
+ * what relaxation gave. */
+void isph_energy_settle(struct isph *s, double (*way)[3], double budget);
+/* Slows the water until its energy is at most `most`. */
+void isph_energy_trim(struct isph *s, double most);
+
+/* isph_pressure.c */
+void isph_assemble(struct isph *s, double tau);
+enum status isph_solve_pressure(struct isph *s);
+/* Collective: the failure of a solve that stands at a relative error, with the particle whose row
+ * is off most. */
+enum status isph_solve_failed(struct isph *s, double error, int iterations);
+/* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
+void isph_multiply(struct isph *s, double *x, double *y);
+/* Collective: a.b */
+double isph_dot(struct isph *s, const double *a, const double *b);
+
+/* isph_open.c: fixed head or flux on a side. */
+enum status isph_open_create(struct isph *s);
+enum status isph_open_fill(struct isph *s, size_t *capacity);
+double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
+double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
+                         double to_side[3]);
+int isph_open_side_behind(const struct isph *s, const double x[3]);
+/* Between predictor and pressure. */
+void isph_open_straighten(struct isph *s);
+/* How fast the water goes at each column; from sorted particles. */
+enum status isph_open_measure(struct isph *s);
+/* Takes out particles outside the domain: those that left through a window, and with a warning
+ * those that should not be there. */
+enum status isph_remove_outside(struct isph *s);
+/* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
+enum status isph_open_move(struct isph *s, double dt);
+/* isph_cells.c: filling of a point by water, and the mean velocity of water there. */
+enum status isph_probe(const struct isph *s, const double x[3], double *filling,
+                       double velocity[3]);
+
+/* Whether nothing acts on water with a surface but itself and walls. */
+static inline bool isph_is_free(const struct isph *s) {
+  const double *f = s->force;
+  return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
+}
+
+/* Velocity of boundary particle j. */
+static inline const double *isph_wall_velocity(const struct isph *s, size_t j) {
+  const size_t box = s->boundary_box[j];
+  return s->boundary_kind[j] == BOUNDARY_WALL ? s->wall_boxes[box].velocity
+                                              : s->sides[box].velocity;
+}
+
+/* r = x_i - x_j for a pair entry. */
+static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],
+                                   uint32_t entry, double r[3]) {
+  const double *xj = x[entry & PAIR_MASK], *image = s->shift[entry >> PAIR_BITS];
+  for (int a = 0; a < 3; a++) r[a] = xi[a] - (xj[a] + image[a]);
+}
+
+#endif

@@ -1,0 +1,228 @@
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+/* Walls are boxes, known exactly. Each is filled with wall particles that start half a spacing
+ * behind its faces, whether or not the faces lie on the lattice of the water; the tank is filled
+ * outside the domain. A wall particle holds no unknown: it is the mirror image of whichever water
+ * particle looks at it, about the face between them. */
+
+int isph_wall_layers(const struct isph *s) {
+  return (int)ceil(s->support_max / s->spacing - 1e-9);
+}
+
+static bool used(const struct isph *s, int a) {
+  return !(s->dimensions == 2 && a == 1);
+}
+
+enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
+                          enum boundary_kind kind, size_t box) {
+  if (s->boundary_count == *capacity) {
+    size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
+    enum status status =
+        memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls");
+    if (status == STATUS_OK)
+      status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
+    if (status == STATUS_OK)
+      status = memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls");
+    if (status != STATUS_OK) return status;
+    *capacity = n;
+  }
+  size_t j = s->boundary_count++;
+  memcpy(s->boundary_position[j], x, sizeof(double[3]));
+  s->boundary_kind[j] = (uint8_t)kind;
+  s->boundary_box[j] = (uint16_t)box;
+  return STATUS_OK;
+}
+
+static enum status fill_tank(struct isph *s, size_t *capacity) {
+  int n[3], from[3], to[3];
+  double pitch[3];
+  for (int a = 0; a < 3; a++) {
+    n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
+    pitch[a] = (s->high[a] - s->low[a]) / n[a];
+    bool closed = !s->periodic[a] && used(s, a);
+    from[a] = closed ? -isph_wall_layers(s) : 0;
+    to[a] = closed ? n[a] + isph_wall_layers(s) : n[a];
+  }
+  for (int k = from[2]; k < to[2]; k++)
+    for (int j = from[1]; j < to[1]; j++)
+      for (int i = from[0]; i < to[0]; i++) {
+        int at[3] = {i, j, k};
+        bool outside = false;
+        double x[3];
+        for (int a = 0; a < 3; a++) {
+          x[a] = s->low[a] + (at[a] + 0.5) * pitch[a];
+          outside = outside || at[a] < 0 || at[a] >= n[a];
+        }
+        if (!outside || isph_open_side_behind(s, x) >= 0) continue;
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, 0);
+        if (status != STATUS_OK) return status;
+      }
+  return STATUS_OK;
+}
+
+static bool in_box(const struct isph *s, const struct isph_wall_box *box, const double x[3]) {
+  for (int a = 0; a < 3; a++)
+    if (used(s, a) && (x[a] <= box->low[a] || x[a] >= box->high[a])) return false;
+  return true;
+}
+
+static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
+  const struct isph_wall_box *box = &s->wall_boxes[index];
+  int n[3];
+  double pitch[3];
+  for (int a = 0; a < 3; a++) {
+    n[a] = used(s, a) ? (int)fmax(1, round((box->high[a] - box->low[a]) / s->spacing)) : 1;
+    pitch[a] = (box->high[a] - box->low[a]) / n[a];
+  }
+  for (int k = 0; k < n[2]; k++)
+    for (int j = 0; j < n[1]; j++)
+      for (int i = 0; i < n[0]; i++) {
+        double x[3] = {box->low[0] + (i + 0.5) * pitch[0], box->low[1] + (j + 0.5) * pitch[1],
+                       box->low[2] + (k + 0.5) * pitch[2]};
+        bool taken = false;
+        for (int a = 0; a < 3; a++)
+          if (used(s, a) && !s->periodic[a]) taken = taken || x[a] < s->low[a] || x[a] > s->high[a];
+        for (size_t later = index + 1; later < s->wall_box_count; later++)
+          taken = taken || in_box(s, &s->wall_boxes[later], x);
+        if (taken) continue;
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, index);
+        if (status != STATUS_OK) return status;
+      }
+  return STATUS_OK;
+}
+
+enum status isph_wall_create(struct isph *s) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  size_t capacity = 0;
+  TRY(memory_allocate(&s->wall_boxes, 1 + scene->region_count, sizeof *s->wall_boxes, "walls"));
+  struct isph_wall_box *tank = &s->wall_boxes[s->wall_box_count++];
+  tank->tank = true;
+  tank->slip = scene->isph.slip;
+  memcpy(tank->low, s->low, sizeof tank->low);
+  memcpy(tank->high, s->high, sizeof tank->high);
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    if (region->type != REGION_WALL) continue;
+    struct isph_wall_box *box = &s->wall_boxes[s->wall_box_count++];
+    box->slip = region->slip;
+    for (int a = 0; a < 3; a++) {
+      box->low[a] = used(s, a) ? region->box[a] : s->low[a];
+      box->high[a] = used(s, a) ? region->box[a + 3] : s->high[a];
+      box->velocity[a] = region->velocity[a];
+    }
+  }
+  TRY(fill_tank(s, &capacity));
+  TRY(isph_open_fill(s, &capacity));
+  for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
+  size_t n = s->boundary_count;
+  TRY(memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls"));
+  TRY(memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls"));
+  TRY(memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls"));
+  if (s->side_count > 0)
+    TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
+  s->wall_volume = pow(s->spacing, s->dimensions);
+  TRY(isph_sort_walls(s));
+  isph_wall_move(s, 0);
+cleanup:
+  return status;
+}
+
+/* Pressures of the boundary at time s->time; boxes and their particles moved by dt. */
+void isph_wall_move(struct isph *s, double dt) {
+  for (size_t b = 1; b < s->wall_box_count; b++)
+    for (int a = 0; a < 3; a++) {
+      s->wall_boxes[b].low[a] += s->wall_boxes[b].velocity[a] * dt;
+      s->wall_boxes[b].high[a] += s->wall_boxes[b].velocity[a] * dt;
+    }
+  for (size_t j = 0; j < s->boundary_count; j++) {
+    size_t box = s->boundary_box[j];
+    if (s->boundary_kind[j] == BOUNDARY_WALL) {
+      for (int a = 0; a < 3; a++) s->boundary_position[j][a] += s->wall_boxes[box].velocity[a] * dt;
+    } else if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
+      const struct isph_open_side *side = &s->sides[box];
+      double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];
+      s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* on the side itself */
+    }
+  }
+}
+
+void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+                      double mirror[3], double *ratio) {
+  double near = 0, far = 0;
+  mirror[0] = mirror[1] = mirror[2] = 0;
+  if (s->boundary_kind[j] != BOUNDARY_WALL) {
+    mirror[s->sides[s->boundary_box[j]].axis] = 1;
+    *ratio = 1;
+    return;
+  }
+  const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
+  for (int a = 0; a < 3; a++) {
+    if (!used(s, a)) continue;
+    double i_distance = 0, j_distance = 0;
+    if (box->tank) {
+      if (s->periodic[a]) continue;
+      if (xj[a] < box->low[a])
+        i_distance = xi[a] - box->low[a], j_distance = box->low[a] - xj[a], mirror[a] = 1;
+      else if (xj[a] > box->high[a])
+        i_distance = box->high[a] - xi[a], j_distance = xj[a] - box->high[a], mirror[a] = 1;
+    } else {
+      if (xi[a] < box->low[a])
+        i_distance = box->low[a] - xi[a], j_distance = xj[a] - box->low[a], mirror[a] = 1;
+      else if (xi[a] > box->high[a])
+        i_distance = xi[a] - box->high[a], j_distance = box->high[a] - xj[a], mirror[a] = 1;
+    }
+    near += i_distance * i_distance, far += j_distance * j_distance;
+  }
+  double least = 0.25 * s->spacing; /* bounds the viscous pull of a particle that touches */
+  *ratio = sqrt(far) / fmax(sqrt(near), least);
+}
+
+/* Distance a particle keeps from a wall; closer than this it may not come nearer. */
+#define GUARD 0.2
+
+static void guard_plane(double distance, double dt, double gap, double sign, double wall_velocity,
+                        double scale, double *velocity) {
+  /* Speed towards the wall (pore velocity: scale * v_D) that would use up half of what is left. */
+  double allowed = fmax(0, distance - gap) * 0.5 / dt;
+  double towards = -sign * (*velocity * scale - wall_velocity);
+  if (towards > allowed) *velocity = (wall_velocity - sign * allowed) / scale;
+}
+
+void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
+                     double v[3]) {
+  double gap = GUARD * s->spacing, reach = s->spacing;
+  for (int a = 0; a < 3; a++) {
+    if (s->periodic[a] || !used(s, a)) continue;
+    double below = x[a] - s->low[a], above = s->high[a] - x[a];
+    double outside[3] = {x[0], x[1], x[2]};
+    if (below < reach) {
+      outside[a] = s->low[a] - reach;
+      if (isph_open_side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
+    }
+    if (above < reach) {
+      outside[a] = s->high[a] + reach;
+      if (isph_open_side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
+    }
+  }
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *box = &s->wall_boxes[b];
+    int face = -1;
+    double most = -INFINITY, sign = 0;
+    bool near = true;
+    for (int a = 0; a < 3; a++) {
+      if (!used(s, a)) continue;
+      double low = box->low[a] - x[a], high = x[a] - box->high[a];
+      double out = fmax(low, high);
+      near = near && out < reach;
+      if (out > most) most = out, face = a, sign = low > high ? -1 : 1;
+    }
+    /* Only the face the particle is in front of: past an edge it is free to go. */
+    if (near && face >= 0) guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
+  }
+}

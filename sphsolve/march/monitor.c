@@ -1,0 +1,90 @@
+#include "sphsolve/march/monitor.h"
+
+#include <math.h>
+
+#include "common/memory.h"
+#include "common/statistics.h"
+
+/* A change that dies by less than a twentieth from window to window is taken to go on so. */
+#define SLOWEST 20.0
+/* A series that wanders about its mean is steady with an error of so many tolerances. */
+#define NOISY 100.0
+
+enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]) {
+  enum status status = STATUS_OK;
+  if (monitor->count == monitor->capacity) {
+    size_t capacity = monitor->capacity == 0 ? 256 : 2 * monitor->capacity;
+    TRY(memory_resize(&monitor->rows, capacity, sizeof *monitor->rows, "steadiness record"));
+    monitor->capacity = capacity;
+  }
+  for (int a = 0; a < MONITOR_COMPONENTS; a++) monitor->rows[monitor->count][a] = value[a];
+  monitor->count++;
+cleanup:
+  return status;
+}
+
+void monitor_free(struct monitor *monitor) {
+  memory_free(&monitor->rows);
+  monitor->count = monitor->capacity = 0;
+}
+
+static double mean_of(const struct monitor *monitor, size_t begin, size_t end, int component) {
+  double sum = 0;
+  for (size_t i = begin; i < end; i++) sum += monitor->rows[i][component];
+  return sum / (double)(end - begin);
+}
+
+/* Standard deviation of 8 batch means of rows [begin, end) about their own line; the trend is
+ * drift's part. Not divided by the root of their number: slow wander that a longer run would still
+ * meet looks like this. */
+static double wander_of(const struct monitor *monitor, size_t begin, size_t end) {
+  enum { BATCHES = 8 };
+  double x[BATCHES], y[BATCHES];
+  size_t n = end - begin;
+  for (size_t b = 0; b < BATCHES; b++) {
+    x[b] = (double)b;
+    y[b] = mean_of(monitor, begin + b * n / BATCHES, begin + (b + 1) * n / BATCHES, 0);
+  }
+  struct linear_fit fit;
+  if (fit_linear(x, y, BATCHES, 0, &fit) != STATUS_OK) return INFINITY;
+  double square = 0;
+  for (size_t b = 0; b < BATCHES; b++) {
+    double d = y[b] - fit.intercept - fit.slope * x[b];
+    square += d * d;
+  }
+  return sqrt(square / (BATCHES - 2));
+}
+
+struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance,
+                                     size_t least) {
+  struct monitor_verdict verdict = {.error = INFINITY, .drift = INFINITY};
+  size_t n = monitor->count;
+  for (int a = 0; a < MONITOR_COMPONENTS; a++)
+    verdict.mean[a] = n > 0 ? monitor->rows[n - 1][a] : 0;
+  if (n < 64 || n < least) return verdict;
+
+  /* Means of the last three fifths: their two changes tell how fast the change dies. */
+  size_t window = n / 5;
+  double m[3];
+  for (size_t i = 0; i < 3; i++)
+    m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
+  double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
+  double wander = 2 * wander_of(monitor, n - 2 * window, n);
+  /* What is still to come if the change goes on dying as it does; where it is lost in the wander,
+   * as slowly as the wander allows; and where all is, twice the spread of the three windows. */
+  double to_come = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
+  if (now > wander)
+    to_come = now * (before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST);
+  else if (before > now + 2 * wander)
+    to_come = (now + wander) / (1 - (now + wander) / (before - wander));
+  for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - window, n, a);
+  double scale = fmax(fabs(verdict.mean[0]), 1e-300);
+  verdict.drift = to_come / scale;
+  verdict.error = sqrt(wander * wander + to_come * to_come) / scale;
+  /* Noise is believed only if none of the last three fifths stands apart: a slow wave has a flat
+   * end at its crest, too. */
+  double flat = wander + before + now;
+  verdict.steady = verdict.error < tolerance ||
+                   (now <= wander && fmax(flat / scale, verdict.error) < NOISY * tolerance);
+  return verdict;
+}

@@ -1,0 +1,31 @@
+/* Whether a series has settled, and to what: a mean with an error that counts noise and drift. */
+#ifndef TOSUI_SPHSOLVE_MARCH_MONITOR_H
+#define TOSUI_SPHSOLVE_MARCH_MONITOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+
+#define MONITOR_COMPONENTS 4
+
+/* Samples at equal intervals; value[0] decides, the others are averaged with it. */
+struct monitor {
+  double (*rows)[MONITOR_COMPONENTS];
+  size_t count, capacity;
+};
+
+struct monitor_verdict {
+  bool steady;
+  double mean[MONITOR_COMPONENTS];
+  double error; /* of mean[0], relative, 95 %: its wander and the change still to come */
+  double drift; /* its part that is drift */
+};
+
+enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
+void monitor_free(struct monitor *monitor);
+/* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about
+ * a mean that has stopped moving. `least`: samples before anything may be called steady. */
+struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
+
+#endif

@@ -1,0 +1,395 @@
+#include "sphsolve/output/recorder.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/memory.h"
+#include "common/provenance.h"
+#include "common/ranks.h"
+#include "sphsolve/output/checkpoint_file.h"
+#include "sphsolve/output/recorder_internal.h"
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+  (void)number;
+  interrupted = 1;
+}
+
+static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
+                              int components) {
+  if (recorder->column_count == COLUMN_MAX)
+    return FAIL(STATUS_INPUT, "the history has more than %d columns; fewer gauges and planes",
+                COLUMN_MAX);
+  struct column *column = &recorder->columns[recorder->column_count++];
+  snprintf(column->name, sizeof column->name, "%s", name);
+  snprintf(column->unit, sizeof column->unit, "%s", unit);
+  column->components = components;
+  column->first = recorder->width;
+  recorder->width += components;
+  return STATUS_OK;
+}
+
+enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
+                                int components) {
+  for (size_t i = 0; i < recorder->column_count; i++)
+    if (!strcmp(recorder->columns[i].name, name))
+      return FAIL(STATUS_INPUT,
+                  "two columns of the history are called '%s'; rename a gauge or plane", name);
+  return add_column(recorder, name, unit, components);
+}
+
+/* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
+static enum status refuse_overwriting(const struct recorder *recorder) {
+  char path[4096];
+  struct stat output, input;
+  const char *inputs[2] = {recorder->scene->model_path, recorder->scene->path};
+  snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
+  if (stat(path, &output) != 0) return STATUS_OK;
+  for (int i = 0; i < 2; i++)
+    if (*inputs[i] && stat(inputs[i], &input) == 0 && input.st_dev == output.st_dev &&
+        input.st_ino == output.st_ino)
+      return FAIL(STATUS_USAGE,
+                  "-o %s: %s would be overwritten, and it is an input of this run; "
+                  "choose another name",
+                  recorder->prefix, path);
+  return STATUS_OK;
+}
+
+enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
+                          const struct lattice *lattice, const char *command_line, bool resume,
+                          struct recorder **result) {
+  enum status status = STATUS_OK;
+  struct recorder *recorder = NULL;
+  static const struct {
+    const char *name, *unit;
+    int components;
+  } base[] = {{"time", "s", 1},
+              {"step", "1", 1},
+              {"dt", "s", 1},
+              {"darcy_velocity", "m/s", 3},
+              {"density_max", "kg/m^3", 1},
+              {"density_mean", "kg/m^3", 1},
+              {"kinetic_energy", "J", 1},
+              {"momentum", "kg m/s", 3},
+              {"mass", "kg", 1},
+              {"reynolds", "1", 1}};
+  TRY(memory_allocate(&recorder, 1, sizeof *recorder, "the run record"));
+  if (strlen(prefix) >= sizeof recorder->prefix || !*prefix)
+    TRY_FAIL(STATUS_USAGE, "-o '%s': a name for the output files is wanted", prefix);
+  snprintf(recorder->prefix, sizeof recorder->prefix, "%s", prefix);
+  /* "-o out.hdf" means the same as "-o out". */
+  size_t length = strlen(recorder->prefix);
+  if (length > 4 && !strcmp(recorder->prefix + length - 4, ".hdf"))
+    recorder->prefix[length - 4] = '\0';
+  recorder->scene = scene;
+  recorder->plan = plan;
+  recorder->lattice = lattice;
+  recorder->resume = resume;
+  TRY(memory_allocate(&recorder->command_line, strlen(command_line) + 1, 1, "the command line"));
+  strcpy(recorder->command_line, command_line);
+  for (size_t i = 0; i < sizeof base / sizeof *base; i++)
+    TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
+  recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
+  recorder->last_checkpoint = clock_seconds();
+  /* A folder that cannot be written is found before hours are spent. */
+  char folder[4096];
+  snprintf(folder, sizeof folder, "%s", recorder->prefix);
+  char *slash = strrchr(folder, '/');
+  if (slash == NULL)
+    strcpy(folder, ".");
+  else
+    slash[slash == folder] = '\0';
+  if (access(folder, W_OK) != 0)
+    TRY_FAIL(STATUS_RUN, "%s: output cannot be written there: %s", folder, strerror(errno));
+  TRY(refuse_overwriting(recorder));
+  interrupted = 0;
+  struct sigaction action = {.sa_handler = on_signal};
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  progress_start(&recorder->progress, "sphsolve", NULL, 100);
+  *result = recorder;
+cleanup:
+  if (status != STATUS_OK) recorder_close(recorder);
+  return status;
+}
+
+void recorder_close(struct recorder *recorder) {
+  if (recorder == NULL) return;
+  progress_end(&recorder->progress);
+  h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
+  memory_free(&recorder->snapshot_times);
+  journal_close(&recorder->journal, false);
+  memory_free(&recorder->rows);
+  memory_free(&recorder->command_line);
+  step_log_free(&recorder->step_log);
+  memory_free(&recorder);
+}
+
+static uint64_t scene_hash(const struct recorder *recorder) {
+  return hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
+}
+
+static enum status reserve_row(struct recorder *recorder, size_t count) {
+  if (count <= recorder->row_capacity) return STATUS_OK;
+  size_t capacity = recorder->row_capacity ? 2 * recorder->row_capacity : 256;
+  if (capacity < count) capacity = count;
+  enum status status = memory_resize(&recorder->rows, capacity,
+                                     (size_t)recorder->width * sizeof(double), "the history");
+  if (status == STATUS_OK) recorder->row_capacity = capacity;
+  return status;
+}
+
+void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
+                            double velocity[3]) {
+  double sum[3] = {0}, n = 0;
+  for (size_t r = 0; r < recorder->row_count; r++) {
+    const double *row = recorder->rows + r * (size_t)recorder->width;
+    if (row[0] < from || row[0] > to) continue;
+    n++;
+    for (int a = 0; a < 3; a++) sum[a] += row[3 + a];
+  }
+  for (int a = 0; a < 3; a++) velocity[a] = n > 0 ? sum[a] / n : NAN;
+}
+
+/* The columns' names, and last what scene and model the rows are of. */
+static enum status open_journal(struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  char path[4096], *header = NULL;
+  size_t n = 0, room = (size_t)recorder->width * sizeof recorder->columns[0].name + 64;
+  TRY(memory_allocate(&header, room, 1, "the history"));
+  for (size_t c = 0; c < recorder->column_count; c++)
+    for (int i = 0; i < recorder->columns[c].components; i++) {
+      static const char *const axis[] = {"_x,", "_y,", "_z,"};
+      n += (size_t)snprintf(header + n, room - n, "%s%s", recorder->columns[c].name,
+                            recorder->columns[c].components > 1 ? axis[i % 3] : ",");
+    }
+  snprintf(header + n, room - n, "xxh3 (scene %016llx)",
+           (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model_hash));
+  snprintf(path, sizeof path, "%s.history.csv", recorder->prefix);
+  TRY(journal_open(&recorder->journal, path, header, recorder->width, recorder->row_count,
+                   recorder->rows, recorder->resume));
+cleanup:
+  memory_free(&header);
+  return status;
+}
+
+enum status recorder_row(struct recorder *recorder, const struct history_row *row,
+                         const double *extra) {
+  enum status status = STATUS_OK;
+  if (recorder->journal.file == 0 && ranks_own() == 0) TRY(open_journal(recorder));
+  TRY(reserve_row(recorder, recorder->row_count + 1));
+  double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
+  double base[] = {row->time,
+                   (double)row->step,
+                   row->dt,
+                   row->darcy_velocity[0],
+                   row->darcy_velocity[1],
+                   row->darcy_velocity[2],
+                   row->density_max,
+                   row->density_mean,
+                   row->kinetic_energy,
+                   row->momentum[0],
+                   row->momentum[1],
+                   row->momentum[2],
+                   row->mass,
+                   row->reynolds};
+  size_t n = sizeof base / sizeof *base;
+  memcpy(to, base, sizeof base);
+  if ((size_t)recorder->width > n)
+    memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
+  if (ranks_own() == 0) TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
+cleanup:
+  return status;
+}
+
+double recorder_row_interval(const struct recorder *recorder) {
+  return recorder->scene->history_interval;
+}
+double recorder_next_snapshot(const struct recorder *recorder) {
+  return recorder->next_snapshot;
+}
+
+static bool field_wanted(const struct scene *scene, const char *name) {
+  if (scene->output_field_count == 0 || !strcmp(name, "velocity")) return true;
+  for (size_t i = 0; i < scene->output_field_count; i++)
+    if (!strcmp(scene->output_fields[i], name)) return true;
+  return false;
+}
+
+static enum status note_snapshot(struct recorder *recorder, const char *name, double time) {
+  enum status status = STATUS_OK;
+  if (recorder->snapshot_count == recorder->snapshot_capacity) {
+    size_t capacity = recorder->snapshot_capacity ? 2 * recorder->snapshot_capacity : 64;
+    TRY(memory_resize(&recorder->snapshot_names, capacity, sizeof(char *),
+                      "the list of snapshots"));
+    TRY(memory_resize(&recorder->snapshot_times, capacity, sizeof(double),
+                      "the list of snapshots"));
+    recorder->snapshot_capacity = capacity;
+  }
+  char *copy;
+  TRY(memory_allocate(&copy, strlen(name) + 1, 1, "the list of snapshots"));
+  strcpy(copy, name);
+  recorder->snapshot_names[recorder->snapshot_count] = copy;
+  recorder->snapshot_times[recorder->snapshot_count++] = time;
+cleanup:
+  return status;
+}
+
+enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
+                              const struct snapshot_field *points, size_t field_count,
+                              const struct snapshot_field *fields) {
+  enum status status = STATUS_OK;
+  char path[4096];
+  struct snapshot_field wanted[32];
+  size_t n = 0;
+  for (size_t i = 0; i < field_count && n < 32; i++)
+    if (field_wanted(recorder->scene, fields[i].name)) wanted[n++] = fields[i];
+  snprintf(path, sizeof path, "%s-%04zu.hdf", recorder->prefix, recorder->snapshot_count);
+  TRY(snapshot_write(path, time, step, count, points, n, wanted));
+  const char *slash = strrchr(path, '/');
+  TRY(note_snapshot(recorder, slash != NULL ? slash + 1 : path, time));
+  snprintf(path, sizeof path, "%s.hdf.series", recorder->prefix);
+  TRY(series_write(path, recorder->snapshot_count, recorder->snapshot_names,
+                   recorder->snapshot_times));
+  double interval = recorder->scene->output_interval;
+  if (!isnan(interval))
+    while (recorder->next_snapshot <= time * (1 + 1e-12)) recorder->next_snapshot += interval;
+cleanup:
+  return status;
+}
+
+enum status recorder_go_back(struct recorder *recorder, double time) {
+  double after = time * (1 + 1e-12), interval = recorder->scene->output_interval;
+  while (recorder->row_count > 0 &&
+         recorder->rows[(recorder->row_count - 1) * (size_t)recorder->width] > after)
+    recorder->row_count--;
+  while (recorder->snapshot_count > 0 &&
+         recorder->snapshot_times[recorder->snapshot_count - 1] > after)
+    memory_free(&recorder->snapshot_names[--recorder->snapshot_count]);
+  while (!isnan(interval) && recorder->next_snapshot - interval > after)
+    recorder->next_snapshot -= interval;
+  return journal_cut(&recorder->journal, recorder->row_count);
+}
+
+struct step_log *recorder_step_log(struct recorder *recorder) {
+  return &recorder->step_log;
+}
+
+const char *recorder_checkpoint_name(struct recorder *recorder) {
+  snprintf(recorder->checkpoint_name, sizeof recorder->checkpoint_name, "%s.ckpt.hdf",
+           recorder->prefix);
+  return recorder->checkpoint_name;
+}
+
+void recorder_progress(struct recorder *recorder, double done, const char *note) {
+  progress_update(&recorder->progress, 100 * fmin(fmax(done, 0), 1), note);
+}
+
+bool recorder_interrupted(const struct recorder *recorder) {
+  (void)recorder;
+  return ranks_any(interrupted != 0);
+}
+
+bool recorder_checkpoint_due(const struct recorder *recorder) {
+  double interval = recorder->scene->checkpoint_interval;
+  return ranks_any(interrupted ||
+                   (!isnan(interval) && clock_seconds() - recorder->last_checkpoint >= interval));
+}
+
+enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file **file) {
+  return checkpoint_create(recorder->prefix, file);
+}
+
+enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  size_t shape[2] = {recorder->row_count, (size_t)recorder->width};
+  uint64_t hash = scene_hash(recorder);
+  TRY(h5_write(file, "/recorder/rows", H5_F64, 2, shape, recorder->rows, true));
+  TRY(h5_write_texts(file, "/recorder/snapshot_names", recorder->snapshot_count,
+                     (const char *const *)recorder->snapshot_names));
+  TRY(h5_write(file, "/recorder/snapshot_times", H5_F64, 1, &recorder->snapshot_count,
+               recorder->snapshot_times, false));
+  TRY(h5_write_attribute(file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
+  TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &hash));
+  TRY(h5_write_attribute(file, "/recorder", "model_hash", H5_U64, 1,
+                         &recorder->lattice->model_hash));
+  TRY(step_log_write(&recorder->step_log, file, "/recorder"));
+  status = checkpoint_commit(recorder->prefix, file);
+  file = NULL;
+  recorder->last_checkpoint = clock_seconds();
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
+  enum status status = STATUS_OK;
+  size_t shape[2], count = 0, times = 0;
+  char **names = NULL;
+  double *snapshot_times = NULL;
+  uint64_t hash, model_hash;
+  *file = NULL;
+  if (!recorder->resume) return STATUS_OK;
+  TRY(checkpoint_open(recorder->prefix, file));
+  if (*file == NULL) {
+    log_info("no checkpoint %s.ckpt.hdf yet: starting anew", recorder->prefix);
+    return STATUS_OK;
+  }
+  TRY(h5_read_attribute(*file, "/recorder", "scene_hash", H5_U64, 1, &hash));
+  TRY(h5_read_attribute(*file, "/recorder", "model_hash", H5_U64, 1, &model_hash));
+  if (model_hash != recorder->lattice->model_hash)
+    TRY_FAIL(STATUS_INPUT, "%s: belongs to another model; remove it to start anew", h5_path(*file));
+  if (hash != scene_hash(recorder))
+    log_warning("%s was written by a scene with another text; going on with the new one",
+                h5_path(*file));
+  memory_free(&recorder->rows);
+  TRY(h5_read(*file, "/recorder/rows", H5_F64, 2, shape, &recorder->rows));
+  if (shape[1] != (size_t)recorder->width)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: its history has %zu columns, this scene %d; remove it to start anew",
+             h5_path(*file), shape[1], recorder->width);
+  recorder->row_count = recorder->row_capacity = shape[0];
+  TRY(h5_read_texts(*file, "/recorder/snapshot_names", &count, &names));
+  TRY(h5_read(*file, "/recorder/snapshot_times", H5_F64, 1, &times, &snapshot_times));
+  if (times != count) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(*file));
+  for (size_t i = 0; i < count; i++) TRY(note_snapshot(recorder, names[i], snapshot_times[i]));
+  TRY(h5_read_attribute(*file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
+  TRY(step_log_read(&recorder->step_log, *file, "/recorder"));
+cleanup:
+  h5_free_texts(count, &names);
+  memory_free(&snapshot_times);
+  if (status != STATUS_OK) {
+    h5_close(*file);
+    *file = NULL;
+  }
+  return status;
+}
+
+static void set_named(struct named_value *values, size_t *count, const char *name, double value,
+                      bool add) {
+  for (size_t i = 0; i < *count; i++)
+    if (!strcmp(values[i].name, name)) {
+      values[i].value = add ? values[i].value + value : value;
+      return;
+    }
+  if (*count == NAMED_MAX) return;
+  snprintf(values[*count].name, sizeof values[*count].name, "%s", name);
+  values[(*count)++].value = value;
+}
+
+void recorder_add_time(struct recorder *recorder, const char *name, double seconds) {
+  set_named(recorder->timings, &recorder->timing_count, name, seconds, true);
+}
+void recorder_set_fact(struct recorder *recorder, const char *name, double value) {
+  set_named(recorder->facts, &recorder->fact_count, name, value, false);
+}
+void recorder_set_measured(struct recorder *recorder, const char *name, double value) {
+  set_named(recorder->measured, &recorder->measured_count, name, value, false);
+}

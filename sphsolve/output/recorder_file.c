@@ -1,0 +1,221 @@
+#include "sphsolve/output/recorder_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "common/memory.h"
+#include "common/provenance.h"
+#include "common/units.h"
+
+static enum status write_history(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  double *values = NULL;
+  TRY(memory_allocate(&values, recorder->row_count * 3, sizeof *values, "the history"));
+  TRY(h5_make_group(file, "/history"));
+  for (size_t c = 0; c < recorder->column_count; c++) {
+    const struct column *column = &recorder->columns[c];
+    size_t shape[2] = {recorder->row_count, (size_t)column->components};
+    char name[64];
+    for (size_t r = 0; r < recorder->row_count; r++)
+      memcpy(values + r * shape[1], recorder->rows + r * (size_t)recorder->width + column->first,
+             shape[1] * sizeof *values);
+    snprintf(name, sizeof name, "/history/%s", column->name);
+    TRY(h5_write(file, name, H5_F64, column->components > 1 ? 2 : 1, shape, values, true));
+    TRY(h5_write_attribute_text(file, name, "unit", column->unit));
+  }
+cleanup:
+  memory_free(&values);
+  return status;
+}
+
+/* The effects, and in /run/timing all that a clock measured, and what threads decide: nothing else
+ * differs between two runs of the same inputs but the time in /provenance. */
+static enum status write_effects(struct recorder *recorder, const struct run_result *result,
+                                 struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct plan *plan = recorder->plan;
+  const char *names[EFFECT_MAX], *states[EFFECT_MAX], *reasons[EFFECT_MAX], *models[EFFECT_MAX],
+      *citations[EFFECT_MAX];
+  double shares[EFFECT_MAX], total = 0;
+  for (size_t i = 0; i < recorder->timing_count; i++) total += recorder->timings[i].value;
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    names[i] = planned->effect->name;
+    states[i] = planned->on ? "on" : "off";
+    reasons[i] = planned->why;
+    models[i] = planned->effect->model;
+    citations[i] = planned->effect->citation;
+    shares[i] = 0;
+    for (size_t t = 0; t < recorder->timing_count; t++)
+      if (!strcmp(recorder->timings[t].name, names[i]) && total > 0)
+        shares[i] = recorder->timings[t].value / total;
+  }
+  TRY(h5_write_texts(file, "/run/effects/name", plan->effect_count, names));
+  TRY(h5_write_texts(file, "/run/effects/state", plan->effect_count, states));
+  TRY(h5_write_texts(file, "/run/effects/reason", plan->effect_count, reasons));
+  TRY(h5_write_texts(file, "/run/effects/model", plan->effect_count, models));
+  TRY(h5_write_texts(file, "/run/effects/citation", plan->effect_count, citations));
+  TRY(h5_write(file, "/run/timing/share", H5_F64, 1, &plan->effect_count, shares, false));
+  TRY(h5_write_attribute_text(file, "/run/timing/share", "measured",
+                              "passes by the clock, the terms of one loop by counted operations"));
+  TRY(h5_soft_link(file, "/run/timing/share", "/run/effects/share"));
+  const char *passes[NAMED_MAX];
+  double seconds[NAMED_MAX];
+  for (size_t i = 0; i < recorder->timing_count; i++) {
+    passes[i] = recorder->timings[i].name;
+    seconds[i] = recorder->timings[i].value;
+  }
+  TRY(h5_write_texts(file, "/run/timing/name", recorder->timing_count, passes));
+  TRY(h5_write(file, "/run/timing/seconds", H5_F64, 1, &recorder->timing_count, seconds, false));
+  TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
+  TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,
+                         &result->pair_interactions_per_second));
+  int threads = 1;
+#ifdef _OPENMP
+  threads = omp_get_max_threads();
+#endif
+  TRY(h5_write_attribute(file, "/run/timing", "threads", H5_I32, 1, &threads));
+  TRY(h5_write_attribute(file, "/run/timing", "predicted_seconds", H5_F64, 1,
+                         &recorder->plan->seconds));
+  /* Which lists grow side by side is the threads' luck. */
+  const double peak = (double)memory_peak();
+  TRY(h5_write_attribute(file, "/run/timing", "memory_peak_bytes", H5_F64, 1, &peak));
+  for (size_t i = 0; i < recorder->measured_count; i++)
+    TRY(h5_write_attribute(file, "/run/timing", recorder->measured[i].name, H5_F64, 1,
+                           &recorder->measured[i].value));
+cleanup:
+  return status;
+}
+
+static enum status write_number(struct h5_file *file, const char *name, double value) {
+  return h5_write_attribute(file, "/run", name, H5_F64, 1, &value);
+}
+
+static enum status write_count(struct h5_file *file, const char *name, uint64_t value) {
+  return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
+}
+
+static enum status write_run(struct recorder *recorder, const struct run_result *result,
+                             struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = recorder->scene;
+  const struct lattice *lattice = recorder->lattice;
+  const struct effect_context *context = &recorder->plan->context;
+  static const char *const methods[] = {"auto", "wcsph", "stokes", "isph"};
+  static const char *const walls[] = {"frozen", "adami", "subvoxel"};
+  const char *wall = context->method == METHOD_WCSPH    ? walls[scene->wcsph.wall]
+                     : context->method == METHOD_STOKES ? walls[scene->stokes.wall]
+                     : scene->isph.slip                 ? "slip"
+                                                        : "no-slip";
+  char hash[17];
+  snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
+  int dimensions = lattice->dimensions;
+  uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
+  /* What drives the flow of k: the force, or between two heads their fall. */
+  const double *g = scene->gravity, *f = result->fall;
+  const double fall = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  double driving[3];
+  for (int a = 0; a < 3; a++)
+    driving[a] = fall > 0 ? f[a] * (strength > 0 ? strength : GRAVITY_STANDARD) : scene->driving[a];
+  TRY(h5_make_group(file, "/run"));
+  TRY(h5_write_attribute_text(file, "/run", "method", methods[context->method]));
+  TRY(h5_write_attribute_text(file, "/run", "status", result->status));
+  TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
+  TRY(h5_write_attribute_text(file, "/run", "wall", wall));
+  TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
+  TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
+  TRY(write_number(file, "k", result->k));
+  TRY(write_number(file, "k_error", result->k_error));
+  TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
+  TRY(write_number(file, "reynolds", result->reynolds));
+  TRY(write_number(file, "hydraulic_gradient", fall > 0 ? fall : scene_hydraulic_gradient(scene)));
+  TRY(write_number(file, "density", scene->fluid.density));
+  TRY(write_number(file, "viscosity", scene->fluid.viscosity));
+  TRY(write_number(file, "sound_speed", context->sound_speed));
+  TRY(write_number(file, "support", context->support));
+  TRY(write_number(file, "smoothing_length", context->smoothing_length));
+  TRY(write_number(file, "predicted_error", recorder->plan->expected.error));
+  TRY(write_number(file, "pair_interactions", result->pair_interactions));
+  TRY(h5_write_attribute(file, "/run", "darcy_velocity", H5_F64, 3, result->darcy_velocity));
+  TRY(h5_write_attribute(file, "/run", "driving", H5_F64, 3, driving));
+  TRY(h5_write_attribute(file, "/run", "spacing", H5_F64, 3, lattice->spacing));
+  TRY(h5_write_attribute(file, "/run", "origin", H5_F64, 3, lattice->origin));
+  TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));
+  TRY(h5_write_attribute(file, "/run", "dimensions", H5_I32, 1, &dimensions));
+  TRY(write_count(file, "steps", (uint64_t)result->steps));
+  TRY(write_count(file, "bulk_count", (uint64_t)round(lattice->bulk_count)));
+  TRY(write_count(file, "fluid_count", lattice->fluid_count));
+  TRY(write_count(file, "wall_count", lattice->wall_count));
+  for (size_t i = 0; i < recorder->fact_count; i++)
+    TRY(write_number(file, recorder->facts[i].name, recorder->facts[i].value));
+  TRY(write_effects(recorder, result, file));
+  TRY(step_log_write(&recorder->step_log, file, "/run"));
+  TRY(h5_write_text(file, "/run/scene", scene->text));
+  TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
+                     (const char *const *)recorder->snapshot_names));
+  TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,
+               recorder->snapshot_times, false));
+cleanup:
+  return status;
+}
+
+static enum status write_solid(struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const struct lattice *lattice = recorder->lattice;
+  size_t shape[3] = {lattice->size[2], lattice->size[1], lattice->size[0]};
+  uint8_t *solid = NULL;
+  TRY(memory_allocate(&solid, lattice->count, 1, "the solid sites"));
+  for (size_t i = 0; i < lattice->count; i++) solid[i] = lattice->kind[i] == SITE_WALL;
+  TRY(h5_write(file, "/run/solid", H5_U8, 3, shape, solid, true));
+cleanup:
+  memory_free(&solid);
+  return status;
+}
+
+/* The columns of a row are as recorder_row writes them. */
+static enum status account(const struct recorder *recorder, struct ledger *ledger) {
+  enum status status = STATUS_OK;
+  struct ledger_row *rows = NULL;
+  TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the ledger"));
+  for (size_t i = 0; i < recorder->row_count; i++) {
+    const double *row = recorder->rows + i * (size_t)recorder->width;
+    rows[i] = (struct ledger_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
+  }
+  ledger_account(ledger, recorder->row_count, rows, recorder->scene->driving);
+cleanup:
+  memory_free(&rows);
+  return status;
+}
+
+enum status recorder_finish(struct recorder *recorder, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char path[4096];
+  const char *inputs[2] = {recorder->scene->path, recorder->scene->model_path};
+  uint64_t hashes[2];
+  progress_end(&recorder->progress);
+  hashes[0] = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
+  hashes[1] = recorder->lattice->model_hash;
+  TRY(account(recorder, &result->ledger));
+  snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
+  TRY(h5_create(path, &file));
+  TRY(write_history(recorder, file));
+  TRY(write_run(recorder, result, file));
+  TRY(error_split_write(&result->error, file));
+  TRY(ledger_write(&result->ledger, file));
+  TRY(write_solid(recorder, file));
+  TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
+                       hashes));
+  status = h5_commit(file);
+  file = NULL;
+  if (status == STATUS_OK) journal_close(&recorder->journal, true);
+cleanup:
+  h5_close(file);
+  return status;
+}

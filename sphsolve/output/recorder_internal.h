@@ -1,0 +1,52 @@
+/* The record of a run between its parts: what is kept while it goes on (recorder.c) and the file
+ * written at its end (recorder_file.c). */
+#ifndef TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
+#define TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
+
+#include "common/log.h"
+#include "sphsolve/output/journal.h"
+#include "sphsolve/output/recorder.h"
+
+#define COLUMN_MAX 256
+#define NAMED_MAX 96
+
+struct column {
+  char name[48], unit[24];
+  int components, first; /* position of its first value in a row */
+};
+
+struct named_value {
+  char name[48];
+  double value;
+};
+
+struct recorder {
+  char prefix[3900];
+  const struct scene *scene;
+  const struct plan *plan;
+  const struct lattice *lattice;
+  char *command_line;
+  bool resume;
+
+  size_t column_count;
+  struct column columns[COLUMN_MAX];
+  int width; /* values in a row */
+  size_t row_count, row_capacity;
+  double *rows;           /* [row_count][width] */
+  struct journal journal; /* of the rows, opened with the first */
+
+  size_t snapshot_count, snapshot_capacity;
+  char **snapshot_names;
+  double *snapshot_times;
+  double next_snapshot;
+
+  size_t timing_count, fact_count, measured_count;
+  struct named_value timings[NAMED_MAX], facts[NAMED_MAX], measured[NAMED_MAX];
+  struct step_log step_log;
+  char checkpoint_name[4096];
+
+  struct progress progress;
+  double last_checkpoint; /* on the monotonic clock */
+};
+
+#endif

@@ -1,0 +1,133 @@
+#include "sphsolve/plan/error_forecast.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Edges per face times the mean width of the pores: a bar across them has 1 and more, a duct none.
+ */
+#define EDGED 0.5
+
+/* Whether a wall site has fluid beside it along more than one axis. */
+static bool is_edge(const struct lattice *l, const size_t step[3], size_t site) {
+  int axes = 0;
+  for (int a = 0; a < 3; a++) {
+    const size_t at = site / step[a] % l->size[a], round = (l->size[a] - 1) * step[a];
+    const size_t next = at + 1 == l->size[a] ? site - round : site + step[a];
+    const size_t last = at == 0 ? site + round : site - step[a];
+    axes += l->kind[next] == SITE_FLUID || l->kind[last] == SITE_FLUID;
+  }
+  return axes > 1;
+}
+
+void pore_shape_find(const struct scene *scene, const struct lattice *l, struct pore_shape *shape) {
+  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  const double unit =
+      l->dimensions == 2 ? l->spacing[0] : cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
+  double faces = 0.0, half = 0.0, surface = 0.0, outer = 0.0, middle = 0.0;
+  double before = 0.0, behind = 0.0, edges = 0.0;
+  int axes = 0;
+  bool across = false;
+  *shape = (struct pore_shape){.width = INFINITY, .grain = INFINITY};
+  if (l->wall_count == 0) return;
+  for (int a = 0; a < 3; a++) {
+    double here = 0.0;
+    for (size_t site = 0; site < l->count; site++) {
+      const bool last = site / step[a] % l->size[a] + 1 == l->size[a];
+      const size_t next = last ? site - (l->size[a] - 1) * step[a] : site + step[a];
+      if (l->kind[site] == l->kind[next]) continue;
+      const size_t fluid = l->kind[site] == SITE_FLUID ? site : next, wall = site + next - fluid;
+      const double d = (double)l->wall_distance[fluid] / unit;
+      const double depth = -(double)l->wall_distance[wall] / unit;
+      /* From site to site the distance changes by the normal's component n_a, and a unit of surface
+       * has n_a such faces: d + depth is the surface that belongs to this one. */
+      here += 1.0;
+      half += fabs(d - 0.5) < 1e-3;
+      surface += d + depth;
+      outer += (d + depth) * depth;
+      middle += (d + depth) * 0.5 * (depth - d);
+    }
+    axes += here > 0.0;
+    across = across || (here > 0.0 && scene->driving[a] != 0.0);
+    faces += here;
+  }
+  if (!(surface > 0.0)) return;
+  const double fluid = (double)l->fluid_count;
+  const bool boxes = !*scene->model_path;
+  /* -d ln S: of grains between balls (2/3) and cylinders (1/2); of pores that run along the force
+   * that of a tube; between boxes what the sites before and behind the walls say. */
+  double shrinks = across ? 0.6 * surface / (l->bulk_count - fluid) : -0.5 * surface / fluid;
+  const bool sharp = boxes || half > 0.9 * faces;
+  for (size_t site = 0; site < l->count && sharp; site++) {
+    const double d = (double)l->wall_distance[site] / unit;
+    before += l->kind[site] == SITE_FLUID && d < 1.0;
+    behind += l->kind[site] == SITE_WALL && d > -1.0;
+    edges += l->kind[site] == SITE_WALL && is_edge(l, step, site);
+  }
+  shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGED;
+  if (shape->straight) shrinks = log(before / behind);
+  shape->width = 4.0 * fluid / surface;
+  if (!boxes) shape->grain = 2.0 * (l->bulk_count - fluid) / surface;
+  shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
+  shape->outer = outer / surface;
+  shape->middle = middle / surface;
+  shape->sharp = sharp;
+  shape->flat = sharp && axes == 1;
+}
+
+/* In terms of q, the slope of ln k per spacing. Constants measured on slits, square ducts, simple
+ * cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a side,
+ * scanned with noise and without, whose errors are a factor 2 apart at the same q (make tradeoff);
+ * held against other flows by `scripts/tradeoff --predictions`. */
+#define NARROW 0.0115      /* q^3: pores and grains of few sites */
+#define CORNERS 0.0065     /* q^3: the same between walls of boxes; less flow, not more */
+#define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */
+#define EDGES 2.6          /* over the mean width: voxel faces with edges */
+#define UNEVEN 0.01        /* q^2: wcsph; its gradients are not exact beside walls: less flow */
+#define SOLVER 5e-6        /* what a solver leaves where walls cost nothing */
+#define STEADY 5e-4        /* what a march that is called steady leaves */
+#define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
+#define ADAMI_PLACE                                                                                \
+  0.03 /* q: of a curved wall half-way between sites the place is not known better */
+#define FROZEN_SHARE                                                                               \
+  0.8 /* of the mean shift: where walls are not flat, sites that stand out count more */
+
+struct expectation expect_error(const struct pore_shape *shape, enum method method,
+                                enum wall_scheme wall, double refined) {
+  struct expectation e = {NAN, NAN, "no walls"};
+  const double q = shape->slope / refined, width = shape->width * refined;
+  const char *how = "walls from the wall distance";
+  double more = 0.0, less = 0.0, both;
+  if (!(q > 0.0)) return e;
+  /* What all walls have in common: the pores are narrow. */
+  if (shape->flat && wall == WALL_SUBVOXEL) {
+    more = method == METHOD_STOKES ? SOLVER : STEADY;
+    how = method == METHOD_STOKES ? "parallel flat walls: exact but for the solver"
+                                  : "parallel flat walls: exact but for what is left of the start";
+  } else if (shape->straight) {
+    if (wall == WALL_SUBVOXEL) less = CORNERS * q * q * q;
+    how = "straight walls and corners";
+  } else if (shape->sharp) {
+    more = EDGES / width;
+    how = "walls are voxel faces, full of edges: first order";
+  } else {
+    more = NARROW * q * q * q;
+    less = ANGLE * q + (method == METHOD_WCSPH ? UNEVEN * q * q : 0.0);
+  }
+  if (wall == WALL_FROZEN) {
+    /* As a slit would: (1 + shift/half its width)^3. */
+    const double shift = shape->outer * (shape->sharp ? 1.0 : FROZEN_SHARE);
+    more = (1.0 + more) * pow(1.0 + q * shift / 3.0, 3.0) - 1.0;
+    how = "frozen walls stand back";
+  } else if (wall == WALL_ADAMI) {
+    more = (1.0 + more) * (1.0 + ADAMI_SECOND * q * q + fmax(0.0, q * shape->middle)) - 1.0;
+    less += fmax(0.0, -q * shape->middle) + (shape->sharp ? 0.0 : ADAMI_PLACE * q);
+    how = "adami walls: half-way between sites";
+  }
+  both = fmin(more, less);
+  e.error = hypot(more, less);
+  const bool exact = shape->flat && wall == WALL_SUBVOXEL;
+  e.least = !exact && fmax(more, less) > 4.0 * both ? fabs(more - less) : 0.0;
+  snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g sites; %s%s", width, how,
+           exact || e.least > 0.0 ? "" : "; of parts with unlike signs");
+  return e;
+}

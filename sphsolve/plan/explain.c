@@ -1,0 +1,169 @@
+#include "sphsolve/plan/explain.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/units.h"
+
+static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
+
+static const char *const field_names[] = {
+#define X(symbol, text) text,
+    FIELD_LIST
+#undef X
+};
+
+static void format_fields(unsigned long long fields, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int f = 0; f < FIELD_COUNT && used < size; f++)
+    if (fields >> f & 1ull)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
+}
+
+static enum foreseen_term worst_of(const struct foreseen *f) {
+  enum foreseen_term worst = FORESEEN_IN_FULL;
+  for (enum foreseen_term t = FORESEEN_IN_FULL; t < FORESEEN_TERMS; t++)
+    if (f->seconds[t] > f->seconds[worst]) worst = t;
+  return worst;
+}
+
+static void print_foreseen(const struct foreseen *f) {
+  char text[64];
+  duration_format(f->total, text, sizeof text);
+  printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%",
+         f->ranks, f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
+         100 * f->efficiency);
+  if (f->used > 1)
+    printf("; beside compute most is %s, %.0f %% of the time", foreseen_name(worst_of(f)),
+           100 * f->seconds[worst_of(f)] / f->total);
+  printf("\n");
+}
+
+static json_t *foreseen_json(const struct foreseen *f) {
+  return json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ranks", f->ranks, "used",
+                   f->used, "memory_bytes", f->memory_bytes, "seconds", f->total, "efficiency",
+                   f->efficiency, "seconds_compute", f->seconds[FORESEEN_COMPUTE],
+                   "seconds_in_full", f->seconds[FORESEEN_IN_FULL], "seconds_gathered",
+                   f->seconds[FORESEEN_GATHERED], "seconds_ghosts", f->seconds[FORESEEN_GHOSTS],
+                   "seconds_sums", f->seconds[FORESEEN_SUMS]);
+}
+
+void explain_print(const struct plan *plan, const struct foreseen *foreseen) {
+  const struct effect_context *context = &plan->context;
+  const struct lattice *lattice = context->lattice;
+  char text[512], more[64];
+  printf("scene      %s\n", context->scene->name);
+  printf("method     %s: %s\n", method_names[context->method], plan->method_why);
+  printf("sites      %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
+         lattice->size[1], lattice->size[2], lattice->fluid_count, lattice->wall_count,
+         lattice->count - lattice->fluid_count - lattice->wall_count);
+  quantity_format(context->spacing, "m", text, sizeof text);
+  quantity_format(context->support, "m", more, sizeof more);
+  printf("spacing    %s, support %s (%.2f spacings)\n", text, more,
+         context->support / context->spacing);
+  if (context->sound_speed > 0)
+    printf("sound      %.4g m/s: %s\n", context->sound_speed, context->sound_why);
+  if (context->reynolds > 0)
+    printf("Reynolds   about %.2g (%s)\n", context->reynolds,
+           context->inertia > 0.01 ? "Ergun" : "Kozeny-Carman");
+  printf("\neffects\n");
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    printf("  %-3s  %-24s %s\n", planned->on ? "on" : "off", planned->effect->name, planned->why);
+    if (!planned->on) continue;
+    printf("       %-24s %s [%s]\n", "", planned->effect->model, planned->effect->citation);
+    if (isfinite(planned->dt_max)) {
+      quantity_format(planned->dt_max, "s", text, sizeof text);
+      printf("       %-24s dt at most %s\n", "", text);
+    }
+  }
+  format_fields(plan->fields, text, sizeof text);
+  printf("\nfields     %s\n", text);
+  printf("memory     %.1f MB at most: the method %.1f MB, %.0f bytes per fluid site, %.0f per wall "
+         "site\n",
+         plan->bytes_total / 1e6, plan->bytes_method / 1e6, plan->bytes_fluid, plan->bytes_wall);
+  if (plan->bytes_copy > 0)
+    printf("           %.1f MB beside it while a state to go back to is kept\n",
+           plan->bytes_copy / 1e6);
+  if (plan->bytes_disk > 0)
+    printf("           on disk, beside the results, up to %.1f MB while it runs\n",
+           plan->bytes_disk / 1e6);
+  if (plan->bytes_split > 0)
+    printf("           %.1f MB after it to split the error of k\n", plan->bytes_split / 1e6);
+  if (plan->dt > 0) {
+    quantity_format(plan->dt, "s", text, sizeof text);
+    quantity_format(plan->dt_limit, "s", more, sizeof more);
+    const char *limit = plan->dt_limited_by ? plan->dt_limited_by : "nothing";
+    printf("time step  %s (limit %s by %s", text, more, limit);
+    if (plan->dt_by && strcmp(plan->dt_by, limit)) printf("; decided by %s", plan->dt_by);
+    printf(")\n");
+  } else if (isnan(plan->dt)) {
+    printf("time step  chosen each step from the effects' limits\n");
+  }
+  duration_format(plan->seconds, text, sizeof text);
+  printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
+         strncmp(text, "under", 5) ? "about " : "", text);
+  if (foreseen != NULL) print_foreseen(foreseen);
+  const struct expectation *e = &plan->expected;
+  if (isfinite(e->error))
+    printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
+           e->why);
+  else
+    printf("error      not foretold%s%s\n", *e->why ? ": " : "", e->why);
+}
+
+static json_t *number_or_null(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *plan_pores_json(const struct plan *plan) {
+  const struct pore_shape *shape = &plan->shape;
+  if (!(shape->slope > 0)) return json_null();
+  return json_pack("{s:f, s:f, s:f, s:f}", "width", shape->width, "slope", shape->slope,
+                   "frozen_shift", shape->outer, "adami_shift", shape->middle);
+}
+
+enum status explain_print_json(const struct plan *plan, const struct foreseen *foreseen,
+                               const struct cheapest *cheapest) {
+  const struct effect_context *context = &plan->context;
+  const struct lattice *lattice = context->lattice;
+  char fields[512];
+  json_t *effects = json_array();
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    json_array_append_new(
+        effects, json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "name", planned->effect->name, "state",
+                           planned->on ? "on" : "off", "reason", planned->why, "model",
+                           planned->effect->model, "citation", planned->effect->citation, "dt_max",
+                           number_or_null(planned->dt_max)));
+  }
+  format_fields(plan->fields, fields, sizeof fields);
+  json_t *object = json_pack(
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:f, s:f, "
+      "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
+      "scene", context->scene->name, "method", method_names[context->method], "method_reason",
+      plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
+      (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
+      (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
+      "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
+      "sound_speed_reason", context->sound_why, "effects", effects, "fields", fields,
+      "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
+      "memory_bytes", plan->bytes_total, "memory_method_bytes", plan->bytes_method,
+      "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split,
+      "disk_bytes", plan->bytes_disk, "dt", number_or_null(plan->dt), "dt_limit",
+      number_or_null(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
+      number_or_null(plan->steps), "seconds", number_or_null(plan->seconds), "expected_error",
+      number_or_null(plan->expected.error), "expected_error_least",
+      number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
+      plan_pores_json(plan));
+  if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  if (foreseen != NULL) json_object_set_new(object, "ranks", foreseen_json(foreseen));
+  if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
+  json_dumpf(object, stdout, JSON_INDENT(2));
+  putchar('\n');
+  json_decref(object);
+  return STATUS_OK;
+}

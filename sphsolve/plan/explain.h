@@ -1,0 +1,14 @@
+/* What `sphsolve explain` prints: the plan, for people and as JSON. */
+#ifndef TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
+#define TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
+
+#include "sphsolve/plan/recommend.h"
+#include "sphsolve/plan/ranks_forecast.h"
+#include "sphsolve/plan/plan.h"
+
+/* `foreseen`, on several ranks, and `cheapest` may be NULL. */
+void explain_print(const struct plan *plan, const struct foreseen *foreseen);
+enum status explain_print_json(const struct plan *plan, const struct foreseen *foreseen,
+                               const struct cheapest *cheapest);
+
+#endif

@@ -1,0 +1,88 @@
+/* What a scene calls for, decided before anything is allocated: method, effects on and why, their
+ * fields, particles, memory, time step and the effect that limits it, steps, predicted time and
+ * error. A pure function of scene and lattice; `explain` prints it and run obeys it. */
+#ifndef TOSUI_SPHSOLVE_PLAN_PLAN_H
+#define TOSUI_SPHSOLVE_PLAN_PLAN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "sphsolve/plan/effect.h"
+#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/scene/scene.h"
+
+#define EFFECT_MAX 40
+
+/* The program with its libraries: peak memory and time of a scene of a few sites. */
+#define PROGRAM_BYTES 16e6
+#define PROGRAM_SECONDS 0.02
+
+/* What an effect may look at to decide. The numbers are those of the chosen method. */
+struct effect_context {
+  const struct scene *scene;
+  const struct lattice *lattice;
+  enum method method;
+  double smoothing_length;    /* m */
+  double support;             /* m */
+  double spacing;             /* m, geometric mean */
+  double sound_speed;         /* m/s, wcsph */
+  double kinematic_viscosity; /* m^2/s */
+  double driving;             /* |g + a - grad P / rho|, m/s^2 */
+  double velocity_scale;      /* m/s, estimated */
+  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
+  double inertia;             /* share of the force that inertia takes up, by the same */
+  char sound_why[EFFECT_WHY]; /* what decides the sound speed */
+  bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
+};
+
+struct planned_effect {
+  const struct effect *effect;
+  bool on;
+  char why[EFFECT_WHY];
+  double dt_max; /* s; INFINITY: none */
+};
+
+struct plan {
+  struct effect_context context;
+  size_t effect_count;
+  struct planned_effect effects[EFFECT_MAX]; /* those of the method, on and off */
+  unsigned long long fields;                 /* FIELD_BIT_* of the effects on */
+  double dt;                                 /* s; NAN: chosen each step; 0: steady method */
+  double dt_limit;                           /* s */
+  const char *dt_limited_by;
+  const char *dt_by;              /* what decides a constant dt */
+  double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
+  double bytes_total;             /* at most, at any time, with what the program itself takes */
+  /* The method's own; what a state to go back to takes beside it while one is kept; and, when the
+   * method has given back all it held, what splits the error of k. On disk: what a run may keep
+   * beside its results while it lasts. */
+  double bytes_method, bytes_copy, bytes_split, bytes_disk;
+  struct pore_shape shape;
+  double steps, seconds;       /* predicted */
+  struct expectation expected; /* error of the headline number */
+  char method_why[EFFECT_WHY];
+};
+
+/* Wall layers the lattice needs outside a closed domain: 0 where isph makes its own walls. */
+int plan_wall_layers(const struct scene *scene);
+/* Chooses the method ("auto") and refuses what a method cannot do. */
+enum status plan_method(const struct scene *scene, const struct lattice *lattice,
+                        enum method *method, char why[EFFECT_WHY]);
+/* `threads` for the predicted time. */
+enum status plan_make(const struct scene *scene, const struct lattice *lattice, enum method method,
+                      const char *method_why, int threads, struct plan *plan);
+bool plan_has(const struct plan *plan, const char *effect_name);
+
+/* Each method has two hooks: *_scales fills smoothing_length, support, sound_speed and
+ * velocity_scale of plan->context before the effects are asked; *_plan fills dt, bytes, steps,
+ * seconds and error after them (dt_limit and dt_limited_by are the effects' own by then). */
+enum status wcsph_scales(struct plan *plan);
+enum status wcsph_plan(struct plan *plan, int threads);
+enum status stokes_scales(struct plan *plan);
+enum status stokes_plan(struct plan *plan, int threads);
+enum status isph_scales(struct plan *plan);
+enum status isph_plan(struct plan *plan, int threads);
+
+#endif

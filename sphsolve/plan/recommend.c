@@ -1,0 +1,177 @@
+#include "sphsolve/plan/recommend.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/units.h"
+
+static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
+static const char *const wall_names[] = {"frozen", "adami", "subvoxel"};
+
+/* An expectation is known within this factor (docs/physics.md): settings that reach an error for
+ * certain are expected to stay below it by as much. */
+#define SURE 2.0
+
+/* Finer and coarser than the scene by no more than this. */
+#define REFINED_LEAST 0.1
+#define REFINED_MOST 50.0
+
+/* The least refinement with the wanted error; NAN if none has it. The error falls with it. */
+static double refinement(const struct pore_shape *shape, enum method method, enum wall_scheme wall,
+                         double wanted) {
+  double low = REFINED_LEAST, high = REFINED_MOST;
+  if (!(expect_error(shape, method, wall, high).error <= wanted)) return NAN;
+  if (expect_error(shape, method, wall, low).error <= wanted) high = low;
+  for (int i = 0; i < 60 && high > low; i++) {
+    const double middle = sqrt(low * high);
+    if (expect_error(shape, method, wall, middle).error <= wanted)
+      high = middle;
+    else
+      low = middle;
+  }
+  /* Two sites across a mean pore, less is no flow, and across a mean grain: water on both sides of
+   * a thinner one is neighbours. */
+  return fmax(high, 2.0 / fmin(shape->width, shape->grain));
+}
+
+/* `refined` raised until the longest side is of whole sites, and every periodic one of a domain. */
+static double whole_sites(const struct scene *scene, const size_t body[3], double refined) {
+  size_t longest = 0;
+  for (int a = 0; a < 3; a++)
+    if (body[a] > longest) longest = body[a];
+  const double least = ceil(refined * (double)longest - 1e-6);
+  for (double n = least; n <= 2.0 * least; n++) { // NOLINT: whole numbers are exact
+    bool whole = true;
+    for (int a = 0; a < 3 && !*scene->model_path; a++) {
+      const double sites = (double)body[a] * n / (double)longest;
+      const bool counts = scene->periodic[a] && !(scene->dimensions == 2 && a == 1);
+      whole = whole && !(counts && (sites < 0.5 || fabs(sites - round(sites)) > 1e-4));
+    }
+    if (whole) return n / (double)longest;
+  }
+  return least / (double)longest;
+}
+
+static enum status add(const struct scene *scene, const struct lattice *lattice, enum method method,
+                       enum wall_scheme wall, int threads, struct cheapest *cheapest) {
+  enum status status = STATUS_OK;
+  struct scene other = *scene;
+  struct plan plan;
+  struct candidate *c = &cheapest->candidates[cheapest->count];
+  other.method = method;
+  other.wcsph.wall = other.stokes.wall = wall;
+  if (plan_make(&other, lattice, method, "", threads, &plan) != STATUS_OK) {
+    error_clear(); /* this method cannot run the scene */
+    return STATUS_OK;
+  }
+  double refined = refinement(&plan.shape, method, wall, cheapest->wanted / SURE);
+  if (isnan(refined)) return STATUS_OK;
+  size_t body[3];
+  for (int a = 0; a < 3; a++)
+    body[a] = *scene->model_path
+                  ? lattice->size[a]
+                  : (size_t)fmax(1.0, round(scene->domain_size[a] / lattice->spacing[a]));
+  refined = whole_sites(scene, body, refined);
+  *c = (struct candidate){.method = method, .wall = wall, .refined = refined};
+  for (int a = 0; a < 3; a++)
+    c->size[a] = body[a] == 1 ? 1 : (size_t)fmax(1.0, round(refined * (double)body[a]));
+  c->spacing = plan.context.spacing / refined;
+  c->support = plan.context.support / refined;
+  c->error = expect_error(&plan.shape, method, wall, refined).error;
+  const double more = pow(refined, lattice->dimensions);
+  /* Speed and steps of wcsph at that spacing: viscosity limits dt by the square of the spacing,
+   * sound by the spacing itself; a pore takes as long to settle at any. */
+  double steps = 1.0;
+  if (method == METHOD_WCSPH) {
+    const bool viscous = plan.dt_limited_by && !strcmp(plan.dt_limited_by, "viscosity_morris");
+    steps = viscous ? refined * refined : refined;
+    c->sound_speed = plan.context.sound_speed;
+    /* auto: at least 2 nu / h */
+    const double creep = 2.0 * plan.context.kinematic_viscosity / plan.context.smoothing_length;
+    if (isnan(scene->wcsph.sound_speed)) c->sound_speed = fmax(c->sound_speed, creep * refined);
+  }
+  c->seconds = PROGRAM_SECONDS + (plan.seconds - PROGRAM_SECONDS) * more * steps;
+  c->bytes = PROGRAM_BYTES + (plan.bytes_total - PROGRAM_BYTES) * more;
+  cheapest->count++;
+  return status;
+}
+
+enum status cheapest_find(const struct scene *scene, const struct lattice *lattice,
+                          const struct plan *plan, int threads, struct cheapest *cheapest) {
+  enum status status = STATUS_OK;
+  cheapest->count = 0;
+  if (plan->context.method == METHOD_ISPH || !isfinite(plan->expected.error))
+    TRY_FAIL(STATUS_INPUT, "%s: --error: the error of this scene cannot be predicted: %s",
+             scene->path, *plan->expected.why ? plan->expected.why : "it has no permeability");
+  for (int wall = WALL_FROZEN; wall <= WALL_SUBVOXEL; wall++) {
+    /* stokes where "auto" may choose it, or the scene did */
+    if (plan->context.method == METHOD_STOKES)
+      TRY(add(scene, lattice, METHOD_STOKES, (enum wall_scheme)wall, threads, cheapest));
+    TRY(add(scene, lattice, METHOD_WCSPH, (enum wall_scheme)wall, threads, cheapest));
+  }
+  for (size_t i = 1; i < cheapest->count; i++) {
+    struct candidate moved = cheapest->candidates[i];
+    size_t j = i;
+    for (; j > 0 && cheapest->candidates[j - 1].seconds > moved.seconds; j--)
+      cheapest->candidates[j] = cheapest->candidates[j - 1];
+    cheapest->candidates[j] = moved;
+  }
+cleanup:
+  return status;
+}
+
+static void print_candidate(const struct candidate *c) {
+  char spacing[40], support[40], time[40];
+  quantity_format(c->spacing, "m", spacing, sizeof spacing);
+  quantity_format(c->support, "m", support, sizeof support);
+  duration_format(c->seconds, time, sizeof time);
+  printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", method_names[c->method],
+         wall_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
+  if (c->sound_speed > 0) printf(", sound %.4g m/s", c->sound_speed);
+  printf(": error about %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
+}
+
+void cheapest_print(const struct plan *plan, const struct cheapest *cheapest) {
+  const struct scene *scene = plan->context.scene;
+  printf(
+      "\nwanted     %.3g %%: by settings from which half of it is expected, for expectations are "
+      "good to a factor %g\n",
+      100 * cheapest->wanted, SURE);
+  if (cheapest->count == 0) {
+    printf("cheapest   none: no setting up to %g times finer reaches it; extrapolate with analyze "
+           "converge\n",
+           REFINED_MOST);
+    return;
+  }
+  const struct candidate *best = &cheapest->candidates[0];
+  printf("cheapest   ");
+  print_candidate(best);
+  for (size_t i = 1; i < cheapest->count; i++) {
+    printf("      then ");
+    print_candidate(&cheapest->candidates[i]);
+  }
+  printf("write      --set scene.method=%s --set %s.wall=%s", method_names[best->method],
+         method_names[best->method], wall_names[best->wall]);
+  if (*scene->model_path)
+    printf(", with a model of %zu x %zu x %zu sites (ct2model build --size; a mirrored axis takes "
+           "(n + 1) / 2)\n",
+           best->size[0], best->size[1], best->size[2]);
+  else
+    printf(" --set domain.spacing='%.6g m'\n", best->spacing);
+}
+
+json_t *cheapest_json(const struct cheapest *cheapest) {
+  json_t *list = json_array();
+  for (size_t i = 0; i < cheapest->count; i++) {
+    const struct candidate *c = &cheapest->candidates[i];
+    json_array_append_new(list, json_pack("{s:s, s:s, s:f, s:f, s:[I,I,I], s:f, s:f, s:f, s:f}",
+                                          "method", method_names[c->method], "wall",
+                                          wall_names[c->wall], "spacing", c->spacing, "support",
+                                          c->support, "size", (json_int_t)c->size[0],
+                                          (json_int_t)c->size[1], (json_int_t)c->size[2],
+                                          "sound_speed", c->sound_speed, "expected_error", c->error,
+                                          "seconds", c->seconds, "memory_bytes", c->bytes));
+  }
+  return json_pack("{s:f, s:o}", "wanted", cheapest->wanted, "settings", list);
+}

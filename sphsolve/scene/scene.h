@@ -1,0 +1,161 @@
+/* A scene as the user wrote it, validated, in SI, with "auto" still auto. Pure data: no method, no
+ * effect and no memory size is decided here (plan.h does). */
+#ifndef TOSUI_SPHSOLVE_SCENE_SCENE_H
+#define TOSUI_SPHSOLVE_SCENE_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "common/kernel.h"
+
+enum method { METHOD_AUTO, METHOD_WCSPH, METHOD_STOKES, METHOD_ISPH };
+enum wall_scheme { WALL_FROZEN, WALL_ADAMI, WALL_SUBVOXEL };
+enum equation_of_state { EOS_GAUGE, EOS_ABSOLUTE };
+enum unified_form { FORM_AKBARI, FORM_M15 };
+enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
+enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
+enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
+enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
+
+/* Settings that errors found after reading name with their line. */
+#define SCENE_PLACES(X)                                                                            \
+  X(METHOD, "scene", "method")                                                                     \
+  X(MODEL, "model", "file")                                                                        \
+  X(SIZE, "domain", "size")                                                                        \
+  X(SPACING, "domain", "spacing")                                                                  \
+  X(PERIODIC, "domain", "periodic")                                                                \
+  X(VISCOSITY, "fluids", "")                                                                       \
+  X(REGIONS, "regions", "")                                                                        \
+  X(FORCE, "force", "")                                                                            \
+  X(WCSPH_KERNEL, "wcsph", "kernel")                                                               \
+  X(WCSPH_SUPPORT, "wcsph", "support")                                                             \
+  X(SOUND, "wcsph", "sound_speed")                                                                 \
+  X(WCSPH_DT, "wcsph", "dt")                                                                       \
+  X(STOKES_SUPPORT, "stokes", "support")                                                           \
+  X(ISPH_DT, "isph", "dt")                                                                         \
+  X(TURBULENCE, "effects", "turbulence")                                                           \
+  X(SHIFTING, "effects", "shifting")                                                               \
+  X(FIELDS, "output", "fields")
+enum scene_place {
+#define X(symbol, group, key) AT_##symbol,
+  SCENE_PLACES(X)
+#undef X
+      SCENE_PLACE_COUNT
+};
+
+struct fluid {
+  char name[64];
+  double density;   /* kg/m^3 */
+  double viscosity; /* Pa s */
+};
+
+struct region {
+  enum region_type type;
+  double box[6]; /* x0 y0 z0 x1 y1 z1, m; a 2-D scene uses x and z, y spans everything */
+  int line;      /* in the scene file, for messages */
+  /* porous */
+  double porosity, grain_size, alpha, beta;
+  double soil_velocity[3]; /* moving soil, m/s */
+  bool saturated;          /* full of water at the start also where no water region covers it */
+  /* wall */
+  bool slip;
+  double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */
+  /* inflow: fixed head (m above z = 0) or flux (m/s through the side, positive inward) */
+  enum region_boundary boundary;
+  double head, flux;
+};
+
+struct gauge {
+  char name[32];
+  double at[3]; /* m */
+};
+struct flux_plane {
+  char name[32];
+  int axis; /* normal */
+  double position;
+};
+
+struct scene {
+  char path[4096];
+  char name[128];
+  enum method method;
+  double end_time;         /* s; INFINITY if not given and steady_tolerance > 0 */
+  double steady_tolerance; /* 0: runs to end_time */
+
+  char model_path[4096]; /* "" when the scene has a domain */
+
+  int dimensions;        /* 2 or 3; a 2-D scene lives in x and z */
+  double domain_size[3]; /* m; y of a 2-D scene: one spacing */
+  double spacing;        /* m; 0 when the model gives it */
+  bool periodic[3];
+
+  struct fluid fluid;
+  size_t region_count;
+  struct region *regions;
+
+  double gravity[3];           /* m/s^2 */
+  double body_acceleration[3]; /* m/s^2 */
+  double pressure_gradient[3]; /* Pa/m: imposed mean dP/dx; drives flow along minus itself */
+  double hydraulic_gradient;   /* NAN: |body acceleration| / 9.80665 */
+  double driving[3];           /* m/s^2: g + a - grad P / rho */
+
+  struct {
+    double sound_speed; /* m/s; NAN: auto */
+    enum equation_of_state equation_of_state;
+    enum kernel kernel;
+    double support; /* m; NAN: auto (2.9 spacings) */
+    double dt;      /* s; NAN: auto */
+    bool force_dt;  /* a dt beyond the limit is accepted */
+    enum wall_scheme wall;
+  } wcsph;
+  struct {
+    enum kernel kernel;
+    double support; /* m; NAN: auto */
+    enum wall_scheme wall;
+    double tolerance; /* relative residual */
+  } stokes;
+  struct {
+    enum unified_form form;
+    enum kernel kernel;
+    double support_ratio; /* he / dx */
+    double tau;           /* s; density relaxation time */
+    double alpha;         /* NAN; else tau = dt / alpha, 0: no relaxation */
+    double dt;            /* s; NAN: auto */
+    double tolerance;     /* of the pressure solve */
+    bool slip;            /* outer and default walls */
+    enum pressure_solver solver;
+    double smagorinsky;  /* C_s */
+    bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
+  } isph;
+
+  enum switch_state turbulence, shifting;
+
+  double output_interval;    /* s; NAN: only the last snapshot */
+  double history_interval;   /* s; NAN: auto */
+  size_t output_field_count; /* output.fields; 0: all */
+  char (*output_fields)[32];
+  double checkpoint_interval; /* s of wall time; NAN: on a signal only */
+
+  size_t gauge_count, plane_count;
+  struct gauge *gauges;
+  struct flux_plane *planes;
+
+  char *text;                     /* the file with overrides, for /run/scene */
+  int line_of[SCENE_PLACE_COUNT]; /* 0: not in the file */
+};
+
+/* Reads and validates. Errors name file, line and the mend. Free with scene_free. */
+enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
+                       struct scene *scene);
+void scene_free(struct scene *scene);
+
+/* An input error at a setting: "dense.cfg:7: wcsph.dt: MESSAGE". What the file leaves out is said
+ * to be wrong where its group stands, else where the scene's name does. */
+enum status scene_error(const struct scene *scene, enum scene_place place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
+double scene_hydraulic_gradient(const struct scene *scene);
+
+#endif

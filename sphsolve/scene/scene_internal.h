@@ -1,0 +1,32 @@
+/* What the parts of the scene reader share: scene.c (groups, driving, the whole), scene_regions.c
+ * (what fills the domain, gauges, planes), scene_geometry.c (what regions cannot
+ * be to each other), scene_settings.c (methods, effects, output). */
+#ifndef TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
+#define TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
+
+#include "common/config.h"
+#include "sphsolve/scene/scene.h"
+
+/* A positive quantity, or NAN when missing or "auto". */
+enum status scene_positive(struct config *config, config_node *group, const char *name,
+                           struct dimension dimension, double *value);
+/* A vector of the scene's dimensions: [x, z] of a 2-D scene, else [x, y, z]. */
+enum status scene_vector(struct config *config, config_node *group, const char *name,
+                         const struct scene *scene, struct dimension dimension, double vector[3]);
+/* Spreads the two values of a 2-D vector to x and z. */
+void scene_spread(const struct scene *scene, int count, double vector[3]);
+
+/* The axis of the side of the domain that an inflow region lies on, -1: none; *at_low: the lower.
+ */
+int scene_inflow_axis(const struct scene *scene, const struct region *region, bool *at_low);
+/* Of all regions: extents against the spacing, what covers what, throats between walls. */
+enum status scene_check_geometry(struct config *config, config_node *list,
+                                 const struct scene *scene);
+/* Whether a point lies inside a wall that rests. */
+bool scene_in_wall(const struct scene *scene, const double point[3]);
+
+enum status scene_read_regions(struct config *config, struct scene *scene);
+enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */
+enum status scene_read_settings(struct config *config, struct scene *scene);
+
+#endif

@@ -1,0 +1,223 @@
+#include "sphsolve/scene/scene_internal.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/units.h"
+
+static const char *const region_names[] = {"water", "porous", "wall", "inflow", "empty", NULL};
+
+static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
+                            double box[6]) {
+  int count = 6, least = scene->dimensions == 2 ? 4 : 6;
+  bool given;
+  enum status status =
+      config_quantities(config, group, "box", DIM_LENGTH, least, 6, box, &count, &given);
+  if (status != STATUS_OK) return status;
+  if (!given) return config_error(config, group, "box is missing: [x0, y0, z0, x1, y1, z1]");
+  config_node *node = config_child(config, group, "box");
+  if (count == 5) return config_error(config, node, "4 or 6 lengths are wanted");
+  if (count == 4) {
+    double x0 = box[0], z0 = box[1], x1 = box[2], z1 = box[3];
+    box[0] = x0, box[2] = z0, box[3] = x1, box[5] = z1;
+  }
+  if (scene->dimensions == 2) box[1] = 0, box[4] = scene->spacing;
+  for (int a = 0; a < 3; a++) {
+    if (!(box[a + 3] > box[a]))
+      return config_error(config, node, "%c1 = %g m must be greater than %c0 = %g m", 'x' + a,
+                          box[a + 3], 'x' + a, box[a]);
+    double slack = 1e-6 * scene->spacing;
+    if (box[a] < -slack || box[a + 3] > scene->domain_size[a] + slack)
+      return config_error(
+          config, node,
+          "%g to %g m in %c lies outside the domain (0 to %g m); make it smaller, or "
+          "domain.size larger",
+          box[a], box[a + 3], 'x' + a, scene->domain_size[a]);
+  }
+  return STATUS_OK;
+}
+
+static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
+                               struct region *region) {
+  enum status status = STATUS_OK;
+  bool porosity_given;
+  region->alpha = 1000;
+  region->beta = 1.1;
+  TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
+  TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
+  TRY(config_number(config, group, "alpha", &region->alpha, NULL));
+  TRY(config_number(config, group, "beta", &region->beta, NULL));
+  TRY(config_bool(config, group, "saturated", &region->saturated, NULL));
+  TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
+  if (!porosity_given) TRY(config_error(config, group, "porosity is missing, like porosity = 0.4"));
+  if (!(region->porosity > 0 && region->porosity <= 1))
+    TRY(config_error(config, config_child(config, group, "porosity"),
+                     "must be above 0 and at most 1"));
+  if (!(region->grain_size > 0))
+    TRY(config_error(config, group,
+                     "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\""));
+  if (!(region->alpha >= 0 && region->beta >= 0))
+    TRY(config_error(config, group, "alpha and beta must not be negative"));
+cleanup:
+  return status;
+}
+
+static enum status read_inflow(struct config *config, config_node *group, struct region *region) {
+  enum status status = STATUS_OK;
+  bool head_given, flux_given;
+  TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, &head_given));
+  TRY(config_quantity(config, group, "flux", DIM_VELOCITY, &region->flux, &flux_given));
+  if (head_given == flux_given)
+    TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
+  region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
+cleanup:
+  return status;
+}
+
+/* The lattice keeps a site's region in 16 bits. */
+enum { MOST_REGIONS = 65000 };
+
+enum status scene_read_regions(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *list = config_child(config, config_root(config), "regions");
+  if (list == NULL) return STATUS_OK;
+  if (*scene->model_path)
+    TRY(config_error(config, list, "regions need a domain; a voxel model brings its own grains"));
+  scene->region_count = config_count(list);
+  if (scene->region_count > MOST_REGIONS)
+    TRY(config_error(config, list, "%zu regions; at most %d are possible", scene->region_count,
+                     MOST_REGIONS));
+  TRY(memory_allocate(&scene->regions, scene->region_count, sizeof *scene->regions, "regions"));
+  for (size_t i = 0; i < scene->region_count; i++) {
+    struct region *region = &scene->regions[i];
+    config_node *group = config_item(list, i);
+    int type = -1;
+    if (!config_is_group(group))
+      TRY(config_error(config, group, "a group { type = ...; } is wanted"));
+    region->line = config_line(group);
+    TRY(config_choice(config, group, "type", region_names, &type, NULL));
+    if (type < 0)
+      TRY(config_error(
+          config, group,
+          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\" or \"empty\""));
+    region->type = (enum region_type)type;
+    TRY(read_box(config, group, scene, region->box));
+    switch (region->type) {
+    case REGION_POROUS:
+      TRY(read_porous(config, group, scene, region));
+      break;
+    case REGION_INFLOW:
+      TRY(read_inflow(config, group, region));
+      break;
+    case REGION_WALL:
+      TRY(config_bool(config, group, "slip", &region->slip, NULL));
+      TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
+      break;
+    case REGION_WATER:
+      TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
+      break;
+    case REGION_EMPTY:
+      break;
+    }
+  }
+  TRY(scene_check_geometry(config, list, scene));
+cleanup:
+  return status;
+}
+
+/* The name of a gauge or plane, which heads a column; `title` with its number where it has none. */
+static enum status read_name(struct config *config, config_node *group, const char *title,
+                             size_t number, char *name, size_t size) {
+  const char *given = NULL;
+  enum status status = config_string(config, group, "name", &given, NULL);
+  if (status != STATUS_OK) return status;
+  if (given == NULL) {
+    snprintf(name, size, "%s_%zu", title, number);
+    return STATUS_OK;
+  }
+  bool plain = *given != '\0' && strlen(given) < size;
+  for (const char *c = given; *c; c++)
+    plain =
+        plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));
+  if (!plain)
+    return config_error(config, config_child(config, group, "name"),
+                        "names a column: 1 to %zu letters, digits, -, _, + or spaces are wanted",
+                        size - 1);
+  snprintf(name, size, "%s", given);
+  return STATUS_OK;
+}
+
+static enum status read_gauges(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *list = config_child(config, config_root(config), "gauges");
+  scene->gauge_count = config_count(list);
+  TRY(memory_allocate(&scene->gauges, scene->gauge_count, sizeof *scene->gauges, "gauges"));
+  for (size_t i = 0; i < scene->gauge_count; i++) {
+    struct gauge *gauge = &scene->gauges[i];
+    config_node *group = config_item(list, i);
+    if (!config_is_group(group))
+      TRY(config_error(config, group, "a group { at = [x, y, z]; } is wanted"));
+    TRY(read_name(config, group, "gauge", i + 1, gauge->name, sizeof gauge->name));
+    if (config_child(config, group, "at") == NULL)
+      TRY(config_error(config, group, "at is missing: where the pressure is gauged"));
+    TRY(scene_vector(config, group, "at", scene, DIM_LENGTH, gauge->at));
+    for (int a = 0; a < 3; a++)
+      if (gauge->at[a] < 0 || gauge->at[a] > scene->domain_size[a])
+        TRY(config_error(config, config_child(config, group, "at"),
+                         "%g m in %c lies outside the domain (0 to %g m)", gauge->at[a], 'x' + a,
+                         scene->domain_size[a]));
+    if (scene_in_wall(scene, gauge->at))
+      TRY(config_error(config, config_child(config, group, "at"),
+                       "lies inside a wall, where there is no pressure; move it into the water"));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->gauges[k].name, gauge->name))
+        TRY(config_error(config, group, "a gauge before is called '%s' too; rename one",
+                         gauge->name));
+  }
+cleanup:
+  return status;
+}
+
+static enum status read_planes(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  static const char *const axes[] = {"x", "y", "z"};
+  config_node *list = config_child(config, config_root(config), "planes");
+  scene->plane_count = config_count(list);
+  TRY(memory_allocate(&scene->planes, scene->plane_count, sizeof *scene->planes, "planes"));
+  for (size_t i = 0; i < scene->plane_count; i++) {
+    struct flux_plane *plane = &scene->planes[i];
+    config_node *group = config_item(list, i);
+    int axes_given = 0;
+    if (!config_is_group(group))
+      TRY(config_error(config, group, "a group { z = \"0.2 m\"; } is wanted"));
+    TRY(read_name(config, group, "plane", i + 1, plane->name, sizeof plane->name));
+    for (int a = 0; a < 3; a++) {
+      bool given;
+      TRY(config_quantity(config, group, axes[a], DIM_LENGTH, &plane->position, &given));
+      if (given) plane->axis = a, axes_given++;
+    }
+    if (axes_given != 1)
+      TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
+    if (scene->dimensions == 2 && plane->axis == 1)
+      TRY(config_error(config, config_child(config, group, "y"),
+                       "a 2-D scene lives in x and z: give x or z"));
+    if (plane->position < 0 || plane->position > scene->domain_size[plane->axis])
+      TRY(config_error(config, config_child(config, group, axes[plane->axis]),
+                       "%g m lies outside the domain (0 to %g m)", plane->position,
+                       scene->domain_size[plane->axis]));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->planes[k].name, plane->name))
+        TRY(config_error(config, group, "a plane before is called '%s' too; rename one",
+                         plane->name));
+  }
+cleanup:
+  return status;
+}
+
+enum status scene_read_probes(struct config *config, struct scene *scene) {
+  enum status status = read_gauges(config, scene);
+  return status == STATUS_OK ? read_planes(config, scene) : status;
+}

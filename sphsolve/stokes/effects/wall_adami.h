@@ -1,0 +1,29 @@
+/* Wall sites carry minus the kernel average of the fluid around them: v_b = 2 v_wall - <v>_b,
+ * <v>_b = sum over pore sites of W v / sum of W (Adami, Hu, Adams 2012, eq. 22 and 23). Second
+ * order for walls half-way between sites. Not self-adjoint: solved by correction of v_b = 2 v_wall
+ * - v_a. */
+#ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_ADAMI_H
+#define TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_ADAMI_H
+
+#include <stdio.h>
+
+#include "sphsolve/plan/plan.h"
+
+static inline bool stokes_wall_adami_wanted(const struct effect_context *context,
+                                            char why[EFFECT_WHY]) {
+  const bool on = context->has_wall && context->scene->stokes.wall == WALL_ADAMI;
+  snprintf(why, EFFECT_WHY, on ? "stokes.wall = \"adami\"" : "stokes.wall is another");
+  return on;
+}
+
+static const struct effect effect_stokes_wall_adami = {
+    .name = "stokes_wall_adami",
+    .model = "wall sites mirror the average velocity of the fluid around them",
+    .citation = "Adami, Hu, Adams 2012, eq. 22, 23",
+    .methods = METHOD_BIT_STOKES,
+    .reads = FIELD_BIT(VELOCITY),
+    .writes = FIELD_BIT(VELOCITY),
+    .wanted = stokes_wall_adami_wanted,
+};
+
+#endif

@@ -1,0 +1,80 @@
+/* No-slip at the true surface, from the signed wall distances d of the sites (units: spacings):
+ *   v_b = -v_a d_b / d_a - (F - G p)_a / (2 nu) d_b (d_a + d_b)
+ * linear: Morris, Fox, Zhu 1997 eq. 28 with distances from the surface instead of from planes;
+ * parabola: after Basa, Quinlan, Lastiwka 2009, continued by the momentum equation. */
+#ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_SUBVOXEL_H
+#define TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_SUBVOXEL_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "sphsolve/plan/plan.h"
+
+/* A fluid site on the surface itself would make the quotient infinite. */
+#define WALL_DISTANCE_FLOOR 0.02
+/* Distances of two sites differ by no more than they are apart; beyond this they are noise. */
+#define WALL_SMOOTH_TOLERANCE 1.1
+/* Upper bound of the sum of c_ab d_b (d_a + d_b) / 2: what a pore one site wide has. Keeps the
+ * force on a site positive whatever the distances are. */
+#define WALL_PARABOLA_MAX 0.75
+
+/* The wall bends the profile: with the curvature H (Laplacian of d) the second derivative along the
+ * normal is v'' = -(F - G p + H v_a / d_a) / (1 - H d_a / 2). */
+
+struct stokes_wall_image {
+  double linear;   /* d_b / d_a */
+  double parabola; /* d_b (d_a + d_b) / 2 */
+  bool smooth;
+};
+
+static inline struct stokes_wall_image stokes_wall_image(double d_a, double d_b, double r) {
+  struct stokes_wall_image image;
+  image.smooth = d_a + d_b <= WALL_SMOOTH_TOLERANCE * r;
+  d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
+  d_b = fmax(fmin(d_b, r - d_a), 0.0);
+  image.linear = d_b / d_a;
+  image.parabola = 0.5 * d_b * (d_a + d_b);
+  return image;
+}
+
+/* The volume integral of the velocity from its values at the sites. Along a line of sites that
+ * ends at a wall the plain sum has the error -(B2(s)/2) dv/dx (Euler, Maclaurin), s the distance of
+ * the last site from the wall in spacings, B2(s) = s^2 - s + 1/6; dv/dx = n dv/dn with the normal's
+ * component n along the line, dv/dn = v/d_a + (F - G p) d_a / 2 by the same parabola. A surface
+ * that is cut by lines of all axes is shared among them by n^2. */
+struct stokes_wall_quadrature {
+  double velocity, force; /* factors of v_a and (F - G p)_a */
+  double wall;            /* and of a wall's velocity, for the part of the last cell behind it */
+  double share;           /* of the axis in the surface */
+};
+
+static inline struct stokes_wall_quadrature stokes_wall_quadrature(double d_a, double d_b,
+                                                                   double step) {
+  d_a = fmax(d_a, WALL_DISTANCE_FLOOR);
+  d_b = fmax(d_b, 0.0);
+  const double n = fmin((d_a + d_b) / step, 1.0), s = fmin(d_a / (d_a + d_b), 1.0);
+  const double bernoulli = s * s - s + 1.0 / 6.0;
+  const double slope = 0.5 * bernoulli * n * n * n * step;
+  return (struct stokes_wall_quadrature){slope / d_a, 0.5 * slope * d_a, (s - 0.5) * n * n, n * n};
+}
+
+static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *context,
+                                               char why[EFFECT_WHY]) {
+  const bool on = context->has_wall && context->scene->stokes.wall == WALL_SUBVOXEL;
+  snprintf(why, EFFECT_WHY,
+           on ? "no slip at the wall distance; second order" : "stokes.wall is another");
+  return on;
+}
+
+static const struct effect effect_stokes_wall_subvoxel = {
+    .name = "stokes_wall_subvoxel",
+    .model = "image velocity from the wall distance, continued by the parabola",
+    .citation = "Morris, Fox, Zhu 1997, eq. 28; Basa, Quinlan, Lastiwka 2009",
+    .methods = METHOD_BIT_STOKES,
+    .reads = FIELD_BIT(WALL_DISTANCE),
+    .writes = FIELD_BIT(VELOCITY),
+    .wanted = stokes_wall_subvoxel_wanted,
+};
+
+#endif

@@ -1,0 +1,95 @@
+/* Which sites method stokes solves on, and how they are stored: vectors are packed (active sites
+ * only, x fastest); stencils read full rows, unpacked a field at a time. */
+#ifndef TOSUI_SPHSOLVE_STOKES_GRID_H
+#define TOSUI_SPHSOLVE_STOKES_GRID_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "common/ranks.h"
+#include "common/slabs.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/stokes/rows.h"
+
+/* Slabs are whole blocks of 2^STOKES_SHARED_LEVELS planes: so many levels, this one counted, are
+ * shared out among the ranks; every rank has all of those that are coarser (1/64 of the sites). */
+#define STOKES_SHARED_LEVELS 2
+
+struct stokes_grid {
+  size_t size[3];
+  size_t rows;           /* size[1] * size[2]; row (j, k) has number k * size[1] + j */
+  size_t chunks, stride; /* of a row: STOKES_LANES floats a chunk, stride = STOKES_LANES * chunks */
+  size_t active;         /* sites solved, by this rank */
+  size_t active_all;     /* and by all */
+  size_t offset;         /* by the ranks before */
+  size_t row_begin, row_end;     /* rows of this rank */
+  size_t inner_begin, inner_end; /* those of them whose stencil reads no ghost */
+  int reach;                     /* planes of ghosts on each side; 0: there are none */
+  struct slabs slabs;
+  uint16_t *mask;    /* [rows][chunks]: bit b of chunk c is site c * STOKES_LANES + b */
+  size_t *row_start; /* [rows + 1]: first packed index of a row of this rank */
+};
+
+/* Fluid sites through which fluid can flow: those of face-connected pores that lead around the
+ * periodic box in a direction along which `driving` does work. In all others a body force is
+ * balanced by pressure. `keep_all`: walls move, every pore may flow. */
+enum status stokes_grid_build(const struct lattice *lattice, const double driving[3], int keep_all,
+                              struct stokes_grid *grid);
+/* Shares the rows out among the ranks; `reach`: planes a stencil reads on each side. Does nothing
+ * for one rank. */
+enum status stokes_grid_share(struct stokes_grid *grid, int reach);
+void stokes_grid_free(struct stokes_grid *grid);
+
+/* Loops over the rows of a rank run in parts: first the rows that read no ghost, while ghosts are
+ * on their way, then the others. */
+#define STOKES_PARTS (RANKS ? 2 : 1)
+static inline size_t stokes_grid_part(const struct stokes_grid *grid, int part) {
+  if (!RANKS) return grid->rows;
+  const size_t inner = grid->inner_end - grid->inner_begin;
+  return part == 0 ? inner : grid->row_end - grid->row_begin - inner;
+}
+static inline size_t stokes_grid_nth(const struct stokes_grid *grid, int part, size_t n) {
+  if (!RANKS) return n;
+  if (part == 0) return grid->inner_begin + n;
+  const size_t low = grid->inner_begin - grid->row_begin;
+  return n < low ? grid->row_begin + n : grid->inner_end + n - low;
+}
+/* Rows of this rank. */
+static inline size_t stokes_grid_begin(const struct stokes_grid *grid) {
+  return RANKS ? grid->row_begin : 0;
+}
+static inline size_t stokes_grid_end(const struct stokes_grid *grid) {
+  return RANKS ? grid->row_end : grid->rows;
+}
+/* Within a parallel region: the ghost rows of a field, `bytes` a row, are put under way, and have
+ * come in before part 1. */
+static inline void stokes_grid_post(const struct stokes_grid *grid, void *field, size_t bytes) {
+  if (!RANKS || grid->reach == 0) return;
+#pragma omp master
+  slabs_post(&grid->slabs, 0, field, bytes * grid->size[1], (size_t)grid->reach);
+}
+static inline void stokes_grid_await(const struct stokes_grid *grid, int part) {
+  if (!RANKS || part == 0 || grid->reach == 0) return;
+#pragma omp master
+  ranks_wait();
+#pragma omp barrier
+}
+
+static inline int stokes_grid_is_active(const struct stokes_grid *grid, size_t row, size_t i) {
+  return grid->mask[row * grid->chunks + i / STOKES_LANES] >> (i % STOKES_LANES) & 1;
+}
+
+/* Row at an offset, around the periodic box as often as need be. */
+static inline size_t stokes_grid_row(const struct stokes_grid *grid, size_t j, size_t k, int dj,
+                                     int dk) {
+  const long ny = (long)grid->size[1], nz = (long)grid->size[2];
+  long y = (long)j + dj, z = (long)k + dk;
+  while (y < 0) y += ny;
+  while (y >= ny) y -= ny;
+  while (z < 0) z += nz;
+  while (z >= nz) z -= nz;
+  return (size_t)(z * ny + y);
+}
+
+#endif

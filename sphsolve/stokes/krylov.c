@@ -1,0 +1,142 @@
+#include "sphsolve/stokes/krylov.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/ranks.h"
+
+#define BLOCK 4096
+#define BASIS_MAX 64
+
+static size_t block_count(size_t length) {
+  return (length + BLOCK - 1) / BLOCK;
+}
+
+enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *k) {
+  enum status status = STATUS_OK;
+  k->length = length;
+  k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
+  k->basis = NULL, k->work = NULL, k->partial = NULL;
+  TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
+                      "Krylov basis"));
+  TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
+  TRY(memory_allocate(&k->partial, block_count(length), sizeof *k->partial, "partial sums"));
+  return STATUS_OK;
+cleanup:
+  stokes_krylov_free(k);
+  return status;
+}
+
+void stokes_krylov_free(struct stokes_krylov *k) {
+  memory_free(&k->basis);
+  memory_free(&k->work);
+  memory_free(&k->partial);
+}
+
+typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
+
+/* Sum of x y over a block: short runs in float lanes, then in double. */
+static double dot_block(size_t n, const float *x, const float *y) {
+  double sum = 0.0;
+  size_t i = 0;
+  while (i + 16 <= n) {
+    lanes run = {0};
+    for (const size_t end = i + 256; i + 16 <= n && i < end; i += 16)
+      run += *(const lanes *)(x + i) * *(const lanes *)(y + i);
+    for (int l = 0; l < 16; l++) sum += (double)run[l];
+  }
+  for (; i < n; i++) sum += (double)x[i] * (double)y[i];
+  return sum;
+}
+
+static double dot(struct stokes_krylov *k, const float *x, const float *y) {
+  const size_t blocks = block_count(k->length);
+#pragma omp parallel for schedule(static)
+  for (size_t b = 0; b < blocks; b++) {
+    const size_t start = b * BLOCK, left = k->length - start;
+    k->partial[b] = dot_block(left < BLOCK ? left : BLOCK, x + start, y + start);
+  }
+  double total = 0.0;
+  for (size_t b = 0; b < blocks; b++) total += k->partial[b];
+  return ranks_sum(total);
+}
+
+double stokes_krylov_norm(struct stokes_krylov *k, const float *x) {
+  return sqrt(dot(k, x, x));
+}
+
+/* y -= factor x. */
+static void subtract(struct stokes_krylov *k, double factor, const float *x, float *y) {
+  const float f = (float)factor;
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) y[i] -= f * x[i];
+}
+
+static void scale(struct stokes_krylov *k, double factor, float *x) {
+  const float f = (float)factor;
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) x[i] *= f;
+}
+
+int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, double *reached) {
+  double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
+  const double start = stokes_krylov_norm(k, k->basis);
+  *reached = start > 0.0 ? 1.0 : 0.0;
+  if (!(start > 0.0)) return 0;
+  scale(k, 1.0 / start, k->basis);
+  g[0] = start;
+  int n = 0;
+  while (n<k->basis_max && * reached> reduction) {
+    float *w = k->basis + (size_t)(n + 1) * k->length;
+    k->precondition(k->system, k->basis + (size_t)n * k->length, w, k->work);
+    k->apply(k->system, k->work, w);
+    for (int i = 0; i <= n; i++) {
+      const float *v = k->basis + (size_t)i * k->length;
+      h[i][n] = dot(k, v, w);
+      subtract(k, h[i][n], v, w);
+    }
+    h[n + 1][n] = stokes_krylov_norm(k, w);
+    if (h[n + 1][n] > 0.0) scale(k, 1.0 / h[n + 1][n], w);
+    for (int i = 0; i < n; i++) {
+      const double upper = h[i][n];
+      h[i][n] = cosine[i] * upper + sine[i] * h[i + 1][n];
+      h[i + 1][n] = -sine[i] * upper + cosine[i] * h[i + 1][n];
+    }
+    const double length = hypot(h[n][n], h[n + 1][n]);
+    if (!(length > 0.0)) break;
+    cosine[n] = h[n][n] / length, sine[n] = h[n + 1][n] / length;
+    h[n][n] = length;
+    g[n + 1] = -sine[n] * g[n];
+    g[n] *= cosine[n];
+    n++;
+    *reached = fabs(g[n]) / start;
+  }
+  /* What is left: g[n] times the last unit vector, turned back by the rotations. */
+  double left[BASIS_MAX + 1] = {0.0};
+  left[n] = g[n];
+  for (int i = n - 1; i >= 0; i--) {
+    left[i] = -sine[i] * left[i + 1];
+    left[i + 1] *= cosine[i];
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
+    g[i] /= h[i][i];
+  }
+  if (n == 0) {
+    scale(k, start, k->basis);
+    return 0;
+  }
+  /* Both sums in place, in the last and the first vector of the basis. */
+  float *first = k->basis, *last = k->basis + (size_t)n * k->length;
+  scale(k, left[n], last);
+  for (int i = 0; i < n; i++) subtract(k, -left[i], k->basis + (size_t)i * k->length, last);
+  scale(k, g[0], first);
+  for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
+  float *free_one = n < k->basis_max ? last + k->length : first + k->length;
+  k->precondition(k->system, first, free_one, k->work);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
+  memcpy(first, last, k->length * sizeof *first);
+  return n;
+}

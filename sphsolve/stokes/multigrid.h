@@ -1,0 +1,43 @@
+/* Multigrid for a symmetric seven-point operator on a periodic lattice,
+ *   (T u)_a = sum over the six faces of t_ab (u_a - u_b) + m_a u_a,
+ * with blocks of 2^3 sites as coarse sites. Used from the second level on: method stokes smooths on
+ * its own lattice with its own stencil. */
+#ifndef TOSUI_SPHSOLVE_STOKES_MULTIGRID_H
+#define TOSUI_SPHSOLVE_STOKES_MULTIGRID_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+#include "common/slabs.h"
+
+#define MULTIGRID_LEVELS 12
+
+struct stokes_multigrid_level {
+  size_t size[3], count;
+  size_t begin, end;         /* planes of this rank; all where every rank has the whole level */
+  const struct slabs *slabs; /* NULL: so it is */
+  size_t *start;             /* planes of each rank where this is the first level that all have */
+  int shift;                 /* planes of the lattice in one of this level's: 2^shift */
+  float *face[3];            /* t to the next site along x, y, z; 0 where there is no way */
+  float *mass;               /* m */
+  float *inverse;            /* 1 / diagonal, 0 for a site without any coupling */
+  float *u, *b, *r;
+};
+
+struct stokes_multigrid {
+  int level_count;
+  struct stokes_multigrid_level levels[MULTIGRID_LEVELS];
+};
+
+/* Allocates all levels, the first of `size`, of the lattice that `slabs` (kept) share
+ * out: the first `shared` levels are too. The caller fills face and mass of levels[0], then
+ * calls stokes_multigrid_coarsen. */
+enum status stokes_multigrid_build(const size_t size[3], const struct slabs *slabs, int shared,
+                                   struct stokes_multigrid *multigrid);
+void stokes_multigrid_coarsen(struct stokes_multigrid *multigrid);
+void stokes_multigrid_free(struct stokes_multigrid *multigrid);
+
+/* One V-cycle from u = 0: levels[0].b in, levels[0].u out. A fixed, symmetric, linear operation. */
+void stokes_multigrid_cycle(struct stokes_multigrid *multigrid);
+
+#endif

@@ -1,0 +1,200 @@
+#include "sphsolve/stokes/operator.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+static float *field_of(const struct stokes_operator *op, int component) {
+  return op->field + (size_t)component * op->grid->rows * op->grid->stride;
+}
+
+static void unpack(struct stokes_operator *op, const float *packed, int component) {
+  const struct stokes_grid *grid = op->grid;
+  float *field = field_of(op, component);
+#pragma omp for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
+    op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, packed + grid->row_start[row],
+                     field + row * grid->stride);
+  stokes_grid_post(grid, field, grid->stride * sizeof *field);
+}
+
+/* Packed values of one convolution of one field on one row; the result lies in the buffers of the
+ * thread. */
+static const float *convolve(const struct stokes_operator *op,
+                             const struct stokes_convolution *convolution, int component,
+                             size_t row) {
+  const struct stokes_grid *grid = op->grid;
+  const float *field = field_of(op, component), *rows[STOKES_CLASS_MAX][4];
+  const size_t j = row % grid->size[1], k = row / grid->size[1];
+  for (int c = 0; c < convolution->class_count; c++) {
+    const struct stokes_class *class = &convolution->classes[c];
+    for (int r = 0; r < class->row_count; r++)
+      rows[c][r] = field + grid->stride * stokes_grid_row(grid, j, k, class->dj[r], class->dk[r]);
+  }
+  float *out = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
+  float *packed = out + grid->stride, *scratch = packed + grid->stride;
+  op->rows->convolve(convolution, (const float *const(*)[4])rows, grid->size[0], grid->stride,
+                     scratch, out);
+  op->rows->pack(grid->mask + row * grid->chunks, grid->chunks, out, packed);
+  return packed;
+}
+
+static void viscous_row(const struct stokes_operator *op, int component, size_t row, const float *x,
+                        bool add, float *y) {
+  const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
+  const float *sum = convolve(op, &op->stencil->laplace, component, row);
+  for (size_t i = start; i < end; i++)
+    y[i] = (add ? y[i] : 0.0f) + op->diagonal[i] * x[i] - sum[i - start];
+}
+
+/* y = g p on one row, before correction. */
+static void gradient_row(const struct stokes_operator *op, size_t row, const float *p, float *y) {
+  const size_t n = op->n, start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
+  for (int a = 0; a < op->stencil->axis_count; a++) {
+    const float *own = op->pore_gradient + (size_t)a * n;
+    const float *sum =
+        convolve(op, &op->stencil->gradient[op->stencil->axes[a]], op->components - 1, row);
+    float *out = y + (size_t)a * n;
+    for (size_t i = start; i < end; i++) out[i] = sum[i - start] - own[i] * p[i];
+  }
+}
+
+/* y = B y for the packed values from start to end. */
+static void correct(const struct stokes_operator *op, size_t start, size_t end, float *y) {
+  for (size_t i = start; i < end; i++) {
+    float corrected[3];
+    stokes_correct(op, i, y, op->n, corrected);
+    for (int a = 0; a < op->stencil->axis_count; a++) y[(size_t)a * op->n + i] = corrected[a];
+  }
+}
+
+/* Unpacks the velocity B (v + tau g p) whose flux the continuity equation balances. */
+static void unpack_corrected(struct stokes_operator *op, const float *x, const float *gradient) {
+  const struct stokes_grid *grid = op->grid;
+  const int axes = op->stencil->axis_count;
+  float *corrected = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
+  const float tau = (float)op->tau;
+#pragma omp for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
+    for (int a = 0; a < axes; a++) {
+      memset(corrected, 0, count * sizeof *corrected);
+      for (int b = 0; b < axes; b++) {
+        const float *c = op->correction + stokes_symmetric(axes, a, b) * op->n + start;
+        const float *v = x + (size_t)b * op->n + start, *g = gradient + (size_t)b * op->n + start;
+        for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + tau * g[i]);
+      }
+      op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, corrected,
+                       field_of(op, a) + row * grid->stride);
+    }
+  }
+  for (int a = 0; a < axes; a++)
+    stokes_grid_post(grid, field_of(op, a), grid->stride * sizeof(float));
+}
+
+/* tau L p on one row. */
+static void stabilisation_row(const struct stokes_operator *op, size_t row, const float *p,
+                              float *y) {
+  const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
+  const float tau = (float)op->tau;
+  const float *sum = convolve(op, &op->stencil->laplace, op->components - 1, row);
+  for (size_t i = start; i < end; i++) y[i] = tau * (op->pore_sum[i] * p[i] - sum[i - start]);
+}
+
+/* Adds the divergence of the corrected velocity; own values are taken back from the field. */
+static void divergence_row(const struct stokes_operator *op, size_t row, float *y) {
+  const struct stokes_grid *grid = op->grid;
+  const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
+  float *corrected =
+      op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size - grid->stride;
+  for (int a = 0; a < op->stencil->axis_count; a++) {
+    const float *own = op->pore_gradient + (size_t)a * op->n;
+    op->rows->pack(grid->mask + row * grid->chunks, grid->chunks,
+                   field_of(op, a) + row * grid->stride, corrected);
+    const float *sum = convolve(op, &op->stencil->gradient[op->stencil->axes[a]], a, row);
+    for (size_t i = start; i < end; i++) y[i] += sum[i - start] + own[i] * corrected[i - start];
+  }
+}
+
+void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y) {
+  const struct stokes_grid *grid = op->grid;
+  const int axes = op->stencil->axis_count;
+  const float *p = x + (size_t)axes * op->n;
+  float *continuity = y + (size_t)axes * op->n;
+#pragma omp parallel num_threads(op->threads)
+  {
+    unpack(op, p, axes);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
+        gradient_row(op, row, p, y);
+        stabilisation_row(op, row, p, continuity);
+      }
+    }
+    unpack_corrected(op, x, y);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
+      }
+    }
+    for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
+        if (start == end) continue;
+        correct(op, start, end, y);
+        for (int a = 0; a < axes; a++) {
+          float *ya = y + (size_t)a * op->n;
+          for (size_t i = start; i < end; i++) ya[i] *= op->parabola[i];
+          viscous_row(op, a, row, x + (size_t)a * op->n, true, ya);
+        }
+      }
+    }
+  }
+}
+
+void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x,
+                                   float *y) {
+  const struct stokes_grid *grid = op->grid;
+#pragma omp parallel num_threads(op->threads)
+  {
+    for (int c = 0; c < count; c++) unpack(op, x + (size_t)c * op->n, c);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
+        for (int c = 0; c < count; c++)
+          viscous_row(op, c, row, x + (size_t)c * op->n, false, y + (size_t)c * op->n);
+      }
+    }
+  }
+}
+
+void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y) {
+  const struct stokes_grid *grid = op->grid;
+#pragma omp parallel num_threads(op->threads)
+  {
+    unpack(op, p, op->stencil->axis_count);
+    for (int part = 0; part < STOKES_PARTS; part++) {
+      stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+        const size_t row = stokes_grid_nth(grid, part, n);
+        if (grid->row_start[row] < grid->row_start[row + 1]) gradient_row(op, row, p, y);
+      }
+    }
+  }
+}

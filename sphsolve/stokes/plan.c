@@ -1,0 +1,74 @@
+/* What method stokes will cost and how good it will be, before it runs. The constants were measured
+ * on sand models of 60 to 240 sites a side and on the exact cases of verify_stokes. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sphsolve/stokes/error_budget.h"
+#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/stokes/solver.h"
+#include "sphsolve/plan/plan.h"
+
+/* Iterations: about 10 between straight walls; else they grow slowly with the sites a side, and
+ * with the pores across the model. Adami walls take 1.8 times as many. */
+#define ITERATIONS_STRAIGHT 10.0
+#define ITERATIONS 10.6
+#define ADAMI 1.8
+/* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
+#define SECONDS_SITE 30e-9
+#define SECONDS_FLUID 140e-9
+#define SECONDS_BUILD 3e-6
+
+static double iterations(const struct pore_shape *pores, double sites, int dimensions,
+                         double refined, enum wall_scheme wall) {
+  const double side = pow(sites, 1.0 / dimensions), width = pores->width * refined;
+  const double count = pores->straight
+                           ? ITERATIONS_STRAIGHT
+                           : ITERATIONS * pow(side, 0.45) * pow(fmax(1.0, side / width), 0.2);
+  return count * (wall == WALL_ADAMI ? ADAMI : 1.0);
+}
+
+double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *l,
+                             double refined, enum wall_scheme wall) {
+  const char *rows = stokes_rows_best()->name;
+  const double slow = !strcmp(rows, "avx512") ? 1.0 : !strcmp(rows, "avx2") ? 1.3 : 2.5;
+  const double more = pow(refined, l->dimensions);
+  const double sites = more * (double)l->count, fluid = more * (double)l->fluid_count;
+  return iterations(pores, sites, l->dimensions, refined, wall) *
+             (SECONDS_SITE * sites + SECONDS_FLUID * slow * fluid) +
+         SECONDS_BUILD * fluid;
+}
+
+enum status stokes_scales(struct plan *plan) {
+  struct effect_context *context = &plan->context;
+  const double support = context->scene->stokes.support;
+  context->support = isnan(support) ? 2.9 * context->spacing : support;
+  context->smoothing_length =
+      context->support / kernel_support_ratio(context->scene->stokes.kernel);
+  for (int a = 0; a < 3; a++) {
+    const double spacings = context->support / context->lattice->spacing[a];
+    if (context->lattice->dimensions == 2 && a == 1) continue;
+    if (!(spacings >= 1.5 && spacings < STOKES_REACH + 1))
+      return scene_error(context->scene, AT_STOKES_SUPPORT,
+                         "%g m is %.2f spacings along %c; choose one between 1.5 and %d",
+                         context->support, spacings, "xyz"[a], STOKES_REACH);
+  }
+  return STATUS_OK;
+}
+
+enum status stokes_plan(struct plan *plan, int threads) {
+  const struct lattice *l = plan->context.lattice;
+  const double sites = (double)l->count, fluid = (double)l->fluid_count;
+  plan->dt = 0.0;
+  if (l->wall_count == 0) return STATUS_OK; /* the run says what is wrong */
+  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid) : 5.0 * sites;
+  plan->bytes_wall = 31.0;
+  plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_method - 31.0 * (sites - fluid)) / fluid : 31.0;
+  const enum wall_scheme wall = plan->context.scene->stokes.wall;
+  plan->steps = round(iterations(&plan->shape, sites, l->dimensions, 1.0, wall));
+  plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, wall) +
+                   error_split_seconds(plan->context.scene, plan)) /
+                  threads;
+  plan->expected = expect_error(&plan->shape, METHOD_STOKES, wall, 1.0);
+  return STATUS_OK;
+}

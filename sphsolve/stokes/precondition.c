@@ -1,0 +1,198 @@
+#include "sphsolve/stokes/precondition.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define DAMPING 0.8f
+#define KAPPA_TOLERANCE 0.03
+#define KAPPA_ITERATIONS 400
+
+static double dot(size_t n, const float *x, const float *y) {
+  double sum = 0.0;
+  for (size_t i = 0; i < n; i++) sum += (double)x[i] * (double)y[i];
+  return ranks_sum(sum);
+}
+
+/* A kappa = 1 by conjugate gradients with the diagonal; a few per cent are good enough. */
+static enum status solve_kappa(struct stokes_preconditioner *pc) {
+  enum status status = STATUS_OK;
+  struct stokes_operator *op = pc->op;
+  const size_t n = op->n;
+  float *r = NULL, *d = NULL, *Ad = NULL;
+  TRY(memory_allocate(&r, n, sizeof *r, "preconditioner"));
+  TRY(memory_allocate(&d, n, sizeof *d, "preconditioner"));
+  TRY(memory_allocate(&Ad, n, sizeof *Ad, "preconditioner"));
+  double rho = 0.0, start = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    r[i] = 1.0f;
+    d[i] = r[i] / op->diagonal[i];
+    rho += (double)r[i] * (double)d[i];
+  }
+  rho = start = ranks_sum(rho);
+  for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
+    stokes_operator_apply_viscous(op, 1, d, Ad);
+    const float alpha = (float)(rho / dot(n, d, Ad));
+    double next = 0.0;
+    for (size_t i = 0; i < n; i++) {
+      pc->kappa[i] += alpha * d[i];
+      r[i] -= alpha * Ad[i];
+      next += (double)r[i] * (double)r[i] / (double)op->diagonal[i];
+    }
+    next = ranks_sum(next);
+    const float beta = (float)(next / rho);
+    for (size_t i = 0; i < n; i++) d[i] = r[i] / op->diagonal[i] + beta * d[i];
+    rho = next;
+  }
+  for (size_t i = 0; i < n; i++) pc->kappa[i] = fmaxf(pc->kappa[i], 0.5f / op->diagonal[i]);
+cleanup:
+  memory_free(&r);
+  memory_free(&d);
+  memory_free(&Ad);
+  return status;
+}
+
+/* Sum of a packed vector (times kappa) over the blocks of the first coarse level. */
+static void restrict_packed(const struct stokes_preconditioner *pc, const float *x, bool weigh,
+                            const struct stokes_multigrid_level *coarse, float *out) {
+  const struct stokes_grid *grid = pc->op->grid;
+  const size_t ny = grid->size[1], nz = grid->size[2];
+#pragma omp parallel for schedule(static)
+  for (size_t c = coarse->size[1] * coarse->begin; c < coarse->size[1] * coarse->end; c++) {
+    const size_t J = c % coarse->size[1], K = c / coarse->size[1];
+    float *sum = out + c * coarse->size[0];
+    memset(sum, 0, coarse->size[0] * sizeof *sum);
+    for (size_t k = 2 * K; k < 2 * K + 2 && k < nz; k++)
+      for (size_t j = 2 * J; j < 2 * J + 2 && j < ny; j++) {
+        const size_t row = k * ny + j;
+        size_t at = grid->row_start[row];
+        for (size_t chunk = 0; chunk < grid->chunks; chunk++)
+          for (unsigned bits = grid->mask[row * grid->chunks + chunk]; bits; bits &= bits - 1) {
+            const size_t i = chunk * STOKES_LANES + (size_t)__builtin_ctz(bits);
+            sum[i / 2] += weigh ? x[at] * pc->kappa[at] : x[at];
+            at++;
+          }
+      }
+  }
+}
+
+/* x += value of the block (times kappa). */
+static void prolong_packed(const struct stokes_preconditioner *pc,
+                           const struct stokes_multigrid_level *coarse, bool weigh, float *x) {
+  const struct stokes_grid *grid = pc->op->grid;
+#pragma omp parallel for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    const size_t j = row % grid->size[1], k = row / grid->size[1];
+    const float *from = coarse->u + ((k / 2) * coarse->size[1] + j / 2) * coarse->size[0];
+    size_t at = grid->row_start[row];
+    for (size_t chunk = 0; chunk < grid->chunks; chunk++)
+      for (unsigned bits = grid->mask[row * grid->chunks + chunk]; bits; bits &= bits - 1) {
+        const float u = from[(chunk * STOKES_LANES + (size_t)__builtin_ctz(bits)) / 2];
+        x[at] += weigh ? u * pc->kappa[at] : u;
+        at++;
+      }
+  }
+}
+
+/* Couplings between neighbouring blocks from the faces between active sites. */
+static void fill_levels(struct stokes_preconditioner *pc) {
+  struct stokes_operator *op = pc->op;
+  const struct stokes_grid *grid = op->grid;
+  const size_t nx = grid->size[0], *size = grid->size;
+  struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
+  float *kappa = op->field; /* by lattice site */
+#pragma omp parallel for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
+    op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
+                     pc->kappa + grid->row_start[row], kappa + row * grid->stride);
+  if (RANKS) slabs_post(&grid->slabs, 0, kappa, size[1] * grid->stride * sizeof *kappa, 1);
+  ranks_wait();
+  restrict_packed(pc, pc->kappa, false, v, v->mass);
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    const size_t j = row % size[1], k = row / size[1];
+    for (size_t i = 0; i < nx; i++) {
+      const float here = kappa[row * grid->stride + i];
+      if (here == 0.0f) continue;
+      const size_t at[3] = {i, j, k};
+      const size_t c = ((k / 2) * v->size[1] + j / 2) * v->size[0] + i / 2;
+      for (int a = 0; a < op->stencil->axis_count; a++) {
+        const int axis = op->stencil->axes[a];
+        const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
+        if (!edge || v->size[axis] == 1) continue;
+        size_t next[3] = {i, j, k};
+        next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
+        const float there = kappa[(next[2] * size[1] + next[1]) * grid->stride + next[0]];
+        if (there == 0.0f) continue;
+        const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
+        v->face[axis][c] += t * here * there;
+        p->face[axis][c] += t * 0.5f * (here + there);
+      }
+    }
+  }
+  stokes_multigrid_coarsen(&pc->velocity);
+  stokes_multigrid_coarsen(&pc->pressure);
+}
+
+enum status stokes_preconditioner_build(struct stokes_operator *op,
+                                        struct stokes_preconditioner *pc) {
+  enum status status = STATUS_OK;
+  memset(pc, 0, sizeof *pc);
+  pc->op = op;
+  size_t coarse[3];
+  for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
+  TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
+  TRY(solve_kappa(pc));
+  const int shared = STOKES_SHARED_LEVELS - 1;
+  TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->velocity));
+  TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->pressure));
+  fill_levels(pc);
+  return STATUS_OK;
+cleanup:
+  stokes_preconditioner_free(pc);
+  return status;
+}
+
+void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
+  memory_free(&pc->kappa);
+  stokes_multigrid_free(&pc->velocity);
+  stokes_multigrid_free(&pc->pressure);
+}
+
+static void solve_pressure(struct stokes_preconditioner *pc, const float *r, float *p) {
+  struct stokes_multigrid_level *coarse = &pc->pressure.levels[0];
+  restrict_packed(pc, r, false, coarse, coarse->b);
+  stokes_multigrid_cycle(&pc->pressure);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < pc->op->n; i++) p[i] = r[i] * (1.0f + 0.5f / pc->kappa[i]);
+  prolong_packed(pc, coarse, false, p);
+}
+
+/* y = A~^-1 x for one velocity component: coarse correction, then a sweep of Jacobi. */
+static void solve_velocity(struct stokes_preconditioner *pc, const float *x, float *product,
+                           float *y) {
+  struct stokes_operator *op = pc->op;
+  struct stokes_multigrid_level *coarse = &pc->velocity.levels[0];
+  restrict_packed(pc, x, true, coarse, coarse->b);
+  stokes_multigrid_cycle(&pc->velocity);
+  memset(y, 0, op->n * sizeof *y);
+  prolong_packed(pc, coarse, true, y);
+  stokes_operator_apply_viscous(op, 1, y, product);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
+}
+
+void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *work,
+                                 float *y) {
+  struct stokes_operator *op = pc->op;
+  const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
+  float *p = y + axes * n, *r = work, *product = work + axes * n;
+  solve_pressure(pc, x + axes * n, p);
+  stokes_operator_apply_gradient(op, p, r);
+  for (size_t a = 0; a < axes; a++) {
+    float *ra = r + a * n;
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < n; i++) ra[i] = x[a * n + i] - op->parabola[i] * ra[i];
+    solve_velocity(pc, ra, product, y + a * n);
+  }
+}

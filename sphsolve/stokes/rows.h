@@ -1,0 +1,49 @@
+/* The inner loops of method stokes: one lattice row (x) at a time, in vectors of STOKES_LANES
+ * floats, once for every instruction set. */
+#ifndef TOSUI_SPHSOLVE_STOKES_ROWS_H
+#define TOSUI_SPHSOLVE_STOKES_ROWS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define STOKES_REACH 4 /* farthest neighbour along an axis, sites */
+#define STOKES_LANES 16
+#define STOKES_CLASS_MAX ((STOKES_REACH + 1) * (STOKES_REACH + 1))
+
+/* Rows at (+-dj, +-dk) share their coefficients up to the sign: they are added up before they are
+ * multiplied. */
+struct stokes_class {
+  int row_count, plus_count; /* the first plus_count rows are added, the others subtracted */
+  int dj[4], dk[4];
+  float c[STOKES_REACH + 1]; /* by |di| */
+  double c_double[STOKES_REACH + 1];
+};
+
+struct stokes_convolution {
+  int reach;  /* largest |di| */
+  bool odd_x; /* coefficients change sign with di */
+  int class_count;
+  struct stokes_class classes[STOKES_CLASS_MAX];
+};
+
+/* Floats of scratch that `convolve` needs. */
+size_t stokes_rows_scratch(size_t stride);
+
+struct stokes_rows {
+  const char *name;
+  /* out[i] = sum over the classes and |di| <= reach, periodic in x with period nx. rows[class][r]
+   * start aligned and hold `stride` floats (a multiple of STOKES_LANES, >= nx), zero beyond nx. */
+  void (*convolve)(const struct stokes_convolution *convolution, const float *const (*rows)[4],
+                   size_t nx, size_t stride, float *scratch, float *out);
+  /* Between a full row and the packed values of its active sites; bit b of mask[c] stands for site
+   * STOKES_LANES * c + b. Returns the number of packed values. */
+  size_t (*unpack)(const uint16_t *mask, size_t chunks, const float *packed, float *row);
+  size_t (*pack)(const uint16_t *mask, size_t chunks, const float *row, float *packed);
+};
+
+extern const struct stokes_rows stokes_rows_base, stokes_rows_avx2, stokes_rows_avx512;
+/* The fastest that this processor runs. */
+const struct stokes_rows *stokes_rows_best(void);
+
+#endif

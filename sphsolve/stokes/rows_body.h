@@ -1,0 +1,128 @@
+/* Body of the row loops, compiled once per instruction set by the files that include it and name
+ * the table with STOKES_ROWS_TABLE and STOKES_ROWS_NAME. */
+#include <string.h>
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
+#include "sphsolve/stokes/rows.h"
+
+typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
+
+/* As many vectors at once as the registers hold. */
+#ifdef __AVX512F__
+#define MAX_WIDTH 4
+#else
+#define MAX_WIDTH 1
+#endif
+#define LOAD(p) (*(const vec *)(p))
+
+/* Sums over y and z for every |di| at once, for `width` vectors of a row: partial[m][i] = sum over
+ * the classes of c[m] times the signed sum of their rows. width and reach are constants where it is
+ * called, so that the sums stay in registers. */
+static inline __attribute__((always_inline)) void
+sum_block(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t start,
+          size_t pitch, float *partial, const int width, const int reach) {
+  vec sum[MAX_WIDTH][STOKES_REACH + 1] = {{{0}}};
+  for (int c = 0; c < convolution->class_count; c++) {
+    const struct stokes_class *class = &convolution->classes[c];
+    const float *const *row = rows[c];
+    vec s[MAX_WIDTH];
+    for (int w = 0; w < width; w++) s[w] = LOAD(row[0] + start + w * STOKES_LANES);
+    if (class->row_count == 2) {
+      if (class->plus_count == 2)
+        for (int w = 0; w < width; w++) s[w] += LOAD(row[1] + start + w * STOKES_LANES);
+      else
+        for (int w = 0; w < width; w++) s[w] -= LOAD(row[1] + start + w * STOKES_LANES);
+    } else if (class->row_count == 4) {
+      for (int w = 0; w < width; w++) {
+        const size_t i = start + (size_t)w * STOKES_LANES;
+        const vec t = LOAD(row[2] + i) + LOAD(row[3] + i);
+        s[w] += LOAD(row[1] + i);
+        s[w] = class->plus_count == 4 ? s[w] + t : s[w] - t;
+      }
+    }
+    for (int m = 0; m <= reach; m++)
+      for (int w = 0; w < width; w++) sum[w][m] += class->c[m] * s[w];
+  }
+  for (int m = 0; m <= reach; m++)
+    for (int w = 0; w < width; w++)
+      *(vec *)(partial + (size_t)m * pitch + start + w * STOKES_LANES) = sum[w][m];
+}
+
+static inline __attribute__((always_inline)) void
+sum_rows(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t stride,
+         size_t pitch, float *partial, const int reach) {
+  size_t i = 0;
+  for (; i + MAX_WIDTH * STOKES_LANES <= stride; i += MAX_WIDTH * STOKES_LANES)
+    sum_block(convolution, rows, i, pitch, partial, MAX_WIDTH, reach);
+  for (; i < stride; i += STOKES_LANES) sum_block(convolution, rows, i, pitch, partial, 1, reach);
+}
+
+/* The values beyond the ends of a row, from around the box; a row may be shorter than the reach. */
+static void wrap(float *partial, size_t nx, size_t pitch, int reach) {
+  for (int m = 1; m <= reach; m++) {
+    float *p = partial + (size_t)m * pitch;
+    for (int i = 0; i < m; i++) {
+      p[nx + (size_t)i] = p[(size_t)i % nx];
+      p[-1 - i] = p[nx - 1 - (size_t)i % nx];
+    }
+  }
+}
+
+static void convolve(const struct stokes_convolution *convolution, const float *const (*rows)[4],
+                     size_t nx, size_t stride, float *scratch, float *out) {
+  const size_t pitch = stride + 2 * STOKES_LANES;
+  float *partial = scratch + STOKES_LANES;
+  const int reach = convolution->reach;
+  const float sign = convolution->odd_x ? -1.0f : 1.0f;
+  if (reach == 2) { /* the usual support */
+    sum_rows(convolution, rows, stride, pitch, partial, 2);
+    wrap(partial, nx, pitch, 2);
+    const float own = convolution->odd_x ? 0.0f : 1.0f;
+    const float *one = partial + pitch, *two = partial + 2 * pitch;
+    for (size_t i = 0; i < nx; i++)
+      out[i] = own * partial[i] + one[i + 1] + sign * one[i - 1] + two[i + 2] + sign * two[i - 2];
+    return;
+  }
+  sum_rows(convolution, rows, stride, pitch, partial, reach);
+  wrap(partial, nx, pitch, reach);
+  for (size_t i = 0; i < nx; i++) out[i] = convolution->odd_x ? 0.0f : partial[i];
+  for (int m = 1; m <= reach; m++) {
+    const float *right = partial + (size_t)m * pitch + m, *left = right - 2 * m;
+    for (size_t i = 0; i < nx; i++) out[i] += right[i] + sign * left[i];
+  }
+}
+
+static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, float *row) {
+  const float *p = packed;
+  for (size_t c = 0; c < chunks; c++) {
+    float *r = row + c * STOKES_LANES;
+    unsigned bits = mask[c];
+#ifdef __AVX512F__
+    _mm512_store_ps(r, _mm512_maskz_expandloadu_ps((__mmask16)bits, p));
+    p += __builtin_popcount(bits);
+#else
+    memset(r, 0, STOKES_LANES * sizeof *r);
+    for (; bits; bits &= bits - 1) r[__builtin_ctz(bits)] = *p++;
+#endif
+  }
+  return (size_t)(p - packed);
+}
+
+static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float *packed) {
+  float *p = packed;
+  for (size_t c = 0; c < chunks; c++) {
+    const float *r = row + c * STOKES_LANES;
+    unsigned bits = mask[c];
+#ifdef __AVX512F__
+    _mm512_mask_compressstoreu_ps(p, (__mmask16)bits, _mm512_loadu_ps(r));
+    p += __builtin_popcount(bits);
+#else
+    for (; bits; bits &= bits - 1) *p++ = r[__builtin_ctz(bits)];
+#endif
+  }
+  return (size_t)(p - packed);
+}
+
+const struct stokes_rows STOKES_ROWS_TABLE = {STOKES_ROWS_NAME, convolve, unpack, pack};

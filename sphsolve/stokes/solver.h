@@ -1,0 +1,66 @@
+/* Solves the steady Stokes system of a lattice: rounds of preconditioned GMRES in single precision
+ * on the residual in double precision. Lattice units: accelerations in `acceleration`, |driving| or
+ * what a moving wall imposes; velocity in acceleration unit^2 / nu, pressure in rho acceleration
+ * unit. */
+#ifndef TOSUI_SPHSOLVE_STOKES_SOLVER_H
+#define TOSUI_SPHSOLVE_STOKES_SOLVER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/stokes/grid.h"
+#include "sphsolve/stokes/krylov.h"
+#include "sphsolve/stokes/operator.h"
+#include "sphsolve/stokes/precondition.h"
+#include "sphsolve/stokes/stencil.h"
+#include "sphsolve/scene/scene.h"
+
+struct stokes_solver {
+  struct stokes_stencil stencil;
+  struct stokes_grid grid;
+  struct stokes_operator operator;
+  struct stokes_preconditioner preconditioner;
+  struct stokes_krylov krylov;
+  double acceleration, velocity_unit; /* m/s^2, m/s */
+  double force[3];                    /* driving / acceleration */
+  bool walls_move;
+  double *x;             /* [components][active] velocities, then pressure */
+  float *residual;       /* in the Krylov basis */
+  double residual_start; /* norm of the right-hand side */
+  double residual_now;   /* relative */
+  double divergence;     /* rms of the continuity residual over rms |grad v| */
+  double mean[3];        /* volume integral of the velocity / bulk volume */
+  double change;         /* of the mean in the last round, relative */
+  long iterations;
+  double bulk_count;
+};
+
+/* With grid.active_all == 0 there is no path for the fluid and nothing to solve. `scene` (may be
+ * NULL) gives walls their velocity and slip, support in m, nu in m^2/s, driving in m/s^2. */
+enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
+                                double support, enum wall_scheme wall, double nu,
+                                const double driving[3], struct stokes_solver *solver);
+void stokes_solver_free(struct stokes_solver *solver);
+
+/* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
+ * solved, takes. */
+int stokes_solver_basis(double sites, double active);
+double stokes_solver_bytes(double sites, double active);
+/* Processor seconds a solve takes, predicted, with the spacing divided by `refined`. */
+double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
+                             double refined, enum wall_scheme wall);
+
+/* Recomputes residual, divergence, mean and change from `x`, as a round leaves them: all that a
+ * round needs of those before it is x and the mean. */
+void stokes_solver_measure(struct stokes_solver *solver);
+/* One round; residual, divergence, mean and change are those after it. */
+void stokes_solver_round(struct stokes_solver *solver);
+/* Relative residual under `tolerance`, divergence under 1e-4, mean settled to 1e-4. */
+bool stokes_solver_converged(const struct stokes_solver *solver, double tolerance);
+/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC. */
+enum status stokes_solver_run(struct stokes_solver *solver, double tolerance);
+
+#endif

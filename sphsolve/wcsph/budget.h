@@ -1,0 +1,28 @@
+/* The account of momentum and energy of a wcsph run (ledger.h), by samples. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_BUDGET_H
+#define TOSUI_SPHSOLVE_WCSPH_BUDGET_H
+
+#include "sphsolve/wcsph/engine/engine.h"
+#include "sphsolve/output/ledger.h"
+
+#define WCSPH_RATES 4 /* of momentum and energy, all terms together */
+
+struct wcsph_account { /* doubles but for ledger.on: see ledger_account_write */
+  struct ledger_account ledger;
+  struct ledger_sums rate; /* of the last sample */
+  double samples, time, dt, elastic;
+  /* Of all terms together: the integral since the last second sample by every sample and without
+   * the one between; and of these pairs the sums of the differences and of their squares. */
+  double rate_all[WCSPH_RATES], every[WCSPH_RATES], second_rate[WCSPH_RATES], second_time;
+  double defect[WCSPH_RATES], squares[WCSPH_RATES];
+};
+
+/* Which terms there are. `mass`: of a particle, kg. */
+void wcsph_account_begin(const struct engine *engine, struct wcsph_account *account);
+/* Whether a sample is due before this step: each of the first, then fewer. */
+bool wcsph_account_due(int64_t step);
+/* A sample; the account is then closed at `time`, s. Changes no bit of what comes. */
+enum status wcsph_account_sample(struct engine *engine, double mass, double time,
+                                 struct wcsph_account *account);
+
+#endif

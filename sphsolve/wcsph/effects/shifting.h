@@ -1,0 +1,30 @@
+/* Particles are nudged to where they are fewer, so that streamlines do not comb them apart.
+ *   dx_i/dt = v_i + u_i,   u_i = -A U h sum_j V grad_i W                  Lind et al. (2012), eq.
+ * 15 with U the largest fluid speed and |u_i| <= U/4. With A = 1 a Taylor-Green flow tears at Re
+ * 100; the more the better up to the limit of an explicit step, A U h K dt < 2 with K the largest
+ * eigenvalue of sum V grad W on the lattice: beyond it particles jitter with U/4, and a flow loses
+ * its energy to them. So A = 16 where the step allows it, and a step that allows 12. Velocity and
+ * pressure are carried along, dv_i/dt += (u_i . grad) v_i, dp_i/dt += (u_i . grad) p_i Sun et al.
+ * (2019), eq. 2 */
+#ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
+#define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
+
+#include "sphsolve/wcsph/engine/simd.h"
+
+#define SHIFTING_STRENGTH 16.0
+#define SHIFTING_STRENGTH_LEAST 12.0 /* that the time step must allow */
+#define SHIFTING_STABLE 1.4          /* of A U h K dt */
+#define SHIFTING_LIMIT 0.25
+
+SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
+  sum[0] += slope * x;
+  sum[1] += slope * y;
+  sum[2] += slope * z;
+}
+
+/* Factor of slope (f_j - f_i) in (u_i . grad) f, on top of another. */
+SIMD_INLINE vec shifting_carry(vec factor, vec x, vec y, vec z, const vec u[3]) {
+  return factor + u[0] * x + u[1] * y + u[2] * z;
+}
+
+#endif

@@ -1,0 +1,41 @@
+/* What the engine keeps for a particle, and the bytes that takes. */
+#include "sphsolve/wcsph/engine/engine.h"
+
+/* Slots per particle, as clusters are cut; bytes of lists per particle and per
+ * wall slot of adami's walls; of boxes and bins, per slot, while lists are made. */
+#define SLOTS_FLUID 1.05
+#define SLOTS_WALL 1.02
+#define LISTS_FLUID 23.0
+#define LISTS_SITES 9.0 /* nothing moves in its boxes */
+#define LISTS_WALL 7.0
+#define BOXES 3.0
+#define BINS 2.1
+
+struct particle_fields engine_fields(const struct engine_settings *s) {
+  bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
+  return (struct particle_fields){
+      .shift = s->shift,
+      .rate = s->wall == PASS_SUBVOXEL,
+      .sites = s->wall == PASS_SITES,
+      .wall_state = frozen || adami,
+      .wall_base = frozen,
+      .wall_depth = s->wall == PASS_SUBVOXEL || s->wall == PASS_SITES,
+      .wall_v = adami,
+      .wall_region = s->wall_moves && s->region_count > 0,
+  };
+}
+
+/* Making lists holds most: the particles, the lists, boxes of rows and bins of columns. Ordering
+ * (16 bytes of keys a particle) and snapshots (24 of points) come when there are no lists. */
+double engine_bytes_fluid(const struct engine_settings *settings) {
+  struct particle_fields fields = engine_fields(settings);
+  return SLOTS_FLUID * ((double)particles_bytes_fluid(&fields) + BOXES + BINS) +
+         (fields.sites ? LISTS_SITES : LISTS_FLUID);
+}
+
+double engine_bytes_wall(const struct engine_settings *settings) {
+  struct particle_fields fields = engine_fields(settings);
+  return SLOTS_WALL * ((double)particles_bytes_wall(&fields) + BINS) +
+         (fields.wall_region ? (double)sizeof(uint16_t) / CLUSTER : 0) +
+         (settings->wall == PASS_ADAMI ? BOXES + LISTS_WALL : 0);
+}

@@ -1,0 +1,153 @@
+#include "sphsolve/wcsph/engine/engine_walls.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/kernel.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/wcsph/engine/engine_ranks.h"
+
+/* Floor of the distance to a wall, spacings: numbers nearer are noise. */
+#define WALL_DISTANCE_LEAST 0.02
+
+enum status engine_sum_wall_base(struct engine *engine) {
+  enum status status = STATUS_OK;
+  struct particles *p = &engine->particles;
+  const struct lattice *lattice = engine->lattice;
+  const struct engine_settings *s = &engine->settings;
+  double volume = 1;
+  int reach[3];
+  for (int a = 0; a < 3; a++) {
+    bool flat = lattice->dimensions == 2 && a == 1;
+    volume *= flat ? 1 : lattice->spacing[a];
+    reach[a] = flat ? 0 : (int)floor(s->support / lattice->spacing[a]);
+  }
+  /* W depends on the offset of two sites alone. */
+  int span[3] = {2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1};
+  size_t count = (size_t)span[0] * (size_t)span[1] * (size_t)span[2];
+  double *weight = NULL;
+  TRY(memory_allocate(&weight, count, sizeof *weight, "kernel values"));
+  for (size_t t = 0; t < count; t++) {
+    int offset[3] = {(int)(t % (size_t)span[0]) - reach[0],
+                     (int)(t / (size_t)span[0] % (size_t)span[1]) - reach[1],
+                     (int)(t / (size_t)span[0] / (size_t)span[1]) - reach[2]};
+    double square = 0;
+    for (int a = 0; a < 3; a++) square += pow(offset[a] * lattice->spacing[a], 2);
+    weight[t] = kernel_w(KERNEL_QUINTIC, lattice->dimensions, sqrt(square), s->smoothing_length);
+  }
+  size_t slots = particles_wall_slots(p);
+#pragma omp parallel for schedule(static)
+  for (size_t w = 0; w < slots; w++) {
+    if (p->site[w] == NO_SITE) continue;
+    double sum = 0;
+    const double *next = weight;
+    for (int k = -reach[2]; k <= reach[2]; k++)
+      for (int j = -reach[1]; j <= reach[1]; j++)
+        for (int i = -reach[0]; i <= reach[0]; i++, next++) {
+          if (*next == 0) continue;
+          const int offset[3] = {i, j, k};
+          size_t at[3] = {0};
+          for (int a = 0; a < 3; a++) {
+            long n = (long)lattice->size[a];
+            long own = (long)frame_wall_index(&p->frame, a, p->site[w]);
+            at[a] = (size_t)(((own + offset[a]) % n + n) % n);
+          }
+          size_t site = (at[2] * lattice->size[1] + at[1]) * lattice->size[0] + at[0];
+          if (lattice->kind[site] == SITE_WALL) sum += *next;
+        }
+    p->wall_base[w] = (float)(volume * sum);
+  }
+cleanup:
+  memory_free(&weight);
+  return status;
+}
+
+/* Difference of the distance along one axis, away from the wall: one-sided, for in the middle of a
+ * pore two sites wide, between two walls, a central difference would be none. */
+static inline double slope_from_wall(double low, double here, double high) {
+  double back = here - low, fore = high - here;
+  double up = here < 0 ? fore : back, down = here < 0 ? back : fore;
+  up = up > 0 ? up : 0;
+  down = down < 0 ? down : 0;
+  return up > -down ? up : down;
+}
+
+double engine_wall_distance(const struct engine *engine, size_t i) {
+  const struct particles *p = &engine->particles;
+  const struct lattice *lattice = engine->lattice;
+  const float *field = lattice->wall_distance;
+  const size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
+  size_t near[3], site = 0;
+  double offset[3]; /* spacings from the nearest site */
+  for (int a = 0; a < 3; a++) {
+    /* Sites from the edge of the box, with 32 bits behind the point. */
+    uint64_t t = (uint64_t)(p->x[a][i] << p->frame.image_bits[a]) * lattice->size[a];
+    if (p->frame.step[a] == 0) t = 0x80000000u;
+    near[a] = t >> 32;
+    offset[a] = ((double)(uint32_t)t - 0x1p31) * 0x1p-32;
+    site += near[a] * stride[a];
+  }
+  double here = (double)field[site], along = 0, square = 0;
+  bool smooth = true;
+  for (int a = 0; a < 3; a++) {
+    if (p->frame.step[a] == 0) continue;
+    size_t last = lattice->size[a] - 1, back = last * stride[a];
+    double high = (double)field[near[a] < last ? site + stride[a] : site - back];
+    double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
+    double spacing = lattice->spacing[a], most = 1.15 * spacing;
+    double slope = slope_from_wall(low, here, high), steep = slope / spacing;
+    smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
+    along += slope * offset[a];
+    square += steep * steep;
+  }
+  double d = here + (square > 1 ? along / sqrt(square) : along);
+  double least = WALL_DISTANCE_LEAST * engine->pass.spacing;
+  d = d > least ? d : least;
+  return smooth ? d : -d;
+}
+
+void engine_update_distance(struct engine *engine) {
+  double start = clock_seconds();
+  struct particles *p = &engine->particles;
+  p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
+  const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);
+  engine->seconds[PHASE_WALL] += clock_seconds() - start;
+}
+
+void engine_clear_wall_sums(struct engine *engine) {
+  const struct ghosts *walls = &engine->ranks.walls;
+  uint32_t *sums = engine->particles.wall_sum;
+  size_t begin = 0, end = engine->particles.wall_clusters;
+  if (engine_is_shared(engine)) {
+    begin = walls->begin;
+    end = walls->end;
+    for (size_t g = 0; g < walls->receive_start[ranks_count()]; g++)
+      memset(sums + walls->receive[g] * CLUSTER, 0, CLUSTER * sizeof *sums);
+  }
+  if (end > begin) memset(sums + begin * CLUSTER, 0, (end - begin) * CLUSTER * sizeof *sums);
+}
+
+void engine_settle_wall_sums(struct engine *engine) {
+  const double start = clock_seconds();
+  const struct ghosts *walls = &engine->ranks.walls;
+  const struct particles *p = &engine->particles;
+  size_t begin = 0, end = p->wall_clusters;
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (int t = 0; t < engine->threads; t++)
+    if (engine->locals[t].collected != NULL)
+      collected_give_all(engine->locals[t].collected, p->wall_sum);
+  if (engine_is_shared(engine)) {
+    ghosts_add(&engine->ranks.walls, p->wall_sum, CLUSTER);
+    begin = walls->begin;
+    end = walls->end;
+  }
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+  for (size_t w = begin * CLUSTER; w < end * CLUSTER; w++) {
+    const double own = (double)p->wall_base[w], sum = WALL_SUM_UNIT * (double)p->wall_sum[w];
+    p->wall_state[w] = (float)(1 / (own + sum));
+  }
+  engine->seconds[PHASE_DENSITY] += clock_seconds() - start;
+}

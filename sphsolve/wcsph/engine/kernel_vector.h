@@ -1,0 +1,27 @@
+/* The quintic spline (common/kernel.h) on vectors, without its normalisation and in units of h:
+ * s = r/h. Terms beyond their reach are cut by max(., 0), so that a pair out of range gives an
+ * exact zero and needs no branch. The factors 6 and 15 of the powers go into their bases. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_KERNEL_VECTOR_H
+#define TOSUI_SPHSOLVE_WCSPH_ENGINE_KERNEL_VECTOR_H
+
+#include "sphsolve/wcsph/engine/simd.h"
+
+/* W / alpha. */
+SIMD_INLINE vec kernel_vector_w(vec s) {
+  const float k2 = 1.430969081f, k1 = 1.718771928f; /* 6^(1/5), 15^(1/5) */
+  vec zero = vec_set(0.0f), t3 = vec_max(3.0f - s, zero), t2 = vec_max(2.0f * k2 - k2 * s, zero),
+      t1 = vec_max(k1 - k1 * s, zero);
+  vec q3 = t3 * t3, q2 = t2 * t2, q1 = t1 * t1;
+  return (q3 * q3) * t3 - (q2 * q2) * t2 + (q1 * q1) * t1;
+}
+
+/* -(dW/ds)/(5 alpha): never negative. */
+SIMD_INLINE vec kernel_vector_slope(vec s) {
+  const float k2 = 1.565084580f, k1 = 1.967989671f; /* 6^(1/4), 15^(1/4) */
+  vec zero = vec_set(0.0f), t3 = vec_max(3.0f - s, zero), t2 = vec_max(2.0f * k2 - k2 * s, zero),
+      t1 = vec_max(k1 - k1 * s, zero);
+  vec q3 = t3 * t3, q2 = t2 * t2, q1 = t1 * t1;
+  return q3 * q3 - q2 * q2 + q1 * q1;
+}
+
+#endif

@@ -1,0 +1,71 @@
+#include "sphsolve/wcsph/engine/order.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/wcsph/engine/curve.h"
+
+/* Keys of 22 bits or so would do, but half a site must be told apart where the box allows it. */
+int order_bits(const struct frame *frame) {
+  size_t longest = 1;
+  for (int a = 0; a < 3; a++)
+    if (frame->sites[a] > longest) longest = frame->sites[a];
+  int bits = 1, most = frame->dimensions == 2 ? 16 : 10;
+  while (bits < most && ((size_t)1 << bits) < 2 * longest) bits++;
+  return bits;
+}
+
+/* `cell`: position in half sites. */
+uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]) {
+  size_t longest = frame->sites[0];
+  for (int a = 1; a < 3; a++)
+    if (frame->sites[a] > longest) longest = frame->sites[a];
+  int coarser = 0;
+  while ((2 * longest) >> coarser > ((size_t)1 << bits)) coarser++;
+  uint32_t c[3] = {cell[0] >> coarser, cell[1] >> coarser, cell[2] >> coarser};
+  if (frame->dimensions == 2) c[1] = c[2];
+  return curve_key(frame->dimensions, bits, c);
+}
+
+/* Sorts entries by their upper 32 bits, stably. */
+void order_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
+  for (int shift = 32; shift < 64; shift += 11) {
+    size_t start[2049] = {0};
+    for (size_t i = 0; i < n; i++) start[((entries[i] >> shift) & 2047) + 1]++;
+    for (size_t i = 0; i < 2048; i++) start[i + 1] += start[i];
+    for (size_t i = 0; i < n; i++) scratch[start[(entries[i] >> shift) & 2047]++] = entries[i];
+    uint64_t *swap = entries;
+    entries = scratch;
+    scratch = swap;
+  }
+  memcpy(scratch, entries, n * sizeof *entries); /* three passes: the result lies in `scratch` */
+}
+
+void cutter_start(struct cutter *cutter, const struct frame *frame, double reach) {
+  memset(cutter, 0, sizeof *cutter);
+  cutter->frame = frame;
+  for (int a = 0; a < 3; a++) cutter->limit[a] = (int64_t)fmin(reach / frame->unit[a], 0x1p31);
+}
+
+bool cutter_takes(struct cutter *cutter, const uint32_t x[3]) {
+  if (cutter->members == CLUSTER) cutter->members = 0;
+  bool fits = true;
+  for (int a = 0; a < 3 && cutter->members > 0; a++) {
+    int64_t d = (int32_t)(x[a] - cutter->first[a]);
+    int64_t low = d < cutter->low[a] ? d : cutter->low[a];
+    int64_t high = d > cutter->high[a] ? d : cutter->high[a];
+    fits = fits && high - low <= cutter->limit[a];
+  }
+  if (!fits) cutter->members = 0;
+  for (int a = 0; a < 3; a++) {
+    if (cutter->members == 0) {
+      cutter->first[a] = x[a];
+      cutter->low[a] = cutter->high[a] = 0;
+    }
+    int64_t d = (int32_t)(x[a] - cutter->first[a]);
+    if (d < cutter->low[a]) cutter->low[a] = d;
+    if (d > cutter->high[a]) cutter->high[a] = d;
+  }
+  cutter->members++;
+  return fits;
+}

@@ -1,0 +1,158 @@
+/* The account of a step: what each effect gives the fluid, from the same sums over pairs that move
+ * it, taken apart. With v the velocity before and v' = (v + dt a)/(1 + dt K) the one after, a force
+ * F per mass of which K v' is part gives the momentum m F dt and the energy m F.(v + v')/2 dt: an
+ * identity of the leapfrog, so that what is not accounted for is only what no effect has counted.
+ *
+ * Two sides of one force are summed by themselves where they are not the same pair sum. Pressure on
+ * the fluid is that of pressure_difference.h; on walls it is its adjoint, -sum V (P_w + P_i) grad W
+ * over the pairs with walls (P_w = P_i beside sub-voxel walls), the force against which the
+ * continuity equation's condition of no flow holds the fluid. They differ where the fluid's
+ * particles are not spread evenly: summed over all pairs, by -2 sum V P_i grad C_i. The symmetric
+ * pressure of frozen walls is its own adjoint. Viscous pairs of fluid are antisymmetric; beside
+ * sub-voxel walls what the curvature adds to them (wall_subvoxel.h), and on sites what B adds to
+ * the pressure gradient, is the wall's. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_ACCOUNT_H
+#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_ACCOUNT_H
+
+/* Sums over columns [0, n), as force_rows has them: of pressure and viscosity, and with the weights
+ * of the carry and of the offsets. */
+static void row_account(const struct pass *pass, const struct local *local, size_t n,
+                        const vec at[3], size_t i, struct row_force *row, struct row_force *moved) {
+  const struct particles *p = pass->particles;
+  float carry[3] = {0};
+  memset(row, 0, sizeof *row);
+  memset(moved, 0, sizeof *moved);
+  switch (pass->wall) {
+  case PASS_FROZEN:
+    row_force_fluid(pass, local, n, at, i, carry, true, true, false, false, row);
+    break;
+  case PASS_OPEN:
+    row_force_exact(pass, local, n, at, i, carry, true, false, row);
+    break;
+  default:
+    row_force_fluid(pass, local, n, at, i, carry, false, true, false, false, row);
+  }
+  const bool sites = pass->wall == PASS_SITES;
+  for (int a = 0; a < 3 && pass->shifts; a++) carry[a] = p->shift[a][i];
+  for (int a = 0; a < 3 && sites; a++) carry[a] = -p->v[a][i];
+  if (pass->wall == PASS_OPEN && pass->shifts)
+    row_force_exact(pass, local, n, at, i, carry, false, true, moved);
+  else if (pass->shifts || sites || pass->wall == PASS_ADAMI)
+    row_force_fluid(pass, local, n, at, i, carry, false, false, true, true, moved);
+}
+
+static void gather_terms(const struct pass *pass, struct local *local, size_t n) {
+  if (pass->wall != PASS_FROZEN) return;
+  for (size_t k = 0; k < n; k += SIMD_WIDTH)
+    vec_store(local->field[LTERM] + k, pressure_symmetric_term(vec_load(local->field[LSTATE] + k),
+                                                               vec_set((float)pass->rest_ratio)));
+}
+
+/* Elastic energy per mass over c^2: of the linear pressure, or of c^2 (rho - rho_lattice). */
+static double elastic(const struct pass *pass, double state) {
+  const double ratio = pass->rest_ratio;
+  if (pass->wall != PASS_FROZEN) return 0.5 * state * state;
+  return ratio > 0 ? ratio * state - log(ratio * state) - 1 : -log(state);
+}
+
+/* What a row has from its walls. */
+struct row_sides {
+  struct row_force pairs, moved;
+  struct row_wall near;
+  struct site_terms terms;
+};
+
+static void account_row(const struct pass *pass, size_t i, const struct row_force *fluid,
+                        const struct row_force *moved, const struct row_sides *walls,
+                        struct pass_account *sum) {
+  const struct particles *p = pass->particles;
+  const bool sites = pass->wall == PASS_SITES, subvoxel = sites || pass->wall == PASS_SUBVOXEL;
+  const double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
+  struct site_terms terms = walls->terms;
+  const double state = (double)p->state[i], kept = sites ? terms.kept : 1 - walls->near.beta;
+  double drag = 2 * pass->viscosity * pass->l_scale, stiff = 0;
+  double pull[3] = {fluid->pressure[0], fluid->pressure[1], fluid->pressure[2]};
+  if (pass->wall == PASS_FROZEN) drag *= state;
+  if (subvoxel) stiff = drag / kept * (sites ? terms.weight : walls->near.weight);
+  if (sites) times(terms.correction, pull);
+  for (int a = 0; a < 3; a++) {
+    const double v = (double)p->v[a][i], viscous = drag * fluid->velocity[a];
+    const double pressed = gradient * square * (pull[a] + walls->pairs.pressure[a]);
+    const double shifted = gradient * (moved->velocity[a] + walls->moved.velocity[a]);
+    double friction = drag * walls->pairs.velocity[a];
+    if (subvoxel) friction = drag / kept * (fluid->velocity[a] + walls->near.drag[a]) - viscous;
+    const double next = (v + pass->dt * (pass->force[a] + pressed + viscous + friction + shifted)) /
+                        (1 + pass->dt * stiff);
+    friction -= stiff * next;
+    const double mean = 0.5 * (v + next);
+    sum->momentum[a] += v;
+    sum->kinetic += 0.5 * v * v;
+    sum->force_work += pass->force[a] * mean;
+    sum->pressure[a] += pressed;
+    sum->pressure_work += pressed * mean;
+    sum->viscosity[a] += viscous;
+    sum->viscosity_work += viscous * mean;
+    sum->friction[a] += friction;
+    sum->friction_work += friction * mean;
+    sum->shift[a] += shifted;
+    sum->shift_work += shifted * mean;
+    double wall = walls->pairs.pressure[a];
+    if (pass->wall == PASS_ADAMI) wall -= 2 * state * walls->moved.crowd[a];
+    if (subvoxel) wall = -2 * state * walls->near.offsets[a];
+    if (sites) wall = pull[a] - fluid->pressure[a] + 2 * state * moved->crowd[a];
+    sum->wall_pressure[a] += gradient * square * wall;
+  }
+  sum->elastic += square * elastic(pass, state);
+}
+
+static void account(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+  const struct particles *p = pass->particles;
+  const bool subvoxel = pass->wall == PASS_SUBVOXEL, moving = p->wall_velocity != NULL;
+  const float *fields[4] = {p->v[0], p->v[1], p->v[2], p->state};
+  const float *wall_fields[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
+  struct pass_account *sum = &pass->account[begin / PASS_BLOCK];
+  memset(sum, 0, sizeof *sum);
+  for (size_t c = begin; c < end; c++) {
+    struct row_force fluid[CLUSTER], moved[CLUSTER];
+    struct row_sides walls[CLUSTER];
+    struct reference ref;
+    vec at[3];
+    reference_make(pass, c, false, &ref);
+    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fields, 0);
+    n = pad_columns(local, n, 4);
+    gather_terms(pass, local, n);
+    for (int l = 0; l < CLUSTER; l++) {
+      if (!ref.live[l]) continue;
+      row_position(pass, &ref, l, at);
+      row_account(pass, local, n, at, c * CLUSTER + (size_t)l, &fluid[l], &moved[l]);
+    }
+    memset(walls, 0, sizeof walls);
+    n = 0;
+    if (pass->wall != PASS_OPEN && pass->wall != PASS_SITES)
+      n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref,
+                         !subvoxel ? 4
+                         : moving  ? 3
+                                   : 0,
+                         wall_fields,
+                         (subvoxel ? GATHER_DEPTH : 0) |
+                             (pass->wall == PASS_ADAMI ? 0 : GATHER_MOVE));
+    n = pad_columns(local, n, 4);
+    if (!subvoxel) gather_terms(pass, local, n);
+    for (int l = 0; l < CLUSTER; l++) {
+      if (!ref.live[l]) continue;
+      const size_t i = c * CLUSTER + (size_t)l;
+      row_position(pass, &ref, l, at);
+      if (pass->wall == PASS_SITES) site_terms_load(p, i, &walls[l].terms);
+      if (n > 0 && subvoxel && moving)
+        row_force_subvoxel(pass, local, 0, n, at, i, true, &walls[l].near);
+      else if (n > 0 && subvoxel)
+        row_force_subvoxel(pass, local, 0, n, at, i, false, &walls[l].near);
+      else if (n > 0)
+        row_account(pass, local, n, at, i, &walls[l].pairs, &walls[l].moved);
+      if (!moving) memset(walls[l].near.drag, 0, sizeof walls[l].near.drag);
+      account_row(pass, i, &fluid[l], &moved[l], &walls[l], sum);
+    }
+  }
+}
+
+#endif

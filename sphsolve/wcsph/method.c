@@ -1,0 +1,314 @@
+/* Method wcsph: weakly compressible SPH, explicit in time. */
+#include <math.h>
+#include <stdio.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/wcsph/plan.h"
+#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/geometry/percolation.h"
+
+/* Samples of the Darcy velocity per viscous time of a mean pore, gap^2/nu; and the fewest before
+ * a flow may be called steady: the slowest mode of a slit has then died to 1e-7. */
+#define SAMPLES_PER_PORE_TIME 50.0
+#define SAMPLES_LEAST 80
+
+static void set_direction(struct wcsph_run *run) {
+  const struct scene *scene = run->scene;
+  double driving = run->plan->context.driving;
+  for (int a = 0; a < 3 && driving > 0; a++) run->direction[a] = scene->driving[a] / driving;
+  for (size_t r = 0; r < scene->region_count && !(driving > 0); r++) {
+    const double *v = scene->regions[r].velocity;
+    double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int a = 0; a < 3 && speed > 0; a++) run->direction[a] = v[a] / speed;
+    if (speed > 0) break;
+  }
+}
+
+/* The Darcy velocity along the force first, it decides; then its components. */
+static void sample_of(const struct wcsph_run *run, const struct wcsph_totals *totals,
+                      double value[MONITOR_COMPONENTS]) {
+  double n = run->lattice->bulk_count;
+  value[0] = 0;
+  for (int a = 0; a < 3; a++) {
+    value[1 + a] = totals->flux[a] / n;
+    value[0] += value[1 + a] * run->direction[a];
+  }
+}
+
+/* The live line: k so far and where it goes, density, speed. Without an end the share done is that
+ * of the steps planned, or of the orders of magnitude that the error has come down. */
+static void show_progress(const struct wcsph_run *run, double velocity,
+                          const struct monitor_verdict *verdict,
+                          const struct wcsph_totals *totals) {
+  char note[128], error[32] = "";
+  const double mean = verdict->mean[0], tolerance = run->scene->steady_tolerance;
+  const double *s = run->state.engine.seconds;
+  const double seconds = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
+  if (isfinite(verdict->error)) snprintf(error, sizeof error, " +- %.2g %%", 100 * verdict->error);
+  const char *trend = !(fabs(velocity - mean) > verdict->error * fabs(mean)) ? ""
+                      : velocity > mean                                      ? " rising"
+                                                                             : " falling";
+  snprintf(note, sizeof note, "k %.4g cm/s%s%s, density %+.2f %%, %.0f M pairs/s",
+           100 * mean / scene_hydraulic_gradient(run->scene), error, trend,
+           100 * (totals->density_max - 1),
+           seconds > 0 ? run->state.engine.pair_interactions / seconds / 1e6 : 0);
+  const double steps = fmin((double)run->last_step, run->plan->steps);
+  double done = fmin((double)run->state.step / steps, 0.95);
+  if (tolerance > 0 && verdict->error < 1) done = fmax(done, log(verdict->error) / log(tolerance));
+  recorder_progress(run->recorder, fmin(done, 0.99), note);
+}
+
+static enum status sample(struct wcsph_run *run, struct monitor_verdict *verdict) {
+  enum status status = STATUS_OK;
+  struct wcsph_totals totals;
+  double value[MONITOR_COMPONENTS];
+  TRY(wcsph_sum(&run->state.engine, true, &totals));
+  sample_of(run, &totals, value);
+  TRY(monitor_add(&run->state.monitor, value));
+  if (isnan(run->row_interval)) TRY(wcsph_write_row(run, &totals));
+  *verdict = monitor_judge(&run->state.monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
+  show_progress(run, value[0], verdict, &totals);
+cleanup:
+  return status;
+}
+
+/* Pressures c^2 rho hold the particles in a lattice that only strains (docs/physics_wcsph.md):
+ * where the flow that Kozeny and Carman expect would have carried them four spacings, and they have
+ * not come half a spacing far, they are locked. */
+static bool locked(const struct wcsph_run *run) {
+  const struct wcsph_state *state = &run->state;
+  const struct effect_context *context = &run->plan->context;
+  if (run->scene->wcsph.equation_of_state != EOS_ABSOLUTE ||
+      run->scene->wcsph.wall != WALL_FROZEN || state->monitor.count == 0)
+    return false;
+  double pores = (double)run->lattice->fluid_count / run->lattice->bulk_count, sum = 0;
+  for (size_t i = 0; i < state->monitor.count; i++) sum += state->monitor.rows[i][0];
+  double time = wcsph_run_time(run), way = sum / (double)state->monitor.count * time / pores;
+  return context->velocity_scale * time / pores > 4 * context->spacing &&
+         fabs(way) < 0.5 * context->spacing;
+}
+
+static enum status account_now(struct wcsph_run *run) {
+  const double *dx = run->lattice->spacing;
+  return wcsph_account_sample(&run->state.engine, run->scene->fluid.density * dx[0] * dx[1] * dx[2],
+                              wcsph_run_time(run), &run->state.account);
+}
+
+static enum status march(struct wcsph_run *run, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct monitor_verdict verdict =
+      monitor_judge(&state->monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
+  result->status = "end_time";
+  while (state->step < run->last_step) {
+    /* Ranks ask each other, and so not at every step. */
+    bool asked = ranks_count() == 1 || state->step % WATCH_STEPS == 0;
+    if (asked && recorder_checkpoint_due(run->recorder)) {
+      bool stop = recorder_interrupted(run->recorder);
+      TRY(wcsph_write_checkpoint(run));
+      if (stop) {
+        result->status = "interrupted";
+        status = FAIL(STATUS_INTERRUPTED, "interrupted at step %lld, t = %g s; go on with --resume",
+                      (long long)state->step, wcsph_run_time(run));
+        break;
+      }
+    }
+    if (wcsph_account_due(state->step)) TRY(account_now(run));
+    bool again = false;
+    step_log_limit(recorder_step_log(run->recorder), wcsph_limiting_effect(run));
+    status = engine_step(&state->engine);
+    state->step++;
+    if (status == STATUS_NUMERIC) {
+      char what[160];
+      snprintf(what, sizeof what, "%.*s", 159, error_message());
+      error_clear();
+      TRY(wcsph_step_back(run, wcsph_run_time(run), what));
+      wcsph_set_last_step(run);
+      continue;
+    }
+    if (status != STATUS_OK) goto cleanup;
+    bool due = wcsph_sample_due(state);
+    if (state->step % WATCH_STEPS == 0 || due || state->step == run->last_step)
+      TRY(wcsph_watch(run, &again));
+    if (again) continue;
+    double time = wcsph_run_time(run), half = 0.5 * state->engine.settings.dt;
+    if (!isnan(run->row_interval) && time >= state->next_row - half) {
+      struct wcsph_totals totals;
+      TRY(wcsph_sum(&state->engine, true, &totals));
+      TRY(wcsph_write_row(run, &totals));
+      while (state->next_row <= time + half) state->next_row += run->row_interval;
+    }
+    if (time >= recorder_next_snapshot(run->recorder) - half && state->step < run->last_step)
+      TRY(wcsph_write_snapshot(run));
+    if (due || state->step == run->last_step) {
+      TRY(sample(run, &verdict));
+      if (run->scene->steady_tolerance > 0 && verdict.steady) {
+        result->status = "steady";
+        break;
+      }
+    }
+  }
+  if (status == STATUS_OK) TRY(account_now(run));
+  result_from_darcy(run->scene, verdict.mean + 1, result);
+  result->k_error = isfinite(verdict.error) ? verdict.error : NAN;
+  if (isfinite(verdict.error)) {
+    result->error.steadiness = verdict.drift;
+    result->error.averaging =
+        sqrt(fmax(0, verdict.error * verdict.error - verdict.drift * verdict.drift));
+  }
+  if (status == STATUS_OK && locked(run)) {
+    log_warning("the particles have locked into a crystal that does not flow, as the pressure "
+                "c^2 rho makes them below its strength; there is no k: write "
+                "wcsph.equation_of_state = \"gauge\"");
+    result->status = "crystal";
+    result->k = result->k_error = result->intrinsic_permeability = NAN;
+  }
+cleanup:
+  return status;
+}
+
+/* The terms of the force share one loop: its time goes to them by their vector operations and the
+ * pairs that have them. That of the offset, distance and slope, which each would need alone, is the
+ * pressure's; pairs with sub-voxel walls are the wall's. */
+static void add_force_times(const struct wcsph_run *run, double seconds) {
+  const struct engine *engine = &run->state.engine;
+  const struct engine_settings *s = &engine->settings;
+  const bool subvoxel = s->wall == PASS_SUBVOXEL && engine->pairs_fluid > 0;
+  const double fluid = subvoxel ? (double)engine->pairs_alone / (double)engine->pairs_fluid : 1;
+  const struct {
+    const char *name;
+    bool on;
+    double operations;
+  } terms[] = {{"pressure_symmetric", s->wall == PASS_FROZEN, 29},
+               {"pressure_difference", s->wall != PASS_FROZEN, 29 * fluid},
+               {"viscosity_morris", s->viscosity, 6 * fluid},
+               {"shifting", s->shift, 7 * fluid},
+               {"advection", s->wall == PASS_SITES, 4},
+               {"wall_subvoxel", subvoxel, 42 * (1 - fluid)}};
+  const int count = sizeof terms / sizeof *terms;
+  double all = 0;
+  for (int i = 0; i < count; i++) all += terms[i].on ? terms[i].operations : 0;
+  for (int i = 0; i < count; i++)
+    if (terms[i].on)
+      recorder_add_time(run->recorder, terms[i].name, seconds * terms[i].operations / all);
+}
+
+/* Work of the busiest rank over the mean, with the last lists. */
+static double imbalance_of(const struct engine *engine) {
+  const double work = engine->ranks.work_sum, total = ranks_sum(work);
+  return total > 0 ? ranks_max(work) * ranks_count() / total : 1;
+}
+
+static void finish(struct wcsph_run *run, struct run_result *result) {
+  const struct engine *engine = &run->state.engine;
+  const double *s = engine->seconds;
+  double pair_time = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
+  result->steps = run->state.step;
+  result->ledger = (struct ledger){.known = true, .start = run->lattice->fluid_count};
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
+    result->ledger.end += engine->particles.id[i] != NO_PARTICLE;
+  result->ledger.end = (uint64_t)ranks_sum((double)result->ledger.end);
+  if (run->state.account.samples > 0) result->ledger.account = run->state.account.ledger;
+  result->wall_time = clock_seconds() - run->started;
+  result->pair_interactions = engine->pair_interactions;
+  result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += result->darcy_velocity[a] * result->darcy_velocity[a];
+  result->reynolds = isfinite(run->pore_width)
+                         ? sqrt(square) * run->pore_width / run->plan->context.kinematic_viscosity
+                         : 0;
+  bool frozen = engine->settings.wall == PASS_FROZEN;
+  recorder_add_time(run->recorder, frozen ? "density_summation" : "density_continuity",
+                    s[PHASE_DENSITY] + s[PHASE_CONTINUITY]);
+  if (s[PHASE_WALL] > 0)
+    recorder_add_time(run->recorder,
+                      engine->settings.wall == PASS_ADAMI ? "wall_adami" : "wall_subvoxel",
+                      s[PHASE_WALL]);
+  add_force_times(run, s[PHASE_FORCE]);
+  recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
+  recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
+  recorder_add_time(run->recorder, "ledger", s[PHASE_ACCOUNT]);
+  recorder_count_traffic(run->recorder);
+  if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
+  recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
+  recorder_set_measured(run->recorder, "method_peak_bytes", ranks_max((double)memory_peak()));
+  recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
+}
+
+/* On sites, as in method stokes, pores that lead nowhere have no pressure of their own. */
+static enum status close_pores(struct lattice *lattice, const struct scene *scene, bool *flows) {
+  size_t closed;
+  const enum status status = percolation_close(lattice, scene->driving, &closed, flows);
+  if (status == STATUS_OK && closed > 0)
+    log_verbose("%zu of %zu pore sites lead nowhere: their fluid is at rest", closed,
+                closed + lattice->fluid_count);
+  return status;
+}
+
+enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                      struct recorder *recorder, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct wcsph_run run = {.scene = scene, .plan = plan, .lattice = lattice, .recorder = recorder};
+  double(*region_velocity)[3] = NULL;
+  struct engine_settings settings;
+  struct wcsph_totals totals;
+  struct lattice_aside aside = {0};
+  bool flows = true, resumed, again;
+  run.started = clock_seconds();
+  result->k = result->k_error = NAN;
+  TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
+                      "region velocities"));
+  wcsph_settings(scene, plan, region_velocity, &settings);
+  /* Before the engine is there: both take memory. */
+  if (settings.wall == PASS_SITES && plan->context.driving > 0)
+    TRY(close_pores(lattice, scene, &flows));
+  else if (plan->context.driving > 0)
+    TRY(percolation_find(lattice, scene->driving, true, NULL, &flows));
+  run.copy.beside = recorder_checkpoint_name(recorder);
+  if (settings.wall != PASS_SUBVOXEL && settings.wall != PASS_SITES)
+    TRY(lattice_distances_aside(lattice, run.copy.beside, &aside));
+  TRY(engine_make(lattice, &settings, &run.state.engine));
+  TRY(lattice_regions_aside(lattice, run.copy.beside, &aside));
+  wcsph_account_begin(&run.state.engine, &run.state.account);
+  set_direction(&run);
+  double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
+  run.pore_width = gap * plan->context.spacing;
+  double pore_time = run.pore_width * run.pore_width / plan->context.kinematic_viscosity;
+  if (!isfinite(pore_time)) pore_time = scene->end_time;
+  run.state.sample_steps = (int64_t)fmax(1, pore_time / SAMPLES_PER_PORE_TIME / plan->dt);
+  run.row_interval = recorder_row_interval(recorder);
+  run.state.next_row = isnan(run.row_interval) ? INFINITY : run.row_interval;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const double *v = scene->regions[r].velocity;
+    if (scene->regions[r].type == REGION_WALL)
+      run.wall_speed = fmax(run.wall_speed, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
+  TRY(wcsph_read_checkpoint(&run, &resumed));
+  TRY(wcsph_watch(&run, &again));
+  if (!resumed) {
+    TRY(wcsph_sum(&run.state.engine, true, &totals));
+    TRY(wcsph_write_row(&run, &totals));
+  }
+  if (flows) {
+    status = march(&run, result);
+    if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
+  } else {
+    log_warning("no path of pores leads through the model along the force: k = 0");
+    const double none[3] = {0};
+    result_from_darcy(scene, none, result);
+    result->status = "blocked";
+    result->k_error = 0;
+  }
+  enum status left = wcsph_write_snapshot(&run);
+  if (status == STATUS_OK) status = left;
+  finish(&run, result);
+cleanup:
+  monitor_free(&run.state.monitor);
+  engine_free(&run.state.engine);
+  const enum status back = lattice_take_back(lattice, &aside);
+  if (status == STATUS_OK) status = back;
+  wcsph_copy_free(&run.copy);
+  memory_free(&region_velocity);
+  return status;
+}

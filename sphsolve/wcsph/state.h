@@ -1,0 +1,66 @@
+/* What a wcsph run carries from step to step, and its checkpoint. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_STATE_H
+#define TOSUI_SPHSOLVE_WCSPH_STATE_H
+
+#include "common/hdf5_file.h"
+#include "common/scratch_file.h"
+#include "sphsolve/wcsph/engine/engine.h"
+#include "sphsolve/wcsph/budget.h"
+#include "sphsolve/march/monitor.h"
+#include "sphsolve/march/watchdog.h"
+
+struct wcsph_state {
+  struct engine engine;
+  struct monitor monitor;
+  int64_t step;
+  double next_row; /* s: time of the next history row */
+  /* The step is the plan's over 2^halvings: time = time_from + (step - step_from) dt, and a sample
+   * is due sample_steps 2^halvings steps after the last, counted from sample_from. */
+  int halvings;
+  double time_from;
+  int64_t step_from, sample_from, sample_steps;
+  struct watchdog dog;
+  struct wcsph_account account;
+};
+double wcsph_time(const struct wcsph_state *state);
+bool wcsph_sample_due(const struct wcsph_state *state);
+/* Halves or doubles the step from now on; doubling waits for a step on which a sample can fall. */
+void wcsph_halve(struct wcsph_state *state);
+bool wcsph_double(struct wcsph_state *state);
+
+/* A copy of the state to go back to, on disk beside the results: it is read after a trip only. */
+struct wcsph_copy {
+  const char *beside; /* a path there; the caller's */
+  struct scratch_file file;
+  size_t clusters, samples;
+  int64_t step, sample_from;
+  double time, moved, speed_max, next_row;
+  int halvings;
+  struct wcsph_account account;
+};
+enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
+/* The step stays as it is now, unless it was shorter then. */
+enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
+void wcsph_copy_free(struct wcsph_copy *copy);
+size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */
+
+/* Sums over the fluid, in an order that no thread count changes. */
+struct wcsph_totals {
+  double velocity[3]; /* sum, m/s */
+  double flux[3];     /* sum with the ends at walls: volume integral over the volume of a site */
+  double square;      /* sum of v^2 */
+  double density;     /* sum of rho/rho_0 */
+  double compression; /* sum of (rho/rho_0 - 1)^2 */
+  double density_max; /* rho/rho_0 */
+  double density_min, speed_max;
+  size_t densest, thinnest, fastest; /* slots */
+  bool finite;
+};
+/* `flux` costs half a step beside subvoxel walls; without it totals.flux is the plain sum. */
+enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *totals);
+
+/* /state: everything that a later step depends on; a resumed run goes on bit for bit. */
+enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file);
+enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state);
+
+#endif

@@ -1,0 +1,158 @@
+#include "sphsolve/wcsph/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/log.h"
+#include "sphsolve/wcsph/effects/advection.h"
+
+/* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
+ * the change of density means nothing. */
+#define DENSITY_BAND 0.5
+/* Speeds up to that of sound, energy beyond an eighth of it (2 m/s at 16): see watchdog.h. */
+#define ENERGY_FLOOR 0.125
+/* A state to go back to is kept while so much of a bound is used, or the step is so near its limit,
+ * or the start is not rest. */
+#define KEEP_FROM 0.1
+#define KEEP_NEAR_LIMIT 0.85
+/* A particle may pass so much of h a step (automatic step only). */
+#define ADVECTION 0.25
+
+static enum watch_bound judge(struct wcsph_run *run, const struct wcsph_totals *totals,
+                              double *share) {
+  struct watch_reading reading = {{0}};
+  double c = run->state.engine.settings.sound_speed;
+  double count = (double)run->lattice->fluid_count;
+  double energy = sqrt((totals->square + c * c * totals->compression) / count);
+  reading.share[WATCH_DENSITY] =
+      fmax(totals->density_max - 1, 1 - totals->density_min) / DENSITY_BAND;
+  reading.share[WATCH_VELOCITY] = totals->speed_max / c;
+  reading.share[WATCH_ENERGY] =
+      watchdog_energy(&run->state.dog, energy, wcsph_run_time(run), run->plan->context.driving,
+                      run->wall_speed, ENERGY_FLOOR * c);
+  if (!totals->finite) reading.share[WATCH_DENSITY] = INFINITY;
+  return watchdog_worst(&reading, share);
+}
+
+/* What left its bounds, which particle, where; and why, most likely. */
+static void describe(const struct wcsph_run *run, enum watch_bound bound,
+                     const struct wcsph_totals *totals, char what[160]) {
+  const struct engine *engine = &run->state.engine;
+  double high = totals->density_max - 1, low = 1 - totals->density_min;
+  const size_t number = bound != WATCH_DENSITY ? totals->fastest
+                        : low > high           ? totals->thinnest
+                                               : totals->densest;
+  /* Told by the rank that has it: where it is, and its name. */
+  const size_t first = engine_first_slot(engine),
+               slot = number - engine_number(engine, first) + first;
+  double said[4] = {0};
+  if (slot >= first && slot < engine_end_slot(engine)) {
+    particles_position(&engine->particles, run->lattice, slot, said);
+    said[3] = engine->particles.id[slot];
+  }
+  ranks_sum_all(said, 4);
+  if (bound == WATCH_DENSITY)
+    snprintf(what, 160, "density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times that at rest",
+             (unsigned)said[3], said[0], said[1], said[2], low > high ? 1 - low : 1 + high);
+  else
+    snprintf(what, 160, "%s: particle %u at (%.4g, %.4g, %.4g) m moves at %.3g m/s",
+             watchdog_name(bound), (unsigned)said[3], said[0], said[1], said[2], totals->speed_max);
+}
+
+enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct step_back back = {.time = time};
+  const struct plan *plan = run->plan;
+  bool go_on = watchdog_trip(&state->dog, time), kept = state->dog.kept;
+  if (kept) {
+    TRY(wcsph_go_back(&run->copy, state));
+    TRY(recorder_go_back(run->recorder, run->copy.time));
+  }
+  if (go_on) {
+    wcsph_halve(state);
+    back.back_to = run->copy.time;
+    back.dt = state->engine.settings.dt;
+    snprintf(back.cause, sizeof back.cause, "%s", what);
+    TRY(step_log_back(recorder_step_log(run->recorder), &back));
+    log_warning("t = %g s: %s; back to t = %g s, time step now %g s", time, what, run->copy.time,
+                back.dt);
+    goto cleanup;
+  }
+  const struct engine_settings *settings = &state->engine.settings;
+  const double cell =
+      state->engine.speed_max * state->engine.pass.spacing / settings->kinematic_viscosity;
+  const char *cause = settings->wall == PASS_SITES && cell > ADVECTION_CELL_REYNOLDS
+                          ? "the flow is too fast for particles that stay on their sites; write "
+                            "effects.shifting = \"on\""
+                      : plan->dt > 0.9 * plan->dt_limit
+                          ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
+                      : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
+                          ? "the force is too strong for this sound speed; raise wcsph.sound_speed"
+                          : "the sound speed is too low for this force; raise wcsph.sound_speed";
+  char saved[4200] = "";
+  if (kept) {
+    TRY(wcsph_write_checkpoint(run));
+    snprintf(saved, sizeof saved, "; %s holds the last good state, t = %g s",
+             recorder_checkpoint_name(run->recorder), run->copy.time);
+  }
+  status =
+      FAIL(STATUS_NUMERIC,
+           "step %lld, t = %g s: %s, after %d halvings of the time step: %s (dt %g s, limit %g "
+           "s, sound speed %g m/s)%s",
+           (long long)state->step, time, what, state->dog.halvings, cause,
+           state->engine.settings.dt, plan->dt_limit, state->engine.settings.sound_speed, saved);
+cleanup:
+  return status;
+}
+
+/* The step that velocities allow: particles do not pass each other in one. */
+static void adapt(struct wcsph_run *run) {
+  struct wcsph_state *state = &run->state;
+  double h = state->engine.settings.smoothing_length, speed = state->engine.speed_max;
+  if (!isnan(run->scene->wcsph.dt)) return;
+  if (speed * state->engine.settings.dt > ADVECTION * h)
+    wcsph_halve(state);
+  else if (state->halvings > state->dog.halvings &&
+           3 * speed * state->engine.settings.dt < ADVECTION * h)
+    wcsph_double(state);
+}
+
+const char *wcsph_limiting_effect(const struct wcsph_run *run) {
+  const struct wcsph_state *state = &run->state;
+  return state->halvings == 0                    ? run->plan->dt_by
+         : state->halvings > state->dog.halvings ? "advection"
+                                                 : "watchdog";
+}
+
+void wcsph_set_last_step(struct wcsph_run *run) {
+  double last =
+      ceil((run->scene->end_time - run->state.time_from) / run->state.engine.settings.dt - 1e-6);
+  run->last_step = run->state.step_from + (last < 9e15 ? (int64_t)last : (int64_t)9e15);
+}
+
+enum status wcsph_watch(struct wcsph_run *run, bool *again) {
+  enum status status = STATUS_OK;
+  struct wcsph_state *state = &run->state;
+  struct wcsph_totals totals;
+  double share;
+  char what[160];
+  *again = false;
+  TRY(wcsph_sum(&state->engine, false, &totals));
+  enum watch_bound worst = judge(run, &totals, &share);
+  if (share >= 1) {
+    describe(run, worst, &totals, what);
+    *again = true;
+    TRY(wcsph_step_back(run, wcsph_run_time(run), what));
+  } else {
+    bool keep = share > KEEP_FROM || run->plan->dt > KEEP_NEAR_LIMIT * run->plan->dt_limit;
+    if (keep && watchdog_wants(&state->dog, state->step, share)) {
+      TRY(wcsph_keep(state, &run->copy));
+      watchdog_keep(&state->dog, state->step, share);
+    }
+    adapt(run);
+  }
+  wcsph_set_last_step(run);
+cleanup:
+  return status;
+}
