@@ -68,7 +68,7 @@ static enum status prepare(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   const char *overrides[256];
   size_t n = 0;
-  enum method method;
+  const struct method *method;
   char why[EFFECT_WHY];
   while (n < 256 && options_text_nth(options, "set", n) != NULL) {
     overrides[n] = options_text_nth(options, "set", n);
@@ -77,10 +77,10 @@ static enum status prepare(const struct options *options, struct job *job) {
   TRY(scene_read(options_operand(options, 0), overrides, n, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
-  if (method == METHOD_ISPH && plan_wall_layers(&job->scene) != 0) {
-    /* A free surface, seen only on the lattice: isph makes its own walls. */
+  if (method->wall_layers != plan_wall_layers(&job->scene)) {
+    /* A free surface, seen only on the lattice, may call for a method with other walls. */
     lattice_free(&job->lattice);
-    TRY(lattice_build(&job->scene, 0, &job->lattice));
+    TRY(lattice_build(&job->scene, method->wall_layers, &job->lattice));
   }
   TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
 cleanup:
@@ -208,15 +208,12 @@ static enum status run(const struct options *options, struct job *job) {
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
-  static enum status (*const methods[])(const struct scene *, const struct plan *, struct lattice *,
-                                        struct recorder *, struct run_result *) = {
-      NULL, wcsph_run, stokes_run, isph_run};
-  status =
-      methods[job->plan.context.method](&job->scene, &job->plan, &job->lattice, recorder, &result);
+  const struct method *method = job->plan.context.method;
+  status = method->run(&job->scene, &job->plan, &job->lattice, recorder, &result);
   if (status == STATUS_OK && result.k > 0)
     status = error_split_measure(
         &job->scene, &job->plan, &job->lattice,
-        job->plan.context.method == METHOD_STOKES ? result.intrinsic_permeability : NAN,
+        method->solves_creeping ? result.intrinsic_permeability : NAN,
         result.reynolds < REYNOLDS_CREEPING ? result.intrinsic_permeability : NAN, &result.error);
   result.wall_time = clock_seconds() - started;
   /* An interrupted run leaves its record too; its message is the method's. */
@@ -255,7 +252,7 @@ static enum status parse_error(const char *text, double *wanted) {
 static enum status explain(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct cheapest cheapest = {0};
-  struct foreseen foreseen, *ranks = NULL;
+  struct ranks_forecast forecast, *ranks = NULL;
   long long count = 0;
   bool wanted = options_given(options, "error");
   if (wanted) TRY(parse_error(options_text(options, "error"), &cheapest.wanted));
@@ -264,8 +261,8 @@ static enum status explain(const struct options *options, struct job *job) {
     TRY(options_integers(options, "ranks", ',', 1, &count));
     if (count < 1 || count > RANKS_MOST)
       TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", count, RANKS_MOST);
-    ranks = &foreseen;
-    foresee(&job->plan, (int)count, thread_count(), ranks);
+    ranks = &forecast;
+    ranks_forecast(&job->plan, (int)count, thread_count(), ranks);
   }
   if (wanted) TRY(cheapest_find(&job->scene, &job->lattice, &job->plan, thread_count(), &cheapest));
   if (options_json(options)) {

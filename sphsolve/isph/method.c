@@ -12,7 +12,7 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/plan/method.h"
+#include "sphsolve/output/recorder.h"
 
 void isph_switches_of(const struct plan *plan, struct isph_switches *on) {
   *on = (struct isph_switches){
@@ -340,8 +340,8 @@ static double imbalance_of(const struct isph *s) {
   return total > 0 ? ranks_max(s->pairs_now) * ranks_count() / total : 1;
 }
 
-enum status isph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
-                     struct recorder *recorder, struct run_result *result) {
+static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                       struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct isph state = {0}, *s = &state;
   struct isph_copy copy = {0};
@@ -396,3 +396,31 @@ cleanup:
   isph_free(s);
   return status;
 }
+
+/* Soil and inflow, and a free surface once the lattice shows one. */
+static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+  const bool soil = context->has_porous || context->has_inflow;
+  if (soil || context->has_surface)
+    snprintf(why, EFFECT_WHY,
+             soil ? "the scene holds soil or an inflow" : "the water has a free surface");
+  return soil || context->has_surface;
+}
+
+static const char *wall_name(const struct scene *scene) {
+  return scene->isph.slip ? "slip" : "no-slip";
+}
+
+static const char *const fields[] = {"porosity", "volume", "surface", NULL};
+
+const struct method method_isph = {.name = "isph",
+                                   .effects = METHOD_BIT_ISPH,
+                                   .marches = true,
+                                   .moves_walls = true,
+                                   .has_turbulence = true,
+                                   .fields = fields,
+                                   .takes = takes,
+                                   .scales = isph_scales,
+                                   .cost = isph_cost,
+                                   .ranks_cost = isph_ranks_cost,
+                                   .wall_name = wall_name,
+                                   .run = run};

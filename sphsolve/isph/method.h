@@ -1,10 +1,15 @@
-/* From a plan to the switches of method isph, for those who run its state by hand. */
+/* What the descriptor of method isph is made of. */
 #ifndef TOSUI_SPHSOLVE_ISPH_METHOD_H
 #define TOSUI_SPHSOLVE_ISPH_METHOD_H
 
 #include "sphsolve/isph/state.h"
-#include "sphsolve/plan/plan.h"
+#include "sphsolve/plan/method.h"
 
+enum status isph_scales(struct plan *plan);
+enum status isph_cost(struct plan *plan, int threads);
+void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
+
+/* From a plan to the switches of its state; also for those who run that by hand. */
 void isph_switches_of(const struct plan *plan, struct isph_switches *on);
 
 #endif

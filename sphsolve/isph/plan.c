@@ -72,7 +72,7 @@ static void expect_isph(struct plan *plan) {
   }
 }
 
-enum status isph_plan(struct plan *plan, int threads) {
+enum status isph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   double n = (double)context->lattice->fluid_count;

@@ -11,6 +11,7 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/units.h"
+#include "sphsolve/plan/method.h"
 
 static enum status write_history(struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -106,12 +107,6 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   const struct scene *scene = recorder->scene;
   const struct lattice *lattice = recorder->lattice;
   const struct effect_context *context = &recorder->plan->context;
-  static const char *const methods[] = {"auto", "wcsph", "stokes", "isph"};
-  static const char *const walls[] = {"frozen", "adami", "subvoxel"};
-  const char *wall = context->method == METHOD_WCSPH    ? walls[scene->wcsph.wall]
-                     : context->method == METHOD_STOKES ? walls[scene->stokes.wall]
-                     : scene->isph.slip                 ? "slip"
-                                                        : "no-slip";
   char hash[17];
   snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
   int dimensions = lattice->dimensions;
@@ -124,10 +119,10 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   for (int a = 0; a < 3; a++)
     driving[a] = fall > 0 ? f[a] * (strength > 0 ? strength : GRAVITY_STANDARD) : scene->driving[a];
   TRY(h5_make_group(file, "/run"));
-  TRY(h5_write_attribute_text(file, "/run", "method", methods[context->method]));
+  TRY(h5_write_attribute_text(file, "/run", "method", context->method->name));
   TRY(h5_write_attribute_text(file, "/run", "status", result->status));
   TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
-  TRY(h5_write_attribute_text(file, "/run", "wall", wall));
+  TRY(h5_write_attribute_text(file, "/run", "wall", context->method->wall_name(scene)));
   TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
   TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
   TRY(write_number(file, "k", result->k));

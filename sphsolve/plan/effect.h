@@ -12,9 +12,9 @@
 
 #include "sphsolve/scene/scene.h"
 
-#define METHOD_BIT_WCSPH (1u << METHOD_WCSPH)
-#define METHOD_BIT_STOKES (1u << METHOD_STOKES)
-#define METHOD_BIT_ISPH (1u << METHOD_ISPH)
+#define METHOD_BIT_WCSPH 1u
+#define METHOD_BIT_STOKES 2u
+#define METHOD_BIT_ISPH 4u
 
 /* Fields of a particle or site. The plan allocates the union of what its effects name. */
 #define FIELD_LIST                                                                                 \

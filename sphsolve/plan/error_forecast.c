@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/plan/method.h"
+
 /* Edges per face times the mean width of the pores: a bar across them has 1 and more, a duct none.
  */
 #define EDGED 0.5
@@ -82,16 +84,13 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 #define CORNERS 0.0065     /* q^3: the same between walls of boxes; less flow, not more */
 #define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */
 #define EDGES 2.6          /* over the mean width: voxel faces with edges */
-#define UNEVEN 0.01        /* q^2: wcsph; its gradients are not exact beside walls: less flow */
-#define SOLVER 5e-6        /* what a solver leaves where walls cost nothing */
-#define STEADY 5e-4        /* what a march that is called steady leaves */
 #define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
 #define ADAMI_PLACE                                                                                \
   0.03 /* q: of a curved wall half-way between sites the place is not known better */
 #define FROZEN_SHARE                                                                               \
   0.8 /* of the mean shift: where walls are not flat, sites that stand out count more */
 
-struct expectation expect_error(const struct pore_shape *shape, enum method method,
+struct expectation expect_error(const struct pore_shape *shape, const struct method *method,
                                 enum wall_scheme wall, double refined) {
   struct expectation e = {NAN, NAN, "no walls"};
   const double q = shape->slope / refined, width = shape->width * refined;
@@ -100,9 +99,8 @@ struct expectation expect_error(const struct pore_shape *shape, enum method meth
   if (!(q > 0.0)) return e;
   /* What all walls have in common: the pores are narrow. */
   if (shape->flat && wall == WALL_SUBVOXEL) {
-    more = method == METHOD_STOKES ? SOLVER : STEADY;
-    how = method == METHOD_STOKES ? "parallel flat walls: exact but for the solver"
-                                  : "parallel flat walls: exact but for what is left of the start";
+    more = method->error_flat;
+    how = method->error_flat_why;
   } else if (shape->straight) {
     if (wall == WALL_SUBVOXEL) less = CORNERS * q * q * q;
     how = "straight walls and corners";
@@ -111,7 +109,7 @@ struct expectation expect_error(const struct pore_shape *shape, enum method meth
     how = "walls are voxel faces, full of edges: first order";
   } else {
     more = NARROW * q * q * q;
-    less = ANGLE * q + (method == METHOD_WCSPH ? UNEVEN * q * q : 0.0);
+    less = ANGLE * q + method->error_uneven * q * q;
   }
   if (wall == WALL_FROZEN) {
     /* As a slit would: (1 + shift/half its width)^3. */

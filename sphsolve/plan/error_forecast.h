@@ -32,7 +32,7 @@ struct expectation {
 };
 
 /* With the spacing divided by `refined`. */
-struct expectation expect_error(const struct pore_shape *shape, enum method method,
+struct expectation expect_error(const struct pore_shape *shape, const struct method *method,
                                 enum wall_scheme wall, double refined);
 
 #endif

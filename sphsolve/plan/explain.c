@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "common/units.h"
-
-static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
+#include "sphsolve/plan/method.h"
 
 static const char *const field_names[] = {
 #define X(symbol, text) text,
@@ -23,40 +22,40 @@ static void format_fields(unsigned long long fields, char *text, size_t size) {
       used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
 }
 
-static enum foreseen_term worst_of(const struct foreseen *f) {
-  enum foreseen_term worst = FORESEEN_IN_FULL;
-  for (enum foreseen_term t = FORESEEN_IN_FULL; t < FORESEEN_TERMS; t++)
+static enum ranks_term worst_of(const struct ranks_forecast *f) {
+  enum ranks_term worst = RANKS_IN_FULL;
+  for (enum ranks_term t = RANKS_IN_FULL; t < RANKS_TERMS; t++)
     if (f->seconds[t] > f->seconds[worst]) worst = t;
   return worst;
 }
 
-static void print_foreseen(const struct foreseen *f) {
+static void print_ranks(const struct ranks_forecast *f) {
   char text[64];
   duration_format(f->total, text, sizeof text);
   printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%",
          f->ranks, f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
          100 * f->efficiency);
   if (f->used > 1)
-    printf("; beside compute most is %s, %.0f %% of the time", foreseen_name(worst_of(f)),
+    printf("; beside compute most is %s, %.0f %% of the time", ranks_term_name(worst_of(f)),
            100 * f->seconds[worst_of(f)] / f->total);
   printf("\n");
 }
 
-static json_t *foreseen_json(const struct foreseen *f) {
+static json_t *ranks_json(const struct ranks_forecast *f) {
   return json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ranks", f->ranks, "used",
                    f->used, "memory_bytes", f->memory_bytes, "seconds", f->total, "efficiency",
-                   f->efficiency, "seconds_compute", f->seconds[FORESEEN_COMPUTE],
-                   "seconds_in_full", f->seconds[FORESEEN_IN_FULL], "seconds_gathered",
-                   f->seconds[FORESEEN_GATHERED], "seconds_ghosts", f->seconds[FORESEEN_GHOSTS],
-                   "seconds_sums", f->seconds[FORESEEN_SUMS]);
+                   f->efficiency, "seconds_compute", f->seconds[RANKS_COMPUTE], "seconds_in_full",
+                   f->seconds[RANKS_IN_FULL], "seconds_gathered", f->seconds[RANKS_GATHERED],
+                   "seconds_ghosts", f->seconds[RANKS_GHOSTS], "seconds_sums",
+                   f->seconds[RANKS_SUMS]);
 }
 
-void explain_print(const struct plan *plan, const struct foreseen *foreseen) {
+void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char text[512], more[64];
   printf("scene      %s\n", context->scene->name);
-  printf("method     %s: %s\n", method_names[context->method], plan->method_why);
+  printf("method     %s: %s\n", context->method->name, plan->method_why);
   printf("sites      %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
          lattice->size[1], lattice->size[2], lattice->fluid_count, lattice->wall_count,
          lattice->count - lattice->fluid_count - lattice->wall_count);
@@ -106,7 +105,7 @@ void explain_print(const struct plan *plan, const struct foreseen *foreseen) {
   duration_format(plan->seconds, text, sizeof text);
   printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
          strncmp(text, "under", 5) ? "about " : "", text);
-  if (foreseen != NULL) print_foreseen(foreseen);
+  if (ranks != NULL) print_ranks(ranks);
   const struct expectation *e = &plan->expected;
   if (isfinite(e->error))
     printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
@@ -126,7 +125,7 @@ static json_t *plan_pores_json(const struct plan *plan) {
                    "frozen_shift", shape->outer, "adami_shift", shape->middle);
 }
 
-enum status explain_print_json(const struct plan *plan, const struct foreseen *foreseen,
+enum status explain_print_json(const struct plan *plan, const struct ranks_forecast *ranks,
                                const struct cheapest *cheapest) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
@@ -144,7 +143,7 @@ enum status explain_print_json(const struct plan *plan, const struct foreseen *f
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:f, s:f, "
       "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
-      "scene", context->scene->name, "method", method_names[context->method], "method_reason",
+      "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
       (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
@@ -160,7 +159,7 @@ enum status explain_print_json(const struct plan *plan, const struct foreseen *f
       number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
       plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
-  if (foreseen != NULL) json_object_set_new(object, "ranks", foreseen_json(foreseen));
+  if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');

@@ -1,20 +1,58 @@
-/* The three methods behind one signature. They share lattice, plan and recorder, nothing else. */
+/* What a method is to the rest of the program: what it can do, when "auto" takes it, what it costs,
+ * how good it is, and how it runs. One descriptor a method, in its folder; the table of them is
+ * scene/methods.def. Nothing outside a method's folder asks which method it is: it asks the
+ * descriptor. */
 #ifndef TOSUI_SPHSOLVE_PLAN_METHOD_H
 #define TOSUI_SPHSOLVE_PLAN_METHOD_H
 
 #include "common/error.h"
-#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/plan/plan.h"
-#include "sphsolve/output/recorder.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/plan/ranks_forecast.h"
 
-/* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
- * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */
-enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
-                      struct recorder *recorder, struct run_result *result);
-enum status stokes_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
-                       struct recorder *recorder, struct run_result *result);
-enum status isph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+struct recorder;
+struct run_result;
+
+struct method {
+  const char *name;
+  unsigned effects; /* METHOD_BIT_* */
+
+  /* The plan refuses what a method cannot do. One that resolves pores takes voxel models, and
+   * domains with every site water or wall; one that does not takes soil, inflow and surfaces. */
+  bool resolves_pores;
+  bool marches;         /* in time, to any end_time; else it finds the steady flow at once */
+  bool solves_creeping; /* the steady flow without inertia; "auto" and advice use it for that */
+  bool moves_walls;     /* from their place, not only along themselves */
+  bool has_turbulence;  /* a model of it */
+  int wall_layers;      /* of sites that it needs outside a closed domain */
+  const char *const *fields; /* of snapshots that no other method has, ended by NULL; or NULL */
+
+  /* Whether "auto" takes it for what the context says of the scene; `why` in words. Without a
+   * lattice only what the scene itself holds is known. Velocity and Reynolds number are those of
+   * the estimate of seepage. */
+  bool (*takes)(const struct effect_context *context, char why[EFFECT_WHY]);
+  /* Fills smoothing_length, support, sound_speed and velocity_scale of plan->context, before the
+   * effects are asked. */
+  enum status (*scales)(struct plan *plan);
+  /* Fills dt, bytes, steps, seconds and error after them (dt_limit and dt_limited_by are the
+   * effects' own by then). */
+  enum status (*cost)(struct plan *plan, int threads);
+  /* What several ranks add to it. */
+  void (*ranks_cost)(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
+
+  const char *(*wall_name)(const struct scene *scene); /* for the record of a run */
+  /* Of one that resolves pores: its walls, and what its error has beside theirs (expect_error). */
+  enum wall_scheme (*wall)(const struct scene *scene);
+  double error_flat;          /* of k between parallel flat walls, where all else is exact */
+  const char *error_flat_why; /* what is left there, in words */
+  double error_uneven;        /* less flow, times (slope of ln k per spacing)^2 */
+
+  /* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
+   * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */
+  enum status (*run)(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
                      struct recorder *recorder, struct run_result *result);
+};
+
+/* All methods in the order of the table, ended by NULL. */
+extern const struct method *const methods_all[];
 
 #endif

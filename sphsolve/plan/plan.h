@@ -23,17 +23,17 @@
 struct effect_context {
   const struct scene *scene;
   const struct lattice *lattice;
-  enum method method;
-  double smoothing_length;    /* m */
-  double support;             /* m */
-  double spacing;             /* m, geometric mean */
-  double sound_speed;         /* m/s, wcsph */
-  double kinematic_viscosity; /* m^2/s */
-  double driving;             /* |g + a - grad P / rho|, m/s^2 */
-  double velocity_scale;      /* m/s, estimated */
-  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
-  double inertia;             /* share of the force that inertia takes up, by the same */
-  char sound_why[EFFECT_WHY]; /* what decides the sound speed */
+  const struct method *method; /* NULL while one is looked for */
+  double smoothing_length;     /* m */
+  double support;              /* m */
+  double spacing;              /* m, geometric mean */
+  double sound_speed;          /* m/s, wcsph */
+  double kinematic_viscosity;  /* m^2/s */
+  double driving;              /* |g + a - grad P / rho|, m/s^2 */
+  double velocity_scale;       /* m/s, estimated */
+  double reynolds;             /* estimated from Kozeny-Carman and Ergun; 0 unknown */
+  double inertia;              /* share of the force that inertia takes up, by the same */
+  char sound_why[EFFECT_WHY];  /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
 };
 
@@ -65,24 +65,20 @@ struct plan {
   char method_why[EFFECT_WHY];
 };
 
-/* Wall layers the lattice needs outside a closed domain: 0 where isph makes its own walls. */
+/* Wall layers the lattice needs outside a closed domain, as far as the scene alone tells. */
 int plan_wall_layers(const struct scene *scene);
 /* Chooses the method ("auto") and refuses what a method cannot do. */
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
-                        enum method *method, char why[EFFECT_WHY]);
+                        const struct method **method, char why[EFFECT_WHY]);
 /* `threads` for the predicted time. */
-enum status plan_make(const struct scene *scene, const struct lattice *lattice, enum method method,
-                      const char *method_why, int threads, struct plan *plan);
+enum status plan_make(const struct scene *scene, const struct lattice *lattice,
+                      const struct method *method, const char *method_why, int threads,
+                      struct plan *plan);
+/* What scene and lattice (may be NULL: not built yet) hold, and nothing of a method. */
+void plan_context(const struct scene *scene, const struct lattice *lattice,
+                  struct effect_context *context);
+/* Fills velocity_scale, inertia and reynolds. */
+void plan_estimate_seepage(struct effect_context *context);
 bool plan_has(const struct plan *plan, const char *effect_name);
-
-/* Each method has two hooks: *_scales fills smoothing_length, support, sound_speed and
- * velocity_scale of plan->context before the effects are asked; *_plan fills dt, bytes, steps,
- * seconds and error after them (dt_limit and dt_limited_by are the effects' own by then). */
-enum status wcsph_scales(struct plan *plan);
-enum status wcsph_plan(struct plan *plan, int threads);
-enum status stokes_scales(struct plan *plan);
-enum status stokes_plan(struct plan *plan, int threads);
-enum status isph_scales(struct plan *plan);
-enum status isph_plan(struct plan *plan, int threads);
 
 #endif

@@ -2,27 +2,45 @@
 #ifndef TOSUI_SPHSOLVE_PLAN_RANKS_FORECAST_H
 #define TOSUI_SPHSOLVE_PLAN_RANKS_FORECAST_H
 
+#include <stdbool.h>
+
 #include "sphsolve/plan/plan.h"
 
-enum foreseen_term {
-  FORESEEN_COMPUTE,  /* shared out, uneven slabs and chunks counted */
-  FORESEEN_IN_FULL,  /* what every rank does for itself */
-  FORESEEN_GATHERED, /* told to all by all */
-  FORESEEN_GHOSTS,
-  FORESEEN_SUMS, /* of all ranks */
-  FORESEEN_TERMS
+enum ranks_term {
+  RANKS_COMPUTE,  /* shared out, uneven slabs and chunks counted */
+  RANKS_IN_FULL,  /* what every rank does for itself */
+  RANKS_GATHERED, /* told to all by all */
+  RANKS_GHOSTS,
+  RANKS_SUMS, /* of all ranks */
+  RANKS_TERMS
 };
 
-struct foreseen {
+struct ranks_forecast {
   int ranks, used; /* used: that get work */
-  double seconds[FORESEEN_TERMS];
+  double seconds[RANKS_TERMS];
   double total;        /* s */
   double efficiency;   /* against one rank */
   double memory_bytes; /* of a rank, at most */
 };
 
+/* What a method says of itself (struct method): numbers a step are the busiest rank's. */
+struct ranks_cost {
+  double used;       /* ranks that get work */
+  double uneven;     /* work of the busiest over the mean */
+  double in_full;    /* s that every rank spends on what is not shared out */
+  double gathered;   /* bytes a step that all tell all */
+  double ghosts;     /* bytes a step from the neighbours */
+  double messages;   /* a step */
+  double sums;       /* of all ranks, a step */
+  double whole;      /* bytes of what every rank holds in full */
+  double held;       /* bytes beside its part of the rest */
+  double start;      /* bytes at most before the first step */
+  bool shares_sites; /* kinds and wall distances lie once on a machine */
+};
+
 /* `plan` is that of one rank, of so many threads. */
-void foresee(const struct plan *plan, int ranks, int threads, struct foreseen *foreseen);
-const char *foreseen_name(enum foreseen_term term);
+void ranks_forecast(const struct plan *plan, int ranks, int threads,
+                    struct ranks_forecast *forecast);
+const char *ranks_term_name(enum ranks_term term);
 
 #endif

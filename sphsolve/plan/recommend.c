@@ -5,9 +5,7 @@
 #include <string.h>
 
 #include "common/units.h"
-
-static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph"};
-static const char *const wall_names[] = {"frozen", "adami", "subvoxel"};
+#include "sphsolve/plan/method.h"
 
 /* An expectation is known within this factor (docs/physics.md): settings that reach an error for
  * certain are expected to stay below it by as much. */
@@ -18,8 +16,8 @@ static const char *const wall_names[] = {"frozen", "adami", "subvoxel"};
 #define REFINED_MOST 50.0
 
 /* The least refinement with the wanted error; NAN if none has it. The error falls with it. */
-static double refinement(const struct pore_shape *shape, enum method method, enum wall_scheme wall,
-                         double wanted) {
+static double refinement(const struct pore_shape *shape, const struct method *method,
+                         enum wall_scheme wall, double wanted) {
   double low = REFINED_LEAST, high = REFINED_MOST;
   if (!(expect_error(shape, method, wall, high).error <= wanted)) return NAN;
   if (expect_error(shape, method, wall, low).error <= wanted) high = low;
@@ -53,13 +51,13 @@ static double whole_sites(const struct scene *scene, const size_t body[3], doubl
   return least / (double)longest;
 }
 
-static enum status add(const struct scene *scene, const struct lattice *lattice, enum method method,
-                       enum wall_scheme wall, int threads, struct cheapest *cheapest) {
+static enum status add(const struct scene *scene, const struct lattice *lattice,
+                       const struct method *method, enum wall_scheme wall, int threads,
+                       struct cheapest *cheapest) {
   enum status status = STATUS_OK;
   struct scene other = *scene;
   struct plan plan;
   struct candidate *c = &cheapest->candidates[cheapest->count];
-  other.method = method;
   other.wcsph.wall = other.stokes.wall = wall;
   if (plan_make(&other, lattice, method, "", threads, &plan) != STATUS_OK) {
     error_clear(); /* this method cannot run the scene */
@@ -83,7 +81,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
   /* Speed and steps of wcsph at that spacing: viscosity limits dt by the square of the spacing,
    * sound by the spacing itself; a pore takes as long to settle at any. */
   double steps = 1.0;
-  if (method == METHOD_WCSPH) {
+  if (plan.context.sound_speed > 0) {
     const bool viscous = plan.dt_limited_by && !strcmp(plan.dt_limited_by, "viscosity_morris");
     steps = viscous ? refined * refined : refined;
     c->sound_speed = plan.context.sound_speed;
@@ -101,14 +99,15 @@ enum status cheapest_find(const struct scene *scene, const struct lattice *latti
                           const struct plan *plan, int threads, struct cheapest *cheapest) {
   enum status status = STATUS_OK;
   cheapest->count = 0;
-  if (plan->context.method == METHOD_ISPH || !isfinite(plan->expected.error))
+  if (!plan->context.method->resolves_pores || !isfinite(plan->expected.error))
     TRY_FAIL(STATUS_INPUT, "%s: --error: the error of this scene cannot be predicted: %s",
              scene->path, *plan->expected.why ? plan->expected.why : "it has no permeability");
   for (int wall = WALL_FROZEN; wall <= WALL_SUBVOXEL; wall++) {
-    /* stokes where "auto" may choose it, or the scene did */
-    if (plan->context.method == METHOD_STOKES)
-      TRY(add(scene, lattice, METHOD_STOKES, (enum wall_scheme)wall, threads, cheapest));
-    TRY(add(scene, lattice, METHOD_WCSPH, (enum wall_scheme)wall, threads, cheapest));
+    /* One without inertia where "auto" took it, or the scene did. */
+    for (size_t m = 0; methods_all[m] != NULL; m++)
+      if (methods_all[m]->resolves_pores &&
+          (!methods_all[m]->solves_creeping || methods_all[m] == plan->context.method))
+        TRY(add(scene, lattice, methods_all[m], (enum wall_scheme)wall, threads, cheapest));
   }
   for (size_t i = 1; i < cheapest->count; i++) {
     struct candidate moved = cheapest->candidates[i];
@@ -126,8 +125,8 @@ static void print_candidate(const struct candidate *c) {
   quantity_format(c->spacing, "m", spacing, sizeof spacing);
   quantity_format(c->support, "m", support, sizeof support);
   duration_format(c->seconds, time, sizeof time);
-  printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", method_names[c->method],
-         wall_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
+  printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", c->method->name,
+         wall_scheme_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
   if (c->sound_speed > 0) printf(", sound %.4g m/s", c->sound_speed);
   printf(": error about %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
 }
@@ -151,8 +150,8 @@ void cheapest_print(const struct plan *plan, const struct cheapest *cheapest) {
     printf("      then ");
     print_candidate(&cheapest->candidates[i]);
   }
-  printf("write      --set scene.method=%s --set %s.wall=%s", method_names[best->method],
-         method_names[best->method], wall_names[best->wall]);
+  printf("write      --set scene.method=%s --set %s.wall=%s", best->method->name,
+         best->method->name, wall_scheme_names[best->wall]);
   if (*scene->model_path)
     printf(", with a model of %zu x %zu x %zu sites (ct2model build --size; a mirrored axis takes "
            "(n + 1) / 2)\n",
@@ -166,9 +165,9 @@ json_t *cheapest_json(const struct cheapest *cheapest) {
   for (size_t i = 0; i < cheapest->count; i++) {
     const struct candidate *c = &cheapest->candidates[i];
     json_array_append_new(list, json_pack("{s:s, s:s, s:f, s:f, s:[I,I,I], s:f, s:f, s:f, s:f}",
-                                          "method", method_names[c->method], "wall",
-                                          wall_names[c->wall], "spacing", c->spacing, "support",
-                                          c->support, "size", (json_int_t)c->size[0],
+                                          "method", c->method->name, "wall",
+                                          wall_scheme_names[c->wall], "spacing", c->spacing,
+                                          "support", c->support, "size", (json_int_t)c->size[0],
                                           (json_int_t)c->size[1], (json_int_t)c->size[2],
                                           "sound_speed", c->sound_speed, "expected_error", c->error,
                                           "seconds", c->seconds, "memory_bytes", c->bytes));

@@ -11,7 +11,7 @@
 
 /* One way to reach it; `refined`: the scene's spacing over the one that is needed. */
 struct candidate {
-  enum method method;
+  const struct method *method;
   enum wall_scheme wall;
   double refined, spacing, support; /* m */
   double sound_speed;               /* m/s, 0 for stokes */

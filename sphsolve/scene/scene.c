@@ -11,7 +11,17 @@
 #include "common/units.h"
 #include "sphsolve/scene/scene_internal.h"
 
-static const char *const method_names[] = {"auto", "wcsph", "stokes", "isph", NULL};
+static const char *const method_names[] = {"auto",
+#define METHOD(name) #name,
+#include "sphsolve/scene/methods.def"
+#undef METHOD
+                                           NULL};
+static const struct method *const methods[] = {
+    NULL,
+#define METHOD(name) &method_##name,
+#include "sphsolve/scene/methods.def"
+#undef METHOD
+};
 
 enum status scene_positive(struct config *config, config_node *group, const char *name,
                            struct dimension dimension, double *value) {
@@ -52,7 +62,7 @@ static enum status read_scene_group(struct config *config, struct scene *scene) 
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "scene");
   const char *name = "unnamed";
-  int method = METHOD_AUTO;
+  int method = 0;
   bool end_given, tolerance_given;
   if (group == NULL)
     return config_error(config, NULL,
@@ -64,7 +74,7 @@ static enum status read_scene_group(struct config *config, struct scene *scene) 
                        "holds a line break or another control character; leave it out"));
   snprintf(scene->name, sizeof scene->name, "%s", name);
   TRY(config_choice(config, group, "method", method_names, &method, NULL));
-  scene->method = (enum method)method;
+  scene->method = methods[method];
   scene->end_time = INFINITY;
   TRY(config_quantity(config, group, "end_time", DIM_TIME, &scene->end_time, &end_given));
   if (end_given && !(scene->end_time > 0))

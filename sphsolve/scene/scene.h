@@ -9,8 +9,14 @@
 #include "common/error.h"
 #include "common/kernel.h"
 
-enum method { METHOD_AUTO, METHOD_WCSPH, METHOD_STOKES, METHOD_ISPH };
+/* plan/method.h; here only what a scene may name. */
+struct method;
+#define METHOD(name) extern const struct method method_##name;
+#include "sphsolve/scene/methods.def"
+#undef METHOD
+
 enum wall_scheme { WALL_FROZEN, WALL_ADAMI, WALL_SUBVOXEL };
+extern const char *const wall_scheme_names[]; /* as a scene writes them, ended by NULL */
 enum equation_of_state { EOS_GAUGE, EOS_ABSOLUTE };
 enum unified_form { FORM_AKBARI, FORM_M15 };
 enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
@@ -79,9 +85,9 @@ struct flux_plane {
 struct scene {
   char path[4096];
   char name[128];
-  enum method method;
-  double end_time;         /* s; INFINITY if not given and steady_tolerance > 0 */
-  double steady_tolerance; /* 0: runs to end_time */
+  const struct method *method; /* NULL: auto */
+  double end_time;             /* s; INFINITY if not given and steady_tolerance > 0 */
+  double steady_tolerance;     /* 0: runs to end_time */
 
   char model_path[4096]; /* "" when the scene has a domain */
 

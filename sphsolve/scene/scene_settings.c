@@ -8,7 +8,7 @@
 #include "common/ranks.h"
 #include "common/units.h"
 
-static const char *const wall_names[] = {"frozen", "adami", "subvoxel", NULL};
+const char *const wall_scheme_names[] = {"frozen", "adami", "subvoxel", NULL};
 static const char *const eos_names[] = {"gauge", "absolute", NULL};
 static const char *const kernel_names[] = {"quintic", "cubic", NULL};
 static const char *const stokes_kernel_names[] = {"quintic", "cubic", "wendland", NULL};
@@ -30,7 +30,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   TRY(scene_positive(config, group, "support", DIM_LENGTH, &scene->wcsph.support));
   TRY(scene_positive(config, group, "dt", DIM_TIME, &scene->wcsph.dt));
   TRY(config_bool(config, group, "force_dt", &scene->wcsph.force_dt, NULL));
-  TRY(config_choice(config, group, "wall", wall_names, &wall, NULL));
+  TRY(config_choice(config, group, "wall", wall_scheme_names, &wall, NULL));
   scene->wcsph.equation_of_state = (enum equation_of_state)eos;
   scene->wcsph.kernel = (enum kernel)kernel;
   scene->wcsph.wall = (enum wall_scheme)wall;
@@ -42,7 +42,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   TRY(config_choice(config, group, "kernel", stokes_kernel_names, &kernel, NULL));
   scene->stokes.kernel = (enum kernel)kernel;
   TRY(scene_positive(config, group, "support", DIM_LENGTH, &scene->stokes.support));
-  TRY(config_choice(config, group, "wall", wall_names, &wall, NULL));
+  TRY(config_choice(config, group, "wall", wall_scheme_names, &wall, NULL));
   TRY(config_number(config, group, "tolerance", &scene->stokes.tolerance, NULL));
   scene->stokes.wall = (enum wall_scheme)wall;
 

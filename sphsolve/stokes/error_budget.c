@@ -6,6 +6,7 @@
 #include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/solver.h"
 
 #define LEVELS 3
@@ -185,16 +186,16 @@ static void add_model(const char *path, struct error_split *split) {
 
 static bool has_creeping_flow(const struct scene *scene, const struct effect_context *context) {
   return context->lattice->wall_distance != NULL && context->driving > 0.0 &&
-         context->method != METHOD_ISPH && !context->has_moving_wall && !context->has_surface &&
+         context->method->resolves_pores && !context->has_moving_wall && !context->has_surface &&
          scene->fluid.viscosity > 0.0;
 }
 
 double error_split_seconds(const struct scene *scene, const struct plan *plan) {
   const struct effect_context *context = &plan->context;
   const struct lattice *l = context->lattice;
-  const bool stokes = context->method == METHOD_STOKES;
-  const enum wall_scheme wall = stokes ? scene->stokes.wall : scene->wcsph.wall;
   if (!has_creeping_flow(scene, context)) return 0.0;
+  const bool solved = context->method->solves_creeping;
+  const enum wall_scheme wall = context->method->wall(scene);
   double seconds = 0.0;
   for (int i = wall == WALL_SUBVOXEL ? 1 : 0; i < LEVELS; i++) {
     double solves = i == 1 && *scene->model_path ? 2.0 : 1.0;
@@ -205,7 +206,7 @@ double error_split_seconds(const struct scene *scene, const struct plan *plan) {
     }
     seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / ratios[i], WALL_SUBVOXEL);
   }
-  return seconds + (stokes ? 0.0 : stokes_solver_seconds(&plan->shape, l, 1.0, wall));
+  return seconds + (solved ? 0.0 : stokes_solver_seconds(&plan->shape, l, 1.0, wall));
 }
 
 enum status error_split_measure(const struct scene *scene, const struct plan *plan,
@@ -214,10 +215,10 @@ enum status error_split_measure(const struct scene *scene, const struct plan *pl
   enum status status = STATUS_OK;
   double h[LEVELS], k[LEVELS], own = permeability;
   int levels = 0;
-  const enum wall_scheme wall =
-      plan->context.method == METHOD_STOKES ? scene->stokes.wall : scene->wcsph.wall;
+  enum wall_scheme wall;
   struct lattice coarse = {0}, moved = {0};
   if (!has_creeping_flow(scene, &plan->context)) return STATUS_OK;
+  wall = plan->context.method->wall(scene);
   if (isnan(own)) own = permeability_of(scene, plan, lattice, wall);
   if (!(own > 0.0)) return STATUS_OK;
   for (int i = 0; i < LEVELS; i++) {

@@ -7,7 +7,8 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/plan/method.h"
+#include "sphsolve/output/recorder.h"
+#include "sphsolve/stokes/method.h"
 
 struct fields {
   double *points;
@@ -241,7 +242,7 @@ cleanup:
   return status;
 }
 
-enum status stokes_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
                        struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
@@ -323,3 +324,40 @@ cleanup:
   stokes_solver_free(&s);
   return status;
 }
+
+/* Below it inertia changes k by less than a thousandth (its share goes with the square). */
+#define REYNOLDS_CREEPING 0.1
+
+static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+  if (!context->has_wall || context->scene->steady_tolerance == 0 || context->has_moving_wall ||
+      !(context->reynolds < REYNOLDS_CREEPING))
+    return false;
+  snprintf(why, EFFECT_WHY,
+           "the flow creeps: Re = v / (nu S) about %.2g is below %g, and nothing moves",
+           context->reynolds, REYNOLDS_CREEPING);
+  return true;
+}
+
+static enum wall_scheme wall(const struct scene *scene) {
+  return scene->stokes.wall;
+}
+
+static const char *wall_name(const struct scene *scene) {
+  return wall_scheme_names[scene->stokes.wall];
+}
+
+const struct method method_stokes = {.name = "stokes",
+                                     .effects = METHOD_BIT_STOKES,
+                                     .resolves_pores = true,
+                                     .solves_creeping = true,
+                                     .wall_layers = 4,
+                                     .takes = takes,
+                                     .scales = stokes_scales,
+                                     .cost = stokes_cost,
+                                     .ranks_cost = stokes_ranks_cost,
+                                     .wall_name = wall_name,
+                                     .wall = wall,
+                                     .error_flat = 5e-6, /* what the solver leaves */
+                                     .error_flat_why =
+                                         "parallel flat walls: exact but for the solver",
+                                     .run = run};

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/error_budget.h"
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/stokes/solver.h"
-#include "sphsolve/plan/plan.h"
 
 /* Iterations: about 10 between straight walls; else they grow slowly with the sites a side, and
  * with the pores across the model. Adami walls take 1.8 times as many. */
@@ -56,7 +56,7 @@ enum status stokes_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-enum status stokes_plan(struct plan *plan, int threads) {
+enum status stokes_cost(struct plan *plan, int threads) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
   plan->dt = 0.0;
@@ -69,6 +69,6 @@ enum status stokes_plan(struct plan *plan, int threads) {
   plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, wall) +
                    error_split_seconds(plan->context.scene, plan)) /
                   threads;
-  plan->expected = expect_error(&plan->shape, METHOD_STOKES, wall, 1.0);
+  plan->expected = expect_error(&plan->shape, &method_stokes, wall, 1.0);
   return STATUS_OK;
 }

@@ -3,7 +3,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 #define TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 
-#include "sphsolve/plan/method.h"
+#include "sphsolve/output/recorder.h"
 #include "sphsolve/wcsph/state.h"
 
 struct wcsph_run {

@@ -246,8 +246,8 @@ static enum status close_pores(struct lattice *lattice, const struct scene *scen
   return status;
 }
 
-enum status wcsph_run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
-                      struct recorder *recorder, struct run_result *result) {
+static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                       struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct wcsph_run run = {.scene = scene, .plan = plan, .lattice = lattice, .recorder = recorder};
   double(*region_velocity)[3] = NULL;
@@ -312,3 +312,41 @@ cleanup:
   memory_free(&region_velocity);
   return status;
 }
+
+/* All that the methods asked before have left. */
+static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+  if (!context->has_wall)
+    snprintf(why, EFFECT_WHY, "no walls: a transient flow");
+  else if (context->scene->steady_tolerance == 0)
+    snprintf(why, EFFECT_WHY, "a run to end_time is wanted, not the steady state");
+  else if (context->has_moving_wall)
+    snprintf(why, EFFECT_WHY, "a wall moves");
+  else
+    snprintf(why, EFFECT_WHY, "Re about %.2g: inertia counts", context->reynolds);
+  return true;
+}
+
+static enum wall_scheme wall(const struct scene *scene) {
+  return scene->wcsph.wall;
+}
+
+static const char *wall_name(const struct scene *scene) {
+  return wall_scheme_names[scene->wcsph.wall];
+}
+
+const struct method method_wcsph = {
+    .name = "wcsph",
+    .effects = METHOD_BIT_WCSPH,
+    .resolves_pores = true,
+    .marches = true,
+    .wall_layers = 4,
+    .takes = takes,
+    .scales = wcsph_scales,
+    .cost = wcsph_cost,
+    .ranks_cost = wcsph_ranks_cost,
+    .wall_name = wall_name,
+    .wall = wall,
+    .error_flat = 5e-4, /* what a march that is called steady leaves */
+    .error_flat_why = "parallel flat walls: exact but for what is left of the start",
+    .error_uneven = 0.01, /* gradients are not exact beside walls */
+    .run = run};

@@ -195,7 +195,7 @@ static double pressure_steps(const struct plan *plan, const struct lattice_modes
   return 3 / (plan->dt * spread * wave * wave);
 }
 
-enum status wcsph_plan(struct plan *plan, int threads) {
+enum status wcsph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
@@ -266,6 +266,6 @@ enum status wcsph_plan(struct plan *plan, int threads) {
   plan->seconds += split / threads;
   if (split > 0)
     plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
-  plan->expected = expect_error(&plan->shape, METHOD_WCSPH, scene->wcsph.wall, 1);
+  plan->expected = expect_error(&plan->shape, &method_wcsph, scene->wcsph.wall, 1);
   return STATUS_OK;
 }

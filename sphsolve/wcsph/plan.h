@@ -3,7 +3,7 @@
 #define TOSUI_SPHSOLVE_WCSPH_PLAN_H
 
 #include "sphsolve/wcsph/engine/engine.h"
-#include "sphsolve/plan/plan.h"
+#include "sphsolve/plan/method.h"
 
 /* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). Less locks
  * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
@@ -12,6 +12,10 @@
 /* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
  */
 #define WCSPH_TAU_SITES 0.05
+
+enum status wcsph_scales(struct plan *plan);
+enum status wcsph_cost(struct plan *plan, int threads);
+void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
 /* Particles stay on their sites (effects/advection.h); `why` may be NULL. */
 bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]);

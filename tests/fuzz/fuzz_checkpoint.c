@@ -28,7 +28,7 @@ static void start(void) {
   const char *path = fuzz_file(".cfg", (const uint8_t *)text, sizeof text - 1);
   if (scene_read(path, NULL, 0, &scene) != STATUS_OK ||
       lattice_build(&scene, plan_wall_layers(&scene), &lattice) != STATUS_OK ||
-      plan_make(&scene, &lattice, METHOD_WCSPH, "", 1, &plan) != STATUS_OK) {
+      plan_make(&scene, &lattice, &method_wcsph, "", 1, &plan) != STATUS_OK) {
     fprintf(stderr, "%s\n", error_message());
     abort();
   }

@@ -223,7 +223,7 @@ static void start_patch(double size, double dx, struct patch *patch) {
   fclose(file);
   if (scene_read(path, NULL, 0, &patch->scene) ||
       lattice_build(&patch->scene, plan_wall_layers(&patch->scene), &patch->lattice) ||
-      plan_make(&patch->scene, &patch->lattice, METHOD_ISPH, "hard", 1, &patch->plan))
+      plan_make(&patch->scene, &patch->lattice, &method_isph, "hard", 1, &patch->plan))
     give_up();
   unlink(path);
   isph_switches_of(&patch->plan, &on);

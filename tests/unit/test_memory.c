@@ -46,7 +46,7 @@ static void test_full_scan_fits(void **state) {
   lattice.bulk_count = (double)lattice.count;
   lattice.wall_count = lattice.count - lattice.fluid_count;
   struct plan plan;
-  assert_int_equal(plan_make(&scene, &lattice, METHOD_WCSPH, "test", 2, &plan), STATUS_OK);
+  assert_int_equal(plan_make(&scene, &lattice, &method_wcsph, "test", 2, &plan), STATUS_OK);
   print_message("%zu sites: %.2f GB: %.2f GB, then %.2f GB, and %.2f GB of disk; %.1f and %.1f "
                 "bytes a site\n",
                 lattice.count, 1e-9 * plan.bytes_total, 1e-9 * plan.bytes_method,

@@ -51,7 +51,7 @@ static void test_tank(void **state) {
   struct scene scene;
   struct lattice lattice;
   assert_int_equal(read_with(0, NULL, &scene), STATUS_OK);
-  assert_true(scene.method == METHOD_AUTO && scene.end_time == 1 && scene.steady_tolerance == 0);
+  assert_true(scene.method == NULL && scene.end_time == 1 && scene.steady_tolerance == 0);
   assert_int_equal(scene.region_count, 2);
   assert_true(scene.regions[1].porosity == 0.3 && scene.regions[1].alpha == 1000);
   assert_true(fabs(scene.regions[0].box[2] - 0.1) < 1e-15 && scene.driving[2] == -9.8);
@@ -128,7 +128,7 @@ static void test_overrides(void **state) {
   scene_free(&scene);
   assert_int_equal(scene_read(path, overrides, 4, &scene), STATUS_OK);
   assert_true(scene.isph.tau == 0.05 && scene.regions[1].porosity == 0.5);
-  assert_true(scene.method == METHOD_ISPH && scene.gravity[2] == -1.62);
+  assert_true(scene.method == &method_isph && scene.gravity[2] == -1.62);
   assert_non_null(strstr(scene.text, "# --set isph.tau=0.05 s"));
   scene_free(&scene);
   const char *indexed[] = {"regions[1].porosity=0.6", "fluids.0.viscosity=2 mPa s"};

@@ -46,7 +46,7 @@ static void start(struct run *run, const char *format, ...) {
   struct isph_switches on;
   if (scene_read(scene_file, NULL, 0, &run->scene) ||
       lattice_build(&run->scene, plan_wall_layers(&run->scene), &run->lattice) ||
-      plan_make(&run->scene, &run->lattice, METHOD_ISPH, "verification", 1, &run->plan))
+      plan_make(&run->scene, &run->lattice, &method_isph, "verification", 1, &run->plan))
     give_up();
   isph_switches_of(&run->plan, &on);
   if (isph_create(&run->scene, &run->lattice, &on, &run->s)) give_up();

@@ -69,7 +69,7 @@ static enum status flow_start(char *text, struct flow *flow) {
     TRY_FAIL(STATUS_RUN, "%s: cannot be written", path);
   TRY(scene_read(path, NULL, 0, &flow->scene));
   TRY(lattice_build(&flow->scene, plan_wall_layers(&flow->scene), &flow->lattice));
-  TRY(plan_make(&flow->scene, &flow->lattice, METHOD_WCSPH, "verification", 1, &flow->plan));
+  TRY(plan_make(&flow->scene, &flow->lattice, &method_wcsph, "verification", 1, &flow->plan));
   TRY(memory_allocate(&flow->region_velocity, flow->scene.region_count + 1,
                       sizeof *flow->region_velocity, "region velocities"));
   struct engine_settings settings;

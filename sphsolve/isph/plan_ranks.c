@@ -1,0 +1,47 @@
+/* What method isph costs on several ranks (docs/scaling.md). */
+#include "sphsolve/isph/method.h"
+
+#include <math.h>
+
+/* Share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
+ * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
+ * grid for a particle, of lattice and cells for a site, and of a wall particle; bytes of a ghost;
+ * how thick its layers are, in supports; and bytes of a ghost that travel, a step. */
+#define IN_FULL 0.07
+#define TOLD 1.6
+#define ITERATIONS 10.0
+#define GRID 40.0
+#define SITE 6.0
+#define WALL 31.0
+#define HELD 440.0
+#define LAYERS 1.25
+#define GHOST 240.0
+
+/* Particles of the walls around the domain. */
+static double walls_around(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  const double layers = ceil(plan->context.scene->isph.support_ratio);
+  double inner = 1, outer = 1;
+  for (int a = 0; a < 3; a++) {
+    const bool closed = !plan->context.scene->periodic[a] && !(l->dimensions == 2 && a == 1);
+    inner *= (double)l->size[a];
+    outer *= (double)l->size[a] + (closed ? 2 * layers : 0);
+  }
+  return outer - inner;
+}
+
+void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
+  (void)threads;
+  const struct lattice *l = plan->context.lattice;
+  const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
+  const double layers = LAYERS * plan->context.scene->isph.support_ratio;
+  const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
+  const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
+  cost->in_full = IN_FULL * (1 - 1 / r) * plan->seconds;
+  cost->gathered = (1 - 1 / r) * TOLD * ITERATIONS * fluid;
+  cost->ghosts = GHOST * beside;
+  cost->messages = (6 + ITERATIONS) * fmin(r - 1, 6);
+  cost->sums = 4 * ITERATIONS;
+  cost->whole = GRID * fluid + SITE * sites + WALL * walls_around(plan);
+  cost->held = HELD * beside;
+}

@@ -1,0 +1,50 @@
+/* What method wcsph costs on several ranks (docs/scaling.md). */
+#include <math.h>
+
+#include "sphsolve/wcsph/plan.h"
+
+/* Bytes of a ghost sent per step; how far ghosts reach beyond the support, in spacings: the width
+ * of their clusters and of the own; bytes that a ghost takes beyond a particle, for messages less
+ * lists; and what every rank holds for a site, and as much for a fluid one, while it looks for a
+ * path through the pores. */
+#define GHOST 40.0
+#define REACH 2.5
+#define HELD 25.0
+#define PATH 4.0
+#define CUT 2048.0 /* slots: cuts lie at multiples */
+
+/* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest
+ * side again and again. */
+static double around(const struct lattice *l, double ranks, double reach) {
+  double side[3], grown = 1, own = 1, left = ranks;
+  for (int a = 0; a < 3; a++) side[a] = (double)l->size[a];
+  while (left > 1) {
+    int longest = 0;
+    for (int a = 1; a < 3; a++)
+      if (side[a] > side[longest]) longest = a;
+    side[longest] /= fmin(2, left);
+    left /= 2;
+  }
+  for (int a = 0; a < 3; a++) {
+    own *= side[a];
+    grown *= side[a] < (double)l->size[a] ? side[a] + 2 * reach : side[a];
+  }
+  return fmin(grown - own, (double)l->count - own);
+}
+
+void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
+  const struct lattice *l = plan->context.lattice;
+  const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
+  const double share = fluid / fmax(sites, 1);
+  const double reach = plan->context.support / plan->context.spacing + REACH;
+  const double beside = r > 1 ? around(l, r, reach) : 0;
+  cost->uneven = 1 + 0.5 * CUT * (r - 1) / fmax(fluid, 1);
+  cost->ghosts = GHOST * share * beside;
+  cost->messages = 2 * fmin(r - 1, 12);
+  cost->sums = 2;
+  cost->held = beside * (share * (plan->bytes_fluid + HELD) + (1 - share) * plan->bytes_wall);
+  cost->whole = threads * engine_bytes_thread(l, plan->context.support);
+  cost->held += (cost->uneven - 1) * plan->bytes_method / r;
+  cost->start = plan->context.driving > 0 ? PATH * (sites + fluid) : 0;
+  cost->shares_sites = true;
+}
