@@ -169,20 +169,20 @@ demo: all
 
 # ---- studies ----
 s06: all
-	$(Q)BUILD=$(BUILD) scripts/s06
+	$(Q)BUILD=$(BUILD) scripts/studies/s06
 m15: all $(BUILD)/tests/verify_m15
-	$(Q)BUILD=$(BUILD) scripts/m15
+	$(Q)BUILD=$(BUILD) scripts/studies/m15
 # ct2model against true geometries, by noise: the sample sand and one it was not looked at with.
 scans: all
-	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/scan-study --output $(BUILD)/scans
-	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/scan-study --output $(BUILD)/scans/other --seed 77 --void-ratio 0.942 --voxel-size 8.745um
+	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/studies/scan-study --output $(BUILD)/scans
+	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/studies/scan-study --output $(BUILD)/scans/other --seed 77 --void-ratio 0.942 --voxel-size 8.745um
 
 verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
 	$(Q)BUILD=$(BUILD) scripts/verify
 package:
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all
-	$(Q)BUILD=$(BUILD) scripts/tradeoff
+	$(Q)BUILD=$(BUILD) scripts/studies/tradeoff
 hard: all $(BUILD)/tests/hard_engine
 	$(Q)BUILD=$(BUILD) scripts/hard
 bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_scan

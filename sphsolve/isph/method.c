@@ -1,5 +1,5 @@
 /* Method isph: stabilised incompressible SPH for the unified Navier-Stokes / extended Darcy
- * equation (Morimoto et al. 2015, corrected; docs/physics.md). */
+ * equation (Morimoto et al. 2015, corrected; docs/physics/isph.md). */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>

@@ -79,7 +79,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 /* In terms of q, the slope of ln k per spacing. Constants measured on slits, square ducts, simple
  * cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a side,
  * scanned with noise and without, whose errors are a factor 2 apart at the same q (make tradeoff);
- * held against other flows by `scripts/tradeoff --predictions`. */
+ * held against other flows by `scripts/studies/tradeoff --predictions`. */
 #define NARROW 0.0115      /* q^3: pores and grains of few sites */
 #define CORNERS 0.0065     /* q^3: the same between walls of boxes; less flow, not more */
 #define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */

@@ -7,7 +7,7 @@
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 
-/* An expectation is known within this factor (docs/physics.md): settings that reach an error for
+/* An expectation is known within this factor (docs/errors.md): settings that reach an error for
  * certain are expected to stay below it by as much. */
 #define SURE 2.0
 

@@ -73,7 +73,7 @@ cleanup:
   return status;
 }
 
-/* Pressures c^2 rho hold the particles in a lattice that only strains (docs/physics_wcsph.md):
+/* Pressures c^2 rho hold the particles in a lattice that only strains (docs/physics/wcsph.md):
  * where the flow that Kozeny and Carman expect would have carried them four spacings, and they have
  * not come half a spacing far, they are locked. */
 static bool locked(const struct wcsph_run *run) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# Each command in the documentation works as it stands.
+# Each command in the documentation works as it stands, and prints what the page says it does.
 
 setup_file() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
@@ -15,6 +15,21 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   sed -n '/^```sh$/,/^```$/p' "$1" | grep -v '^```' > commands.sh
   [ -s commands.sh ]
   bash -e -x commands.sh > log 2>&1 || { tail -30 log; false; }
+  python3 "$ROOT/tests/cli/quoted.py" "$1" log
+}
+
+@test "pages for readers: short lines, no commits, no history, links that lead somewhere" {
+  python3 "$ROOT/tests/cli/readable.py" "$ROOT"
+}
+
+@test "a page that quotes what no command prints is found" {
+  cd "$BATS_TEST_TMPDIR"
+  printf '%s\n' '```text' 'k   0.0363 cm/s +- 23 %' 'Darcy 1 m/s ...' '```' > page.md
+  printf '%s\n' 'k 0.0364 cm/s +- 23 %' 'Darcy 1.001 m/s (superficial)' > log
+  python3 "$ROOT/tests/cli/quoted.py" page.md log
+  printf '%s\n' 'k 0.0364 cm/s +- 24 %' 'Darcy 1.001 m/s (superficial)' > log
+  run python3 "$ROOT/tests/cli/quoted.py" page.md log
+  [ "$status" -eq 1 ] && [[ "$output" == *"k 0.0363 cm/s +- 23 %"* || "$output" == *"k   0.0363"* ]]
 }
 
 @test "readme: a scan, a scene of four lines, a report" {
@@ -37,18 +52,7 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
 @test "seepage: a column, two heads, a dam on soil" {
   export OMP_NUM_THREADS=1
   run_blocks "$ROOT/docs/seepage.md"
-  python3 - <<'END'
-import json, re
-k = json.load(open("seepage/darcy/darcy.json"))
-a = 1000 * 1e-6 * 0.6**2 / (0.4**3 * 5e-3**2)
-assert abs(k["k_m_per_s"] / (9.80665 / a) - 1) < 0.001, k["k_m_per_s"]
-v, head = map(float, re.findall(r"(?:v|head) ([0-9.e-]+)", open("seepage/heads.txt").read()))
-assert abs(v / 0.01862 - 1) < 0.05 and abs(head / 0.1 - 1) < 0.03, (v, head)
-dam, paper = [list(map(float, re.findall(r" ([0-9.]+)", line))) for line in open("seepage/dam.txt") if "bottom after" in line]
-for time, share, pressure in (dam, paper):
-    assert abs(share - 0.5) < 0.02 and abs(pressure / 2940 - 1) < 0.04, (share, pressure)
-assert abs(dam[0] / 0.449 - 1) < 0.1 and abs(paper[0] / 0.324 - 1) < 0.1, (dam, paper)
-END
+  python3 "$BATS_TEST_DIRNAME/seepage_numbers.py"
 }
 
 @test "examples: each study runs, and runs again only what changed" {

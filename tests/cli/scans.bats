@@ -151,7 +151,7 @@ assert (a["solid"][()] == b["solid"][()]).all() and (a["wall_distance"][()] == b
   for flow in x y z; do
     "$CT" build sand --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,64,48,32 --flow $flow --mirror none --quiet \
       --size "$(case $flow in x) echo 12x8x16 ;; y) echo 8x16x12 ;; z) echo 16x12x8 ;; esac)" -o $flow.hdf > /dev/null
-    "$BATS_TEST_DIRNAME/../../scripts/tensor" $flow.hdf > $flow.json
+    "$BATS_TEST_DIRNAME/../../scripts/studies/tensor" $flow.hdf > $flow.json
   done
   python3 - <<'P'
 import json
@@ -168,7 +168,7 @@ P
 
 @test "ours keeps more voxels on their side than bicubic-point, at the same void ratio" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
-  BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/scan-study" --size 96x96x48 --voxel-size 8.745um \
+  BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/studies/scan-study" --size 96x96x48 --voxel-size 8.745um \
     --noise 4 --ways bicubic,bicubic-point,nlm --output study
   for drawing in wrong surface-model surface-full; do grep -q "$drawing.svg" study/index.html; done
   python3 - <<'P'

@@ -129,7 +129,7 @@ def whole(run, work=None, backs=False):
 
 
 def balances(run):
-    """The account of momentum and energy, of a run that ended (docs/physics.md).
+    """The account of momentum and energy, of a run that ended (docs/physics/index.md).
 
     Both are identities of the steps, as long as no effect is forgotten. Each of S steps adds some ten numbers a
     particle, as large as the energy that is there, T + M f L, and as M f t, with a rounding of 2^-53 (isph), or keeps

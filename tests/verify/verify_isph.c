@@ -1,5 +1,5 @@
 /* Free surfaces and open flow by method isph against exact solutions and measurements
- * (docs/physics.md names each). Usage: verify_isph RESULTS.json [CASE...]     all cases, or those
+ * (docs/physics/isph.md names each). Usage: verify_isph RESULTS.json [CASE...]     all cases, or those
  * whose names start with CASE */
 #include "tests/verify/isph_rig.h"
 
@@ -96,7 +96,7 @@ static void taylor_green_decay(void) {
  * volume of fluid method with water, air and walls that hold, which on grids of L/20, L/40 and L/80
  * agrees with itself within .5 % (L/80 until 1.935; 1.7 % at .381). Koshizuka, Oka's (1996)
  * experiment is judged beside, and red: its front is 8 to 21 % behind, and 6 to 9 % behind Martin
- * and Moyce's own table (docs/physics.md). */
+ * and Moyce's own table (docs/physics/isph.md). */
 static void dam_break(void) {
   static const double t[] = {.381, .769, 1.153, 1.537, 1.935, 2.323, 2.719, 3.096};
   static const double computed[2][8] = {{1.079, 1.309, 1.655, 2.059, 2.532, 3.038, 3.597, 4.159},

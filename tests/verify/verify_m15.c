@@ -1,4 +1,4 @@
-/* Reads the runs of scripts/m15 and holds them against the paper, the 1-D balance and the exact
+/* Reads the runs of scripts/studies/m15 and holds them against the paper, the 1-D balance and the exact
  * state at rest; draws the paper's figures 6 and 7 and the histories. Usage: verify_m15 FOLDER;
  * writes FOLDER/results.json, figure-6, figure-7, histories. */
 #include <jansson.h>

@@ -1,4 +1,4 @@
-/* Seepage, windows and moving bodies by method isph against exact solutions (docs/physics.md names
+/* Seepage, windows and moving bodies by method isph against exact solutions (docs/physics/isph.md names
  * each). Usage: verify_seepage RESULTS.json [CASE...]     all cases, or those whose names start
  * with CASE */
 #include "tests/verify/isph_rig.h"

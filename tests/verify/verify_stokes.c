@@ -249,7 +249,7 @@ static void arrays(void) {
     const size_t *sizes = gap > 0.0 && 16.0 * gap < 1.0 ? fine : usual;
     snprintf(name, sizeof name, "spheres c = %g", c);
     /* Of touching spheres verification.md has two values .26 % apart, its own 41.99 and Zick and
-     * Homsy's (1982) 42.1; k converges to 42.13 +- .03 (docs/physics_stokes.md). */
+     * Homsy's (1982) 42.1; k converges to 42.13 +- .03 (docs/physics/stokes.md). */
     const double unit = 2.0 * radius * radius / (9.0 * c);
     series(name, unit / spheres[i][1], i == 6 ? unit / 42.1 : 0.0, &g, false, sizes, 3, 24, 0.01,
            0.003);

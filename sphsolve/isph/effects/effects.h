@@ -1,5 +1,5 @@
 /* What method isph is made of, and when a scene calls for it. Equations and sources stand in
- * effects/isph_*.h, beside the functions that compute them, and in docs/physics.md. */
+ * effects/isph_*.h, beside the functions that compute them, and in docs/physics/isph.md. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_EFFECTS_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_EFFECTS_H
 
@@ -199,7 +199,7 @@ EFFECT_OF(isph_projection, isph_always, NULL, FIELD_BIT(POSITION),
           FIELD_BIT(VELOCITY) | FIELD_BIT(PRESSURE) | FIELD_BIT(MATRIX) | FIELD_BIT(SUPPORT) |
               FIELD_BIT(ID),
           "projection onto div v = 0 by a symmetric pressure equation",
-          "Morimoto et al. 2015 (18)-(25), as corrected in docs/physics.md");
+          "Morimoto et al. 2015 (18)-(25), as corrected in docs/physics/isph.md");
 EFFECT_OF(isph_relaxation, isph_relaxation_wanted, NULL, FIELD_BIT(VOLUME_FRACTION), 0,
           "density error fades with time tau", "Asai et al. 2012; Morimoto et al. 2015 (26)-(31)");
 EFFECT_OF(isph_surface, isph_surface_wanted, NULL, FIELD_BIT(VOLUME_FRACTION),
@@ -224,10 +224,10 @@ EFFECT_OF(isph_shifting, isph_shifting_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(POSITION) | FIELD_BIT(SHIFT), "particles drift to where they are sparse",
           "Lind et al. 2012; Skillen et al. 2013");
 EFFECT_OF(isph_calming, isph_calming_wanted, NULL, FIELD_BIT(VELOCITY), FIELD_BIT(VELOCITY),
-          "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)", "docs/physics.md");
+          "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)", "docs/physics/isph.md");
 EFFECT_OF(isph_energy, isph_energy_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(VELOCITY) | FIELD_BIT(POSITION), "what a step lifts out of nothing is let down",
-          "docs/physics.md");
+          "docs/physics/isph.md");
 EFFECT_OF(isph_wall_no_slip, isph_no_slip_wanted, NULL, FIELD_BIT(VELOCITY),
           FIELD_BIT(IMAGE_VELOCITY), "mirrored images v_w + (v_w - v) d_w/d",
           "Takeda et al. 1994; Morris et al. 1997");
@@ -236,7 +236,7 @@ EFFECT_OF(isph_wall_slip, isph_slip_wanted, NULL, FIELD_BIT(VELOCITY), FIELD_BIT
 EFFECT_OF(isph_wall_moving, isph_moving_wanted, NULL, 0, FIELD_BIT(WALL_VELOCITY),
           "walls move with prescribed velocity", "Asai et al. 2013");
 EFFECT_OF(isph_open_side, isph_open_wanted, NULL, FIELD_BIT(PRESSURE), FIELD_BIT(POSITION),
-          "fixed head or flux on a side", "docs/physics.md");
+          "fixed head or flux on a side", "docs/physics/isph.md");
 
 #undef WHY
 #undef EFFECT_OF
