@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
@@ -17,6 +18,8 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
 #include "common/threads.h"
 #include "common/units.h"
 
@@ -104,6 +107,13 @@ cleanup:
   return status;
 }
 
+/* Whether two names are those of one file. */
+static bool file_is(const char *a, const char *b) {
+  struct stat of_a, of_b;
+  return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
 static enum status read_runs(const struct options *options, struct run **runs, size_t *n) {
   enum status status = STATUS_OK;
   size_t count = options_operand_count(options);
@@ -112,6 +122,12 @@ static enum status read_runs(const struct options *options, struct run **runs, s
     const char *path = options_operand(options, i);
     if (count > 1 && run_is_companion(path)) {
       log_info("%s: no run but a file beside one, passed over", path);
+      continue;
+    }
+    bool again = false;
+    for (size_t j = 0; j < i && !again; j++) again = file_is(path, options_operand(options, j));
+    if (again) {
+      log_warning("%s: given twice, counted once", path);
       continue;
     }
     TRY(run_read(path, &(*runs)[*n]));
@@ -134,11 +150,10 @@ static enum status deliver(const struct options *options, struct product *produc
   if (options_json(options)) {
     json_dumpf(product->json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
     putchar('\n');
-  } else {
+  } else if (log_level() > LOG_QUIET) {
     fputs(product->summary.data, stdout);
     if (folder != NULL) printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
   }
-  if (fflush(stdout) != 0 || ferror(stdout)) TRY_FAIL(STATUS_RUN, "stdout: cannot be written");
 cleanup:
   return status;
 }
@@ -158,11 +173,12 @@ static enum status report_command(const struct options *options, const struct ru
   const char *path = options_text(options, "output");
   if (path == NULL || path[0] == '\0')
     TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
+  TRY(output_allow(path));
   TRY(page_write(runs, n, path, options_command_line(options), &json));
   if (options_json(options)) {
     json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
     putchar('\n');
-  } else {
+  } else if (log_level() > LOG_QUIET) {
     printf("written: %s\n", path);
   }
 cleanup:
@@ -207,6 +223,7 @@ int main(int argc, char **argv) {
   log_start("analyze", LOG_NORMAL);
   enum status status = options_parse(&table, argc, argv, &options, &done);
   if (status == STATUS_OK && !done) status = run_command(options);
+  if (status == STATUS_OK) status = output_flush();
   options_free(options);
   if (status != STATUS_OK) log_pending_error();
   return (int)status;

@@ -89,11 +89,14 @@ static enum status run_gnuplot(const char *folder, const char *name, const char 
   enum status status = STATUS_OK;
   char picture[4200];
   int code;
+  /* Drawn anew: gnuplot would write into whatever else the file is linked with. */
+  snprintf(picture, sizeof picture, "%s/%s.%s", folder, name, format);
+  TRY(output_check_inputs(picture));
+  unlink(picture);
   TRY(spawn_gnuplot(folder, name, format, false, &code));
   *ran = code >= 0;
   if (code > 0) {
     TRY(spawn_gnuplot(folder, name, format, true, &code));
-    snprintf(picture, sizeof picture, "%s/%s.%s", folder, name, format);
     unlink(picture); /* what was drawn so far */
     TRY_FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above", folder,
              name);

@@ -9,6 +9,8 @@
 
 #include "analyze/plot.h"
 #include "common/output_file.h"
+#include "common/output_guard.h"
+#include "common/provenance.h"
 
 static enum status text_start(struct text *text) {
   text->stream = open_memstream(&text->data, &text->size);
@@ -86,11 +88,31 @@ static enum status save_as(const struct product *product, const char *folder, co
   return output_write(path, data, size);
 }
 
+/* The files of a product stand together, and the JSON file bears the mark for all. */
+static enum status allow_all(const struct product *product, const char *folder) {
+  enum status status = STATUS_OK;
+  static const char *const endings[] = {"json", "csv", "gp", "svg", "png"};
+  char path[4200];
+  bool ours = false;
+  for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+    if (snprintf(path, sizeof path, "%s/%s.%s", folder, product->name, endings[i]) >=
+        (int)sizeof path)
+      TRY_FAIL(STATUS_USAGE, "-o: the folder's name is too long");
+    TRY(output_check_inputs(path));
+    if (i == 0) ours = output_is_product(path);
+    if (!ours) TRY(output_allow(path));
+  }
+cleanup:
+  return status;
+}
+
 enum status product_save(const struct product *product, const char *folder) {
   enum status status = STATUS_OK;
   char *json = NULL;
   if (folder[0] == '\0') TRY_FAIL(STATUS_USAGE, "-o: give the name of a folder");
   TRY(folder_make(folder));
+  TRY(allow_all(product, folder));
+  json_object_set_new(product->json, "tosui_version", json_string(TOSUI_VERSION));
   json = json_dumps(product->json, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
   if (json == NULL) TRY_FAIL(STATUS_RUN, "out of memory for JSON");
   TRY(save_as(product, folder, ".json", json, strlen(json)));

@@ -134,6 +134,11 @@ cleanup:
 }
 
 enum status h5_open(const char *path, struct h5_file **file) {
+  enum status status = open_file(path, true, file);
+  if (status == STATUS_OK) output_protect(path);
+  return status;
+}
+enum status h5_open_output(const char *path, struct h5_file **file) {
   return open_file(path, true, file);
 }
 enum status h5_open_sealed(const char *path, struct h5_file **file) {

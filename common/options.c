@@ -14,6 +14,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_guard.h"
 #include "common/provenance.h"
 
 #define ENTRY_MAX 64
@@ -39,6 +40,7 @@ struct options {
 static const struct option_entry common_entries[] = {
     {"threads", 't', "N", OPTION_ALL, "threads to use (default: all cores)"},
     {"max-memory", 0, "SIZE", OPTION_ALL, "refuse to use more, e.g. 8GB"},
+    {"force", 0, NULL, OPTION_ALL, "replace a file that is no product of Tosui's (an input never)"},
     {"json", 0, NULL, OPTION_ALL, "one JSON object on stdout, nothing else there"},
     {"quiet", 'q', NULL, OPTION_ALL, "errors only"},
     {"verbose", 'v', NULL, OPTION_ALL, "more detail"},
@@ -203,6 +205,7 @@ static enum status apply_common(const struct options *options) {
                          : options_given(options, "verbose") ? LOG_VERBOSE
                                                              : LOG_NORMAL;
   log_start(options->table->program, level);
+  output_start(options_given(options, "force"));
   double threads = 0;
   TRY(options_number(options, "threads", &threads));
   if (options_given(options, "threads") &&

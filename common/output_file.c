@@ -2,7 +2,9 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/memory.h"
@@ -21,7 +23,48 @@ long output_fail_after(long n) {
   return left;
 }
 
+/* Inputs by what they are, not by name; kept to the end of the program, outside the memory that
+ * is counted. */
+static struct {
+  dev_t device;
+  ino_t number;
+} * inputs;
+static size_t input_count, input_room;
+static bool noting;
+
+void output_note_inputs(void) {
+  noting = true;
+}
+
+void output_protect(const char *path) {
+  struct stat info;
+  if (!noting || stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return;
+  if (input_count == input_room) {
+    const size_t room = input_room == 0 ? 64 : 2 * input_room;
+    void *more = room < SIZE_MAX / sizeof *inputs ? realloc(inputs, room * sizeof *inputs) : NULL;
+    if (more == NULL) return;
+    inputs = more;
+    input_room = room;
+  }
+  inputs[input_count].device = info.st_dev;
+  inputs[input_count++].number = info.st_ino;
+}
+
+enum status output_check_inputs(const char *path) {
+  struct stat info;
+  if (input_count == 0 || stat(path, &info) != 0) return STATUS_OK;
+  for (size_t i = 0; i < input_count; i++)
+    if (inputs[i].device == info.st_dev && inputs[i].number == info.st_ino)
+      return FAIL(STATUS_USAGE,
+                  "%s: would be overwritten, and it is an input of this run; give another name "
+                  "with -o",
+                  path);
+  return STATUS_OK;
+}
+
 enum status output_rename(const char *from, const char *to) {
+  enum status status = output_check_inputs(to);
+  if (status != STATUS_OK) return status;
   if (output_fails() || rename(from, to) != 0)
     return FAIL(STATUS_RUN, "%s: cannot be put in place: %s", to, strerror(errno));
   return STATUS_OK;
@@ -46,4 +89,11 @@ cleanup:
   if (status != STATUS_OK && part != NULL) unlink(part);
   memory_free(&part);
   return status;
+}
+
+enum status output_flush(void) {
+  errno = 0;
+  if (fflush(stdout) == 0 && !ferror(stdout)) return STATUS_OK;
+  return FAIL(STATUS_RUN, "stdout: cannot be written%s%s", errno ? ": " : "",
+              errno ? strerror(errno) : "");
 }

@@ -11,8 +11,19 @@
 /* Writes `size` bytes to PATH.part and renames it to PATH; an error names the cause, and no part is
  * left. */
 enum status output_write(const char *path, const char *data, size_t size);
-/* rename(2) as a status. */
+/* rename(2) as a status; an input of this run is never replaced. */
 enum status output_rename(const char *from, const char *to);
+
+/* From here on inputs are noted: of a program, not of what writes and reads for itself alone. */
+void output_note_inputs(void);
+/* Notes `path` as an input: no output may replace it, by whatever name, hard or soft link. */
+void output_protect(const char *path);
+/* STATUS_USAGE where `path` is a file noted as an input. */
+enum status output_check_inputs(const char *path);
+
+/* To be called last: STATUS_RUN where what was printed did not get out (a full disk, a closed
+ * pipe). */
+enum status output_flush(void);
 
 /* Called before every write, HDF5 write and rename of ours; true where a test wants it to fail. */
 bool output_fails(void);

@@ -73,3 +73,19 @@ enum status provenance_check(struct h5_file *file) {
               "%s: is of schema version %.0f, this program reads up to %d; use a newer Tosui",
               h5_path(file), schema, TOSUI_SCHEMA_VERSION);
 }
+
+bool provenance_is_ours(const char *path) {
+  struct h5_file *file = NULL;
+  bool ours = false;
+  if (h5_open_output(path, &file) == STATUS_OK) {
+    /* A snapshot names its time and step, a checkpoint what the recorder holds. */
+    ours = (h5_exists(file, "/provenance") &&
+            h5_attribute_exists(file, "/provenance", "schema_version")) ||
+           (h5_exists(file, "/VTKHDF") && h5_attribute_exists(file, "/", "time") &&
+            h5_attribute_exists(file, "/", "step")) ||
+           h5_exists(file, "/recorder");
+  }
+  h5_close(file);
+  error_clear();
+  return ours;
+}

@@ -2,6 +2,7 @@
 #ifndef TOSUI_COMMON_PROVENANCE_H
 #define TOSUI_COMMON_PROVENANCE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -23,5 +24,8 @@ enum status provenance_write(struct h5_file *file, const char *program, const ch
 
 /* Refuses a file that a newer version wrote; one that names no version passes. */
 enum status provenance_check(struct h5_file *file);
+
+/* Whether an HDF5 file is one that a program of Tosui's wrote: model, run, snapshot, checkpoint. */
+bool provenance_is_ours(const char *path);
 
 #endif

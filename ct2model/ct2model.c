@@ -1,16 +1,16 @@
 /* ct2model: CT slices to a calibrated voxel model. */
-#include <errno.h>
 #include <jansson.h>
 #include <limits.h>
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "common/threads.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
 #include "ct2model/describe.h"
 #include "ct2model/model/export_tiff.h"
 #include "ct2model/model/model_output.h"
@@ -18,17 +18,6 @@
 #include "ct2model/report.h"
 #include "ct2model/request.h"
 #include "ct2model/calibrate/sweep_table.h"
-
-/* Said before the work, not after it. */
-static enum status check_output(const char *path) {
-  if (path == NULL) return STATUS_OK;
-  const char *slash = strrchr(path, '/');
-  char folder[PATH_MAX] = ".";
-  if (slash != NULL)
-    snprintf(folder, sizeof folder, "%.*s", (int)(slash == path ? 1 : slash - path), path);
-  if (access(folder, W_OK) == 0) return STATUS_OK;
-  return FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
-}
 
 /* Turns the request into that of a coarser level of `finest` and names its file. */
 static void coarsen(const struct pipeline *finest, int level, struct request *request,
@@ -52,7 +41,6 @@ static enum status run_level(const struct options *options, const struct request
                              const char *const *paths, struct pipeline *pipeline, json_t **said) {
   enum status status = STATUS_OK;
   const bool build = strcmp(options_command(options), "build") == 0;
-  TRY(check_output(request->output));
   TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
   if (build)
     TRY(model_output_write(pipeline, options));
@@ -94,8 +82,8 @@ static enum status run_export(const struct options *options) {
   struct voxel_model model = {0};
   const char *output = options_text(options, "output");
   if (output == NULL) return FAIL(STATUS_USAGE, "export: -o STACK.tif is wanted");
-  TRY(check_output(output));
   TRY(model_read(options_operand(options, 0), &model));
+  TRY(output_allow(output));
   TRY(export_tiff(output, &model));
   const size_t *n = model.size;
   if (options_json(options)) {
@@ -130,8 +118,8 @@ int main(int argc, char **argv) {
     TRY(describe_files(options, &request));
   else
     TRY(run_pipeline(options, &request));
-  if (fflush(stdout) != 0) TRY_FAIL(STATUS_RUN, "stdout: cannot be written");
 cleanup:
+  if (status == STATUS_OK) status = output_flush();
   if (status != STATUS_OK) log_pending_error();
   options_free(options);
   return (int)status;

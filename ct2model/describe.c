@@ -93,8 +93,9 @@ static enum status describe_stack(const char *const *paths, size_t count,
   if (status != STATUS_OK) return status;
   double voxel[3];
   stack_compare_voxel(&stack, request->voxel);
-  for (int d = 0; d < 3; d++) voxel[d] = isnan(request->voxel) ? stack.voxel[d] : request->voxel;
-  const char *source = isnan(request->voxel) ? stack.voxel_source : "--voxel-size";
+  for (int d = 0; d < 3; d++)
+    voxel[d] = isnan(request->voxel[d]) ? stack.voxel[d] : request->voxel[d];
+  const char *source = isnan(request->voxel[0]) ? stack.voxel_source : "--voxel-size";
   if (out != NULL) {
     json_object_set_new(out, "kind", json_string("stack"));
     json_object_set_new(out, "format", json_string(stack.files[0].reader->name));

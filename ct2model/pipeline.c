@@ -5,6 +5,8 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
 #include "common/units.h"
 #include "ct2model/scan/autocrop.h"
 #include "ct2model/model/binarise.h"
@@ -38,8 +40,10 @@ bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t siz
 
 static enum status choose_voxel(struct pipeline *pipeline) {
   const struct stack *stack = &pipeline->stack;
-  double given = pipeline->request->voxel, *voxel = pipeline->region.voxel;
-  for (int d = 0; d < 3; d++) voxel[d] = isnan(given) ? stack->voxel[d] : given;
+  const double *given = pipeline->request->voxel;
+  double *voxel = pipeline->region.voxel;
+  const bool unknown = isnan(given[0]);
+  for (int d = 0; d < 3; d++) voxel[d] = unknown ? stack->voxel[d] : given[d];
   if (isnan(voxel[0]))
     return FAIL(
         STATUS_INPUT,
@@ -47,17 +51,27 @@ static enum status choose_voxel(struct pipeline *pipeline) {
         stack->files[0].path);
   if (isnan(voxel[1])) voxel[1] = voxel[0];
   if (isnan(voxel[2])) {
-    if (isnan(given))
+    if (unknown)
       log_warning("%s give no slice distance; that of the pixels is taken", stack->voxel_source);
     voxel[2] = voxel[0];
   }
-  if (isnan(given)) {
+  if (unknown) {
     char text[40];
     quantity_format(voxel[0], "m", text, sizeof text);
     log_info("voxel size %s from the %s", text, stack->voxel_source);
   }
   stack_compare_voxel(stack, given);
   return STATUS_OK;
+}
+
+/* Model voxels are cubes as large as the shortest edge of the scan's, unless --size says otherwise.
+ */
+static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
+  const double *voxel = pipeline->region.voxel;
+  const double edge = fmin(fmin(voxel[0], voxel[1]), voxel[2]);
+  const size_t n = pipeline->region.size[axis];
+  if (pipeline->request->filter == FILTER_NONE || voxel[axis] < edge * (1.0 + 1e-3)) return n;
+  return (size_t)fmax(1.0, round((double)n * voxel[axis] / edge));
 }
 
 static enum status choose_size(struct pipeline *pipeline) {
@@ -67,10 +81,17 @@ static enum status choose_size(struct pipeline *pipeline) {
   for (int a = 0; a < 3; a++) {
     in[a] = pipeline->region.size[pipeline->place[a]];
     voxel[a] = pipeline->region.voxel[pipeline->place[a]];
-    out[a] = request->size_given ? request->size[a] : in[a];
+    out[a] = request->size_given ? request->size[a] : size_of_cubes(pipeline, pipeline->place[a]);
     pipeline->size[pipeline->place[a]] = out[a];
     spacing[a] = voxel[a] * (double)in[a] / (double)out[a];
   }
+  for (int a = 0; pipeline->distances && !request->size_given && a < 3; a++)
+    if (in[a] == 1)
+      return FAIL(STATUS_INPUT,
+                  "%s: one %s is no volume to flow through; give the whole stack (a folder, or all "
+                  "files), or say that one layer is meant with --size %zux%zux%zu",
+                  pipeline->stack.files[0].path, a == 2 ? "slice" : "row of voxels", out[0], out[1],
+                  out[2]);
   if (request->filter == FILTER_NONE && memcmp(in, out, sizeof in) != 0)
     return FAIL(STATUS_USAGE,
                 "--filter none keeps all %zux%zux%zu voxels, but --size is %zux%zux%zu; leave "
@@ -80,12 +101,16 @@ static enum status choose_size(struct pipeline *pipeline) {
     log_warning("bicubic-point does not antialias: at a reduction of %.3g the void ratio still "
                 "matches, but many voxels are wrong and the surface is far too large; use bicubic",
                 spacing[0] / voxel[0]);
-  if (out[0] > in[0] || out[1] > in[1] || out[2] > in[2])
+  if (request->size_given && (out[0] > in[0] || out[1] > in[1] || out[2] > in[2]))
     log_warning(
         "--size %zux%zux%zu is finer than the scan's own %zux%zux%zu voxels: it adds voxels, "
         "but no detail",
         out[0], out[1], out[2], in[0], in[1], in[2]);
-  if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 || fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
+  if (!request->size_given && memcmp(in, out, sizeof in) != 0)
+    log_info("voxels of %.4g x %.4g x %.4g um become cubes: %zux%zux%zu", voxel[0] * 1e6,
+             voxel[1] * 1e6, voxel[2] * 1e6, out[0], out[1], out[2]);
+  else if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 ||
+           fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
     double ny = (double)in[1] * voxel[1] / spacing[0], nz = (double)in[2] * voxel[2] / spacing[0];
     log_warning("model voxels of %.4g x %.4g x %.4g um are not cubic; --size %zux%.0fx%.0f%s "
                 "would keep them so",
@@ -350,11 +375,23 @@ cleanup:
   return status;
 }
 
+/* Said before the work, not after it. */
+static enum status check_output(const struct pipeline *pipeline) {
+  const struct stack *stack = &pipeline->stack;
+  for (size_t i = 0; i < stack->file_count; i++) {
+    output_protect(stack->files[i].path);
+    if (stack->files[i].data_path != NULL) output_protect(stack->files[i].data_path);
+  }
+  return output_allow(pipeline->request->output);
+}
+
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
                          bool distances, struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  *pipeline = (struct pipeline){.request = request, .grey_scale = 1.0, .coarse = {.step = 1}};
+  *pipeline = (struct pipeline){
+      .request = request, .distances = distances, .grey_scale = 1.0, .coarse = {.step = 1}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
+  TRY(check_output(pipeline));
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;

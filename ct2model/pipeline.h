@@ -30,6 +30,7 @@ struct quality {
 /* Greys inside are `grey_sign` times stored ones; pipeline_grey gives what is reported. */
 struct pipeline {
   const struct request *request;
+  bool distances; /* a model is wanted, not a sweep alone */
   struct stack stack;
   struct region region;
   struct survey survey;              /* of the greys as stored, in the scan's axes */

@@ -283,7 +283,7 @@ static void print_text(const struct pipeline *pipeline) {
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
                          json_t **first) {
   if (!options_json(options)) {
-    print_text(pipeline);
+    if (log_level() > LOG_QUIET) print_text(pipeline);
     return STATUS_OK;
   }
   json_t *object = json_of_all(pipeline, options);

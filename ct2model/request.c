@@ -30,7 +30,8 @@ static const struct option_entry ENTRIES[] = {
     {"output", 'o', "FILE", SWEEP | BUILD | EXPORT,
      "where the model (build), the table (sweep) or the stack (export) goes"},
     {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
-     "edge of a voxel, e.g. 5.83um (needed unless the file says it)"},
+     "edge of a voxel, e.g. 5.83um, or of x, y and z: 5um,5um,10um (needed unless the file says "
+     "it)"},
     {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
      "f64be"},
@@ -84,21 +85,64 @@ static enum status parse_numbers(const struct options *options, const char *name
   return STATUS_OK;
 }
 
+/* One edge for all axes, or one each. No scanner resolves less than a nanometre, and none of soil
+ * has voxels of a centimetre: a unit is wrong there. */
+static enum status parse_voxel_size(const struct options *options, struct request *request) {
+  const char *text = options_text(options, "voxel-size"), *at = text;
+  for (int d = 0; d < 3; d++) request->voxel[d] = NAN;
+  if (text == NULL) return STATUS_OK;
+  char part[64];
+  int n = 0;
+  for (bool more = true; more; n++) {
+    const size_t length = strcspn(at, ",");
+    more = at[length] == ',';
+    if (n == 3 || length >= sizeof part) break;
+    snprintf(part, sizeof part, "%.*s", (int)length, at);
+    if (quantity_parse(part, DIM_LENGTH, &request->voxel[n]) != STATUS_OK)
+      return error_context(STATUS_USAGE, "--voxel-size %s", text);
+    if (!(request->voxel[n] >= 1e-9 && request->voxel[n] <= 0.01))
+      return FAIL(STATUS_USAGE,
+                  "--voxel-size %s: '%s' is no voxel of a scan, which has 1 nm to 1 cm; is 5.83um "
+                  "meant, or 5.83mm?",
+                  text, part);
+    at += length + 1;
+  }
+  if (n != 1 && n != 3)
+    return FAIL(STATUS_USAGE, "--voxel-size %s: one length is wanted, or three as 5um,5um,10um",
+                text);
+  if (n == 1) request->voxel[1] = request->voxel[2] = request->voxel[0];
+  return STATUS_OK;
+}
+
 /* "0.725", "0.725+-0.005", "0.725\u00b10.005" */
 static enum status parse_void_ratio(const struct options *options, struct request *request) {
   const char *text = options_text(options, "void-ratio");
   if (text == NULL) return STATUS_OK;
   char *end;
   request->void_ratio = strtod(text, &end);
-  bool good = end != text && request->void_ratio > 0.0 && request->void_ratio < 1000.0;
+  bool good = end != text && request->void_ratio > 0.0 && isfinite(request->void_ratio);
+  if (good && request->void_ratio > 30.0) { /* fibres and peat reach 20 */
+    char percent[60] = "";
+    if (request->void_ratio < 100.0)
+      snprintf(percent, sizeof percent, ", so %g %% is e = %.4g", request->void_ratio,
+               request->void_ratio / (100.0 - request->void_ratio));
+    return FAIL(STATUS_USAGE,
+                "--void-ratio %s: that would be a porosity of %.4g %%; a void ratio is pore volume "
+                "/ grain volume, a porosity n is e = n / (1 - n)%s",
+                text, 100.0 * request->void_ratio / (1.0 + request->void_ratio), percent);
+  }
   size_t sign = strncmp(end, "+-", 2) == 0 || strncmp(end, "\xC2\xB1", 2) == 0 ? 2
                 : strncmp(end, "+/-", 3) == 0                                  ? 3
                                                                                : 0;
   if (good && sign > 0) {
     const char *error = end + sign;
     request->void_ratio_error = strtod(error, &end);
-    good = end != error && request->void_ratio_error >= 0.0 &&
-           request->void_ratio_error < request->void_ratio;
+    good = end != error && request->void_ratio_error >= 0.0;
+    if (good && *end == '\0' && !(request->void_ratio_error < request->void_ratio))
+      return FAIL(STATUS_USAGE,
+                  "--void-ratio %s: an uncertainty of %g is as large as the void ratio itself; "
+                  "it is absolute, e.g. 0.725+-0.005",
+                  text, request->void_ratio_error);
   }
   if (good && *end == '\0') return STATUS_OK;
   return FAIL(STATUS_USAGE,
@@ -167,13 +211,10 @@ enum status request_parse(const struct options *options, struct request *request
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
   bool info = strcmp(options_command(options), "info") == 0;
-  *request =
-      (struct request){.voxel = NAN, .void_ratio = NAN, .void_ratio_error = NAN, .scale_peak = NAN};
+  *request = (struct request){.void_ratio = NAN, .void_ratio_error = NAN, .scale_peak = NAN};
   if (options_given(options, "raw"))
     TRY(raw_layout_parse(options_text(options, "raw"), &request->raw));
-  TRY(options_quantity(options, "voxel-size", DIM_LENGTH, &request->voxel));
-  if (options_given(options, "voxel-size") && !(request->voxel > 0.0))
-    TRY_FAIL(STATUS_USAGE, "--voxel-size %s: must be above 0", options_text(options, "voxel-size"));
+  TRY(parse_voxel_size(options, request));
   if (info) goto cleanup;
   const char *crop = options_text(options, "crop");
   request->crop_auto = crop != NULL && strcmp(crop, "auto") == 0;

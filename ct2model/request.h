@@ -16,7 +16,7 @@ enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 
 struct request {
   struct raw_layout raw;
-  double voxel; /* m; NAN: the file's own */
+  double voxel[3]; /* m; x, y, z of the scan; NAN: the file's own */
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
   int mirror_axis; /* of the model; 2 where nothing is mirrored */
   size_t crop[6];  /* x0, y0, z0, nx, ny, nz */

@@ -1,5 +1,6 @@
 # What the studies share: where the programs are, and how a run is made from a scene and a model.
-# `make -j2` runs two cases at a time; a second `make` reruns only what changed; OUT holds everything made.
+# `make -j2` runs two cases at a time; a second `make` reruns only what changed, given variables included; OUT holds
+# everything made.
 SHELL = /bin/bash
 ROOT := $(dir $(lastword $(MAKEFILE_LIST)))..
 BIN ?= $(if $(wildcard $(ROOT)/build/bin/sphsolve),$(ROOT)/build/bin/)
@@ -7,10 +8,14 @@ CT2MODEL = $(BIN)ct2model
 SPHSOLVE = $(BIN)sphsolve
 ANALYZE = $(BIN)analyze
 OUT ?= out
+# What is made with a variable depends on $(call given,NAME...): files that change when the values do.
+given = $(foreach n,$(1),$(OUT)/.$(n)$(shell mkdir -p '$(OUT)'; echo '$($(n))' | cmp -s - '$(OUT)/.$(n)' || echo '$($(n))' > '$(OUT)/.$(n)'))
 # The sample scan; give your own with SLICES=, VOID_RATIO= and VOXEL_SIZE=.
 SLICES ?= $(ROOT)/data-samples/small
 VOID_RATIO ?= 0.725+-0.005
 VOXEL_SIZE ?= 8.745um
+
+SCAN = $(wildcard $(SLICES)/*) $(SLICES) $(call given,SLICES VOID_RATIO VOXEL_SIZE)
 
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -12,6 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
+#include "common/output_file.h"
 #include "common/ranks.h"
 #include "common/threads.h"
 #include "sphsolve/plan/recommend.h"
@@ -221,6 +222,11 @@ static enum status run(const struct options *options, struct job *job) {
     enum status written = recorder_finish(recorder, &result);
     if (status == STATUS_OK) status = written;
   }
+  if (status == STATUS_RUN && isfinite(result.k)) { /* a full disk at the end: k is worth keeping */
+    error_context(status, "k = %.4g cm/s (%.4g m^2) was found, but not all of its record kept",
+                  100 * result.k, result.intrinsic_permeability);
+    if (options_json(options)) (void)print_json(&result);
+  }
   if (status != STATUS_OK) goto cleanup;
   size_t length = strlen(prefix);
   char shown[4096];
@@ -228,7 +234,7 @@ static enum status run(const struct options *options, struct job *job) {
            (int)(length > 4 && !strcmp(prefix + length - 4, ".hdf") ? length - 4 : length), prefix);
   if (options_json(options))
     TRY(print_json(&result));
-  else
+  else if (log_level() > LOG_QUIET)
     print_result(&result, shown);
 cleanup:
   recorder_close(recorder);
@@ -285,6 +291,7 @@ int main(int argc, char **argv) {
   if (ranks_own() > 0) log_start(log_program(), LOG_QUIET);
   if (status == STATUS_OK && !done)
     status = !strcmp(options_command(options), "run") ? run(options, &job) : explain(options, &job);
+  if (status == STATUS_OK) status = output_flush();
   lattice_free(&job.lattice);
   scene_free(&job.scene);
   options_free(options);

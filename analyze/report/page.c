@@ -20,6 +20,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "common/output_guard.h"
 #include "common/provenance.h"
 
 /* The analyses, each present or not as the runs support it. */
@@ -355,6 +356,7 @@ static void write_head(struct page *page) {
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
         "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n"
+        "<meta name=\"generator\" content=\"" TOSUI_MARK "\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
   html_text(out, page->runs[0].title);

@@ -42,6 +42,27 @@ static enum status check_reading(const struct pipeline *pipeline, double porosit
   return STATUS_OK;
 }
 
+/* Labels cannot be moved: the void ratio of a segmented image is its own, and one measured on the
+ * specimen is met or is not. */
+static enum status check_labels(const struct pipeline *pipeline, double porosity) {
+  const struct request *request = pipeline->request;
+  const double e = void_ratio_of(porosity), measured = request->void_ratio;
+  if (isnan(measured) || pipeline->request->roi.kind != ROI_NONE) return STATUS_OK;
+  const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
+  const double off = fabs(e - measured);
+  if (off > fmax(0.1 * measured, 3.0 * error))
+    return FAIL(STATUS_INPUT,
+                "%s: is segmented, with a void ratio of %.4g, and no threshold makes it the "
+                "measured %.4g: segment it anew from the greys, or take it as it is with "
+                "--void-ratio %.4g",
+                pipeline->stack.files[0].path, e, measured, e);
+  if (off > fmax(0.01 * measured, error))
+    log_warning("the image is segmented, with a void ratio of %.4g, not the measured %.4g: k is "
+                "that of the image",
+                e, measured);
+  return STATUS_OK;
+}
+
 /* What denoising would do, measured on a part of one slice; "" where it would do nothing. */
 static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
   struct denoise_effect effect;
@@ -184,6 +205,7 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
     double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
     TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
                       segmented || pipeline->phases.valley_depth < 0.5));
+    if (segmented) TRY(check_labels(pipeline, grey_histogram_porosity(histogram, natural)));
     if (!segmented) pipeline->threshold_original = first;
     pipeline->threshold = pipeline->threshold_original;
   } else {

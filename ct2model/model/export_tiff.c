@@ -9,6 +9,7 @@
 
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "common/output_guard.h"
 
 static bool write_layer(TIFF *tiff, const struct voxel_model *model, size_t z, uint8_t *row) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
@@ -22,6 +23,7 @@ static bool write_layer(TIFF *tiff, const struct voxel_model *model, size_t z, u
   TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
   TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 0.01 / model->spacing[0]);
   TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 0.01 / model->spacing[1]);
+  TIFFSetField(tiff, TIFFTAG_SOFTWARE, TOSUI_MARK);
   if (z == 0) {
     char description[160];
     snprintf(description, sizeof description,

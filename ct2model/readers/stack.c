@@ -232,13 +232,13 @@ cleanup:
   return status;
 }
 
-void stack_compare_voxel(const struct stack *stack, double given) {
+void stack_compare_voxel(const struct stack *stack, const double given[3]) {
   char text[2][40];
   static const char *const NAMES[] = {"pixel", "pixel", "slice"};
   for (int d = 0; d < 3; d += 2) {
-    if (!(fabs(stack->voxel[d] / given - 1.0) > 0.01)) continue;
+    if (!(fabs(stack->voxel[d] / given[d] - 1.0) > 0.01)) continue;
     quantity_format(stack->voxel[d], "m", text[0], sizeof text[0]);
-    quantity_format(given, "m", text[1], sizeof text[1]);
+    quantity_format(given[d], "m", text[1], sizeof text[1]);
     log_warning("the %s say %s from %s to %s; --voxel-size %s is used", stack->voxel_source,
                 text[0], NAMES[d], NAMES[d], text[1]);
     return;

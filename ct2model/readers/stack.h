@@ -28,8 +28,9 @@ void stack_close(struct stack *stack);
 enum status stack_read(const struct stack *stack, size_t z, float *out);
 /* Of a stack that has levels: slice z as `type`, native byte order. */
 enum status stack_read_stored(const struct stack *stack, size_t z, void *out);
-/* Warns if the files say that a voxel is not as large as `given` (m; NAN: nothing is given). */
-void stack_compare_voxel(const struct stack *stack, double given);
+/* Warns if the files say that a voxel is not as large as `given` (m; x, y, z; NAN: nothing is
+ * given). */
+void stack_compare_voxel(const struct stack *stack, const double given[3]);
 /* Files that say "white is zero" are inverted, unless slice `z` holds the two labels of a segmented
  * image: labels are no brightness and count as stored. */
 enum status stack_keep_labels(struct stack *stack, size_t z);

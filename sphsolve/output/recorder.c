@@ -1,26 +1,18 @@
 #include "sphsolve/output/recorder.h"
 
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/recorder_internal.h"
-
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number) {
-  (void)number;
-  interrupted = 1;
-}
 
 static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
                               int components) {
@@ -47,19 +39,17 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
 
 /* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
 static enum status refuse_overwriting(const struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  static const char *const endings[] = {".hdf", ".ckpt.hdf", ".history.csv", ".hdf.series"};
   char path[4096];
-  struct stat output, input;
-  const char *inputs[2] = {recorder->scene->model_path, recorder->scene->path};
-  snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
-  if (stat(path, &output) != 0) return STATUS_OK;
-  for (int i = 0; i < 2; i++)
-    if (*inputs[i] && stat(inputs[i], &input) == 0 && input.st_dev == output.st_dev &&
-        input.st_ino == output.st_ino)
-      return FAIL(STATUS_USAGE,
-                  "-o %s: %s would be overwritten, and it is an input of this run; "
-                  "choose another name",
-                  recorder->prefix, path);
-  return STATUS_OK;
+  output_protect(recorder->scene->path);
+  if (*recorder->scene->model_path) output_protect(recorder->scene->model_path);
+  for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+    snprintf(path, sizeof path, "%s%s", recorder->prefix, endings[i]);
+    TRY(output_allow(path));
+  }
+cleanup:
+  return ranks_agree(status);
 }
 
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
@@ -98,21 +88,9 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
   recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
   recorder->last_checkpoint = clock_seconds();
-  /* A folder that cannot be written is found before hours are spent. */
-  char folder[4096];
-  snprintf(folder, sizeof folder, "%s", recorder->prefix);
-  char *slash = strrchr(folder, '/');
-  if (slash == NULL)
-    strcpy(folder, ".");
-  else
-    slash[slash == folder] = '\0';
-  if (access(folder, W_OK) != 0)
-    TRY_FAIL(STATUS_RUN, "%s: output cannot be written there: %s", folder, strerror(errno));
+  /* What cannot be written is found before hours are spent. */
   TRY(refuse_overwriting(recorder));
-  interrupted = 0;
-  struct sigaction action = {.sa_handler = on_signal};
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
+  interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
   progress_start(&recorder->progress, "sphsolve", NULL, 100);
   *result = recorder;
 cleanup:
@@ -252,6 +230,7 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
   for (size_t i = 0; i < field_count && n < 32; i++)
     if (field_wanted(recorder->scene, fields[i].name)) wanted[n++] = fields[i];
   snprintf(path, sizeof path, "%s-%04zu.hdf", recorder->prefix, recorder->snapshot_count);
+  TRY(ranks_agree(output_allow(path)));
   TRY(snapshot_write(path, time, step, count, points, n, wanted));
   const char *slash = strrchr(path, '/');
   TRY(note_snapshot(recorder, slash != NULL ? slash + 1 : path, time));
@@ -294,12 +273,12 @@ void recorder_progress(struct recorder *recorder, double done, const char *note)
 
 bool recorder_interrupted(const struct recorder *recorder) {
   (void)recorder;
-  return ranks_any(interrupted != 0);
+  return ranks_any(interrupt_requested());
 }
 
 bool recorder_checkpoint_due(const struct recorder *recorder) {
   double interval = recorder->scene->checkpoint_interval;
-  return ranks_any(interrupted ||
+  return ranks_any(interrupt_requested() ||
                    (!isnan(interval) && clock_seconds() - recorder->last_checkpoint >= interval));
 }
 
@@ -353,8 +332,9 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   TRY(h5_read(*file, "/recorder/rows", H5_F64, 2, shape, &recorder->rows));
   if (shape[1] != (size_t)recorder->width)
     TRY_FAIL(STATUS_INPUT,
-             "%s: its history has %zu columns, this scene %d; remove it to start anew",
-             h5_path(*file), shape[1], recorder->width);
+             "%s: was written by this scene as it stood before: another method, or other gauges or "
+             "planes; take these changes back, or leave out --resume to start anew",
+             h5_path(*file));
   recorder->row_count = recorder->row_capacity = shape[0];
   TRY(h5_read_texts(*file, "/recorder/snapshot_names", &count, &names));
   TRY(h5_read(*file, "/recorder/snapshot_times", H5_F64, 1, &times, &snapshot_times));

@@ -136,7 +136,7 @@ for name, key in (("window", "size_m"), ("windows", "windows"), ("void_ratio", "
 assert said["floating_grains"] == 6 and said["isolated_pores"] == 0
 assert abs(sum(said["local_thickness_histogram"]) - 1) < 1e-9
 P
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 12x12x12 -o q.hdf
+  run_ct build spheres.raw ${RAW/--quiet/} --void-ratio 3.959 --size 12x12x12 -o q.hdf
   for line in "on a path along z"*"only the latter conducts" "percolates "*"leads through" "isolated pores "*"on no path" \
     "floating grains "*"touch no other" "specific surface "*"grain surface" "% of the pore voxels touch a grain" "median width " \
     "width histogram "*"share of the pores" "correlation "*"is independent" "representative "*"from one window"; do

@@ -74,6 +74,49 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   [ "$status" -eq 0 ] && [[ "$output" == *"run-32x32x14"* && "$output" != *"model-16x16x7.hdf -o"* ]]
 }
 
+@test "examples: a study made with another variable is made anew, each of them" {
+  local bin=${PATH%%:*}/
+  cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR/examples"
+  unset MAKEFLAGS MFLAGS
+  # A program that only writes what it was called with shows what a make would have run.
+  mkdir fake
+  cat > fake/ct2model <<'END'
+#!/bin/bash
+words="$*"
+while [ $# -gt 0 ]; do [ "$1" = -o ] && out=$2; shift; done
+case $out in */) mkdir -p "$out" ;; esac
+[[ $words == darcy* || $words == converge* ]] && { mkdir -p "$out"; out=$out/$(basename "$out").json; }
+[[ $words == run* ]] && out=$out.hdf
+echo "$words" > "$out"
+echo '{"threshold": 1, "void_ratio": 1, "k": 1, "darcy_velocity": [0, 0, 1]}'
+END
+  chmod +x fake/ct2model && cp fake/ct2model fake/sphsolve && cp fake/ct2model fake/analyze
+  mkdir scan1 scan2 && touch scan1/a.png scan2/a.png
+  printf 'print("table")\n' > calibration/table.py && cp calibration/table.py seepage/table.py
+  with() { # STUDY VARIABLE=VALUE: what is run with it after a make without
+    local study=$1 first="BIN=$PWD/fake/ SLICES=$PWD/scan1 ROOT=$ROOT"
+    make -C "$study" $first > log 2>&1 || { cat log; false; }
+    make -C "$study" $first | grep -q "Nothing to be done\|table" || { echo "$study: made again"; false; }
+    run make -C "$study" $first "$2"
+    [ "$status" -eq 0 ] || { echo "$output"; false; }
+    [[ "$output" == *"fake/"* || "$output" == *table.py* ]] || { echo "$study $2: nothing was made anew: $output"; false; }
+  }
+  for study in calibration gradients specimen; do
+    for change in VOID_RATIO=0.8 VOXEL_SIZE=9um SLICES="$PWD/scan2"; do
+      with $study "$change"
+      [[ "$output" == *"build "*"${change#*=}"* || $study$change == gradientsVOID_RATIO* ]]
+    done
+  done
+  with calibration "THRESHOLDS=54 58"
+  with calibration SIZE=8x8x8
+  with gradients SIZE=8x8x8
+  with gradients "GRADIENTS=1 5"
+  with gradients "VOID_RATIOS=0.9"
+  with specimen "SIZES=8x8x8 9x9x9"
+  with specimen "SIZES=16x16x7 32x32x14"
+  with seepage "GRAIN_SIZES=1 2"
+}
+
 @test "the examples of --help use options that exist" {
   for program in ct2model sphsolve analyze; do
     for command in $("$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z0-9]*\) .*/\1/p'); do

@@ -1,0 +1,82 @@
+#define _GNU_SOURCE /* memmem */
+#include "common/output_guard.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/output_file.h"
+#include "common/provenance.h"
+
+static bool forced;
+
+void output_start(bool force) {
+  forced = force;
+  output_note_inputs();
+}
+
+static bool bears_mark(const char *text, size_t size) {
+  static const char *const MARKS[] = {TOSUI_MARK, "threshold,void_ratio,",
+                                      "\"file-series-version\"", ",xxh3 (scene ",
+                                      "\"tosui_version\""};
+  for (size_t i = 0; i < sizeof MARKS / sizeof *MARKS; i++)
+    if (memmem(text, size, MARKS[i], strlen(MARKS[i])) != NULL) return true;
+  return false;
+}
+
+bool output_is_product(const char *path) {
+  static const char SIGNATURE[] = "\x89HDF\r\n\x1a\n";
+  char text[4096];
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return false;
+  size_t got = fread(text, 1, sizeof text, file);
+  bool ours = got == 0 || bears_mark(text, got);
+  const bool hdf5 = got >= 8 && memcmp(text, SIGNATURE, 8) == 0;
+  /* The tags of an image stand behind its pixels. */
+  if (!ours && !hdf5 && fseek(file, -(long)sizeof text, SEEK_END) == 0) {
+    got = fread(text, 1, sizeof text, file);
+    ours = bears_mark(text, got);
+  }
+  fclose(file);
+  return ours || (hdf5 && provenance_is_ours(path));
+}
+
+static enum status check_folder(const char *path) {
+  const char *slash = strrchr(path, '/');
+  char folder[PATH_MAX] = ".";
+  struct stat info;
+  if (slash != NULL)
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash == path ? 1 : slash - path), path);
+  if (stat(folder, &info) != 0)
+    return FAIL(STATUS_RUN, "%s: cannot be written: the folder %s: %s; make it first", path, folder,
+                strerror(errno));
+  if (!S_ISDIR(info.st_mode))
+    return FAIL(STATUS_RUN, "%s: cannot be written: %s is no folder", path, folder);
+  if (access(folder, W_OK) != 0)
+    return FAIL(STATUS_RUN, "%s: cannot be written: the folder %s: %s; choose another", path,
+                folder, strerror(errno));
+  return STATUS_OK;
+}
+
+enum status output_allow(const char *path) {
+  enum status status = STATUS_OK;
+  struct stat info;
+  if (path == NULL) return STATUS_OK;
+  if (path[0] == '\0') return FAIL(STATUS_USAGE, "-o '': the name of a file is wanted");
+  TRY(check_folder(path));
+  if (stat(path, &info) != 0) goto cleanup;
+  if (!S_ISREG(info.st_mode))
+    TRY_FAIL(STATUS_USAGE, "%s: is a %s, not a file to be written; give another name with -o", path,
+             S_ISDIR(info.st_mode) ? "folder" : "device or pipe");
+  TRY(output_check_inputs(path));
+  if (!forced && !output_is_product(path))
+    TRY_FAIL(STATUS_USAGE,
+             "%s: is there already and is no product of Tosui's; give another name with -o, or "
+             "--force to replace it",
+             path);
+cleanup:
+  return status;
+}

@@ -1,0 +1,25 @@
+/* Which files may be written: no input of this run, and nothing that is no product of Tosui's,
+ * unless --force says so. */
+#ifndef TOSUI_COMMON_OUTPUT_GUARD_H
+#define TOSUI_COMMON_OUTPUT_GUARD_H
+
+#include <stdbool.h>
+
+#include "common/error.h"
+
+/* A program starts: from here on inputs are noted (output_protect). `force`: files that are no
+ * products may be replaced; inputs never. */
+void output_start(bool force);
+
+/* To be called before the work, and after the inputs are known (output_protect): STATUS_USAGE where
+ * `path` is an input under whatever name, a folder or device, or a file of another origin;
+ * STATUS_RUN where its folder is absent or may not be written. NULL is fine. */
+enum status output_allow(const char *path);
+
+/* Whether a file is there, and whether it bears the mark of one of the programs. */
+bool output_is_product(const char *path);
+
+/* Text that marks a product: in the head of pages and tables, the tags of images. */
+#define TOSUI_MARK "Tosui, permeability from CT"
+
+#endif

@@ -1,0 +1,184 @@
+#!/usr/bin/env bats
+# What goes wrong in the first hour with one's own scan: nothing is destroyed, no wrong input passes, nothing found is lost.
+
+bats_require_minimum_version 1.5.0
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  cd "$BATS_FILE_TMPDIR"
+  cp -r "$ROOT/data-samples/small" scan
+  export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --quiet"
+  ct2model build $SCAN -o m.hdf
+  scene stokes > a.cfg
+  sphsolve run a.cfg -o run --quiet
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+scene() { # METHOD
+  cat <<END
+scene = { name = "sand"; method = "$1"; };
+model = { file = "m.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+}
+
+refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it was
+  local file=$1 before
+  before=$(md5sum < "$file")
+  shift
+  run --separate-stderr "$@"
+  [ "$status" -eq 2 ] && [ "$(wc -l <<< "$stderr")" -eq 1 ] || { echo "$*: $status $stderr"; false; }
+  [ "$before" = "$(md5sum < "$file")" ] || { echo "$*: $file was changed"; false; }
+}
+
+@test "no output replaces an input, by whatever name, even with --force" {
+  ln -s scan/slice_0001.png soft.png
+  ln scan/slice_0002.png hard.png
+  ln -s m.hdf soft.hdf
+  for force in "" --force; do
+    refused scan/slice_0000.png ct2model build $SCAN -o scan/slice_0000.png $force
+    refused scan/slice_0001.png ct2model build $SCAN -o soft.png $force
+    refused scan/slice_0002.png ct2model sweep $SCAN -o hard.png $force
+    refused m.hdf ct2model export m.hdf -o m.hdf $force
+    refused m.hdf ct2model export m.hdf -o ./../"$(basename "$PWD")"/m.hdf $force
+    refused m.hdf sphsolve run a.cfg -o m $force
+    refused m.hdf sphsolve run a.cfg -o soft $force
+    refused run.hdf analyze report run.hdf -o run.hdf $force
+    refused m.hdf analyze report run.hdf -o m.hdf $force
+    refused run-0000.hdf analyze report run.hdf -o run-0000.hdf $force
+    mkdir -p dir && ln -sf ../run.hdf dir/darcy.svg
+    refused run.hdf analyze darcy run.hdf -o dir $force
+  done
+}
+
+@test "a file that is no product of ours is replaced with --force only" {
+  echo "my notes" > notes.txt
+  refused notes.txt ct2model build $SCAN -o notes.txt
+  refused notes.txt ct2model sweep $SCAN -o notes.txt
+  refused notes.txt ct2model export m.hdf -o notes.txt
+  refused notes.txt analyze report run.hdf -o notes.txt
+  cp notes.txt mine.hdf
+  refused mine.hdf sphsolve run a.cfg -o mine
+  cp notes.txt mine2-0000.hdf
+  refused mine2-0000.hdf sphsolve run a.cfg -o mine2
+  mkdir -p own && cp notes.txt own/darcy.csv
+  refused own/darcy.csv analyze darcy run.hdf -o own
+  run ct2model build $SCAN -o /dev/null
+  [ "$status" -eq 2 ] && [ -c /dev/null ]
+  ct2model sweep $SCAN -o notes.txt --force
+  grep -q "^threshold,void_ratio" notes.txt
+  # What one of the programs made is replaced without a word.
+  for again in 1 2; do
+    ct2model build $SCAN -o product.hdf
+    ct2model export m.hdf -o product.tif
+    ct2model sweep $SCAN -o product.csv
+    sphsolve run a.cfg -o product2 --quiet
+    analyze report run.hdf -o product.html
+    analyze darcy run.hdf -o products --quiet
+  done
+}
+
+@test "a folder that is absent or may not be written is named, before the work" {
+  run --separate-stderr ct2model build $SCAN -o nowhere/m.hdf
+  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+  run --separate-stderr sphsolve run a.cfg -o nowhere/run
+  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+  run --separate-stderr analyze report run.hdf -o nowhere/run.html
+  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+}
+
+@test "a void ratio that labels cannot meet is an error; a near one is said" {
+  /usr/bin/python3 - <<'END'
+import random
+random.seed(1)
+open("labels.raw", "wb").write(bytes(255 if (x // 4 + y // 4 + z // 4) % 4 else 0 for z in range(16) for y in range(16) for x in range(16)))
+END
+  local image="labels.raw --raw 16x16x16:u8 --voxel-size 5um"
+  run --separate-stderr ct2model build $image --void-ratio 0.7 -o labels.hdf
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"0.3333"*"0.7"* ]] && [ ! -e labels.hdf ]
+  run --separate-stderr ct2model build $image --void-ratio 0.32 -o labels.hdf
+  [ "$status" -eq 0 ] && [[ "$stderr" == *"0.3333"*"0.32"* ]]
+}
+
+@test "wrong numbers are refused by name" {
+  wrong() { # WORD ARGUMENTS: what the message says
+    local word=$1
+    shift
+    run --separate-stderr ct2model build scan --size 16x16x7 -o wrong.hdf "$@"
+    [ "$status" -eq 2 ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+  }
+  wrong "1 nm to 1 cm" --void-ratio 0.7 --voxel-size 5m
+  wrong "'5m'" --void-ratio 0.7 --voxel-size 5um,5m,5um
+  wrong "three as" --void-ratio 0.7 --voxel-size 5um,5um
+  wrong "98.04 %" --void-ratio 50 --voxel-size 5um
+  wrong "0.9" --void-ratio 0.725+-0.9 --voxel-size 5um
+  [[ "$stderr" == *"as large as the void ratio"* ]]
+  run --separate-stderr ct2model build scan/slice_0003.png --void-ratio 0.7 -o wrong.hdf
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"one slice"* ]]
+}
+
+@test "what does not get out is an error" {
+  for words in "ct2model info m.hdf" "ct2model info m.hdf --json" "ct2model --help" "sphsolve explain a.cfg --json" \
+               "sphsolve run a.cfg -o full --json" "analyze darcy run.hdf --json" "ct2model sweep $SCAN --json"; do
+    code=0
+    $words > /dev/full 2> said || code=$?
+    [ $code -eq 1 ] && grep -q "stdout" said || { echo "$words: $code"; cat said; false; }
+  done
+}
+
+@test "-q prints nothing but errors, --json and files aside" {
+  for words in "ct2model build $SCAN -o quiet.hdf" "ct2model sweep $SCAN" "sphsolve run a.cfg -o quiet --quiet" \
+               "analyze darcy run.hdf -q" "analyze report run.hdf -o quiet.html -q"; do
+    run $words
+    [ "$status" -eq 0 ] && [ -z "$output" ] || { echo "$words: $output"; false; }
+  done
+  run analyze darcy run.hdf -q --json
+  [[ "$output" == *k_m_per_s* ]]
+}
+
+@test "the same run given twice counts once" {
+  ln -sf run.hdf other.hdf
+  run --separate-stderr analyze darcy run.hdf ./run.hdf other.hdf --json
+  [ "$status" -eq 0 ] && [[ "$output" == *'"runs_in_fit": 1'* ]] && [[ "$stderr" == *"given twice"* ]]
+}
+
+@test "a disk that is full at the end does not take k with it" {
+  code=0
+  (ulimit -f 30; trap '' XFSZ; sphsolve run a.cfg -o limit --json --quiet > limit.json 2> said) || code=$?
+  [ $code -eq 1 ] && grep -q "k = .* cm/s" said && grep -q '"k": 0\.00' limit.json || { cat said; false; }
+}
+
+@test "--resume after another method says what has changed" {
+  scene wcsph > b.cfg
+  sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' -o cut --quiet
+  [ -e cut.ckpt.hdf ]
+  run --separate-stderr sphsolve run a.cfg -o cut --resume
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"another method"*"--resume"* && "$stderr" != *column* ]]
+}
+
+@test "Ctrl-C says so at once, ends with 130, and --resume goes on" {
+  scene wcsph > long.cfg
+  sed -i 's/method = "wcsph";/method = "wcsph"; end_time = "100 s"; steady_tolerance = 0.0;/' long.cfg
+  /usr/bin/python3 - <<'END'
+import signal, subprocess, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
+run = subprocess.Popen(["sphsolve", "run", "long.cfg", "-o", "long"], stderr=subprocess.PIPE, text=True)
+time.sleep(1)
+run.send_signal(signal.SIGINT)
+said = run.communicate(timeout=60)[1]
+assert run.returncode == 130 and "stopping" in said and said.index("stopping") < said.index("interrupted"), said
+END
+  [ -e long.ckpt.hdf ]
+  sphsolve run long.cfg -o long --resume --set scene.end_time='"0.001 s"' --json > long.json
+  /usr/bin/python3 -c "import json; assert json.load(open('long.json'))['steps'] > 100"
+}
+
+@test "make package names what it needs, and make deps finds it" {
+  mkdir -p fake && printf '#!/bin/sh\nexit 1\n' > fake/dpkg-query && chmod +x fake/dpkg-query
+  PATH="$PWD/fake:$PATH" run "$ROOT/scripts/install-deps" --package --check
+  [ "$status" -eq 1 ] && [[ "$output" == *debhelper* && "$output" == *"--package"* ]]
+  grep -q "install-deps.* --package" "$ROOT/scripts/package"
+}
