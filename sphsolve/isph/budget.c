@@ -31,6 +31,7 @@
 #include "sphsolve/isph/budget.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "sphsolve/isph/effects/relaxation.h"
@@ -77,33 +78,17 @@ static void held(const struct isph *s, double momentum[3], double *energy) {
 }
 
 void isph_account_begin(struct isph *s) {
-  const struct {
-    enum ledger_term term;
-    bool on;
-  } terms[] = {{LEDGER_FORCE, dot(s->force, s->force) > 0},
-               {LEDGER_WALL_PRESSURE, s->boundary_count > 0},
-               {LEDGER_WALL_FRICTION, s->boundary_count > 0 && s->on.viscosity && s->on.no_slip},
-               {LEDGER_OPEN_SIDES, s->on.open_sides},
-               {LEDGER_ENTERED, s->on.open_sides},
-               {LEDGER_LEFT, s->on.open_sides},
-               {LEDGER_LOST, s->boundary_count > 0},
-               {LEDGER_SOIL_PRESSURE, s->on.soil},
-               {LEDGER_SOIL_ENTRY, s->on.soil},
-               {LEDGER_DRAG_LINEAR, s->on.drag_linear},
-               {LEDGER_DRAG_FORCHHEIMER, s->on.drag_forchheimer},
-               {LEDGER_VISCOSITY, s->on.viscosity},
-               {LEDGER_TURBULENCE, s->on.turbulence},
-               {LEDGER_RELAXATION, s->on.relaxation},
-               {LEDGER_PROJECTION, true},
-               {LEDGER_CALMING, s->on.calming},
-               {LEDGER_SHIFTING, s->on.shifting},
-               {LEDGER_WALL_GUARD, s->boundary_count > 0},
-               {LEDGER_STRAIGHTENING, s->on.open_sides},
-               {LEDGER_ENERGY_BOUND, s->on.energy},
-               {LEDGER_TIME_STEP, true}};
+  const bool walls = s->boundary_count > 0;
+  uint32_t on = s->on.budget | 1u << LEDGER_TIME_STEP;
   memset(&s->account, 0, sizeof s->account);
-  for (size_t t = 0; t < sizeof terms / sizeof *terms; t++)
-    if (terms[t].on) s->account.on |= 1u << terms[t].term;
+  if (dot(s->force, s->force) > 0) on |= 1u << LEDGER_FORCE;
+  if (walls) on |= 1u << LEDGER_WALL_PRESSURE | 1u << LEDGER_LOST | 1u << LEDGER_WALL_GUARD;
+  if (walls && s->on.viscosity && s->on.no_slip) on |= 1u << LEDGER_WALL_FRICTION;
+  for (size_t k = 0; k < s->on.force_count; k++) {
+    on |= 1u << (LEDGER_OWN + k);
+    snprintf(s->account.own[k], sizeof s->account.own[k], "%s", s->on.force[k]->name);
+  }
+  s->account.on = on;
   held(s, s->account.momentum[0], &s->account.energy[0]);
 }
 
@@ -171,8 +156,9 @@ static void account_viscosity(const struct isph *s, size_t i, double scale, cons
   const struct isph_applied *applied = &s->applied[i];
   const double eps = porosity_of(s, i), thick = s->eddy[i] * eps;
   const double own = thick > 0 ? s->viscosity / thick : 1;
-  const bool calming = s->on.calming && (!s->on.turbulence || thick - s->viscosity <= s->calm);
-  const enum ledger_term more = calming ? LEDGER_CALMING : LEDGER_TURBULENCE;
+  const bool artificial = s->on.artificial_viscosity &&
+                          (!s->on.turbulence || thick - s->viscosity <= s->artificial_viscosity);
+  const enum ledger_term more = artificial ? LEDGER_ARTIFICIAL_VISCOSITY : LEDGER_TURBULENCE;
   give(sums, LEDGER_VISCOSITY, scale * own, applied->viscous, u);
   give(sums, more, scale * (1 - own), applied->viscous, u);
   give(sums, LEDGER_WALL_FRICTION, scale, applied->friction, u);
@@ -199,6 +185,8 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
       give(sums, LEDGER_PROJECTION, m * dt, pressed, u);
       sums->work[LEDGER_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscosity) account_viscosity(s, i, m * dt, u, sums);
+      for (size_t k = 0; k < s->on.force_count; k++)
+        give(sums, LEDGER_OWN + k, m * dt, s->own_force[k][i], u);
       if (s->on.soil) account_drag(s, i, m * dt, before, u, sums);
       if (s->on.soil && s->soil_share[i] > 0 && s->soil_share[i] < 1)
         account_soil(s, chunk, i, m * dt / (eps * s->density), sums);

@@ -14,23 +14,20 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/output/recorder.h"
 
-void isph_switches_of(const struct plan *plan, struct isph_switches *on) {
-  *on = (struct isph_switches){
-      .soil = plan_has(plan, "isph_porosity"),
-      .moving_soil = plan_has(plan, "isph_soil_moving"),
-      .drag_linear = plan_has(plan, "isph_drag_linear"),
-      .drag_forchheimer = plan_has(plan, "isph_drag_forchheimer"),
-      .viscosity = plan_has(plan, "isph_viscosity"),
-      .turbulence = plan_has(plan, "isph_turbulence"),
-      .relaxation = plan_has(plan, "isph_relaxation"),
-      .surface = plan_has(plan, "isph_surface"),
-      .shifting = plan_has(plan, "isph_shifting"),
-      .calming = plan_has(plan, "isph_calming"),
-      .energy = plan_has(plan, "isph_energy"),
-      .no_slip = plan_has(plan, "isph_wall_no_slip"),
-      .moving_walls = plan_has(plan, "isph_wall_moving"),
-      .open_sides = plan_has(plan, "isph_open_side"),
-  };
+enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) {
+  *on = (struct isph_switches){.budget = plan_budget(plan), .dt_most = INFINITY};
+  plan_switch(plan, on);
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    if (!planned->on) continue;
+    if (planned->dt_max < on->dt_most)
+      on->dt_most = planned->dt_max, on->dt_most_by = planned->effect->name;
+    if (planned->effect->force == NULL) continue;
+    if (on->force_count == ISPH_FORCES)
+      return FAIL(STATUS_RUN, "more than %d effects with a force of their own", ISPH_FORCES);
+    on->force[on->force_count++] = planned->effect;
+  }
+  return STATUS_OK;
 }
 
 /* Whether the Darcy velocity has stayed within the tolerance over the last tenth of the time. */
@@ -347,7 +344,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   struct isph_copy copy = {0};
   struct isph_switches on;
   struct h5_file *file = NULL;
-  isph_switches_of(plan, &on);
+  TRY(isph_switches_of(plan, &on));
   TRY(isph_create(scene, lattice, &on, s));
   TRY(isph_add_columns(s, recorder));
   TRY(recorder_resume(recorder, &file));
@@ -413,7 +410,7 @@ static const char *wall_name(const struct scene *scene) {
 static const char *const fields[] = {"porosity", "volume", "surface", NULL};
 
 const struct method method_isph = {.name = "isph",
-                                   .effects = METHOD_BIT_ISPH,
+                                   .effects = isph_effects,
                                    .marches = true,
                                    .moves_walls = true,
                                    .has_turbulence = true,

@@ -5,11 +5,12 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/method.h"
 
+extern const struct effect *const isph_effects[]; /* effects/registry.def */
 enum status isph_scales(struct plan *plan);
 enum status isph_cost(struct plan *plan, int threads);
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
 /* From a plan to the switches of its state; also for those who run that by hand. */
-void isph_switches_of(const struct plan *plan, struct isph_switches *on);
+enum status isph_switches_of(const struct plan *plan, struct isph_switches *on);
 
 #endif

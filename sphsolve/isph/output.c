@@ -142,7 +142,7 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
   TRY(recorder_add_column(recorder, "particles", "1", 1));
   for (int t = 0; t < LEDGER_TERMS; t++) {
     if (!ledger_is_on(&s->account, t)) continue;
-    snprintf(name, sizeof name, "work_%s", ledger_name(t));
+    snprintf(name, sizeof name, "work_%s", ledger_name(&s->account, t));
     TRY(recorder_add_column(recorder, name, "J", 1));
   }
   for (size_t k = 0; k < s->scene->region_count; k++) {

@@ -64,12 +64,14 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
   if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
   if (isph_is_free(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
-  if (s->on.turbulence || s->on.shifting || s->on.calming)
+  if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
   if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
   TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
   TRY(memory_resize(&s->applied, n, sizeof *s->applied, what));
+  for (size_t k = 0; k < s->on.force_count; k++)
+    TRY(memory_resize(&s->own_force[k], n, sizeof *s->own_force[k], what));
   TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
@@ -318,5 +320,6 @@ void isph_free(struct isph *s) {
                     &s->column_front,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
+  for (size_t k = 0; k < ISPH_FORCES; k++) memory_free(&s->own_force[k]);
   memset(s, 0, sizeof *s);
 }

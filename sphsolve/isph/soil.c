@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "sphsolve/isph/effects/drag.h"
+#include "sphsolve/isph/effects/porosity.h"
 #include "sphsolve/isph/kernel.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half

@@ -17,6 +17,7 @@
 #include "common/error.h"
 #include "sphsolve/parallel/ghosts.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/plan/effect.h"
 #include "sphsolve/output/ledger.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/march/watchdog.h"
@@ -27,11 +28,18 @@
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
 
-/* What of the physics is on; each is an effect of the plan. */
+#define ISPH_FORCES (LEDGER_TERMS - LEDGER_OWN)
+
+/* What of the physics is on; each flag is an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer;
-  bool viscosity, turbulence, relaxation, surface, shifting, calming, energy;
-  bool walls, no_slip, moving_walls, open_sides;
+  bool viscosity, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
+  bool no_slip, moving_walls, open_sides;
+  uint32_t budget; /* terms of the effects on */
+  size_t force_count;
+  const struct effect *force[ISPH_FORCES]; /* the effects on with a force of their own */
+  double dt_most;                          /* s: of the effects, that no state changes */
+  const char *dt_most_by;
 };
 
 /* A box of wall, or the tank around the domain (inverted). */
@@ -119,7 +127,7 @@ struct isph {
   double widening;               /* share of what the relaxation asks of crowded water */
   double unpaid;                 /* share of that which friction does not pay for */
   double time, thickest;         /* thickest: largest nu + nu_T of the last step */
-  double calm;                   /* the calming's viscosity */
+  double artificial_viscosity;   /* m^2/s, the floor under the eddies' */
   int64_t step;
 
   size_t count, capacity; /* of the particles here: the own ones, and ghosts before and after */
@@ -151,7 +159,8 @@ struct isph {
   double *eddy;           /* nu + nu_T; NULL without viscosity */
   double (*predicted)[3]; /* v* without the driving force */
   struct isph_applied *applied;
-  double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
+  double (*own_force[ISPH_FORCES])[3]; /* m/s^2, of on.force; NULL without */
+  double *diagonal, *source, *tied;    /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
   double *work[4]; /* r, z, p, q of CG */

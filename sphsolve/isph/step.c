@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "common/log.h"
-#include "sphsolve/isph/effects/calming.h"
-#include "sphsolve/isph/effects/drag.h"
+#include "sphsolve/isph/effects/artificial_viscosity.h"
+#include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/shifting.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
@@ -76,14 +76,15 @@ static void find_velocity_gradient(struct isph *s) {
 
 static void find_viscosity(struct isph *s) {
   const double constant = s->scene->isph.smagorinsky;
-  double calm = s->calm = s->on.calming ? calming_viscosity(s) : 0;
+  double least = s->on.artificial_viscosity ? artificial_viscosity(s) : 0;
+  s->artificial_viscosity = least;
 #pragma omp parallel for schedule(static)
   for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
-    s->eddy[i] = (s->viscosity + fmax(eddies, calm)) / eps;
+    s->eddy[i] = (s->viscosity + fmax(eddies, least)) / eps;
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
   s->thickest = 0;
@@ -156,6 +157,8 @@ static void predict(struct isph *s, double dt) {
         for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
       }
       for (int a = 0; a < 3; a++) force[a] += applied->viscous[a] + applied->friction[a];
+      for (size_t k = 0; k < s->on.force_count; k++)
+        for (int a = 0; a < 3; a++) force[a] += s->own_force[k][i][a];
       s->mobility[i] = left * t / s->density;
       for (int a = 0; a < 3; a++)
         s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
@@ -412,6 +415,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
+  for (size_t k = 0; k < s->on.force_count; k++) s->on.force[k]->force(s, s->own_force[k]);
   predict(s, dt);
   if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
   if (s->on.open_sides) isph_open_straighten(s);
@@ -491,6 +495,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
       {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
       {"isph_viscosity", s->on.viscosity ? 0.1 * s->spacing * s->spacing / thickest : INFINITY},
+      {s->on.dt_most_by, s->on.dt_most},
   };
   size_t least = 0;
   for (size_t k = 1; k < sizeof limits / sizeof *limits; k++)

@@ -34,8 +34,12 @@ static const struct {
 #undef X
 };
 
-const char *ledger_name(int term) {
-  return terms[term].name;
+const char *ledger_name(const struct ledger_account *account, int term) {
+  return term < LEDGER_OWN ? terms[term].name : account->own[term - LEDGER_OWN];
+}
+
+static const char *words_of(const struct ledger_account *account, int term) {
+  return term < LEDGER_OWN ? terms[term].words : ledger_name(account, term);
 }
 
 static double length(const double v[3]) {
@@ -121,9 +125,9 @@ static enum status write_account(const struct ledger_account *account, struct h5
     if (!ledger_is_on(account, t)) continue;
     memcpy(impulse[n], account->sums.impulse[t], sizeof *impulse);
     work[n] = account->sums.work[t];
-    numerical[n] = terms[t].numerical;
-    words[n] = terms[t].words;
-    names[n++] = terms[t].name;
+    numerical[n] = t < LEDGER_OWN && terms[t].numerical;
+    words[n] = words_of(account, t);
+    names[n++] = ledger_name(account, t);
   }
   double momentum_share = ledger_momentum_open(account, open);
   double energy_share = ledger_energy_open(account, &energy_open);
@@ -246,7 +250,8 @@ static void print_account(const struct ledger_account *account) {
   for (int t = 0; t < LEDGER_TERMS; t++) {
     const double *given = account->sums.impulse[t];
     if (ledger_is_on(account, t) && length(given) > PRINTED * largest)
-      print_piece(&column, "%s (%.4g, %.4g, %.4g),", terms[t].words, given[0], given[1], given[2]);
+      print_piece(&column, "%s (%.4g, %.4g, %.4g),", words_of(account, t), given[0], given[1],
+                  given[2]);
   }
   print_piece(&column, "not accounted for %.2g %% of the largest%s", 100 * momentum_share,
               account->momentum_error > 0 ? "," : "");
@@ -259,7 +264,7 @@ static void print_account(const struct ledger_account *account) {
     if (ledger_is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
   for (int t = 0; t < LEDGER_TERMS; t++)
     if (ledger_is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
-      print_piece(&column, "%s %.4g,", terms[t].words, account->sums.work[t]);
+      print_piece(&column, "%s %.4g,", words_of(account, t), account->sums.work[t]);
   print_piece(&column, "not accounted for %.2g, %.2g %% of the largest%s", energy_open,
               100 * energy_share, account->energy_error > 0 ? "," : "");
   if (account->energy_error > 0)

@@ -15,7 +15,7 @@
 /* What momentum and energy come from and go to: X(symbol, name, words, numerical). Each is summed
  * where its effect is computed, from the forces that effect applies; nothing is found as what is
  * left over. A scene has only the terms of its own effects. `numerical`: the equations have no such
- * term, the method does. */
+ * term, the method does. An effect with a `force` (struct effect) needs no line here. */
 #define LEDGER_LIST                                                                                \
   X(FORCE, "force", "driving force", 0)                                                            \
   X(WALL_PRESSURE, "wall_pressure", "pressure of walls", 0)                                        \
@@ -32,7 +32,7 @@
   X(TURBULENCE, "turbulence", "eddy viscosity", 0)                                                 \
   X(RELAXATION, "relaxation", "relaxation of density", 1)                                          \
   X(PROJECTION, "projection", "pressure that nothing returns", 1)                                  \
-  X(CALMING, "calming", "calming", 1)                                                              \
+  X(ARTIFICIAL_VISCOSITY, "artificial_viscosity", "artificial viscosity", 1)                       \
   X(SHIFTING, "shifting", "shifting", 1)                                                           \
   X(ADVECTION, "advection", "advection past resting particles", 1)                                 \
   X(WALL_GUARD, "wall_guard", "guard at walls", 1)                                                 \
@@ -43,7 +43,8 @@ enum ledger_term {
 #define X(symbol, name, words, numerical) LEDGER_##symbol,
   LEDGER_LIST
 #undef X
-      LEDGER_TERMS
+      LEDGER_OWN, /* of effects that bring a force of their own (struct effect), and their name */
+  LEDGER_TERMS = LEDGER_OWN + 4
 };
 
 struct ledger_sums {
@@ -60,6 +61,7 @@ struct ledger_account {
   /* What sums at intervals may miss of their integrals over time, of all terms; 0: each step is
    * summed. */
   double momentum_error, energy_error;
+  char own[LEDGER_TERMS - LEDGER_OWN][32]; /* names of those from LEDGER_OWN on */
 };
 
 /* Filled by a method; mass in kg. `known` is false where particles do not move (stokes); `steady`
@@ -96,7 +98,7 @@ double ledger_mass_open(const struct ledger *ledger);
 static inline bool ledger_is_on(const struct ledger_account *account, int term) {
   return account->on >> term & 1;
 }
-const char *ledger_name(int term);
+const char *ledger_name(const struct ledger_account *account, int term);
 /* How far an account does not close: end - start - sum of the terms; as a vector and over the
  * largest of the terms and of the change, 0 where all are 0. */
 double ledger_momentum_open(const struct ledger_account *account, double open[3]);

@@ -8,20 +8,6 @@
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 
-static const char *const field_names[] = {
-#define X(symbol, text) text,
-    FIELD_LIST
-#undef X
-};
-
-static void format_fields(unsigned long long fields, char *text, size_t size) {
-  size_t used = 0;
-  text[0] = '\0';
-  for (int f = 0; f < FIELD_COUNT && used < size; f++)
-    if (fields >> f & 1ull)
-      used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", field_names[f]);
-}
-
 static enum ranks_term worst_of(const struct ranks_forecast *f) {
   enum ranks_term worst = RANKS_IN_FULL;
   for (enum ranks_term t = RANKS_IN_FULL; t < RANKS_TERMS; t++)
@@ -79,11 +65,10 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
       printf("       %-24s dt at most %s\n", "", text);
     }
   }
-  format_fields(plan->fields, text, sizeof text);
-  printf("\nfields     %s\n", text);
-  printf("memory     %.1f MB at most: the method %.1f MB, %.0f bytes per fluid site, %.0f per wall "
-         "site\n",
-         plan->bytes_total / 1e6, plan->bytes_method / 1e6, plan->bytes_fluid, plan->bytes_wall);
+  printf(
+      "\nmemory     %.1f MB at most: the method %.1f MB, %.0f bytes per fluid site, %.0f per wall "
+      "site\n",
+      plan->bytes_total / 1e6, plan->bytes_method / 1e6, plan->bytes_fluid, plan->bytes_wall);
   if (plan->bytes_copy > 0)
     printf("           %.1f MB beside it while a state to go back to is kept\n",
            plan->bytes_copy / 1e6);
@@ -129,7 +114,6 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
                                const struct cheapest *cheapest) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
-  char fields[512];
   json_t *effects = json_array();
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
@@ -139,25 +123,23 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
                            planned->effect->model, "citation", planned->effect->citation, "dt_max",
                            number_or_null(planned->dt_max)));
   }
-  format_fields(plan->fields, fields, sizeof fields);
   json_t *object = json_pack(
-      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:s, s:f, s:f, s:f, s:f, s:f, "
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
       "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
       "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
       (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
       "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
-      "sound_speed_reason", context->sound_why, "effects", effects, "fields", fields,
-      "bytes_per_fluid_site", plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall,
-      "memory_bytes", plan->bytes_total, "memory_method_bytes", plan->bytes_method,
-      "memory_copy_bytes", plan->bytes_copy, "memory_error_split_bytes", plan->bytes_split,
-      "disk_bytes", plan->bytes_disk, "dt", number_or_null(plan->dt), "dt_limit",
-      number_or_null(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
-      number_or_null(plan->steps), "seconds", number_or_null(plan->seconds), "expected_error",
-      number_or_null(plan->expected.error), "expected_error_least",
-      number_or_null(plan->expected.least), "expected_error_reason", plan->expected.why, "pores",
-      plan_pores_json(plan));
+      "sound_speed_reason", context->sound_why, "effects", effects, "bytes_per_fluid_site",
+      plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total,
+      "memory_method_bytes", plan->bytes_method, "memory_copy_bytes", plan->bytes_copy,
+      "memory_error_split_bytes", plan->bytes_split, "disk_bytes", plan->bytes_disk, "dt",
+      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
+      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
+      number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),
+      "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
+      plan->expected.why, "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));

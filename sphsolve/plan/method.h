@@ -14,7 +14,7 @@ struct run_result;
 
 struct method {
   const char *name;
-  unsigned effects; /* METHOD_BIT_* */
+  const struct effect *const *effects; /* in the order in which they are told, ended by NULL */
 
   /* The plan refuses what a method cannot do. One that resolves pores takes voxel models, and
    * domains with every site water or wall; one that does not takes soil, inflow and surfaces. */

@@ -6,7 +6,6 @@
 
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/registry.h"
 
 /* No run takes so many: a scene that needs them has a wrong number or unit. */
 #define STEPS_MOST 1e12
@@ -73,10 +72,19 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
   context->has_wall = lattice->wall_count > 0;
 }
 
-bool plan_has(const struct plan *plan, const char *effect_name) {
+uint32_t plan_budget(const struct plan *plan) {
+  uint32_t terms = 0;
   for (size_t i = 0; i < plan->effect_count; i++)
-    if (!strcmp(plan->effects[i].effect->name, effect_name)) return plan->effects[i].on;
-  return false;
+    if (plan->effects[i].on) terms |= plan->effects[i].effect->budget;
+  return terms;
+}
+
+void plan_switch(const struct plan *plan, void *settings) {
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct effect *effect = plan->effects[i].effect;
+    if (effect->switches_on > 0)
+      *(bool *)((char *)settings + (effect->switches_on - 1)) = plan->effects[i].on;
+  }
 }
 
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
@@ -101,16 +109,14 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
     pore_shape_find(scene, lattice, &plan->shape);
   }
   TRY(method->scales(plan));
-  for (size_t i = 0; i < effects_count; i++) {
-    const struct effect *effect = effects_all[i];
-    if (!(effect->methods & method->effects)) continue;
+  for (size_t i = 0; method->effects[i] != NULL; i++) {
+    const struct effect *effect = method->effects[i];
     if (plan->effect_count == EFFECT_MAX) TRY_FAIL(STATUS_RUN, "more than %d effects", EFFECT_MAX);
     struct planned_effect *planned = &plan->effects[plan->effect_count++];
     planned->effect = effect;
     planned->dt_max = INFINITY;
     planned->on = effect->wanted(context, planned->why);
     if (!planned->on) continue;
-    plan->fields |= effect->reads | effect->writes;
     if (effect->dt_max != NULL) planned->dt_max = effect->dt_max(context);
     if (planned->dt_max < plan->dt_limit) {
       plan->dt_limit = planned->dt_max;

@@ -1,5 +1,5 @@
 /* What a scene calls for, decided before anything is allocated: method, effects on and why, their
- * fields, particles, memory, time step and the effect that limits it, steps, predicted time and
+ * particles, memory, time step and the effect that limits it, steps, predicted time and
  * error. A pure function of scene and lattice; `explain` prints it and run obeys it. */
 #ifndef TOSUI_SPHSOLVE_PLAN_PLAN_H
 #define TOSUI_SPHSOLVE_PLAN_PLAN_H
@@ -48,10 +48,10 @@ struct plan {
   struct effect_context context;
   size_t effect_count;
   struct planned_effect effects[EFFECT_MAX]; /* those of the method, on and off */
-  unsigned long long fields;                 /* FIELD_BIT_* of the effects on */
   double dt;                                 /* s; NAN: chosen each step; 0: steady method */
   double dt_limit;                           /* s */
   const char *dt_limited_by;
+  int dt_power;                   /* of the spacing, that dt_limit falls with; 0: not known */
   const char *dt_by;              /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
   double bytes_total;             /* at most, at any time, with what the program itself takes */
@@ -79,6 +79,10 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
                   struct effect_context *context);
 /* Fills velocity_scale, inertia and reynolds. */
 void plan_estimate_seepage(struct effect_context *context);
-bool plan_has(const struct plan *plan, const char *effect_name);
+/* The terms of the conservation budget that the effects on have, 1u << term. */
+uint32_t plan_budget(const struct plan *plan);
+/* Sets in a method's settings the flags that its effects switch on (EFFECT_SWITCH), and clears
+ * those of effects that are off. */
+void plan_switch(const struct plan *plan, void *settings);
 
 #endif

@@ -82,8 +82,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
    * sound by the spacing itself; a pore takes as long to settle at any. */
   double steps = 1.0;
   if (plan.context.sound_speed > 0) {
-    const bool viscous = plan.dt_limited_by && !strcmp(plan.dt_limited_by, "viscosity_morris");
-    steps = viscous ? refined * refined : refined;
+    steps = plan.dt_power > 1 ? refined * refined : refined;
     c->sound_speed = plan.context.sound_speed;
     /* auto: at least 2 nu / h */
     const double creep = 2.0 * plan.context.kinematic_viscosity / plan.context.smoothing_length;

@@ -347,7 +347,7 @@ static const char *wall_name(const struct scene *scene) {
 }
 
 const struct method method_stokes = {.name = "stokes",
-                                     .effects = METHOD_BIT_STOKES,
+                                     .effects = stokes_effects,
                                      .resolves_pores = true,
                                      .solves_creeping = true,
                                      .wall_layers = 4,

@@ -4,6 +4,7 @@
 
 #include "sphsolve/plan/method.h"
 
+extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
 enum status stokes_cost(struct plan *plan, int threads);
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);

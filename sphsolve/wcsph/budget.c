@@ -22,23 +22,13 @@
 #define SPARSE 64
 #define NOISE 3.5
 
-void wcsph_account_begin(const struct engine *engine, struct wcsph_account *account) {
-  const struct engine_settings *s = &engine->settings;
+void wcsph_account_begin(const struct engine *engine, uint32_t terms,
+                         struct wcsph_account *account) {
   const bool walls = engine_has_walls(engine);
-  const double *f = s->force;
-  const struct {
-    enum ledger_term term;
-    bool on;
-  } terms[] = {{LEDGER_FORCE, f[0] != 0 || f[1] != 0 || f[2] != 0},
-               {LEDGER_WALL_PRESSURE, walls},
-               {LEDGER_WALL_FRICTION, walls && s->viscosity},
-               {LEDGER_VISCOSITY, s->viscosity},
-               {LEDGER_PROJECTION, true},
-               {LEDGER_SHIFTING, s->shift},
-               {LEDGER_ADVECTION, s->wall == PASS_SITES}};
   memset(account, 0, sizeof *account);
-  for (size_t t = 0; t < sizeof terms / sizeof *terms; t++)
-    if (terms[t].on) account->ledger.on |= 1u << terms[t].term;
+  account->ledger.on = terms | 1u << LEDGER_PROJECTION;
+  if (walls) account->ledger.on |= 1u << LEDGER_WALL_PRESSURE;
+  if (walls && engine->settings.viscosity) account->ledger.on |= 1u << LEDGER_WALL_FRICTION;
 }
 
 bool wcsph_account_due(int64_t step) {

@@ -17,11 +17,13 @@ struct wcsph_account { /* doubles but for ledger.on: see ledger_account_write */
   double defect[WCSPH_RATES], squares[WCSPH_RATES];
 };
 
-/* Which terms there are. `mass`: of a particle, kg. */
-void wcsph_account_begin(const struct engine *engine, struct wcsph_account *account);
+/* `terms`: those of the effects (plan_budget), beside which the pressure and walls have theirs. */
+void wcsph_account_begin(const struct engine *engine, uint32_t terms,
+                         struct wcsph_account *account);
 /* Whether a sample is due before this step: each of the first, then fewer. */
 bool wcsph_account_due(int64_t step);
-/* A sample; the account is then closed at `time`, s. Changes no bit of what comes. */
+/* A sample, `mass` that of a particle, kg; the account is then closed at `time`, s. Changes no bit
+ * of what comes. */
 enum status wcsph_account_sample(struct engine *engine, double mass, double time,
                                  struct wcsph_account *account);
 

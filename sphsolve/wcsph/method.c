@@ -170,28 +170,23 @@ cleanup:
 
 /* The terms of the force share one loop: its time goes to them by their vector operations and the
  * pairs that have them. That of the offset, distance and slope, which each would need alone, is the
- * pressure's; pairs with sub-voxel walls are the wall's. */
+ * pressure's; of pairs with sub-voxel walls all is the wall's. */
 static void add_force_times(const struct wcsph_run *run, double seconds) {
   const struct engine *engine = &run->state.engine;
-  const struct engine_settings *s = &engine->settings;
-  const bool subvoxel = s->wall == PASS_SUBVOXEL && engine->pairs_fluid > 0;
-  const double fluid = subvoxel ? (double)engine->pairs_alone / (double)engine->pairs_fluid : 1;
-  const struct {
-    const char *name;
-    bool on;
-    double operations;
-  } terms[] = {{"pressure_symmetric", s->wall == PASS_FROZEN, 29},
-               {"pressure_difference", s->wall != PASS_FROZEN, 29 * fluid},
-               {"viscosity_morris", s->viscosity, 6 * fluid},
-               {"shifting", s->shift, 7 * fluid},
-               {"advection", s->wall == PASS_SITES, 4},
-               {"wall_subvoxel", subvoxel, 42 * (1 - fluid)}};
-  const int count = sizeof terms / sizeof *terms;
-  double all = 0;
-  for (int i = 0; i < count; i++) all += terms[i].on ? terms[i].operations : 0;
-  for (int i = 0; i < count; i++)
-    if (terms[i].on)
-      recorder_add_time(run->recorder, terms[i].name, seconds * terms[i].operations / all);
+  const struct plan *plan = run->plan;
+  const bool walls = engine->settings.wall == PASS_SUBVOXEL && engine->pairs_fluid > 0;
+  const double fluid = walls ? (double)engine->pairs_alone / (double)engine->pairs_fluid : 1;
+  double all = 0, operations[EFFECT_MAX] = {0};
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct planned_effect *planned = &plan->effects[i];
+    if (!planned->on) continue;
+    operations[i] = planned->effect->operations * (planned->effect->at_walls ? 1 - fluid : fluid);
+    all += operations[i];
+  }
+  for (size_t i = 0; i < plan->effect_count; i++)
+    if (operations[i] > 0)
+      recorder_add_time(run->recorder, plan->effects[i].effect->name,
+                        seconds * operations[i] / all);
 }
 
 /* Work of the busiest rank over the mean, with the last lists. */
@@ -270,7 +265,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     TRY(lattice_distances_aside(lattice, run.copy.beside, &aside));
   TRY(engine_make(lattice, &settings, &run.state.engine));
   TRY(lattice_regions_aside(lattice, run.copy.beside, &aside));
-  wcsph_account_begin(&run.state.engine, &run.state.account);
+  wcsph_account_begin(&run.state.engine, plan_budget(plan), &run.state.account);
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
   run.pore_width = gap * plan->context.spacing;
@@ -336,7 +331,7 @@ static const char *wall_name(const struct scene *scene) {
 
 const struct method method_wcsph = {
     .name = "wcsph",
-    .effects = METHOD_BIT_WCSPH,
+    .effects = wcsph_effects,
     .resolves_pores = true,
     .marches = true,
     .wall_layers = 4,

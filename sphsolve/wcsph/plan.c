@@ -156,10 +156,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   const struct effect_context *context = &plan->context;
   memset(settings, 0, sizeof *settings);
   settings->wall = wcsph_pass_wall(context);
-  settings->viscosity = plan_has(plan, "viscosity_morris");
-  settings->shift = plan_has(plan, "shifting");
-  settings->diffusion = plan_has(plan, "pressure_diffusion");
-  settings->wall_moves = plan_has(plan, "wall_moving");
+  plan_switch(plan, settings);
   settings->smoothing_length = context->smoothing_length;
   settings->support = context->support;
   settings->sound_speed = context->sound_speed;
@@ -199,26 +196,24 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
-  double sound = INFINITY, viscous = INFINITY, accurate = INFINITY;
+  double stable = INFINITY, accurate = INFINITY;
   const char *accurate_by = NULL;
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
+    const struct effect *effect = planned->effect;
+    const char *by = effect->limit != NULL ? effect->limit : effect->name;
     if (!planned->on) continue;
-    if (!strcmp(planned->effect->name, "viscosity_morris")) viscous = planned->dt_max;
-    if ((!strcmp(planned->effect->name, "body_force") ||
-         !strcmp(planned->effect->name, "shifting")) &&
-        planned->dt_max < accurate)
-      accurate = planned->dt_max, accurate_by = planned->effect->name;
-    if (!strncmp(planned->effect->name, "pressure_", 9)) sound = fmin(sound, planned->dt_max);
+    if (effect->dt_accuracy && planned->dt_max < accurate)
+      accurate = planned->dt_max, accurate_by = by;
+    if (!effect->dt_accuracy && planned->dt_max < stable)
+      stable = planned->dt_max, plan->dt_limited_by = by, plan->dt_power = effect->dt_power;
   }
   const struct lattice_modes modes =
       lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
   const bool absolute =
       scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
   plan->dt_limit = lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context),
-                                    isfinite(viscous) ? context->kinematic_viscosity : 0,
-                                    wcsph_diffusion(context));
-  plan->dt_limited_by = sound < viscous ? "sound" : "viscosity_morris";
+                                    context->kinematic_viscosity, wcsph_diffusion(context));
   plan->dt = SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;
   /* Limits of accuracy: a dt that the scene gives may pass them. */
@@ -233,9 +228,8 @@ enum status wcsph_cost(struct plan *plan, int threads) {
                        "\"auto\" or a smaller one, or wcsph.force_dt = true",
                        plan->dt, plan->dt_limit, plan->dt_limited_by, context->sound_speed);
 
-  struct engine_settings settings = {.wall = wcsph_pass_wall(context),
-                                     .shift = plan_has(plan, "shifting"),
-                                     .wall_moves = plan_has(plan, "wall_moving")};
+  struct engine_settings settings = {.wall = wcsph_pass_wall(context)};
+  plan_switch(plan, &settings);
   const bool sites = settings.wall == PASS_SITES;
   const bool subvoxel = sites || settings.wall == PASS_SUBVOXEL;
   double site = 1 + (lattice->wall_distance != NULL && subvoxel ? sizeof(float) : 0);

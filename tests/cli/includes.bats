@@ -9,8 +9,25 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 }
 
 @test "every effect of the registry stands in docs/physics" {
-  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\)).*/\1/p' sphsolve/plan/registry.def); do
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
     grep -q "^\*\*$effect\.\*\*" docs/physics/*.md || { echo "$effect is not in docs/physics"; failed=1; }
+  done
+  [ -z "$failed" ]
+}
+
+@test "every file of effects/ is registered, and describes one effect" {
+  for file in sphsolve/*/effects/*.h; do
+    grep -q "^#include \"$file\"" "$(dirname "$file")/registry.def" || { echo "$file is not registered"; failed=1; }
+    [ "$(grep -c '^EFFECT(' "$file")" -eq 1 ] || { echo "$file does not describe one effect"; failed=1; }
+  done
+  [ -z "$failed" ]
+}
+
+@test "no name of an effect is compared as a string" {
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
+    ! grep -rnE "str(n)?cmp\([^;]*\"$effect\"" sphsolve || { echo "$effect is compared"; failed=1; }
   done
   [ -z "$failed" ]
 }

@@ -226,8 +226,9 @@ static void start_patch(double size, double dx, struct patch *patch) {
       plan_make(&patch->scene, &patch->lattice, &method_isph, "hard", 1, &patch->plan))
     give_up();
   unlink(path);
-  isph_switches_of(&patch->plan, &on);
-  if (isph_create(&patch->scene, &patch->lattice, &on, &patch->s)) give_up();
+  if (isph_switches_of(&patch->plan, &on) ||
+      isph_create(&patch->scene, &patch->lattice, &on, &patch->s))
+    give_up();
 }
 
 static void advance_patch(struct patch *patch, double until) {

@@ -35,7 +35,7 @@ static inline void start(struct run *run, const char *text) {
   assert_int_equal(lattice_build(&run->scene, 0, &run->lattice), STATUS_OK);
   assert_int_equal(plan_make(&run->scene, &run->lattice, &method_isph, "test", 1, &run->plan),
                    STATUS_OK);
-  isph_switches_of(&run->plan, &on);
+  assert_int_equal(isph_switches_of(&run->plan, &on), STATUS_OK);
   assert_int_equal(isph_create(&run->scene, &run->lattice, &on, &run->s), STATUS_OK);
 }
 

@@ -361,7 +361,7 @@ static void a_small_wave_lives(void **state) {
       "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"2 m\", \"1 m\"]; } );\n"
       "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { wall = { slip = true; }; };\n");
   struct isph *s = &run.s;
-  s->on.calming = s->on.turbulence = false;
+  s->on.artificial_viscosity = s->on.turbulence = false;
   for (size_t i = 0; i < s->count; i++) {
     const double *x = s->position[i], u = 0.03 / cosh(M_PI);
     s->velocity[i][0] = u * cosh(M_PI * x[2]) * sin(M_PI * x[0]);

@@ -200,6 +200,14 @@ static void walls_take_the_force_of_a_slit(void **state) {
   }
 }
 
+/* As a plan's effects have them. */
+static uint32_t terms_of(const struct engine_settings *s) {
+  const double *f = s->force;
+  return (f[0] != 0 || f[1] != 0 || f[2] != 0 ? 1u << LEDGER_FORCE : 0) |
+         (s->viscosity ? 1u << LEDGER_VISCOSITY : 0) | (s->shift ? 1u << LEDGER_SHIFTING : 0) |
+         (s->wall == PASS_SITES ? 1u << LEDGER_ADVECTION : 0);
+}
+
 /* Flow among balls from rest: what the account of a step says is what the step does to momentum
  * (with walls' pressure in place of the fluid's: on the undisturbed lattice they are the same, and
  * frozen walls' always) and to energy. Velocities are stored with 24 bits: each of n steps rounds
@@ -220,7 +228,7 @@ static void a_step_does_what_its_account_says(void **state) {
     const int steps = 10;
     double open[3], energy;
     assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
-    wcsph_account_begin(&engine, &account);
+    wcsph_account_begin(&engine, terms_of(&settings), &account);
     for (int n = 0; n <= steps; n++) {
       assert_int_equal(wcsph_account_sample(&engine, 1, n * settings.dt, &account), STATUS_OK);
       assert_int_equal(engine_step(&engine), STATUS_OK);
@@ -262,7 +270,7 @@ static void samples_change_nothing(void **state) {
     for (int k = 0; k < 3; k++) {
       omp_set_num_threads(1 + 2 * (k > 1));
       assert_int_equal(engine_make(&lattice, &settings, &engine[k]), STATUS_OK);
-      if (k > 0) wcsph_account_begin(&engine[k], &account[k]);
+      if (k > 0) wcsph_account_begin(&engine[k], terms_of(&settings), &account[k]);
       for (int n = 0; n < 6; n++) {
         if (k > 0)
           assert_int_equal(wcsph_account_sample(&engine[k], 1, n * settings.dt, &account[k]),

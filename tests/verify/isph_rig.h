@@ -48,8 +48,8 @@ static void start(struct run *run, const char *format, ...) {
       lattice_build(&run->scene, plan_wall_layers(&run->scene), &run->lattice) ||
       plan_make(&run->scene, &run->lattice, &method_isph, "verification", 1, &run->plan))
     give_up();
-  isph_switches_of(&run->plan, &on);
-  if (isph_create(&run->scene, &run->lattice, &on, &run->s)) give_up();
+  if (isph_switches_of(&run->plan, &on) || isph_create(&run->scene, &run->lattice, &on, &run->s))
+    give_up();
 }
 
 static void finish(struct run *run) {

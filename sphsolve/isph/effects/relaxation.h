@@ -13,8 +13,10 @@
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
 #include <math.h>
+#include <stdio.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/plan/plan.h"
 
 static inline double relaxation_source(const struct isph *s, size_t i, double tau) {
   double lack = 1 - s->filling[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
@@ -31,4 +33,20 @@ static inline double relaxation_source(const struct isph *s, size_t i, double ta
   return eps * lack * left / tau;
 }
 
+static inline bool isph_relaxation_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  double alpha = context->scene->isph.alpha;
+  if (isnan(alpha))
+    snprintf(why, EFFECT_WHY, "tau = %g s", context->scene->isph.tau);
+  else
+    snprintf(why, EFFECT_WHY, "alpha = %g", alpha);
+  return isnan(alpha) || alpha > 0;
+}
+
 #endif
+
+EFFECT(isph_relaxation, .model = "density error fades with time tau",
+       .citation = "Asai et al. 2012; Morimoto et al. 2015 (26)-(31)",
+       .wanted = isph_relaxation_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, relaxation),
+       .budget = 1u << LEDGER_RELAXATION)

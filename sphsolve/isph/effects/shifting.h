@@ -12,6 +12,10 @@
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 
 #include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/isph/state.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
 #define SHIFT_MOST 0.1      /* of the particle's size */
@@ -32,4 +36,22 @@ static inline void shift_along(const double normal[3], double near, double shift
   for (int a = 0; a < 3; a++) shift[a] -= near * out * normal[a];
 }
 
+static inline bool isph_shifting_wanted(const struct effect_context *context,
+                                        char why[EFFECT_WHY]) {
+  enum switch_state state = context->scene->shifting;
+  if (state != SWITCH_AUTO) {
+    snprintf(why, EFFECT_WHY,
+             state == SWITCH_ON ? "the scene says so"
+                                : "the scene says so; particles may clump where the water strains");
+    return state == SWITCH_ON;
+  }
+  snprintf(why, EFFECT_WHY, "keeps particles evenly spread");
+  return true;
+}
+
 #endif
+
+EFFECT(isph_shifting, .model = "particles drift to where they are sparse",
+       .citation = "Lind et al. 2012; Skillen et al. 2013", .wanted = isph_shifting_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, shifting),
+       .budget = 1u << LEDGER_SHIFTING)

@@ -12,8 +12,10 @@
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_H
 
 #include <math.h>
+#include <stdio.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/plan/plan.h"
 
 /* |sum V grad W| he / sum V slope r^2, the lopsidedness of a neighbourhood, as a share of that of a
  * level surface's outermost layer; `trace` is the sum below. */
@@ -109,4 +111,14 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
   return surface_carried(s, i, size);
 }
 
+static inline bool isph_surface_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY,
+           context->has_surface ? "the regions leave sites empty" : "the regions fill the domain");
+  return context->has_surface;
+}
+
 #endif
+
+EFFECT(isph_surface, .model = "P = 0 half a particle above the outermost",
+       .citation = "after Nair, Tomar 2014", .wanted = isph_surface_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, surface))

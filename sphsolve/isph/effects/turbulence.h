@@ -4,6 +4,10 @@
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 
 #include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/isph/state.h"
 
 /* g[3 a + b] = dv_a/dx_b. */
 static inline double strain_rate(const float g[9]) {
@@ -32,4 +36,22 @@ static inline double wall_viscosity(double nu, double speed, double distance) {
   return friction * friction * distance / speed;
 }
 
+static inline bool isph_turbulence_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  const struct scene *scene = context->scene;
+  if (scene->turbulence != SWITCH_AUTO) {
+    snprintf(why, EFFECT_WHY, "the scene says so");
+    return scene->turbulence == SWITCH_ON;
+  }
+  bool on = context->has_surface && context->driving > 0 && scene->isph.smagorinsky > 0;
+  snprintf(why, EFFECT_WHY, on ? "free-surface flow under gravity; C_s = %g" : "no surface flow",
+           scene->isph.smagorinsky);
+  return on;
+}
+
 #endif
+
+EFFECT(isph_turbulence, .model = "Smagorinsky, outside soil",
+       .citation = "Smagorinsky 1963; Morimoto et al. 2015 (3)", .wanted = isph_turbulence_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, turbulence),
+       .budget = 1u << LEDGER_TURBULENCE)

@@ -15,13 +15,7 @@ static inline bool stokes_force_wanted(const struct effect_context *context, cha
   return context->driving > 0.0;
 }
 
-static const struct effect effect_stokes_force = {
-    .name = "stokes_force",
-    .model = "uniform driving acceleration",
-    .citation = "momentum equation",
-    .methods = METHOD_BIT_STOKES,
-    .writes = FIELD_BIT(VELOCITY),
-    .wanted = stokes_force_wanted,
-};
-
 #endif
+
+EFFECT(stokes_force, .model = "uniform driving acceleration", .citation = "momentum equation",
+       .wanted = stokes_force_wanted)

@@ -21,14 +21,8 @@ static inline bool stokes_pressure_wanted(const struct effect_context *context,
   return true;
 }
 
-static const struct effect effect_stokes_pressure = {
-    .name = "stokes_pressure",
-    .model = "gradient in difference form and its transpose as divergence",
-    .citation = "Cummins, Rudman 1999 (projection); difference form: Monaghan 2005, eq. 2.23",
-    .methods = METHOD_BIT_STOKES,
-    .reads = FIELD_BIT(VELOCITY) | FIELD_BIT(PRESSURE),
-    .writes = FIELD_BIT(PRESSURE),
-    .wanted = stokes_pressure_wanted,
-};
-
 #endif
+
+EFFECT(stokes_pressure, .model = "gradient in difference form and its transpose as divergence",
+       .citation = "Cummins, Rudman 1999 (projection); difference form: Monaghan 2005, eq. 2.23",
+       .wanted = stokes_pressure_wanted)

@@ -21,14 +21,9 @@ static inline bool stokes_stabilisation_wanted(const struct effect_context *cont
   return true;
 }
 
-static const struct effect effect_stokes_stabilisation = {
-    .name = "stokes_stabilisation",
-    .model = "difference of two pressure Laplacians in the continuity equation",
-    .citation = "Rhie, Chow 1983; Brezzi, Pitkaeranta 1984",
-    .methods = METHOD_BIT_STOKES,
-    .reads = FIELD_BIT(PRESSURE),
-    .writes = FIELD_BIT(PRESSURE),
-    .wanted = stokes_stabilisation_wanted,
-};
-
 #endif
+
+EFFECT(stokes_stabilisation,
+       .model = "difference of two pressure Laplacians in the continuity equation",
+       .citation = "Rhie, Chow 1983; Brezzi, Pitkaeranta 1984",
+       .wanted = stokes_stabilisation_wanted)

@@ -17,13 +17,8 @@ static inline bool stokes_viscosity_wanted(const struct effect_context *context,
   return true;
 }
 
-static const struct effect effect_stokes_viscosity = {
-    .name = "stokes_viscosity",
-    .model = "viscous stencil on the lattice, sums scaled to be exact for a parabola",
-    .citation = "Morris, Fox, Zhu 1997, eq. 22",
-    .methods = METHOD_BIT_STOKES,
-    .reads = FIELD_BIT(VELOCITY),
-    .wanted = stokes_viscosity_wanted,
-};
-
 #endif
+
+EFFECT(stokes_viscosity,
+       .model = "viscous stencil on the lattice, sums scaled to be exact for a parabola",
+       .citation = "Morris, Fox, Zhu 1997, eq. 22", .wanted = stokes_viscosity_wanted)

@@ -16,14 +16,8 @@ static inline bool stokes_wall_adami_wanted(const struct effect_context *context
   return on;
 }
 
-static const struct effect effect_stokes_wall_adami = {
-    .name = "stokes_wall_adami",
-    .model = "wall sites mirror the average velocity of the fluid around them",
-    .citation = "Adami, Hu, Adams 2012, eq. 22, 23",
-    .methods = METHOD_BIT_STOKES,
-    .reads = FIELD_BIT(VELOCITY),
-    .writes = FIELD_BIT(VELOCITY),
-    .wanted = stokes_wall_adami_wanted,
-};
-
 #endif
+
+EFFECT(stokes_wall_adami,
+       .model = "wall sites mirror the average velocity of the fluid around them",
+       .citation = "Adami, Hu, Adams 2012, eq. 22, 23", .wanted = stokes_wall_adami_wanted)

@@ -14,13 +14,7 @@ static inline bool stokes_wall_frozen_wanted(const struct effect_context *contex
   return on;
 }
 
-static const struct effect effect_stokes_wall_frozen = {
-    .name = "stokes_wall_frozen",
-    .model = "wall sites at rest; every gap one spacing too wide",
-    .citation = "Saomoto, Matsushima, Yamada, Hatano 2006",
-    .methods = METHOD_BIT_STOKES,
-    .writes = FIELD_BIT(VELOCITY),
-    .wanted = stokes_wall_frozen_wanted,
-};
-
 #endif
+
+EFFECT(stokes_wall_frozen, .model = "wall sites at rest; every gap one spacing too wide",
+       .citation = "Saomoto, Matsushima, Yamada, Hatano 2006", .wanted = stokes_wall_frozen_wanted)

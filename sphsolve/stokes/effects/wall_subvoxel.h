@@ -67,14 +67,9 @@ static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *cont
   return on;
 }
 
-static const struct effect effect_stokes_wall_subvoxel = {
-    .name = "stokes_wall_subvoxel",
-    .model = "image velocity from the wall distance, continued by the parabola",
-    .citation = "Morris, Fox, Zhu 1997, eq. 28; Basa, Quinlan, Lastiwka 2009",
-    .methods = METHOD_BIT_STOKES,
-    .reads = FIELD_BIT(WALL_DISTANCE),
-    .writes = FIELD_BIT(VELOCITY),
-    .wanted = stokes_wall_subvoxel_wanted,
-};
-
 #endif
+
+EFFECT(stokes_wall_subvoxel,
+       .model = "image velocity from the wall distance, continued by the parabola",
+       .citation = "Morris, Fox, Zhu 1997, eq. 28; Basa, Quinlan, Lastiwka 2009",
+       .wanted = stokes_wall_subvoxel_wanted)

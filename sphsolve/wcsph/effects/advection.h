@@ -8,8 +8,21 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 
+#include <stdio.h>
+
+#include "sphsolve/wcsph/scales.h"
+
 #define ADVECTION_CELL_REYNOLDS 5.0
 
 /* Its pair is shifting_carry (shifting.h): resting is a shift by u = -v. */
 
+static inline bool wcsph_advection_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  return wcsph_stays(context, why);
+}
+
 #endif
+
+EFFECT(advection, .model = "particles stay on their sites, the fluid flows past them",
+       .citation = "Lind, Stansby 2016; Nasar et al. 2019", .wanted = wcsph_advection_wanted,
+       .operations = 4, .budget = 1u << LEDGER_ADVECTION)

@@ -5,10 +5,17 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_SUMMATION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_SUMMATION_H
 
+#include <stdio.h>
+
 #include "sphsolve/wcsph/engine/kernel_vector.h"
+#include "sphsolve/wcsph/scales.h"
 
 SIMD_INLINE void density_summation_pair(vec s, vec *sum) {
   *sum += kernel_vector_w(s);
 }
 
 #endif
+
+EFFECT(density_summation,
+       .model = "density summed over fluid and grains, pressure c^2 (rho - rho_lattice) or c^2 rho",
+       .citation = "Saomoto et al. 2006, eq. 6", .wanted = wcsph_frozen_wanted)

@@ -9,7 +9,10 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 
+#include <stdio.h>
+
 #include "sphsolve/wcsph/engine/simd.h"
+#include "sphsolve/wcsph/scales.h"
 
 #define SHIFTING_STRENGTH 16.0
 #define SHIFTING_STRENGTH_LEAST 12.0 /* that the time step must allow */
@@ -27,4 +30,30 @@ SIMD_INLINE vec shifting_carry(vec factor, vec x, vec y, vec z, const vec u[3]) 
   return factor + u[0] * x + u[1] * y + u[2] * z;
 }
 
+static inline bool wcsph_shifting_wanted(const struct effect_context *context,
+                                         char why[EFFECT_WHY]) {
+  enum switch_state chosen = context->scene->shifting;
+  if (chosen != SWITCH_AUTO) {
+    snprintf(why, EFFECT_WHY, "the scene says %s", chosen == SWITCH_ON ? "on" : "off");
+    return chosen == SWITCH_ON;
+  }
+  const bool frozen = wcsph_frozen(context), stays = wcsph_stays(context, NULL);
+  snprintf(why, EFFECT_WHY,
+           frozen  ? "summed densities keep particles apart as the paper has it"
+           : stays ? "particles stay on their sites"
+                   : "differences of pressure do not keep particles apart");
+  return !frozen && !stays;
+}
+
+static inline double wcsph_shifting_dt(const struct effect_context *context) {
+  return SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * context->velocity_scale *
+                            context->smoothing_length * wcsph_modes_of(context).crowding);
+}
+
 #endif
+
+EFFECT(shifting, .model = "particles are nudged to where they are fewer",
+       .citation = "Lind et al. 2012, eq. 15; Sun et al. 2019, eq. 2",
+       .wanted = wcsph_shifting_wanted, .dt_max = wcsph_shifting_dt, .dt_power = 1,
+       .dt_accuracy = true, .operations = 7,
+       .switches_on = EFFECT_SWITCH(struct engine_settings, shift), .budget = 1u << LEDGER_SHIFTING)

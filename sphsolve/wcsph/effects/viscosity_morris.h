@@ -4,7 +4,10 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_VISCOSITY_MORRIS_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_VISCOSITY_MORRIS_H
 
+#include <stdio.h>
+
 #include "sphsolve/wcsph/engine/simd.h"
+#include "sphsolve/wcsph/scales.h"
 
 SIMD_INLINE void viscosity_morris_pair(vec weight, vec dvx, vec dvy, vec dvz, vec sum[3]) {
   sum[0] += weight * dvx;
@@ -12,4 +15,19 @@ SIMD_INLINE void viscosity_morris_pair(vec weight, vec dvx, vec dvy, vec dvz, ve
   sum[2] += weight * dvz;
 }
 
+static inline bool wcsph_viscosity_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY, "viscosity %.4g m^2/s", context->kinematic_viscosity);
+  return context->kinematic_viscosity > 0;
+}
+
+static inline double wcsph_viscosity_dt(const struct effect_context *context) {
+  return 2 / (context->kinematic_viscosity * wcsph_modes_of(context).laplacian);
+}
+
 #endif
+
+EFFECT(viscosity_morris, .model = "laminar viscosity", .citation = "Morris, Fox, Zhu 1997, eq. 22",
+       .wanted = wcsph_viscosity_wanted, .dt_max = wcsph_viscosity_dt, .dt_power = 2,
+       .operations = 6, .switches_on = EFFECT_SWITCH(struct engine_settings, viscosity),
+       .budget = 1u << LEDGER_VISCOSITY)

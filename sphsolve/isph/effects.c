@@ -1,0 +1,6 @@
+#include "sphsolve/output/ledger.h"
+#include "sphsolve/isph/method.h"
+
+#define EFFECTS isph_effects
+#define EFFECTS_REGISTRY "sphsolve/isph/effects/registry.def"
+#include "sphsolve/plan/effect_list.h"

@@ -1,0 +1,30 @@
+/* No energy out of nothing: what a step lifts is let down again, where nothing but a steady force,
+ * the same at every place, can give the water energy. Equations and reasons: isph/energy.c. */
+#ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
+#define TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/isph/effects/artificial_viscosity.h"
+#include "sphsolve/isph/effects/soil_moving.h"
+
+static inline bool isph_energy_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  char unused[EFFECT_WHY];
+  const struct scene *scene = context->scene;
+  bool round = false;
+  for (int a = 0; a < 3; a++) round = round || (scene->periodic[a] && scene->driving[a] != 0);
+  bool on = isph_artificial_viscosity_wanted(context, unused) && !context->has_inflow &&
+            !context->has_moving_wall && !isph_any_soil(scene, isph_motion_of) && !round;
+  snprintf(why, EFFECT_WHY,
+           on ? "a surface under a force, and nothing else drives the water"
+              : "no surface under a force, or something else drives the water");
+  return on;
+}
+
+#endif
+
+EFFECT(isph_energy, .model = "what a step lifts out of nothing is let down",
+       .citation = "docs/physics/isph.md", .wanted = isph_energy_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, energy),
+       .budget = 1u << LEDGER_ENERGY_BOUND)

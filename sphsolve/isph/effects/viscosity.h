@@ -1,0 +1,32 @@
+/* Viscosity, laminar and eddies' (M15 eq. 22): nu_E lap v, nu_E = (nu + nu_T)/eps, by pairs,
+ *   sum_j V_j (nu_i + nu_j) (-W'/r) (v_j - v_i),
+ * isph/step.c; walls by wall_no_slip.h. Explicit: dt <= .1 dx^2/nu. */
+#ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
+#define TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/isph/effects/turbulence.h"
+
+static inline bool isph_viscosity_wanted(const struct effect_context *context,
+                                         char why[EFFECT_WHY]) {
+  char unused[EFFECT_WHY];
+  bool eddies = isph_turbulence_wanted(context, unused),
+       on = context->kinematic_viscosity > 0 || eddies;
+  snprintf(why, EFFECT_WHY, on ? "nu = %g m^2/s%s" : "an ideal fluid", context->kinematic_viscosity,
+           eddies ? " and eddies" : "");
+  return on;
+}
+
+static inline double isph_viscosity_dt(const struct effect_context *context) {
+  /* nu_E T = nu dt / C_r: soil only slows it */
+  return 0.1 * context->spacing * context->spacing / fmax(context->kinematic_viscosity, 1e-300);
+}
+
+#endif
+
+EFFECT(isph_viscosity, .model = "nu_E lap v, nu_E = (nu + nu_T)/eps",
+       .citation = "Morimoto et al. 2015 (22)", .wanted = isph_viscosity_wanted,
+       .dt_max = isph_viscosity_dt, .switches_on = EFFECT_SWITCH(struct isph_switches, viscosity),
+       .budget = 1u << LEDGER_VISCOSITY)

@@ -1,0 +1,69 @@
+/* What the effects of method wcsph ask of a scene to decide whether they are wanted, and how long a
+ * step they allow. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_SCALES_H
+#define TOSUI_SPHSOLVE_WCSPH_SCALES_H
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/wcsph/modes.h"
+
+/* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). Less locks
+ * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
+ * (+30 % at .02). */
+#define WCSPH_TAU 0.005
+/* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
+ */
+#define WCSPH_TAU_SITES 0.05
+
+/* Particles stay on their sites (effects/advection.h); `why` may be NULL. */
+bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]);
+/* Sound that the time step has to follow, m/s: gradients corrected along narrow pores let it run
+ * faster. Among spheres at random a run is quiet at the limit with twice the speed, and noisy
+ * at 1.5 of it. */
+double wcsph_sound_for_dt(const struct effect_context *context);
+/* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls tau c^2; 0 with frozen walls. */
+double wcsph_diffusion(const struct effect_context *context);
+
+static inline bool wcsph_frozen(const struct effect_context *context) {
+  return context->scene->wcsph.wall == WALL_FROZEN;
+}
+
+static inline struct lattice_modes wcsph_modes_of(const struct effect_context *context) {
+  const struct lattice *lattice = context->lattice;
+  return lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
+}
+
+static inline bool wcsph_frozen_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY, "wall = \"%s\"",
+           wcsph_frozen(context) ? "frozen" : "adami or subvoxel");
+  return wcsph_frozen(context);
+}
+
+static inline bool wcsph_continuity_wanted(const struct effect_context *context,
+                                           char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY,
+           wcsph_frozen(context) ? "wall = \"frozen\": densities are summed"
+                                 : "walls are not frozen: nothing may pin particles to them");
+  return !wcsph_frozen(context);
+}
+
+static inline double wcsph_pressure_dt(const struct effect_context *context) {
+  struct lattice_modes modes = wcsph_modes_of(context);
+  bool absolute = wcsph_frozen(context) && context->scene->wcsph.equation_of_state == EOS_ABSOLUTE;
+  return lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context), 0,
+                          wcsph_diffusion(context));
+}
+
+static inline bool wcsph_wall_wanted(const struct effect_context *context, enum wall_scheme scheme,
+                                     char why[EFFECT_WHY]) {
+  bool on = context->has_wall && context->scene->wcsph.wall == scheme;
+  snprintf(why, EFFECT_WHY,
+           !context->has_wall ? "no walls"
+           : on               ? "chosen by wcsph.wall"
+                              : "wcsph.wall is another");
+  return on;
+}
+
+#endif
