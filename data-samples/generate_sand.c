@@ -31,8 +31,15 @@ static const char HELP[] =
     "  --noise-ratio R       contrast over standard deviation of the noise (default 8)\n"
     "  --ring R              height of the strongest rings over contrast (default 0.06)\n"
     "  --beam R              beam hardening: greys rise by this share outwards (default 0)\n"
+    "  --blur Q              standard deviation of the blur (default 11.1um, 0.8 to 1.9 voxels)\n"
+    "  --fringe R            strength of the edge fringe, a Laplacian per blur^2 (default 0.7)\n"
+    "  --noise-length R      voxels over which noise is correlated (default 0.7)\n"
+    "  --grain-size Q        mean diameter of the grains (default 160um, 107.5 to 212.5um)\n"
+    "  --grains FORM         angular (default), round or long\n"
+    "  --fines R             share of the solid in grains of a third of the size (default 0)\n"
     "  --seed N              another sand for every number (default 1)\n"
     "  --truth FILE          the true voxels, raw, 1 byte each, x fastest: 1 grain, 0 pore\n"
+    "  --truth-refine N      those of the same sand at N times as many voxels a side (default 1)\n"
     "  --threads N           (default: all cores)\n"
     "  --quiet, --help\n\n"
     "example: generate_sand --output dense --void-ratio 0.725 --seed 2006\n";
@@ -43,12 +50,14 @@ struct request {
   long size[3];
   double voxel, void_ratio;
   uint64_t seed;
+  int truth_refine;
+  struct grain_recipe grains;
   struct scan_settings settings;
 };
 
 /* Sieve limits of the sand; the surface's relief and the exact void ratio shift a grain's final
  * size by up to 2 %, hence the margins. */
-static const double SMALLEST = 107.5e-6, LARGEST = 212.5e-6;
+static const double SMALLEST = 107.5e-6, LARGEST = 212.5e-6, MEAN = 160e-6;
 
 static enum status parse_number(const char *option, const char *text, double low, double high,
                                 double *value) {
@@ -56,6 +65,16 @@ static enum status parse_number(const char *option, const char *text, double low
   *value = strtod(text, &end);
   if (end == text || *end != '\0' || !(*value >= low && *value <= high))
     return FAIL(STATUS_USAGE, "--%s: '%s' is not a number from %g to %g", option, text, low, high);
+  return STATUS_OK;
+}
+
+static enum status parse_length(const char *option, const char *text, double low, double high,
+                                double *value) {
+  if (quantity_parse(text, DIM_LENGTH, value) != STATUS_OK)
+    return error_context(STATUS_USAGE, "--%s", option);
+  if (!(*value >= low && *value <= high))
+    return FAIL(STATUS_USAGE, "--%s: '%s' is not from %gum to %gum", option, text, low * 1e6,
+                high * 1e6);
   return STATUS_OK;
 }
 
@@ -71,13 +90,13 @@ static enum status parse_size(const char *text, long size[3]) {
 
 static enum status parse_request(int argc, char **argv, struct request *request, int *help) {
   static const struct option options[] = {
-      {"output", 1, NULL, 'o'},      {"format", 1, NULL, 'f'},
-      {"size", 1, NULL, 's'},        {"voxel-size", 1, NULL, 'v'},
-      {"void-ratio", 1, NULL, 'e'},  {"seed", 1, NULL, 'S'},
-      {"noise-ratio", 1, NULL, 'n'}, {"truth", 1, NULL, 't'},
-      {"threads", 1, NULL, 'j'},     {"ring", 1, NULL, 'r'},
-      {"beam", 1, NULL, 'b'},        {"quiet", 0, NULL, 'q'},
-      {"help", 0, NULL, 'h'},        {NULL, 0, NULL, 0}};
+      {"output", 1, NULL, 'o'},       {"format", 1, NULL, 'f'},       {"size", 1, NULL, 's'},
+      {"voxel-size", 1, NULL, 'v'},   {"void-ratio", 1, NULL, 'e'},   {"seed", 1, NULL, 'S'},
+      {"noise-ratio", 1, NULL, 'n'},  {"truth", 1, NULL, 't'},        {"threads", 1, NULL, 'j'},
+      {"ring", 1, NULL, 'r'},         {"blur", 1, NULL, 'B'},         {"fringe", 1, NULL, 'F'},
+      {"noise-length", 1, NULL, 'l'}, {"grain-size", 1, NULL, 'g'},   {"grains", 1, NULL, 'G'},
+      {"fines", 1, NULL, 'i'},        {"truth-refine", 1, NULL, 'T'}, {"beam", 1, NULL, 'b'},
+      {"quiet", 0, NULL, 'q'},        {"help", 0, NULL, 'h'},         {NULL, 0, NULL, 0}};
   enum status status = STATUS_OK;
   double number;
   opterr = 0;
@@ -99,12 +118,7 @@ static enum status parse_request(int argc, char **argv, struct request *request,
       TRY(parse_size(optarg, request->size));
       break;
     case 'v':
-      if (quantity_parse(optarg, DIM_LENGTH, &request->voxel) != STATUS_OK) {
-        error_context(STATUS_USAGE, "--voxel-size");
-        return STATUS_USAGE;
-      }
-      if (!(request->voxel >= 1e-6 && request->voxel <= 30e-6))
-        TRY_FAIL(STATUS_USAGE, "--voxel-size: '%s' is not from 1um to 30um", optarg);
+      TRY(parse_length("voxel-size", optarg, 1e-6, 30e-6, &request->voxel));
       break;
     case 'e':
       TRY(parse_number("void-ratio", optarg, 0.6, 1.1, &request->void_ratio));
@@ -117,6 +131,36 @@ static enum status parse_request(int argc, char **argv, struct request *request,
       break;
     case 'b':
       TRY(parse_number("beam", optarg, 0, 1, &request->settings.beam));
+      break;
+    case 'F':
+      TRY(parse_number("fringe", optarg, 0, 2, &request->settings.fringe));
+      break;
+    case 'l':
+      TRY(parse_number("noise-length", optarg, 0.1, 4, &request->settings.noise_length));
+      break;
+    case 'i':
+      TRY(parse_number("fines", optarg, 0, 0.5, &request->grains.fines));
+      break;
+    case 'T':
+      TRY(parse_number("truth-refine", optarg, 1, 8, &number));
+      request->truth_refine = (int)number;
+      break;
+    case 'B':
+      TRY(parse_length("blur", optarg, 1e-7, 100e-6, &request->settings.blur));
+      request->settings.blur_kept = 1;
+      break;
+    case 'g':
+      TRY(parse_length("grain-size", optarg, 50e-6, 2e-3, &number));
+      request->grains.smallest = number / MEAN * SMALLEST;
+      request->grains.largest = number / MEAN * LARGEST;
+      break;
+    case 'G':
+      if (strcmp(optarg, "angular") != 0 && strcmp(optarg, "round") != 0 &&
+          strcmp(optarg, "long") != 0)
+        TRY_FAIL(STATUS_USAGE, "--grains: '%s' is none of angular, round and long", optarg);
+      request->grains.form = optarg[0] == 'a'   ? GRAIN_ANGULAR
+                             : optarg[0] == 'r' ? GRAIN_ROUND
+                                                : GRAIN_LONG;
       break;
     case 'S':
       TRY(parse_number("seed", optarg, 0, 4294967295.0, &number));
@@ -138,6 +182,8 @@ static enum status parse_request(int argc, char **argv, struct request *request,
                argv[optind - 1]);
     }
   }
+  if (scan_halo(&request->settings, request->voxel) > 30)
+    TRY_FAIL(STATUS_USAGE, "--blur: more than 8 voxels");
   if (optind < argc) TRY_FAIL(STATUS_USAGE, "%s: unexpected; see --help", argv[optind]);
   if (!request->output) TRY_FAIL(STATUS_USAGE, "--output DIR is missing; see --help");
 cleanup:
@@ -185,6 +231,24 @@ static enum status write_slices(const struct request *request, struct scan_artef
   progress_end(&progress);
 cleanup:
   memory_free(&grey);
+  return status;
+}
+
+/* The same sand in the same place, on finer voxels. */
+static enum status write_fine_truth(const struct request *request,
+                                    const struct grain_packing *packing) {
+  enum status status = STATUS_OK;
+  struct grain_field field = {0};
+  struct field_request fine = {.voxel = request->voxel / request->truth_refine,
+                               .halo = FIELD_HALO,
+                               .refine = request->truth_refine,
+                               .void_ratio = request->void_ratio,
+                               .seed = request->seed};
+  for (int i = 0; i < 3; i++) fine.size[i] = request->size[i] * request->truth_refine;
+  TRY(grain_field_create(&field, packing, &fine));
+  TRY(write_truth(request->truth, &field));
+cleanup:
+  grain_field_destroy(&field);
   return status;
 }
 
@@ -259,18 +323,24 @@ static enum status generate(const struct request *request) {
   snprintf(description, sizeof description, "%s/sand.json", request->output);
   TRY(slice_folder_prepare(request->output));
   unlink(description);
-  grain_field_box(request->size, request->voxel, LARGEST, box);
-  TRY(grain_packing_create(&packing, box, 1 / (1 + request->void_ratio), SMALLEST, LARGEST,
+  struct field_request wanted = {.voxel = request->voxel,
+                                 .halo = scan_halo(&request->settings, request->voxel),
+                                 .refine = 1,
+                                 .void_ratio = request->void_ratio,
+                                 .seed = request->seed};
+  for (int i = 0; i < 3; i++) wanted.size[i] = request->size[i];
+  grain_field_box(request->size, request->voxel, request->grains.largest, box);
+  TRY(grain_packing_create(&packing, box, 1 / (1 + request->void_ratio), &request->grains,
                            request->seed));
-  TRY(grain_field_create(&field, &packing, request->size, request->voxel, request->void_ratio,
-                         request->seed));
+  TRY(grain_field_create(&field, &packing, &wanted));
   TRY(grain_field_measure(&field, packing.count, &statistics));
   log_info("%ld grains, %.1f contacts each, %.2f %% of the solid in one skeleton; void ratio %.6f",
            statistics.grains, statistics.coordination, 100 * statistics.largest_cluster,
            (double)request->size[0] * (double)request->size[1] * (double)request->size[2] /
                    (double)field.solid -
                1);
-  if (request->truth) TRY(write_truth(request->truth, &field));
+  if (request->truth && request->truth_refine == 1) TRY(write_truth(request->truth, &field));
+  if (request->truth && request->truth_refine > 1) TRY(write_fine_truth(request, &packing));
   TRY(scan_artefacts_create(&scan, &field, &request->settings, packing.count, request->seed));
   TRY(write_slices(request, &scan));
   TRY(write_description(request, description, &field, &statistics));
@@ -290,6 +360,8 @@ int main(int argc, char **argv) {
                             .voxel = 5.83e-6,
                             .void_ratio = 0.725,
                             .seed = 1,
+                            .truth_refine = 1,
+                            .grains = {.smallest = SMALLEST, .largest = LARGEST},
                             .settings = SCAN_DEFAULTS};
   log_start("generate_sand", LOG_NORMAL);
   enum status status = parse_request(argc, argv, &request, &help);

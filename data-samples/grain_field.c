@@ -29,6 +29,7 @@ struct drawing {
   struct grain_field *field;
   const struct noise_lattice *noise;
   uint64_t key;
+  double first;  /* voxels: where in the packing the extent begins */
   long *claimed; /* by layer: voxels inside grains, those inside two counted twice */
 };
 
@@ -108,7 +109,7 @@ static void draw_grain(const struct drawing *drawing, const struct grain_packing
     const double reach = grain->radius / field->voxel + OFFSET_MAX + 2;
     int outside = 0;
     for (int i = 0; i < 3; i++) {
-      centre[i] = (grain->centre[i] + shift[i] * packing->box[i]) / field->voxel;
+      centre[i] = (grain->centre[i] + shift[i] * packing->box[i]) / field->voxel - drawing->first;
       outside |= centre[i] < -reach || centre[i] > (double)field->extent[i] + reach;
     }
     if (outside || fabs((double)z - centre[2]) > reach) continue;
@@ -147,7 +148,7 @@ cleanup:
 }
 
 enum status grain_field_create(struct grain_field *field, const struct grain_packing *packing,
-                               const long size[3], double voxel, double void_ratio, uint64_t seed) {
+                               const struct field_request *request) {
   enum status status = STATUS_OK;
   struct noise_lattice noise = {0};
   float *rows = NULL;
@@ -155,20 +156,27 @@ enum status grain_field_create(struct grain_field *field, const struct grain_pac
   size_t total = 1;
   struct progress progress;
   long done = 0;
-  *field = (struct grain_field){.voxel = voxel};
+  const long *size = request->size;
+  *field = (struct grain_field){.voxel = request->voxel, .halo = request->halo};
   for (int i = 0; i < 3; i++) {
     field->size[i] = size[i];
-    field->extent[i] = size[i] + 2 * FIELD_HALO;
+    field->extent[i] = size[i] + 2 * field->halo;
     if (!size_multiply(total, (size_t)field->extent[i], &total))
       TRY_FAIL(STATUS_USAGE, "--size: too large");
   }
-  TRY(noise_lattice_create(&noise, seed, RANDOM_ROUGHNESS));
+  TRY(noise_lattice_create(&noise, request->seed, RANDOM_ROUGHNESS));
   TRY(memory_allocate(&field->distance, total, sizeof *field->distance, "distance field"));
   TRY(memory_allocate(&field->label, total, sizeof *field->label, "grain labels"));
   TRY(memory_allocate(&rows, (size_t)field->extent[2] * (size_t)field->extent[0], sizeof *rows,
                       "row buffers"));
   TRY(memory_allocate(&claimed, (size_t)field->extent[2], sizeof *claimed, "layer counts"));
-  const struct drawing drawing = {field, &noise, random_key(seed, RANDOM_ROUGHNESS), claimed};
+  /* The scan begins FIELD_HALO of its voxels into the packing; its first voxel's centre is that of
+   * `refine` finer ones. */
+  const int refine = request->refine;
+  const double first =
+      (double)(FIELD_HALO * refine) - 0.5 * (double)(refine - 1) - (double)request->halo;
+  const struct drawing drawing = {field, &noise, random_key(request->seed, RANDOM_ROUGHNESS), first,
+                                  claimed};
   const size_t layer = (size_t)field->extent[0] * (size_t)field->extent[1];
   progress_start(&progress, "drawing", "layers", (double)field->extent[2]);
   /* Each layer is one thread's alone and sees the grains in their order. */
@@ -185,7 +193,7 @@ enum status grain_field_create(struct grain_field *field, const struct grain_pac
   for (long z = 0; z < field->extent[2]; z++) field->shared += (double)claimed[z];
   if (inside) field->shared = (field->shared - (double)inside) / (double)inside;
   const double voxels = (double)size[0] * (double)size[1] * (double)size[2];
-  TRY(choose_offset(field, lround(voxels / (1 + void_ratio))));
+  TRY(choose_offset(field, lround(voxels / (1 + request->void_ratio))));
 cleanup:
   noise_lattice_destroy(&noise);
   memory_free(&rows);

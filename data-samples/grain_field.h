@@ -7,11 +7,12 @@
 
 #include "data-samples/grain_packing.h"
 
-/* Voxels kept around the scan, so that filters see sand, not an edge. */
+/* Voxels kept around the scan, so that filters see sand, not an edge; wider filters want more. */
 #define FIELD_HALO 8
 
 struct grain_field {
   long size[3];    /* voxels of the scan; x, y, z */
+  long halo;       /* voxels kept around it */
   long extent[3];  /* with the halo on both sides */
   double voxel;    /* m */
   float *distance; /* [extent z][y][x] in voxels, negative in the grain; large far away */
@@ -33,18 +34,29 @@ struct grain_statistics {
 /* Box of a packing from whose inside a scan of this size can be cut. */
 void grain_field_box(const long size[3], double voxel, double largest, double box[3]);
 
+/* What to draw of a packing. The same scan at `refine` times as many voxels a side has refine times
+ * the size, a voxel smaller by it, and the same place in the packing. */
+struct field_request {
+  long size[3];
+  double voxel; /* m */
+  long halo;    /* voxels, FIELD_HALO or more */
+  int refine;   /* 1: the scan itself */
+  double void_ratio;
+  uint64_t seed;
+};
+
 /* Draws the packing on the voxels and chooses `offset`, to 1/262144 of a voxel, so that the solid
  * voxels are as many as the void ratio asks for: to some ten voxels in a scan of 59 million.
  * STATUS_NUMERIC when the packing is too far from it for a small offset. Free with _destroy. */
 enum status grain_field_create(struct grain_field *field, const struct grain_packing *packing,
-                               const long size[3], double voxel, double void_ratio, uint64_t seed);
+                               const struct field_request *request);
 void grain_field_destroy(struct grain_field *field);
 
 /* Index of voxel (x, y, z) of the scan into `distance` and `label`. */
 static inline size_t grain_field_index(const struct grain_field *field, long x, long y, long z) {
-  return ((size_t)(z + FIELD_HALO) * (size_t)field->extent[1] + (size_t)(y + FIELD_HALO)) *
+  return ((size_t)(z + field->halo) * (size_t)field->extent[1] + (size_t)(y + field->halo)) *
              (size_t)field->extent[0] +
-         (size_t)(x + FIELD_HALO);
+         (size_t)(x + field->halo);
 }
 
 /* Counts grains, their sizes and contacts (two grains touch where two of their solid voxels share

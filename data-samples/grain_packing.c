@@ -272,7 +272,7 @@ static void grain_packing_scatter(struct grain_packing *packing, uint64_t seed) 
 }
 
 enum status grain_packing_create(struct grain_packing *packing, const double box[3],
-                                 double solid_fraction, double smallest, double largest,
+                                 double solid_fraction, const struct grain_recipe *recipe,
                                  uint64_t seed) {
   enum status status = STATUS_OK;
   struct direction_set *set = NULL;
@@ -283,14 +283,18 @@ enum status grain_packing_create(struct grain_packing *packing, const double box
     packing->box[i] = box[i];
     volume *= box[i];
   }
-  const double mean = 0.5 * (smallest + largest);
-  capacity = (long)(1.05 * solid_fraction * volume / (PI / 6 * mean * mean * mean)) + 64;
+  const double mean = 0.5 * (recipe->smallest + recipe->largest);
+  const double coarse =
+      1 - grain_fines_number(recipe); /* fines add to the number, not the volume */
+  capacity = (long)(1.05 * solid_fraction * volume / (PI / 6 * mean * mean * mean) *
+                    (1 - recipe->fines) / coarse) +
+             64;
   TRY(memory_allocate(&set, 1, sizeof *set, "directions"));
   TRY(memory_allocate(&packing->grain, (size_t)capacity, sizeof *packing->grain, "grains"));
   direction_set_create(set);
 #pragma omp parallel for schedule(dynamic, 16)
   for (long g = 0; g < capacity; g++)
-    grain_create(&packing->grain[g], set, seed, (uint64_t)g, smallest, largest);
+    grain_create(&packing->grain[g], set, seed, (uint64_t)g, recipe);
   while (packing->count < capacity && filled < solid_fraction * volume) {
     const double d = packing->grain[packing->count++].diameter;
     filled += PI / 6 * d * d * d;

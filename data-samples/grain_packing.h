@@ -11,10 +11,10 @@ struct grain_packing {
   struct grain *grain;
 };
 
-/* Draws grains of `smallest` to `largest` (m) until they fill `solid_fraction` of the box, and
- * packs them. Deterministic for a seed, for any number of threads. Free with _destroy. */
+/* Draws grains until they fill `solid_fraction` of the box, and packs them. Deterministic for a
+ * seed, for any number of threads. Free with _destroy. */
 enum status grain_packing_create(struct grain_packing *packing, const double box[3],
-                                 double solid_fraction, double smallest, double largest,
+                                 double solid_fraction, const struct grain_recipe *recipe,
                                  uint64_t seed);
 void grain_packing_destroy(struct grain_packing *packing);
 

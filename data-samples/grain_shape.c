@@ -4,6 +4,8 @@
 
 #define PI 3.14159265358979323846
 
+static const double FINES_SIZE = 1.0 / 3; /* of the other grains */
+
 void direction_set_create(struct direction_set *set) {
   double sum = 0;
   for (int face = 0, n = 0; face < 6; face++)
@@ -70,10 +72,12 @@ static double grain_surface(const struct grain *grain, const double u[3]) {
 }
 
 /* Faces spread over the sphere: each the farthest from its forerunners among six drawn. */
-static void draw_faces(struct grain *grain, struct random_sequence *random) {
+static void draw_faces(struct grain *grain, struct random_sequence *random, enum grain_form form) {
+  static const double wide[][2] = {{0.65, 1.0}, {0.85, 1.0}, {0.45, 0.55}};
   double drawn[GRAIN_FACES_MAX][3];
-  double ratio[3] = {1, random_uniform(random, 0.65, 1.0), 0}, axis[3][3];
-  ratio[2] = ratio[1] * random_uniform(random, 0.65, 1.0);
+  double ratio[3] = {1, random_uniform(random, wide[form][0], wide[form][1]), 0}, axis[3][3];
+  const double thick = form == GRAIN_LONG ? 0.8 : wide[form][0];
+  ratio[2] = ratio[1] * random_uniform(random, thick, 1.0);
   random_direction(random, axis[0]);
   double dot;
   do {
@@ -110,16 +114,24 @@ static void draw_faces(struct grain *grain, struct random_sequence *random) {
   }
 }
 
+double grain_fines_number(const struct grain_recipe *recipe) {
+  const double volume = FINES_SIZE * FINES_SIZE * FINES_SIZE;
+  return recipe->fines / (recipe->fines + (1 - recipe->fines) * volume);
+}
+
 void grain_create(struct grain *grain, const struct direction_set *set, uint64_t seed,
-                  uint64_t item, double smallest, double largest) {
+                  uint64_t item, const struct grain_recipe *recipe) {
   struct random_sequence random = random_sequence_start(seed, RANDOM_SIZE, item);
   double hump = 0; /* few grains near the limits, most in the middle */
   for (int i = 0; i < 3; i++) hump += random_uniform(&random, 0, 1) / 3;
-  grain->diameter = smallest + (largest - smallest) * hump;
+  grain->diameter = recipe->smallest + (recipe->largest - recipe->smallest) * hump;
+  if (recipe->fines > 0 && random_uniform(&random, 0, 1) < grain_fines_number(recipe))
+    grain->diameter *= FINES_SIZE;
 
   random = random_sequence_start(seed, RANDOM_SHAPE, item);
-  draw_faces(grain, &random);
-  grain->edge_radius = random_uniform(&random, 0.04, 0.20);
+  draw_faces(grain, &random, recipe->form);
+  grain->edge_radius = recipe->form == GRAIN_ROUND ? random_uniform(&random, 0.35, 0.60)
+                                                   : random_uniform(&random, 0.04, 0.20);
 
   double surface[GRAIN_DIRECTIONS], volume = 0, radius = 0;
   for (int n = 0; n < GRAIN_DIRECTIONS; n++) {

@@ -33,10 +33,22 @@ void direction_set_create(struct direction_set *set);
 /* The table cell that holds direction (x, y, z), not all 0. */
 int direction_set_find(double x, double y, double z);
 
-/* The shape of grain number `item`, of volume pi/6 diameter^3, the diameter drawn between the
- * limits `smallest` and `largest` (m). The centre is left at 0. */
+/* angular: as above; round: compact, and edges as wide as faces; long: twice as long as wide. */
+enum grain_form { GRAIN_ANGULAR, GRAIN_ROUND, GRAIN_LONG };
+
+/* What grains to draw. Fines are grains of a third of the diameter. */
+struct grain_recipe {
+  double smallest, largest; /* m: limits of the diameter */
+  enum grain_form form;
+  double fines; /* share of the solid's volume */
+};
+
+/* Share of the number of grains that are fines. */
+double grain_fines_number(const struct grain_recipe *recipe);
+
+/* The shape of grain number `item`, of volume pi/6 diameter^3. The centre is left at 0. */
 void grain_create(struct grain *grain, const struct direction_set *set, uint64_t seed,
-                  uint64_t item, double smallest, double largest);
+                  uint64_t item, const struct grain_recipe *recipe);
 
 /* Rounded maximum of two face distances: max, plus a parabola where they are within `width`
  * (polynomial smooth maximum, Quilez 2013). */

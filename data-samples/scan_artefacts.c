@@ -4,7 +4,7 @@
 
 #include "common/memory.h"
 
-enum { RADIUS_MAX = FIELD_HALO - 1 };
+enum { RADIUS_MAX = 31 };
 
 static const double TEXTURE_LENGTH = 30e-6; /* m, lattice spacing of the variation in a grain */
 
@@ -29,7 +29,8 @@ enum status scan_artefacts_create(struct scan_artefacts *scan, const struct grai
   const double contrast = settings->grain_grey - settings->pore_grey;
   const uint64_t grey_key = random_key(seed, RANDOM_GREY);
   const long *extent = field->extent;
-  const size_t voxels = (size_t)extent[0] * (size_t)extent[1] * (SCAN_CHUNK + 2 * FIELD_HALO);
+  const size_t voxels =
+      (size_t)extent[0] * (size_t)extent[1] * (size_t)(SCAN_CHUNK + 2 * field->halo);
   *scan = (struct scan_artefacts){.field = field, .settings = *settings, .seed = seed};
   TRY(noise_lattice_create(&scan->texture, seed, RANDOM_TEXTURE));
   TRY(memory_allocate(&scan->grain_grey, (size_t)grains + 1, sizeof(float), "grain greys"));
@@ -65,11 +66,27 @@ void scan_artefacts_destroy(struct scan_artefacts *scan) {
   for (int i = 0; i < 2; i++) memory_free(&scan->chunk[i]);
 }
 
-/* Normalised Gaussian weights, weight[0] the centre; returns the radius. */
-static int gaussian_weights(double sigma, float weight[RADIUS_MAX + 1]) {
+static int gaussian_radius(double sigma, long most) {
+  const int radius = (int)ceil(3.3 * sigma);
+  return radius < most ? radius : (int)most;
+}
+
+double scan_blur(const struct scan_settings *settings, double voxel) {
+  const double blur = settings->blur / voxel;
+  return settings->blur_kept ? blur : fmin(fmax(blur, 0.8), 1.9);
+}
+
+long scan_halo(const struct scan_settings *settings, double voxel) {
+  const double widest = fmax(scan_blur(settings, voxel), settings->noise_length);
+  const long reach = gaussian_radius(widest, RADIUS_MAX) + 1; /* and one for the Laplacian */
+  return reach > FIELD_HALO || widest > 2 ? reach + 1 : FIELD_HALO;
+}
+
+/* Normalised Gaussian weights of at most `most` voxels' reach, weight[0] the centre; returns the
+ * radius. */
+static int gaussian_weights(double sigma, long most, float weight[RADIUS_MAX + 1]) {
   double value[RADIUS_MAX + 1] = {0}, sum = 0;
-  int radius = (int)ceil(3.3 * sigma);
-  if (radius > RADIUS_MAX - 1) radius = RADIUS_MAX - 1;
+  const int radius = gaussian_radius(sigma, most);
   for (int k = 0; k <= radius; k++) {
     value[k] = exponential_negative(-k * k / (2 * sigma * sigma));
     sum += k ? 2 * value[k] : value[k];
@@ -85,7 +102,7 @@ static void gaussian_filter(struct scan_artefacts *scan, long layers, double sig
                           scan->field->extent[0] * scan->field->extent[1]};
   const long total = layers * stride[2];
   float weight[RADIUS_MAX + 1] = {0};
-  const int radius = gaussian_weights(sigma, weight);
+  const int radius = gaussian_weights(sigma, scan->field->halo - 2, weight);
   for (int axis = 0; axis < 3; axis++) {
     const float *from = scan->chunk[0];
     float *to = scan->chunk[1];
@@ -178,9 +195,9 @@ static void draw_noise(const struct scan_artefacts *scan, long z, float amplitud
 void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, float *grey) {
   const struct grain_field *field = scan->field;
   const struct scan_settings *settings = &scan->settings;
-  const long nx = field->size[0], ny = field->size[1], row = field->extent[0];
-  const long layers = count + 2 * FIELD_HALO, layer = row * field->extent[1];
-  const double blur = fmin(fmax(settings->blur / field->voxel, 0.8), 1.9);
+  const long nx = field->size[0], ny = field->size[1], row = field->extent[0], halo = field->halo;
+  const long layers = count + 2 * field->halo, layer = row * field->extent[1];
+  const double blur = scan_blur(settings, field->voxel);
   const float fringe = (float)(settings->fringe * blur * blur);
 
   float *object = scan->chunk[0];
@@ -193,8 +210,7 @@ void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, flo
     const float drift = (float)slice_drift(scan, z0 + z);
     for (long y = 0; y < ny; y++)
       for (long x = 0; x < nx; x++) {
-        const float *at =
-            blurred + ((z + FIELD_HALO) * field->extent[1] + y + FIELD_HALO) * row + x + FIELD_HALO;
+        const float *at = blurred + ((z + halo) * field->extent[1] + y + halo) * row + x + halo;
         /* Propagation-based phase contrast adds the negative Laplacian (Bronnikov 2002, eq. 2). */
         const float laplacian =
             at[-1] + at[1] + at[-row] + at[row] + at[-layer] + at[layer] - 6 * at[0];
@@ -204,7 +220,7 @@ void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, flo
   }
 
   float weight[RADIUS_MAX + 1] = {0};
-  const int radius = gaussian_weights(settings->noise_length, weight);
+  const int radius = gaussian_weights(settings->noise_length, halo - 2, weight);
   double square = (double)weight[0] * weight[0];
   for (int k = 1; k <= radius; k++) square += 2 * (double)weight[k] * weight[k];
   const double deviation = (settings->grain_grey - settings->pore_grey) / settings->noise_ratio;
@@ -219,5 +235,5 @@ void scan_artefacts_render(struct scan_artefacts *scan, long z0, long count, flo
     for (long y = 0; y < ny; y++)
       for (long x = 0; x < nx; x++)
         grey[(z * ny + y) * nx + x] +=
-            noise[((z + FIELD_HALO) * field->extent[1] + y + FIELD_HALO) * row + x + FIELD_HALO];
+            noise[((z + halo) * field->extent[1] + y + halo) * row + x + halo];
 }

@@ -10,7 +10,8 @@ struct scan_settings {
   double grain_spread;   /* standard deviation from grain to grain, share of the grain's grey */
   double texture_spread; /* the same inside a grain */
   double bright_share;   /* share of grains of a heavy mineral, twice to 2.5 times as bright */
-  double blur;           /* standard deviation of the Gaussian, m; 0.8 to 1.9 voxels are drawn */
+  double blur;           /* standard deviation of the Gaussian, m */
+  int blur_kept;         /* 0: brought to 0.8 to 1.9 voxels */
   double fringe;         /* strength of the Laplacian that makes the fringe, per blur^2 */
   double noise_ratio;    /* contrast / standard deviation of the noise (CNR) */
   double noise_length;   /* standard deviation of the Gaussian that correlates it, voxels */
@@ -23,6 +24,11 @@ extern const struct scan_settings SCAN_DEFAULTS;
 
 enum { SCAN_CHUNK = 32 }; /* slices rendered at once */
 
+/* Standard deviation of the Gaussian that is drawn, voxels. */
+double scan_blur(const struct scan_settings *settings, double voxel);
+/* Voxels around the scan that its filters reach, FIELD_HALO or more. */
+long scan_halo(const struct scan_settings *settings, double voxel);
+
 struct scan_artefacts {
   const struct grain_field *field;
   struct scan_settings settings;
@@ -31,7 +37,7 @@ struct scan_artefacts {
   float *grain_grey; /* [grains + 1] */
   float *ring;       /* by distance from the axis of rotation, half voxels */
   long ring_count;
-  float *chunk[2]; /* [SCAN_CHUNK + 2 FIELD_HALO][extent y][extent x] */
+  float *chunk[2]; /* [SCAN_CHUNK + 2 halo][extent y][extent x] */
 };
 
 /* Keeps `field`, which must outlive it. Free with _destroy. */

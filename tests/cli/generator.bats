@@ -146,3 +146,29 @@ crosses() {
   [ -e "$FOLDER/again/notes.txt" ]
   [ -e "$FOLDER/again/sand.json" ]
 }
+
+@test "a finer truth is the same sand in the same place; other grains and sizes are other sands" {
+  "$GENERATE" --quiet --output "$FOLDER/fine" --size 64x60x40 --voxel-size 11.66um --truth "$FOLDER/fine.raw" \
+    --truth-refine 2
+  cmp "$FOLDER/dense/slice_0020.tif" "$FOLDER/fine/slice_0020.tif"
+  python3 - "$FOLDER/dense.raw" "$FOLDER/fine.raw" << 'P'
+import sys
+coarse, fine = (open(name, "rb").read() for name in sys.argv[1:])
+nx, ny, nz = 64, 60, 40
+assert len(fine) == 8 * len(coarse)
+wrong = 0
+for z in range(nz):
+    for y in range(ny):
+        rows = [fine[((2 * z + k) * 2 * ny + 2 * y + j) * 2 * nx:][:2 * nx] for k in (0, 1) for j in (0, 1)]
+        for x in range(nx):
+            solid = sum(row[2 * x] + row[2 * x + 1] for row in rows)
+            here = coarse[(z * ny + y) * nx + x]
+            wrong += solid > 4 and not here or solid < 4 and here
+assert wrong < 0.01 * len(coarse), wrong   # another place would have half of them wrong
+P
+  for grains in "--grains round" "--grains long" "--fines 0.1" "--grain-size 300um"; do
+    "$GENERATE" --quiet --output "$FOLDER/kind" --size 64x60x40 --voxel-size 11.66um $grains
+    ! cmp -s "$FOLDER/dense/slice_0020.tif" "$FOLDER/kind/slice_0020.tif"
+    true_in "$(value void_ratio "$FOLDER/kind/sand.json") > 0.7248"
+  done
+}
