@@ -4,6 +4,8 @@
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
 enum status isph_scales(struct plan *plan);

@@ -6,9 +6,11 @@
 #define TOSUI_SPHSOLVE_PLAN_METHOD_H
 
 #include "common/error.h"
-#include "sphsolve/plan/plan.h"
-#include "sphsolve/plan/ranks_forecast.h"
+#include "sphsolve/plan/effect.h"
 
+struct lattice;
+struct plan;
+struct ranks_cost;
 struct recorder;
 struct run_result;
 

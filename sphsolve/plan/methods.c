@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
 
 const struct method *const methods_all[] = {
 #define METHOD(name) &method_##name,

@@ -3,6 +3,8 @@
 #define TOSUI_SPHSOLVE_STOKES_METHOD_H
 
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);

@@ -5,6 +5,8 @@
 #include "sphsolve/wcsph/engine/engine.h"
 #include "sphsolve/wcsph/scales.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const wcsph_effects[]; /* effects/registry.def */
 enum status wcsph_scales(struct plan *plan);

@@ -2,7 +2,11 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_ORDER_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_ORDER_H
 
-#include "sphsolve/wcsph/engine/particles.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sphsolve/wcsph/engine/frame.h"
 
 int order_bits(const struct frame *frame);
 /* `cell`: position in half sites. */
@@ -20,14 +24,5 @@ struct cutter {
 };
 void cutter_start(struct cutter *cutter, const struct frame *frame, double reach);
 bool cutter_takes(struct cutter *cutter, const uint32_t x[3]);
-
-/* Walls of planes [first, end) that fluid can reach, in the order of sites; *sites is to be freed.
- */
-enum status particles_find_walls(const struct lattice *lattice, double range, size_t first,
-                                 size_t end, uint32_t **sites, size_t *count);
-/* Makes walls of sites in order; empty slots carry NO_PARTICLE. */
-enum status particles_set_walls(const struct lattice *lattice, double range,
-                                const struct particle_fields *fields, const uint32_t *order,
-                                size_t used, struct particles *particles);
 
 #endif

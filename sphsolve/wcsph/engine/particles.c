@@ -8,32 +8,9 @@
 #include "common/ranks.h"
 #include "sphsolve/wcsph/engine/order.h"
 
-#define MAX_IMAGE_BITS 6
 /* Depths of wall particles end here, in the reach of fluid: deeper ones act the same
  * (effects/wall_subvoxel.h). */
 #define DEEPEST 1.2
-
-void frame_make(const struct lattice *lattice, double clearance, struct frame *frame) {
-  memset(frame, 0, sizeof *frame);
-  int bits = 0;
-  frame->dimensions = lattice->dimensions;
-  for (int a = 0; a < 3; a++) {
-    frame->sites[a] = lattice->size[a];
-    frame->length[a] = lattice->spacing[a] * (double)lattice->size[a];
-    bool flat = lattice->dimensions == 2 && a == 1;
-    if (!flat)
-      while (ldexp(frame->length[a], frame->image_bits[a]) < clearance &&
-             frame->image_bits[a] < MAX_IMAGE_BITS)
-        frame->image_bits[a]++;
-    frame->unit[a] = ldexp(frame->length[a], frame->image_bits[a] - 32);
-    double step = ldexp(1.0, 32 - frame->image_bits[a]) / (double)lattice->size[a];
-    frame->step[a] = flat ? 0 : (uint32_t)fmin(step, 4294967295.0);
-    frame->site_shift[a] = a == 0 ? 0 : frame->site_shift[a - 1] + bits;
-    for (bits = 1; lattice->size[a] >> bits != 0; bits++) {
-    }
-    frame->site_mask[a] = (uint32_t)((1ull << bits) - 1);
-  }
-}
 
 struct each {
   void **array;

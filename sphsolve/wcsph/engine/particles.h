@@ -14,25 +14,12 @@
 
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/wcsph/engine/frame.h"
 
-#define CLUSTER 8
 #define NO_PARTICLE UINT32_MAX
 #define NO_SITE UINT32_MAX
 /* Slots allocated beyond the last, so that full vectors may be read anywhere. */
 #define SLOT_PADDING 32
-
-/* Fixed-point coordinates: 2^32 units span 2^image_bits boxes. */
-struct frame {
-  int dimensions;
-  size_t sites[3];
-  double length[3]; /* m: the box */
-  int image_bits[3];
-  double unit[3];   /* m per unit */
-  uint32_t step[3]; /* units per site; 0: no such direction (y in 2-D) */
-  /* Where x, y, z stand in a packed site, and what one more than the largest takes. */
-  int site_shift[3];
-  uint32_t site_mask[3];
-};
 
 struct particles {
   struct frame frame;
@@ -74,8 +61,6 @@ struct particle_fields {
   bool wall_state, wall_base, wall_depth, wall_v, wall_region;
 };
 
-/* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */
-void frame_make(const struct lattice *lattice, double clearance, struct frame *frame);
 /* Walls within `range` of fluid, ordered, in clusters; how much fluid there is. */
 enum status particles_make(const struct lattice *lattice, double range, double reach,
                            double clearance, const struct particle_fields *fields,
@@ -83,6 +68,14 @@ enum status particles_make(const struct lattice *lattice, double range, double r
 /* Fluid at rest on its sites, unsorted: of all the `count` particles from `first` on. */
 enum status particles_place(const struct lattice *lattice, const struct particle_fields *fields,
                             size_t first, size_t count, struct particles *particles);
+/* Walls of planes [first, end) that fluid can reach, in the order of sites; *sites is to be freed.
+ */
+enum status particles_find_walls(const struct lattice *lattice, double range, size_t first,
+                                 size_t end, uint32_t **sites, size_t *count);
+/* Makes walls of sites in order; empty slots carry NO_PARTICLE. */
+enum status particles_set_walls(const struct lattice *lattice, double range,
+                                const struct particle_fields *fields, const uint32_t *order,
+                                size_t used, struct particles *particles);
 void particles_free(struct particles *particles);
 /* Orders the fluid along the curve and cuts it into clusters; deterministic. */
 enum status particles_sort(struct particles *particles);
@@ -113,18 +106,4 @@ static inline size_t particles_slots(const struct particles *p) {
 static inline size_t particles_wall_slots(const struct particles *p) {
   return p->wall_clusters * CLUSTER;
 }
-/* Particles drift on into images of the box; this is their place in the box itself. */
-static inline uint32_t frame_fold(const struct frame *frame, int axis, uint32_t x) {
-  return x & (UINT32_MAX >> frame->image_bits[axis]);
-}
-static inline uint32_t frame_site_position(const struct frame *frame, int axis, uint32_t index) {
-  return index * frame->step[axis] + frame->step[axis] / 2;
-}
-static inline uint32_t frame_wall_index(const struct frame *frame, int axis, uint32_t site) {
-  return site >> frame->site_shift[axis] & frame->site_mask[axis];
-}
-static inline uint32_t frame_wall_position(const struct frame *frame, int axis, uint32_t site) {
-  return frame_site_position(frame, axis, frame_wall_index(frame, axis, site));
-}
-
 #endif
