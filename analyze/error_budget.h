@@ -11,6 +11,8 @@
 /* Relative parts; NAN: unknown. */
 struct error_budget {
   double resolution; /* grid convergence index; where a run holds none, what explain expected */
+  double scan;       /* blur and noise of the scan */
+  double sides;      /* closed, mirrored or wrapped sides of the sample */
   double averaging;  /* over time, and the scatter of a fit */
   double steadiness;
   double void_ratio;       /* the model's void ratio off the measured one */

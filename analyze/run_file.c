@@ -59,6 +59,9 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "darcy_velocity", 3, run->darcy_velocity));
   TRY(read_numbers(file, "k", 1, &run->k));
   TRY(read_numbers(file, "k_error", 1, &run->k_error));
+  TRY(read_numbers(file, "k_low", 1, &run->k_low));
+  TRY(read_numbers(file, "k_high", 1, &run->k_high));
+  TRY(read_numbers(file, "k_finest", 1, &run->k_finest));
   TRY(read_numbers(file, "reynolds", 1, &run->reynolds));
   TRY(read_numbers(file, "predicted_error", 1, &run->predicted_error));
   run->wall_time = h5_attribute_or_nan(file, "/run/timing", "wall_time");
@@ -68,6 +71,8 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
     const char *name;
     double *value;
   } const parts[] = {{"resolution", &run->error.resolution},
+                     {"scan", &run->error.scan},
+                     {"sides", &run->error.sides},
                      {"averaging", &run->error.averaging},
                      {"steadiness", &run->error.steadiness},
                      {"void_ratio", &run->error.void_ratio},
@@ -138,6 +143,29 @@ static enum status read_history(struct h5_file *file, struct run *run) {
   }
 cleanup:
   h5_free_texts(count, &names);
+  return status;
+}
+
+/* /run/levels: {spacing,k,iterations,seconds}, of one length. */
+static enum status read_levels(struct h5_file *file, struct run *run) {
+  enum status status = STATUS_OK;
+  struct run_levels *levels = &run->levels;
+  struct {
+    const char *name;
+    double **values;
+  } const columns[] = {{"/run/levels/spacing", &levels->spacing},
+                       {"/run/levels/k", &levels->k},
+                       {"/run/levels/iterations", &levels->iterations},
+                       {"/run/levels/seconds", &levels->seconds}};
+  if (!h5_exists(file, "/run/levels")) return STATUS_OK;
+  for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
+    size_t count = 0;
+    TRY(h5_read(file, columns[i].name, H5_F64, 1, &count, columns[i].values));
+    if (i > 0 && count != levels->count)
+      TRY_FAIL(STATUS_INPUT, "%s: the columns of /run/levels differ in length", run->path);
+    levels->count = count;
+  }
+cleanup:
   return status;
 }
 
@@ -239,6 +267,7 @@ enum status run_read(const char *path, struct run *run) {
   TRY(read_attributes(file, run));
   TRY(name_run(run));
   TRY(read_history(file, run));
+  TRY(read_levels(file, run));
   TRY(read_snapshots(file, run));
   TRY(read_solid(file, run));
   TRY(read_identity(file, run));
@@ -282,6 +311,10 @@ void run_free(struct run *run) {
     memory_free(&run->columns[i].values);
   }
   memory_free(&run->columns);
+  memory_free(&run->levels.spacing);
+  memory_free(&run->levels.k);
+  memory_free(&run->levels.iterations);
+  memory_free(&run->levels.seconds);
   h5_free_texts(run->snapshot_count, &run->snapshot_names);
   memory_free(&run->snapshot_times);
   memory_free(&run->solid);

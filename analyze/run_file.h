@@ -17,6 +17,12 @@ struct history_column {
   double *values;
 };
 
+/* k on each lattice of a run that solved several: arrays of `count`. */
+struct run_levels {
+  size_t count;
+  double *spacing, *k, *iterations, *seconds; /* m, m/s, -, s of processor */
+};
+
 struct run {
   char *path;
   char *folder; /* of `path`, "" or ending in '/'; snapshot names are relative to it */
@@ -36,15 +42,17 @@ struct run {
   double bulk_count, fluid_count;
   double darcy_velocity[3];         /* as sphsolve found it; NAN if not stored */
   double k, k_error;                /* m/s, relative; NAN if not stored */
+  double k_low, k_high, k_finest;   /* m/s: 95 % interval, finest lattice; NAN if not stored */
   double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
   double wall_time, steps;          /* s; NAN if not stored */
   /* Relative parts of the error of k as sphsolve found them, and d ln k / d e; NAN if not stored.
    */
   struct {
-    double resolution, averaging, steadiness, void_ratio, threshold;
+    double resolution, scan, sides, averaging, steadiness, void_ratio, threshold;
     double slope_void_ratio, slope_threshold;
   } error;
 
+  struct run_levels levels; /* the lattices that the run solved; count 0: one */
   size_t column_count;
   struct history_column *columns;
   size_t snapshot_count;
@@ -63,8 +71,8 @@ void run_free(struct run *run);
  * it. */
 bool run_is_companion(const char *path);
 
-/* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where a
- * force only holds the water in a tank). */
+/* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where
+ * a force only holds the water in a tank). */
 bool run_has_permeability(const struct run *run);
 
 /* The run's model file: as the run names it, or beside the run. False without one. */

@@ -11,8 +11,11 @@
 #include "analyze/report/page_flow.h"
 #include "analyze/report/page_html.h"
 #include "analyze/report/page_ledger.h"
+#include "analyze/report/page_methods.h"
+#include "analyze/report/page_model.h"
 #include "analyze/report/page_record.h"
 #include "analyze/report/page_specimen.h"
+#include "analyze/report/page_verdict.h"
 #include "analyze/pdf.h"
 #include "analyze/plot.h"
 #include "analyze/slice.h"
@@ -33,6 +36,7 @@ struct page {
   const char *command_line;
   bool has[PARTS];
   struct product part[PARTS];
+  struct page_model model; /* of the first run */
   struct flow flow;
   bool has_flow;
   bool lean;    /* leaves the still pictures to the charts, to stay small */
@@ -140,110 +144,6 @@ cleanup:
 
 /* ---- writing ---- */
 
-static double number(const json_t *object, const char *key) {
-  const json_t *value = json_object_get(object, key);
-  return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-/* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)", small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
-static void quantity(FILE *out, double value, double relative, const char *unit) {
-  char scaled[80];
-  int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
-  fputs("<span class=\"quantity\">", out);
-  if (power >= -2 && power < 5) {
-    snprintf(scaled, sizeof scaled, " %s", unit);
-    write_value_with_error(out, value, relative * value, "&plusmn;", scaled);
-  } else {
-    double unitless = value / pow(10.0, power);
-    fputc('(', out);
-    snprintf(scaled, sizeof scaled, ") &times; 10<sup>%s%d</sup> %s", power < 0 ? "&minus;" : "",
-             abs(power), unit);
-    write_value_with_error(out, unitless, relative * unitless, "&plusmn;", scaled);
-  }
-  fputs("</span>", out);
-}
-
-static void note_percent(FILE *out, const char *what, double share) {
-  if (!isfinite(share)) return;
-  fputs(what, out);
-  write_percent(out, share);
-  fputc('.', out);
-}
-
-/* "0.154 +- 0.002 cm/s" large, the other units below; the JSON of the page holds the same numbers.
- */
-static void write_headline(FILE *out, const json_t *fit, const char *name, const char *note) {
-  double k = number(fit, "k_m_per_s"), relative = number(fit, "k_relative_error");
-  double permeability = number(fit, "intrinsic_permeability_m2");
-  fputs("<article class=\"card\"><h2>", out);
-  html_text(out, name);
-  fputs("</h2>\n", out);
-  if (!isfinite(k)) {
-    fputs("<p class=\"k\">no k</p><p>No run of this group is steady; run longer.</p></article>\n",
-          out);
-    return;
-  }
-  fputs("<p class=\"k\"><var>k</var> = ", out);
-  quantity(out, 100.0 * k, relative, "cm/s");
-  fputs("</p>\n<p>= ", out);
-  quantity(out, k, relative, "m/s");
-  fputs("<br>intrinsic permeability ", out);
-  quantity(out, permeability, relative, "m&sup2;");
-  fputs("<br>= ", out);
-  quantity(out, permeability / 9.869233e-13, relative, "darcy");
-  fprintf(out, "</p>\n<p class=\"note\">%s", note);
-  const json_t *budget = json_object_get(fit, "error_budget");
-  const char *from = json_string_value(json_object_get(budget, "resolution_from"));
-  note_percent(out,
-               from && !strcmp(from, "expectation") ? " Resolution, as expected: "
-                                                    : " Parts of the error: resolution ",
-               number(budget, "resolution"));
-  note_percent(out, " Averaging: ", number(budget, "averaging"));
-  note_percent(out, " Steadiness: ", number(budget, "steadiness"));
-  note_percent(out, " The model&rsquo;s void ratio: ", number(budget, "void_ratio"));
-  note_percent(out, " Its threshold: ", number(budget, "threshold"));
-  note_percent(out, " One grey level of the threshold moves <var>k</var> by about ",
-               number(fit, "dlnk_dthreshold"));
-  fputs("</p></article>\n", out);
-}
-
-static void write_headlines(struct page *page) {
-  FILE *out = page->out;
-  size_t i;
-  const json_t *group;
-  fputs("<section class=\"cards\" id=\"headline\">\n", out);
-  if (page->has[PART_CONVERGE]) {
-    const json_t *list = json_object_get(page->part[PART_CONVERGE].json, "series");
-    json_array_foreach(list, i, group) {
-      char name[300];
-      if (json_is_null(json_object_get(group, "k_m_per_s"))) continue;
-      snprintf(name, sizeof name, "%s (%.60s, %.60s walls)",
-               json_is_true(json_object_get(group, "extrapolated")) ? "Extrapolated to spacing 0"
-                                                                    : "At the finest spacing",
-               json_string_value(json_object_get(group, "method")),
-               json_string_value(json_object_get(group, "wall")));
-      write_headline(out, group, name,
-                     json_is_true(json_object_get(group, "extrapolated"))
-                         ? "Richardson extrapolation; the error holds the grid convergence index."
-                         : "The spacings do not converge well enough to extrapolate; the error is "
-                           "three times what they differ by.");
-    }
-  }
-  if (page->has[PART_DARCY]) {
-    const json_t *list = json_object_get(page->part[PART_DARCY].json, "groups");
-    json_array_foreach(list, i, group) {
-      write_headline(out, group, json_string_value(json_object_get(group, "name")),
-                     "At the resolution of the runs; its error is counted.");
-    }
-  } else {
-    fputs("<article class=\"card\"><p>No steady seepage is driven in every run, so there is no "
-          "permeability.</p>"
-          "</article>\n",
-          out);
-  }
-  fputs("</section>\n", out);
-}
-
 /* The plot of `body` as a still picture; a page without one is better than no page. */
 static void write_still(FILE *out, const char *name, const char *body, int width, int height,
                         const char *title) {
@@ -267,23 +167,47 @@ static void write_still(FILE *out, const char *name, const char *body, int width
   memory_free(&svg);
 }
 
+/* Whether a part deserves the reader's screen: a line through one point and a record of a few rows
+ * do not; they wait behind a fold. */
+static bool is_worth_a_screen(const struct page *page, enum part part) {
+  size_t i;
+  const json_t *group, *json = page->part[part].json;
+  if (part == PART_DARCY) {
+    json_array_foreach(json_object_get(json, "groups"), i, group) {
+      if (json_array_size(json_object_get(group, "runs")) > 1) return true;
+    }
+    return false;
+  }
+  if (part == PART_HISTORY) {
+    for (i = 0; i < page->n; i++)
+      if (page->runs[i].column_count > 0 && page->runs[i].columns[0].rows >= 10 &&
+          strcmp(page->runs[i].method, "stokes") != 0)
+        return true;
+    return false;
+  }
+  return true;
+}
+
 /* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
 static void write_figure(struct page *page, enum part part, const char *title,
                          const char *caption) {
   FILE *out = page->out;
   const struct product *product = &page->part[part];
   if (!page->has[part]) return;
-  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n<figure>", part_names[part], title);
+  const bool shown = is_worth_a_screen(page, part);
+  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", part_names[part], title,
+          shown ? "" : "<details><summary>One value a run: show the figure</summary>");
   if (part != PART_SLICE)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", part_names[part]);
   if (!page->lean || part == PART_SLICE)
     write_still(out, part_names[part], product->plot.data, product->width, product->height, title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
-  fputs("</pre></section>\n", out);
+  fprintf(out, "</pre>%s</section>\n", shown ? "" : "</details>");
 }
 
-static enum status write_calibration(FILE *out, const json_t *calibration) {
+static enum status write_calibration(FILE *out, const json_t *calibration,
+                                     const struct page_model *model) {
   enum status status = STATUS_OK;
   char *body = NULL;
   size_t size = 0;
@@ -293,12 +217,14 @@ static enum status write_calibration(FILE *out, const json_t *calibration) {
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
   write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
-  fputs(
-      "<figcaption>Void ratio against the grey threshold, with the measured void ratio (level) and "
-      "the threshold it calls for (upright), and the histogram of grey values; at the resolution "
-      "of "
-      "the model and of the scan.</figcaption></figure>\n",
-      out);
+  fprintf(out,
+          "<figcaption>Void ratio against the grey threshold, and the histogram of grey values; at "
+          "the resolution of the model and of the scan. Dashed: the model&rsquo;s threshold%s."
+          "</figcaption></figure>\n",
+          model->rule == RULE_MATCHED ? " and the measured void ratio that it was set to give"
+          : isfinite(model->void_ratio_measured)
+              ? " and the measured void ratio, which it was not set to give"
+              : "");
 cleanup:
   free(body);
   return status;
@@ -376,45 +302,89 @@ static void write_foot(struct page *page) {
         page->out);
 }
 
+static void write_contents(const struct page *page, bool ledger) {
+  const struct {
+    const char *id, *name;
+    bool there;
+  } list[] = {{"flow", "Flow", page->has_flow},
+              {"converge", "Accuracy", page->has[PART_CONVERGE]},
+              {"pdf", "Pore velocity", page->has[PART_PDF]},
+              {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
+              {"history", "History", page->has[PART_HISTORY]},
+              {"slice", "Slice", page->has[PART_SLICE]},
+              {"specimen", "Specimen", true},
+              {"methods", "Methods", true},
+              {"effects", "Effects", true},
+              {"ledger", "Budget", ledger},
+              {"provenance", "Provenance", true}};
+  fputs("<nav>", page->out);
+  for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+    if (list[i].there) fprintf(page->out, "<a href=\"#%s\">%s</a> ", list[i].id, list[i].name);
+  fputs("</nav>\n", page->out);
+}
+
+static void write_methods(struct page *page) {
+  const json_t *converge = page->has[PART_CONVERGE] ? page->part[PART_CONVERGE].json : NULL;
+  const json_t *result = json_array_get(json_object_get(page->data, "verdict"), 0), *series;
+  const char *from = json_string_value(
+      json_object_get(json_object_get(result, "error_budget"), "resolution_from"));
+  struct methods_facts facts = {.permeable = result != NULL,
+                                .fitted =
+                                    page->has[PART_DARCY] && is_worth_a_screen(page, PART_DARCY),
+                                .index = from != NULL && from[0] == 'g'};
+  size_t i;
+  json_array_foreach(json_object_get(converge, "series"), i, series) {
+    facts.extrapolated |= json_is_true(json_object_get(series, "extrapolated"));
+  }
+  for (i = 0; i < page->n; i++) facts.averaged |= strcmp(page->runs[i].method, "stokes") != 0;
+  fputs("<section id=\"methods\"><h2>Methods</h2>\n", page->out);
+  page_methods(page->runs, page->n, &page->model, &facts, page->out);
+  fputs("</section>\n", page->out);
+}
+
 static enum status write_body(struct page *page) {
   enum status status = STATUS_OK;
   FILE *out = page->out;
   json_t *calibration = NULL;
+  bool ledger;
+  TRY(page_has_ledger(page->runs, page->n, &ledger));
   write_head(page);
-  write_headlines(page);
-  fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
-  TRY(page_specimen(&page->runs[0], out, &calibration));
-  if (calibration != NULL) {
-    json_object_set_new(page->data, "calibration", calibration);
-    TRY(write_calibration(out, calibration));
-  }
-  fputs("</section>\n", out);
+  write_contents(page, ledger);
+  verdict_write(json_object_get(page->data, "verdict"), out);
+  TRY(write_flow(page));
+  write_figure(page, PART_CONVERGE, "Accuracy and its cost",
+               "k against spacing with the extrapolation, and its deviation from the "
+               "extrapolated k against wall-clock time.");
+  write_figure(page, PART_PDF, "Pore velocity",
+               "Probability density of the velocity along the driving force, raw and over the "
+               "pore mean, with those of a slit, a tube, an exponential and a fitted "
+               "power-exponential.");
   write_figure(page, PART_DARCY, "Darcy&rsquo;s law",
                "Darcy velocity against hydraulic gradient with the fitted line.");
   write_figure(page, PART_HISTORY, "History",
                "Darcy velocity and density against time, the density's histogram at the end, and "
                "what the scene records.");
-  write_figure(page, PART_PDF, "Pore velocity",
-               "Probability density of the velocity along the driving force, raw and over the "
-               "pore mean, with those of a slit, a tube, an exponential and a fitted "
-               "power-exponential.");
   write_figure(page, PART_SLICE, "Slice",
                "Velocity in the plane over the grains (grey), half-way through the body.");
-  TRY(write_flow(page));
-  write_figure(page, PART_CONVERGE, "Accuracy and its cost",
-               "k against spacing with the extrapolation, and its deviation from the "
-               "extrapolated k against wall-clock time.");
+  fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
+  TRY(page_specimen(&page->runs[0], &page->model, out, &calibration));
+  if (calibration != NULL) {
+    json_object_set_new(page->data, "calibration", calibration);
+    TRY(write_calibration(out, calibration, &page->model));
+  }
+  fputs("</section>\n", out);
+  write_methods(page);
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
   TRY(page_effects(&page->runs[0], out));
-  bool ledger;
-  TRY(page_has_ledger(page->runs, page->n, &ledger));
+  fputs("</section>\n", out);
   if (ledger) {
-    fputs("</section>\n<section id=\"ledger\"><h2>Ledger</h2>\n", out);
+    fputs("<section id=\"ledger\"><h2>Budget of momentum and energy</h2>\n<details><summary>What "
+          "each effect gave the water</summary>\n",
+          out);
     TRY(page_ledger(page->runs, page->n, out));
+    fputs("</details></section>\n", out);
   }
-  fputs("</section>\n<section id=\"methods\"><h2>Methods</h2>\n", out);
-  TRY(page_methods(page->runs, page->n, out));
-  fputs("</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n", out);
+  fputs("<section id=\"provenance\"><h2>Provenance</h2>\n", out);
   for (size_t i = 0; i < page->n; i++) TRY(page_provenance(&page->runs[i], out));
   fputs("</section>\n", out);
   write_foot(page);
@@ -459,6 +429,12 @@ enum status page_write(const struct run *runs, size_t n, const char *path, const
     log_warning("this program was built without libjs-dygraphs or libjs-three: the report shows "
                 "still pictures; install both and build again");
   TRY(run_parts(&page));
+  page_model_read(&runs[0], &page.model);
+  json_t *results =
+      verdict_results(runs, n, page.has[PART_DARCY] ? page.part[PART_DARCY].json : NULL,
+                      page.has[PART_CONVERGE] ? page.part[PART_CONVERGE].json : NULL);
+  json_object_set_new(page.data, "verdict", results);
+  verdict_judge(results, &runs[0], &page.model);
   TRY(compose(&page, &text, &size));
   if (size > PAGE_LIMIT && charts) {
     page.lean = true;

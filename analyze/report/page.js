@@ -211,6 +211,8 @@
     }
   };
 
+  /* Charts behind a fold have no width until it opens. */
+  document.querySelectorAll('details').forEach(d => d.addEventListener('toggle', () => window.dispatchEvent(new Event('resize'))));
   if (window.Dygraph) {
     document.documentElement.classList.add('live');
     document.querySelectorAll('.charts').forEach(parent => {

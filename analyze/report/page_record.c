@@ -30,6 +30,26 @@ static void cell(FILE *stream, const char *text) {
 
 enum { NAME, STATE, REASON, MODEL, CITATION, EFFECT_TEXTS };
 
+static void effect_row(const struct texts effects[EFFECT_TEXTS], size_t i, double share,
+                       FILE *stream) {
+  const bool on = strcmp(text_at(&effects[STATE], i), "on") == 0;
+  fprintf(stream, "<tr class=\"%s\">", on ? "on" : "off");
+  cell(stream, effects[NAME].text[i]);
+  cell(stream, text_at(&effects[STATE], i));
+  cell(stream, text_at(&effects[REASON], i));
+  fputs("<td>", stream);
+  html_text(stream, text_at(&effects[MODEL], i));
+  if (text_at(&effects[CITATION], i)[0] != '\0') {
+    fputs(" <span class=\"cite\">", stream);
+    html_text(stream, text_at(&effects[CITATION], i));
+    fputs("</span>", stream);
+  }
+  if (share > 0)
+    fprintf(stream, "</td><td class=\"number\">%.1f&nbsp;%%</td></tr>\n", 100.0 * share);
+  else
+    fputs("</td><td></td></tr>\n", stream);
+}
+
 enum status page_effects(const struct run *run, FILE *stream) {
   enum status status = STATUS_OK;
   static const char *const columns[EFFECT_TEXTS] = {"name", "state", "reason", "model", "citation"};
@@ -49,28 +69,19 @@ enum status page_effects(const struct run *run, FILE *stream) {
     TRY(h5_read(file, "/run/timing/seconds", H5_F64, 1, &times, &seconds));
   TRY(read_texts(file, "/run/timing/name", &passes));
 
-  fputs("<div class=\"wide\"><table><thead><tr><th>Effect</th><th></th><th>Why</th><th>Model</th>"
-        "<th>Time</th></tr></thead><tbody>\n",
-        stream);
-  for (size_t i = 0; i < effects[NAME].count; i++) {
-    bool on = strcmp(text_at(&effects[STATE], i), "on") == 0;
-    fprintf(stream, "<tr class=\"%s\">", on ? "on" : "off");
-    cell(stream, effects[NAME].text[i]);
-    cell(stream, text_at(&effects[STATE], i));
-    cell(stream, text_at(&effects[REASON], i));
-    fputs("<td>", stream);
-    html_text(stream, text_at(&effects[MODEL], i));
-    if (text_at(&effects[CITATION], i)[0] != '\0') {
-      fputs(" <span class=\"cite\">", stream);
-      html_text(stream, text_at(&effects[CITATION], i));
-      fputs("</span>", stream);
+  for (int on = 1; on >= 0; on--) {
+    if (!on)
+      fputs("<details><summary>Effects that are off, and the time of each pass</summary>\n",
+            stream);
+    fputs("<div class=\"wide\"><table><thead><tr><th>Effect</th><th></th><th>Why</th><th>Model</th>"
+          "<th>Time</th></tr></thead><tbody>\n",
+          stream);
+    for (size_t i = 0; i < effects[NAME].count; i++) {
+      if ((strcmp(text_at(&effects[STATE], i), "on") == 0) != (on == 1)) continue;
+      effect_row(effects, i, i < shares ? share[i] : 0.0, stream);
     }
-    if (i < shares && share[i] > 0)
-      fprintf(stream, "</td><td class=\"number\">%.1f&nbsp;%%</td></tr>\n", 100.0 * share[i]);
-    else
-      fputs("</td><td></td></tr>\n", stream);
+    fputs("</tbody></table></div>\n", stream);
   }
-  fputs("</tbody></table></div>\n", stream);
   if (passes.count > 0)
     fputs("<table class=\"facts\"><thead><tr><th>Pass</th><th "
           "class=\"number\">Seconds</th></tr></thead>"
@@ -82,6 +93,7 @@ enum status page_effects(const struct run *run, FILE *stream) {
     fprintf(stream, "<td class=\"number\">%.3g</td></tr>\n", seconds[i]);
   }
   if (passes.count > 0) fputs("</tbody></table>\n", stream);
+  fputs("</details>\n", stream);
 cleanup:
   for (int i = 0; i < EFFECT_TEXTS; i++) h5_free_texts(effects[i].count, &effects[i].text);
   h5_free_texts(passes.count, &passes.text);
@@ -166,114 +178,4 @@ cleanup:
   memory_free(&scene);
   h5_close(file);
   return status;
-}
-
-/* A reference is listed when a run calls for it. */
-struct reference {
-  const char *key, *text;
-};
-static const struct reference references[] = {
-    {"tosui", "Tosui " TOSUI_VERSION ", seepage through porous media from CT images by smoothed "
-              "particle hydrodynamics (ct2model, sphsolve, analyze)."},
-    {"morris", "Morris JP, Fox PJ, Zhu Y (1997). Modeling low Reynolds number incompressible flows "
-               "using SPH. J. Comput. Phys. 136, 214-226."},
-    {"adami", "Adami S, Hu XY, Adams NA (2012). A generalized wall boundary condition for smoothed "
-              "particle hydrodynamics. J. Comput. Phys. 231, 7057-7075."},
-    {"basa",
-     "Basa M, Quinlan NJ, Lastiwka M (2009). Robustness and accuracy of SPH formulations for "
-     "viscous flow. Int. J. Numer. Meth. Fluids 60, 1127-1148."},
-    {"saomoto",
-     "Saomoto H, Matsushima T, Yamada Y, Hatano Y (2006). Development of digital Toyoura "
-     "porous model and porous media flow simulation using SPH (in Japanese)."},
-    {"akbari",
-     "Akbari H (2014). Modified moving particle method for modeling wave interaction with "
-     "multi layered porous structures. Coastal Eng. 89, 1-19."},
-    {"morimoto", "Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015). Unified numerical "
-                 "analysis between the extended Darcy's law and Navier-Stokes equation by using "
-                 "stabilized ISPH method (in Japanese). J. JSCE Ser. A2 70, I_213-I_221."},
-    {"white", "White KP (1997). An effective truncation heuristic for bias reduction in simulation "
-              "output. Simulation 69, 323-334."},
-    {"flegal", "Flegal JM, Jones GL (2010). Batch means and spectral variance estimators in Markov "
-               "chain Monte Carlo. Ann. Stat. 38, 1034-1070."},
-    {"celik",
-     "Celik IB, Ghia U, Roache PJ, Freitas CJ (2008). Procedure for estimation and reporting "
-     "of uncertainty due to discretization in CFD applications. J. Fluids Eng. 130, 078001."},
-};
-
-static void cite(FILE *stream, const char *key, bool used[]) {
-  for (size_t i = 0; i < sizeof references / sizeof *references; i++)
-    if (strcmp(references[i].key, key) == 0) {
-      used[i] = true;
-      fprintf(stream, " [%zu]", i + 1);
-    }
-}
-
-enum status page_methods(const struct run *runs, size_t n, FILE *stream) {
-  bool used[sizeof references / sizeof *references] = {false};
-  const struct run *run = &runs[0];
-  fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
-  cite(stream, "tosui", used);
-  fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu sites of %.4g &micro;m",
-          run->size[0], run->size[1], run->size[2], 1e6 * run->spacing[0]);
-  if (run->model_path[0] != '\0')
-    fputs(", made from CT slices whose grey threshold was set so that the model has the void ratio "
-          "measured on the specimen",
-          stream);
-  fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
-          run->density, run->viscosity);
-  if (strcmp(run->method, "stokes") == 0) {
-    fputs(
-        "The steady creeping flow was solved with the smoothed particle hydrodynamics operators of",
-        stream);
-    cite(stream, "morris", used);
-    fputs(" on the lattice itself. ", stream);
-  } else if (strcmp(run->method, "isph") == 0) {
-    fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
-          "incompressible smoothed particle hydrodynamics",
-          stream);
-    cite(stream, "morimoto", used);
-    cite(stream, "akbari", used);
-    fputs(". ", stream);
-  } else {
-    fputs("Weakly compressible smoothed particle hydrodynamics with a quintic spline and the "
-          "viscosity of",
-          stream);
-    cite(stream, "morris", used);
-    fputs(" was integrated in time. ", stream);
-  }
-  if (strcmp(run->wall, "adami") == 0) {
-    fputs("Grain surfaces carry dummy velocities", stream);
-    cite(stream, "adami", used);
-    fputs(". ", stream);
-  } else if (strcmp(run->wall, "subvoxel") == 0) {
-    fputs("No slip holds at the grain surface itself, by image velocities from the signed wall "
-          "distance after",
-          stream);
-    cite(stream, "basa", used);
-    fputs(". ", stream);
-  } else if (strcmp(run->wall, "frozen") == 0) {
-    fputs("Grains are frozen fluid particles after", stream);
-    cite(stream, "saomoto", used);
-    fputs(", which widens every gap by one spacing. ", stream);
-  }
-  fprintf(stream, "%zu run%s entered this page. ", n, n > 1 ? "s" : "");
-  if (strcmp(run->method, "stokes") != 0) {
-    fputs("The Darcy velocity was averaged after the steady point given by the marginal standard "
-          "error rule",
-          stream);
-    cite(stream, "white", used);
-    fputs("; its error is from batch means", stream);
-    cite(stream, "flegal", used);
-    fputs(". ", stream);
-  }
-  fputs("Permeability is the slope of the superficial velocity against the hydraulic gradient; "
-        "errors are 95&nbsp;% half widths. ",
-        stream);
-  fputs("Errors of resolution follow the grid convergence index", stream);
-  cite(stream, "celik", used);
-  fputs(" where runs at several spacings are given.</p>\n<ol class=\"references\">\n", stream);
-  for (size_t i = 0; i < sizeof references / sizeof *references; i++)
-    if (used[i]) fprintf(stream, "<li value=\"%zu\">%s</li>\n", i + 1, references[i].text);
-  fputs("</ol>\n", stream);
-  return STATUS_OK;
 }

@@ -1,5 +1,5 @@
-/* What a run did and where it comes from, for the report: effects, timings, scene, provenance, and
- * a Methods paragraph with its references. */
+/* What a run did and where it comes from, for the report: effects, timings, scene and
+ * provenance. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_RECORD_H
 #define TOSUI_ANALYZE_REPORT_PAGE_RECORD_H
 
@@ -12,7 +12,5 @@
 enum status page_effects(const struct run *run, FILE *stream);
 /* Everything needed to repeat one run: every number of /run, the scene, versions, hashes. */
 enum status page_provenance(const struct run *run, FILE *stream);
-/* Text for a paper about these runs, with citations. */
-enum status page_methods(const struct run *runs, size_t n, FILE *stream);
 
 #endif

@@ -172,8 +172,6 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
       100.0 * h5_attribute_or_nan(file, "/model", "pore_voxels_touching_grain"), "%");
   row(stream, "Median pore width", h5_attribute_or_nan(file, "/model", "local_thickness_median"),
       "voxels");
-  row(stream, "Error of k that this width stands for",
-      100.0 * h5_attribute_or_nan(file, "/model", "expected_error_of_k"), "%");
   row(stream, "Correlation length", 1e6 * h5_attribute_or_nan(file, "/model", "correlation_length"),
       "&micro;m");
   fputs("</tbody></table>\n<div class=\"pictures\">", stream);
@@ -265,11 +263,11 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
     fprintf(plot, "$c using 1:4 with lines linewidth 2 linecolor rgb '%s' title 'scan', ",
             plot_colours[1]);
   fprintf(plot,
-          "NaN with lines dashtype 2 linewidth 1.5 linecolor rgb '#444444' "
-          "title 'measured void ratio and its threshold'\n"
+          "NaN with lines dashtype 2 linewidth 1.5 linecolor rgb '#444444' title '%s'\n"
           "unset arrow\nunset key\nset yrange [0:*]\nset xlabel 'Grey value'\n"
           "set ylabel 'Voxels (share of the highest)'\n"
           "plot $c using 1:($3/%.8g) with lines linewidth 1.8 linecolor rgb '%s'",
+          measured > 0.0 ? "measured void ratio; threshold" : "threshold",
           largest(calibration, "histogram"), plot_colours[0]);
   if (scan)
     fprintf(plot, ", $c using 1:($5/%.8g) with lines linewidth 1.8 linecolor rgb '%s'",
@@ -278,7 +276,8 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
 }
 
 /* The middle slice of the scan, where the file keeps one: grey, and cut at the scan's threshold. */
-static enum status scan_pictures(FILE *stream, struct h5_file *file) {
+static enum status scan_pictures(FILE *stream, struct h5_file *file,
+                                 const struct page_model *facts) {
   enum status status = STATUS_OK;
   float *grey = NULL;
   size_t size[2]; /* y, x */
@@ -294,7 +293,9 @@ static enum status scan_pictures(FILE *stream, struct h5_file *file) {
     for (size_t i = 0; i < size[0] * size[1]; i++)
       grey[i] = ((double)grey[i] > threshold) == (grain > pore) ? 1.0f : 0.0f;
     TRY(picture(stream, grey, size[1], size[0], 0.0, 1.0,
-                "The slice at the threshold that gives the measured void ratio"));
+                facts->rule == RULE_MATCHED
+                    ? "The slice at the threshold that gives the measured void ratio"
+                    : "The slice at the threshold of the model"));
   }
 cleanup:
   memory_free(&grey);
@@ -321,14 +322,15 @@ cleanup:
   return status;
 }
 
-static enum status write_model(const char *path, FILE *stream, json_t **calibration) {
+static enum status write_model(const char *path, const struct page_model *facts, FILE *stream,
+                               json_t **calibration) {
   enum status status = STATUS_OK;
   struct voxel_model model = {0};
   struct h5_file *file = NULL;
   TRY(model_read(path, &model));
   TRY(h5_open(path, &file));
   fputs("<div class=\"pictures\">", stream);
-  TRY(scan_pictures(stream, file));
+  TRY(scan_pictures(stream, file, facts));
   TRY(model_pictures(stream, &model));
   fputs("</div>\n", stream);
   write_table(stream, file, &model, path);
@@ -339,8 +341,8 @@ cleanup:
   return status;
 }
 
-enum status page_specimen(const struct run *run, FILE *stream, json_t **calibration) {
-  char path[8200];
+enum status page_specimen(const struct run *run, const struct page_model *facts, FILE *stream,
+                          json_t **calibration) {
   *calibration = NULL;
   if (run->model_path[0] == '\0') {
     fputs("<p>The scene has no scanned model; its domain and regions stand in the scene file "
@@ -348,8 +350,8 @@ enum status page_specimen(const struct run *run, FILE *stream, json_t **calibrat
           stream);
     return STATUS_OK;
   }
-  if (run_find_model(run, path, sizeof path)) {
-    if (write_model(path, stream, calibration) == STATUS_OK) return STATUS_OK;
+  if (facts->found) {
+    if (write_model(facts->path, facts, stream, calibration) == STATUS_OK) return STATUS_OK;
     log_warning("%s; the report leaves the specimen out", error_message());
     error_clear();
   } else {

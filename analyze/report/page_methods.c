@@ -1,0 +1,189 @@
+#include "analyze/report/page_methods.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/report/page_html.h"
+#include "common/provenance.h"
+
+/* A reference is listed when a sentence calls for it. */
+struct reference {
+  const char *key, *text;
+};
+static const struct reference references[] = {
+    {"tosui", "Tosui " TOSUI_VERSION ", seepage through porous media from CT images by smoothed "
+              "particle hydrodynamics (ct2model, sphsolve, analyze)."},
+    {"morris", "Morris JP, Fox PJ, Zhu Y (1997). Modeling low Reynolds number incompressible flows "
+               "using SPH. J. Comput. Phys. 136, 214-226."},
+    {"adami", "Adami S, Hu XY, Adams NA (2012). A generalized wall boundary condition for smoothed "
+              "particle hydrodynamics. J. Comput. Phys. 231, 7057-7075."},
+    {"basa",
+     "Basa M, Quinlan NJ, Lastiwka M (2009). Robustness and accuracy of SPH formulations for "
+     "viscous flow. Int. J. Numer. Meth. Fluids 60, 1127-1148."},
+    {"saomoto",
+     "Saomoto H, Matsushima T, Yamada Y, Hatano Y (2006). Development of digital Toyoura "
+     "porous model and porous media flow simulation using SPH (in Japanese)."},
+    {"akbari",
+     "Akbari H (2014). Modified moving particle method for modeling wave interaction with "
+     "multi layered porous structures. Coastal Eng. 89, 1-19."},
+    {"morimoto", "Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015). Unified numerical "
+                 "analysis between the extended Darcy's law and Navier-Stokes equation by using "
+                 "stabilized ISPH method (in Japanese). J. JSCE Ser. A2 70, I_213-I_221."},
+    {"white", "White KP (1997). An effective truncation heuristic for bias reduction in simulation "
+              "output. Simulation 69, 323-334."},
+    {"flegal", "Flegal JM, Jones GL (2010). Batch means and spectral variance estimators in Markov "
+               "chain Monte Carlo. Ann. Stat. 38, 1034-1070."},
+    {"otsu", "Otsu N (1979). A threshold selection method from gray-level histograms. IEEE Trans. "
+             "Syst. Man Cybern. 9, 62-66."},
+    {"celik",
+     "Celik IB, Ghia U, Roache PJ, Freitas CJ (2008). Procedure for estimation and reporting "
+     "of uncertainty due to discretization in CFD applications. J. Fluids Eng. 130, 078001."},
+};
+enum { REFERENCES = sizeof references / sizeof *references };
+
+static void cite(FILE *stream, const char *key, bool used[]) {
+  for (size_t i = 0; i < REFERENCES; i++)
+    if (strcmp(references[i].key, key) == 0) {
+      used[i] = true;
+      fprintf(stream, " [%zu]", i + 1);
+    }
+}
+
+/* Where the geometry comes from: no more than the model file says. */
+static void write_geometry(const struct page_model *model, bool used[], FILE *stream) {
+  if (!model->named) return;
+  if (!model->found) {
+    fputs(", from a model file that could not be read when this page was made", stream);
+    return;
+  }
+  if (!model->scanned) {
+    fputs(", from a voxel model", stream);
+    return;
+  }
+  fputs(", made by ct2model from an image", stream);
+  switch (model->rule) {
+  case RULE_MATCHED:
+    fprintf(stream,
+            " whose grey threshold (%.4g) was set so that the model has the void ratio measured on "
+            "the specimen, %.4g",
+            model->threshold, model->void_ratio_measured);
+    if (fabs(model->void_ratio / model->void_ratio_measured - 1.0) > 0.01)
+      fprintf(stream, " (it has %.4g)", model->void_ratio);
+    break;
+  case RULE_OTSU:
+    fprintf(stream, " at the grey threshold of Otsu&rsquo;s method");
+    cite(stream, "otsu", used);
+    fprintf(stream, ", %.4g, which gives a void ratio of %.4g", model->threshold,
+            model->void_ratio);
+    break;
+  case RULE_GIVEN:
+    fprintf(stream, " at a given grey threshold of %.4g, which gives a void ratio of %.4g",
+            model->threshold, model->void_ratio);
+    break;
+  case RULE_LABELS:
+    fprintf(stream, " that was segmented before, with a void ratio of %.4g", model->void_ratio);
+    break;
+  default:
+    fprintf(stream, "; it has a void ratio of %.4g", model->void_ratio);
+  }
+  if ((model->rule == RULE_OTSU || model->rule == RULE_GIVEN || model->rule == RULE_LABELS)) {
+    if (isfinite(model->void_ratio_measured))
+      fprintf(stream, "; %.4g was measured on the specimen", model->void_ratio_measured);
+    else
+      fputs("; no measured void ratio was given", stream);
+  }
+  if (strchr("xyz", model->mirror_axis[0]) != NULL && model->mirror_axis[0] != '\0')
+    fprintf(stream, ", and mirrored along %c", model->mirror_axis[0]);
+}
+
+static void write_solver(const struct run *run, bool used[], FILE *stream) {
+  if (strcmp(run->method, "stokes") == 0) {
+    fputs(
+        "The steady creeping flow was solved with the smoothed particle hydrodynamics operators of",
+        stream);
+    cite(stream, "morris", used);
+    fputs(" on the lattice itself. ", stream);
+  } else if (strcmp(run->method, "isph") == 0) {
+    fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
+          "incompressible smoothed particle hydrodynamics",
+          stream);
+    cite(stream, "morimoto", used);
+    cite(stream, "akbari", used);
+    fputs(". ", stream);
+  } else if (strcmp(run->method, "wcsph") == 0) {
+    fputs("Weakly compressible smoothed particle hydrodynamics with a quintic spline and the "
+          "viscosity of",
+          stream);
+    cite(stream, "morris", used);
+    fputs(" was integrated in time. ", stream);
+  }
+}
+
+static void write_walls(const struct run *run, const struct page_model *model, bool used[],
+                        FILE *stream) {
+  if (strcmp(run->wall, "adami") == 0) {
+    fputs("Grain surfaces carry dummy velocities", stream);
+    cite(stream, "adami", used);
+    fputs(". ", stream);
+  } else if (strcmp(run->wall, "subvoxel") == 0) {
+    fputs("No slip holds at the wall itself, by image velocities from the distance to it, after",
+          stream);
+    cite(stream, "basa", used);
+    if (model->found)
+      fprintf(stream, "; walls are %s",
+              model->wall_distance    ? "the model&rsquo;s signed distances to the grain surface"
+              : model->grain_fraction ? "found from the grain fraction of the voxels"
+                                      : "the faces of the voxels");
+    fputs(". ", stream);
+  } else if (strcmp(run->wall, "frozen") == 0) {
+    fputs("Grains are frozen fluid particles after", stream);
+    cite(stream, "saomoto", used);
+    fputs(", which widens every gap by one spacing. ", stream);
+  }
+}
+
+static void write_result(const struct methods_facts *facts, bool used[], FILE *stream) {
+  if (!facts->permeable) return;
+  if (facts->averaged) {
+    fputs("The Darcy velocity was averaged after the steady point given by the marginal standard "
+          "error rule",
+          stream);
+    cite(stream, "white", used);
+    fputs("; its error is from batch means", stream);
+    cite(stream, "flegal", used);
+    fputs(". ", stream);
+  }
+  fputs(facts->fitted
+            ? "Permeability is the slope of the superficial velocity against the hydraulic gradient"
+            : "Permeability is the superficial velocity over the hydraulic gradient",
+        stream);
+  if (facts->extrapolated) fputs(", extrapolated over the spacings of the runs", stream);
+  fputs("; errors are 95&nbsp;% half widths. ", stream);
+  if (facts->index) {
+    fputs("The error of resolution is a grid convergence index", stream);
+    cite(stream, "celik", used);
+    fputs(". ", stream);
+  }
+}
+
+void page_methods(const struct run *runs, size_t n, const struct page_model *model,
+                  const struct methods_facts *facts, FILE *stream) {
+  bool used[REFERENCES] = {false};
+  const struct run *run = &runs[0];
+  fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
+  cite(stream, "tosui", used);
+  fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g &micro;m",
+          run->size[0], run->size[1], run->size[2], 1e6 * run->spacing[0]);
+  write_geometry(model, used, stream);
+  fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
+          run->density, run->viscosity);
+  write_solver(run, used, stream);
+  write_walls(run, model, used, stream);
+  if (n > 1)
+    fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ", n);
+  write_result(facts, used, stream);
+  fputs("</p>\n<ol class=\"references\">\n", stream);
+  for (size_t i = 0; i < REFERENCES; i++)
+    if (used[i]) fprintf(stream, "<li value=\"%zu\">%s</li>\n", i + 1, references[i].text);
+  fputs("</ol>\n", stream);
+}

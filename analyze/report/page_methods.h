@@ -1,0 +1,23 @@
+/* The paragraph of methods with its references, each sentence from what the runs and their model
+ * say of themselves. */
+#ifndef TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
+#define TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
+
+#include <stdio.h>
+
+#include "analyze/report/page_model.h"
+#include "analyze/run_file.h"
+
+/* What the page holds that the paragraph may speak of. */
+struct methods_facts {
+  bool permeable;    /* a k is given */
+  bool fitted;       /* from several gradients */
+  bool averaged;     /* from a record in time */
+  bool extrapolated; /* over runs at several spacings */
+  bool index;        /* its resolution error is a grid convergence index */
+};
+
+void page_methods(const struct run *runs, size_t n, const struct page_model *model,
+                  const struct methods_facts *facts, FILE *stream);
+
+#endif

@@ -1,0 +1,78 @@
+#include "analyze/report/page_model.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+
+/* The value of a long option on a command line, in `value`; false where it is not there. Names may
+ * be cut as getopt_long allows: to `least` characters of the name. */
+static bool option_value(const char *line, const char *name, size_t least, char *value,
+                         size_t size) {
+  for (const char *word = line; word != NULL && *word != '\0';) {
+    word += strspn(word, " ");
+    size_t length = strcspn(word, " "), given = strcspn(word, " =");
+    if (given >= least + 2 && given <= strlen(name) + 2 && strncmp(word, "--", 2) == 0 &&
+        strncmp(word + 2, name, given - 2) == 0) {
+      const char *from = word + given + 1;
+      if (given == length) from = word + length + strspn(word + length, " ");
+      snprintf(value, size, "%.*s", (int)strcspn(from, " "), from);
+      return true;
+    }
+    word += length;
+  }
+  return false;
+}
+
+static enum threshold_rule rule_of(const struct page_model *model, const char *line) {
+  char value[64];
+  if (option_value(line, "segmented", 3, value, sizeof value)) return RULE_LABELS;
+  if (option_value(line, "threshold", 4, value, sizeof value) && strcmp(value, "auto") != 0)
+    return strcmp(value, "otsu") == 0 ? RULE_OTSU : RULE_GIVEN;
+  return isfinite(model->void_ratio_measured) ? RULE_MATCHED : RULE_NONE;
+}
+
+static void read_text(struct h5_file *file, const char *object, const char *name, char *text,
+                      size_t size) {
+  char *found = NULL;
+  if (h5_exists(file, object) && h5_attribute_exists(file, object, name)) {
+    if (h5_read_attribute_text(file, object, name, &found) == STATUS_OK)
+      snprintf(text, size, "%s", found);
+    else
+      error_clear();
+  }
+  memory_free(&found);
+}
+
+void page_model_read(const struct run *run, struct page_model *model) {
+  struct h5_file *file = NULL;
+  char program[64] = "", line[8200] = "";
+  *model = (struct page_model){.named = run->model_path[0] != '\0',
+                               .threshold = NAN,
+                               .void_ratio = NAN,
+                               .void_ratio_measured = NAN,
+                               .porosity = NAN,
+                               .specific_surface = NAN};
+  if (!run_find_model(run, model->path, sizeof model->path)) return;
+  if (h5_open(model->path, &file) != STATUS_OK) {
+    error_clear();
+    return;
+  }
+  model->found = true;
+  model->threshold = h5_attribute_or_nan(file, "/model", "threshold");
+  model->void_ratio = h5_attribute_or_nan(file, "/model", "void_ratio");
+  model->void_ratio_measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+  model->porosity = h5_attribute_or_nan(file, "/model", "porosity");
+  if (isnan(model->porosity)) model->porosity = model->void_ratio / (1.0 + model->void_ratio);
+  model->specific_surface = h5_attribute_or_nan(file, "/model", "specific_surface");
+  model->wall_distance = h5_exists(file, "/model/wall_distance");
+  model->grain_fraction = h5_exists(file, "/model/grain_fraction");
+  read_text(file, "/model", "mirror_axis", model->mirror_axis, sizeof model->mirror_axis);
+  read_text(file, "/provenance", "program", program, sizeof program);
+  read_text(file, "/provenance", "command_line", line, sizeof line);
+  model->scanned = strcmp(program, "ct2model") == 0;
+  if (model->scanned) model->rule = rule_of(model, line);
+  h5_close(file);
+}

@@ -1,0 +1,207 @@
+#include "analyze/report/page_verdict.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "analyze/product.h"
+#include "common/units.h"
+
+static const double wanted = 0.05; /* the error that the advice aims at */
+
+static double number(const json_t *object, const char *key) {
+  const json_t *value = json_object_get(object, key);
+  return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static const char *string(const json_t *object, const char *key) {
+  const char *text = json_string_value(json_object_get(object, key));
+  return text != NULL ? text : "";
+}
+
+static const struct run *run_of(const struct run *runs, size_t n, const json_t *row) {
+  const char *path = string(row, "path");
+  for (size_t i = 0; i < n; i++)
+    if (strcmp(runs[i].path, path) == 0) return &runs[i];
+  return NULL;
+}
+
+/* A result from a group of `darcy` or a series of `converge`; its first run names the spacing. */
+static void add(json_t *results, const struct run *runs, size_t n, const json_t *fit,
+                const char *name, const char *note) {
+  const json_t *rows = json_object_get(fit, "runs");
+  const struct run *run = run_of(runs, n, json_array_get(rows, 0));
+  double k = number(fit, "k_m_per_s"), relative = number(fit, "k_relative_error");
+  double low = k * fmax(0.0, 1.0 - relative), high = k * (1.0 + relative);
+  double permeability = number(fit, "intrinsic_permeability_m2");
+  if (!isfinite(k) || run == NULL) return;
+  if (json_array_size(rows) == 1 && isfinite(run->k_low) && isfinite(run->k_high)) {
+    permeability *= run->k / k; /* the run's own best estimate and interval */
+    k = run->k, low = run->k_low, high = run->k_high;
+    relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
+  }
+  json_array_append_new(
+      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:O?}", "name", json_text(name), "note",
+                         note, "k_m_per_s", json_number(k), "k_low_m_per_s", json_number(low),
+                         "k_high_m_per_s", json_number(high), "k_relative_error",
+                         json_number(relative), "intrinsic_permeability_m2",
+                         json_number(permeability), "spacing_m", json_number(run->spacing[0]),
+                         "error_budget", json_object_get(fit, "error_budget")));
+}
+
+/* Whether all runs of a group stand in a series that has a k. */
+static bool covered(const json_t *group, const json_t *series) {
+  size_t g, s, r;
+  const json_t *row, *one, *other;
+  json_array_foreach(json_object_get(group, "runs"), g, row) {
+    bool found = false;
+    json_array_foreach(series, s, one) {
+      if (!isfinite(number(one, "k_m_per_s"))) continue;
+      json_array_foreach(json_object_get(one, "runs"), r, other) found |=
+          strcmp(string(other, "path"), string(row, "path")) == 0;
+    }
+    if (!found) return false;
+  }
+  return true;
+}
+
+json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
+                        const json_t *converge) {
+  json_t *results = json_array();
+  const json_t *series = json_object_get(converge, "series"), *fit;
+  size_t i;
+  json_array_foreach(series, i, fit) {
+    char name[300];
+    const bool extrapolated = json_is_true(json_object_get(fit, "extrapolated"));
+    snprintf(
+        name, sizeof name, "%s of %zu (%.60s, %.60s walls)",
+        extrapolated ? "Extrapolated to spacing 0, from the spacings" : "At the finest spacing",
+        json_array_size(json_object_get(fit, "runs")), string(fit, "method"), string(fit, "wall"));
+    add(results, runs, n, fit, name,
+        extrapolated
+            ? "Richardson extrapolation; the error holds the grid convergence index."
+            : "The spacings do not converge well enough to extrapolate; the error is three "
+              "times what they differ by.");
+  }
+  json_array_foreach(json_object_get(darcy, "groups"), i, fit) {
+    if (!covered(fit, series))
+      add(results, runs, n, fit, string(fit, "name"),
+          json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");
+  }
+  return results;
+}
+
+/* ---- what it is good for ---- */
+
+/* Bounds of k in m/s, for water. */
+struct class_of_k {
+  double least;
+  const char *name;
+};
+/* DIN 18130-1 (1998), table 1; the test itself is now ISO 17892-11. */
+static const struct class_of_k din[] = {{1e-2, "very strongly permeable"},
+                                        {1e-4, "strongly permeable"},
+                                        {1e-6, "permeable"},
+                                        {1e-8, "weakly permeable"},
+                                        {0.0, "very weakly permeable"}};
+/* Casagrande, Fadum (1940), as drawn by Terzaghi, Peck (1948). */
+static const struct class_of_k casagrande[] = {
+    {1e-6, "good drainage"}, {1e-8, "poor drainage"}, {0.0, "practically impervious"}};
+
+static const char *class_name(const struct class_of_k *classes, double k) {
+  while (k < classes->least) classes++;
+  return classes->name;
+}
+
+static void judge_class(json_t *result, const char *key, const struct class_of_k *classes) {
+  char text[100];
+  const char *low = class_name(classes, number(result, "k_low_m_per_s"));
+  const char *high = class_name(classes, number(result, "k_high_m_per_s"));
+  if (strcmp(low, high) == 0)
+    snprintf(text, sizeof text, "%s", low);
+  else
+    snprintf(text, sizeof text, "%s to %s", low, high);
+  json_object_set_new(result, key, json_string(text));
+}
+
+static const char *good_for(double relative) {
+  if (!(relative >= 0.0)) return "its error is not known";
+  if (relative <= wanted) return "good enough to compare with a test on the specimen";
+  if (relative <= 0.25) return "good enough to compare specimens, and to choose among formulas";
+  if (relative <= 1.0) return "good enough for its class and its order of magnitude";
+  return "no more than an order of magnitude: do not publish it";
+}
+
+/* The part that takes most, and what lessens it. */
+static const struct {
+  const char *part, *mend;
+} mends[] = {{"resolution", ""},
+             {"scan", "a sharper scan is needed"},
+             {"sides", "a larger sample is needed"},
+             {"void_ratio", "build the model nearer to the measured void ratio"},
+             {"threshold", "measure the void ratio more precisely"},
+             {"averaging", "run longer"},
+             {"steadiness", "run longer"}};
+
+static void judge_advice(json_t *result) {
+  const json_t *budget = json_object_get(result, "error_budget");
+  double resolution = number(budget, "resolution"), rest = 0.0, most = 0.0;
+  size_t largest = 0;
+  char text[300] = "";
+  for (size_t i = 1; i < sizeof mends / sizeof *mends; i++) {
+    const double part = number(budget, mends[i].part);
+    if (!isfinite(part)) continue;
+    rest += part * part;
+    if (part > most) most = part, largest = i;
+  }
+  rest = sqrt(rest);
+  if (isnan(resolution))
+    snprintf(text, sizeof text,
+             "The error of resolution is not known: run two more spacings and analyze converge.");
+  else if (hypot(resolution, rest) <= wanted)
+    text[0] = '\0';
+  else if (rest >= 0.9 * wanted)
+    snprintf(text, sizeof text, "For 5 %%: %s (%.3g %% by the %s alone).", mends[largest].mend,
+             100.0 * most, largest == 3 ? "void ratio" : mends[largest].part);
+  else {
+    /* The index falls as the spacing squared. */
+    const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
+    const double spacing = 1e6 * number(result, "spacing_m");
+    snprintf(text, sizeof text,
+             "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.2g times as many "
+             "points.",
+             spacing, spacing / finer, finer * finer * finer);
+  }
+  json_object_set_new(result, "advice", json_string(text));
+}
+
+/* k of three formulas for n, the porosity, and S, the surface of the grains by bulk volume; their
+ * grain size is d = 6 (1 - n) / S, that of spheres of the same surface. */
+static void judge_formulas(json_t *result, const struct run *run, const struct page_model *model) {
+  const double n = model->porosity, s = model->specific_surface;
+  const double weight = GRAVITY_STANDARD * run->density / run->viscosity;
+  if (!(n > 0.0) || !(n < 1.0) || !(s > 0.0)) return;
+  const double d = 6.0 * (1.0 - n) / s;
+  /* Kozeny (1927), Carman (1937): K = n^3 / (5 S^2). */
+  const double kozeny = weight * n * n * n / (5.0 * s * s);
+  /* Hazen (1892) in the form of Vukovic, Soro (1992): K = 6e-4 (1 + 10 (n - .26)) d^2. */
+  const double hazen = weight * 6e-4 * (1.0 + 10.0 * (n - 0.26)) * d * d;
+  /* Terzaghi (1925): K = 8.4e-3 (n - .13)^2 / (1 - n)^(2/3) d^2. */
+  const double terzaghi = weight * 8.4e-3 * pow(n - 0.13, 2.0) / pow(1.0 - n, 2.0 / 3.0) * d * d;
+  json_object_set_new(result, "formulas",
+                      json_pack("{s:o,s:o,s:o,s:o}", "kozeny_carman", json_number(kozeny), "hazen",
+                                json_number(n > 0.16 ? hazen : NAN), "terzaghi",
+                                json_number(n > 0.13 ? terzaghi : NAN), "grain_size_m",
+                                json_number(d)));
+}
+
+void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
+  json_t *result = json_array_get(results, 0);
+  if (result == NULL) return;
+  json_object_set_new(result, "good_for",
+                      json_string(good_for(number(result, "k_relative_error"))));
+  judge_class(result, "class_din", din);
+  judge_class(result, "class_casagrande", casagrande);
+  judge_advice(result);
+  judge_formulas(result, run, model);
+}

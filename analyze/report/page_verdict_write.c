@@ -1,0 +1,163 @@
+/* The verdict as HTML. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "analyze/product.h"
+#include "analyze/report/page_html.h"
+#include "analyze/report/page_verdict.h"
+#include "common/units.h"
+
+static double number(const json_t *object, const char *key) {
+  const json_t *value = json_object_get(object, key);
+  return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static void write_string(const json_t *object, const char *key, FILE *stream) {
+  const char *text = json_string_value(json_object_get(object, key));
+  if (text != NULL) html_text(stream, text);
+}
+
+/* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)", small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
+static void quantity(FILE *out, double value, double relative, const char *unit) {
+  char scaled[80];
+  int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
+  fputs("<span class=\"quantity\">", out);
+  if (power >= -2 && power < 5) {
+    snprintf(scaled, sizeof scaled, " %s", unit);
+    write_value_with_error(out, value, relative * value, "&plusmn;", scaled);
+  } else {
+    double unitless = value / pow(10.0, power);
+    fputc('(', out);
+    snprintf(scaled, sizeof scaled, ") &times; 10<sup>%s%d</sup> %s", power < 0 ? "&minus;" : "",
+             abs(power), unit);
+    write_value_with_error(out, unitless, relative * unitless, "&plusmn;", scaled);
+  }
+  fputs("</span>", out);
+}
+
+/* "0.030 cm/s, 0.026 to 0.034 (95 %)", or with a power of ten behind. */
+static void interval(FILE *out, double value, double low, double high, const char *unit) {
+  const double half = 0.5 * (high - low);
+  int power = value > 0.0 ? (int)floor(log10(value)) : 0;
+  if (power >= -3 && power < 5) power = 0;
+  const double scale = pow(10.0, power);
+  int digits = half > 0.0 ? 1 - (int)floor(log10(half / scale)) : 4;
+  digits = digits < 0 ? 0 : digits > 8 ? 8 : digits;
+  fprintf(out, "%.*f", digits, value / scale);
+  if (power != 0)
+    fprintf(out, " &times; 10<sup>%s%d</sup>", power < 0 ? "&minus;" : "", abs(power));
+  fprintf(out, " %s", unit);
+  if (!isfinite(half)) return;
+  fprintf(out, ", <span class=\"interval\">%.*f to %.*f", digits, low / scale, digits,
+          high / scale);
+  if (power != 0)
+    fprintf(out, " &times; 10<sup>%s%d</sup>", power < 0 ? "&minus;" : "", abs(power));
+  fputs(" (95&nbsp;%)</span>", out);
+}
+
+/* The parts of the error as bars on one scale, largest part first to the eye. */
+static void write_budget(const json_t *budget, FILE *out) {
+  static const struct {
+    const char *key, *name;
+  } parts[] = {{"resolution", "resolution"}, {"scan", "scan"},           {"sides", "sides"},
+               {"void_ratio", "void ratio"}, {"threshold", "threshold"}, {"averaging", "averaging"},
+               {"steadiness", "steadiness"}};
+  const double total = number(budget, "total");
+  if (!(total > 0.0)) return;
+  fputs("<table class=\"budget\"><caption>What the error is made of</caption><tbody>\n", out);
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+    const double part = number(budget, parts[i].key);
+    if (!isfinite(part)) continue;
+    const char *from = json_string_value(json_object_get(budget, "resolution_from"));
+    fprintf(out, "<tr><th>%s%s</th><td class=\"number\">", parts[i].name,
+            i == 0 && from != NULL && from[0] == 'e' ? " (expected)" : "");
+    write_percent(out, part);
+    fprintf(out, "</td><td class=\"share\"><i style=\"width:%.1f%%\"></i></td></tr>\n",
+            100.0 * fmin(part / total, 1.0));
+  }
+  fputs("</tbody></table>\n", out);
+}
+
+static void write_orientation(const json_t *result, FILE *out) {
+  static const struct {
+    const char *key, *name;
+  } rows[] = {{"kozeny_carman", "Kozeny-Carman"}, {"hazen", "Hazen"}, {"terzaghi", "Terzaghi"}};
+  const json_t *formulas = json_object_get(result, "formulas");
+  const double k = number(result, "k_m_per_s");
+  fputs("<table class=\"facts\"><caption>For orientation</caption><tbody>\n<tr><th>DIN 18130-1 "
+        "(test: ISO 17892-11)</th><td>",
+        out);
+  write_string(result, "class_din", out);
+  fputs("</td></tr>\n<tr><th>Casagrande</th><td>", out);
+  write_string(result, "class_casagrande", out);
+  fputs("</td></tr>\n", out);
+  for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    const double value = number(formulas, rows[i].key);
+    if (!isfinite(value)) continue;
+    fprintf(out, "<tr><th>%s</th><td>%.2g cm/s (%.2g times this k)</td></tr>\n", rows[i].name,
+            100.0 * value, value / k);
+  }
+  fputs("</tbody></table>\n", out);
+  if (formulas != NULL)
+    fprintf(out,
+            "<p class=\"note\">The formulas take the model&rsquo;s porosity and the surface of its "
+            "grains; grain size %.3g &micro;m is that of spheres of the same surface, not a "
+            "d<sub>10</sub>. Classes are those of water.</p>\n",
+            1e6 * number(formulas, "grain_size_m"));
+}
+
+static void write_others(const json_t *results, FILE *out) {
+  const json_t *result;
+  size_t i;
+  if (json_array_size(results) < 2) return;
+  fputs("<div class=\"wide\"><table class=\"others\"><thead><tr><th>Further results</th><th><var>"
+        "k</var></th></tr></thead><tbody>\n",
+        out);
+  json_array_foreach(results, i, result) {
+    if (i == 0) continue;
+    fputs("<tr><td>", out);
+    write_string(result, "name", out);
+    fputs("</td><td>", out);
+    quantity(out, 100.0 * number(result, "k_m_per_s"), number(result, "k_relative_error"), "cm/s");
+    fputs("</td></tr>\n", out);
+  }
+  fputs("</tbody></table></div>\n", out);
+}
+
+void verdict_write(const json_t *results, FILE *out) {
+  const json_t *result = json_array_get(results, 0);
+  fputs("<section id=\"headline\"><article class=\"card\">\n", out);
+  if (result == NULL) {
+    fputs("<p>No steady seepage is driven in every run, so there is no permeability.</p>"
+          "</article></section>\n",
+          out);
+    return;
+  }
+  const double k = number(result, "k_m_per_s"), relative = number(result, "k_relative_error");
+  fputs("<p class=\"k\"><var>k</var> = ", out);
+  interval(out, 100.0 * k, 100.0 * number(result, "k_low_m_per_s"),
+           100.0 * number(result, "k_high_m_per_s"), "cm/s");
+  fputs("</p>\n<p class=\"verdict\">", out);
+  write_string(result, "good_for", out);
+  fputs(". ", out);
+  write_string(result, "advice", out);
+  fputs("</p>\n<div class=\"columns\"><div><p>", out);
+  write_string(result, "name", out);
+  fputs("<br>= ", out);
+  quantity(out, 100.0 * k, relative, "cm/s");
+  fputs("<br>= ", out);
+  quantity(out, k, relative, "m/s");
+  fputs("<br>intrinsic permeability ", out);
+  quantity(out, number(result, "intrinsic_permeability_m2"), relative, "m&sup2;");
+  fputs("<br>= ", out);
+  quantity(out, number(result, "intrinsic_permeability_m2") / DARCY, relative, "darcy");
+  fputs("</p><p class=\"note\">", out);
+  write_string(result, "note", out);
+  fputs("</p>\n", out);
+  write_budget(json_object_get(result, "error_budget"), out);
+  fputs("</div><div>", out);
+  write_orientation(result, out);
+  fputs("</div></div>\n", out);
+  write_others(results, out);
+  fputs("</article></section>\n", out);
+}

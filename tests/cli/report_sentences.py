@@ -1,0 +1,124 @@
+"""report_sentences.py PAGE.html RUN.hdf...: every sentence of the page's Methods, and every caption that speaks of a
+measured void ratio, is one of those below and true of what runs and model say of themselves. Exits 1 with what is not."""
+import html
+import os
+import re
+import sys
+
+import h5py
+
+page_path, run_paths = sys.argv[1], sys.argv[2:]
+with open(page_path) as file:
+    page = re.sub(r'<script type="application/json".*?</script>', "", file.read(), flags=re.S)
+
+
+def text_of(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def attributes(file, group):
+    return {k: text_of(v) if isinstance(v, (bytes, str)) else v for k, v in file[group].attrs.items()} if group in file else {}
+
+
+runs = []
+for path in run_paths:
+    with h5py.File(path) as file:
+        runs.append({**attributes(file, "run"), "error": attributes(file, "run/error")})
+first = runs[0]
+model, command = None, ""
+named = first.get("model_path", "")
+for path in (named, os.path.join(os.path.dirname(run_paths[0]), os.path.basename(named))):
+    if named and model is None and os.path.exists(path):
+        with h5py.File(path) as file:
+            model = attributes(file, "model")
+            model["program"] = attributes(file, "provenance").get("program", "")
+            model["wall_distance"], model["grain_fraction"] = ("model/" + n in file for n in ("wall_distance", "grain_fraction"))
+            command = attributes(file, "provenance").get("command_line", "")
+
+scanned = model is not None and model["program"] == "ct2model"
+given = re.search(r"--threshold[ =](\S+)", command)
+matched = scanned and (given is None or given[1] == "auto") and "--segmented" not in command
+measured = model.get("void_ratio_measured", float("nan")) if model else float("nan")
+
+
+def near(a, b):
+    return abs(float(a) - float(b)) <= 1e-3 * abs(float(b))
+
+
+mirrored = r"(?:, and mirrored along ([xyz]))?"
+unmatched = r"(?:; ([\d.]+) was measured on the specimen|; no measured void ratio was given)" + mirrored
+
+
+def is_mirror(axis):
+    return (axis or "none") == (model.get("mirror_axis", "none") if model else "none")
+
+
+def is_unmatched(e, told, axis):
+    return near(e, model["void_ratio"]) and is_mirror(axis) and (near(told, measured) if told else not measured > 0)
+
+
+GEOMETRY = [
+    (r"", lambda: not named),
+    (r", from a model file that could not be read when this page was made", lambda: named and model is None),
+    (r", from a voxel model", lambda: model is not None and not scanned),
+    (r", made by ct2model from an image whose grey threshold \(([\d.]+)\) was set so that the model has the void ratio measured on "
+     r"the specimen, ([\d.]+)(?: \(it has ([\d.]+)\))?" + mirrored,
+     lambda t, e, has, axis: matched and near(t, model["threshold"]) and near(e, measured) and is_mirror(axis)
+     and (near(has, model["void_ratio"]) if has else abs(model["void_ratio"] / measured - 1) <= 0.01)),
+    (r", made by ct2model from an image at the grey threshold of Otsu.s method \[\d+\], ([\d.]+), which gives a void ratio of ([\d.]+)"
+     + unmatched, lambda t, e, told, axis: given[1] == "otsu" and near(t, model["threshold"]) and is_unmatched(e, told, axis)),
+    (r", made by ct2model from an image at a given grey threshold of ([\d.]+), which gives a void ratio of ([\d.]+)" + unmatched,
+     lambda t, e, told, axis: near(t, given[1]) and is_unmatched(e, told, axis)),
+    (r", made by ct2model from an image that was segmented before, with a void ratio of ([\d.]+)" + unmatched,
+     lambda e, told, axis: "--segmented" in command and is_unmatched(e, told, axis)),
+]
+WALLS = {"the model's signed distances to the grain surface": lambda: model["wall_distance"],
+         "found from the grain fraction of the voxels": lambda: not model["wall_distance"] and model["grain_fraction"],
+         "the faces of the voxels": lambda: not model["wall_distance"] and not model["grain_fraction"]}
+spacings = {round(float(r["spacing"][0]) * 1e12) for r in runs}
+gradients = {round(float(r["hydraulic_gradient"]), 9) for r in runs}
+
+
+def is_geometry(nx, ny, nz, spacing, rest):
+    if [int(n) for n in (nx, ny, nz)] != [int(n) for n in first["size"]] or not near(spacing, 1e6 * first["spacing"][0]):
+        return False
+    return any((m := re.fullmatch(pattern, rest)) and true(*m.groups()) for pattern, true in GEOMETRY)
+
+
+SENTENCES = [
+    (r"Flow was computed with Tosui [\d.]+ \[1\] on a lattice of (\d+) × (\d+) × (\d+) points of ([\d.]+) µm(.*)", is_geometry),
+    (r"The fluid had a density of (\S+) kg/m³ and a viscosity of (\S+) Pa s",
+     lambda rho, mu: near(rho, first["density"]) and near(mu, first["viscosity"])),
+    (r"The steady creeping flow was solved with .*", lambda: first["method"] == "stokes"),
+    (r"The unified Navier-Stokes and extended Darcy equations were integrated .*", lambda: first["method"] == "isph"),
+    (r"Weakly compressible smoothed particle hydrodynamics with a quintic spline .*", lambda: first["method"] == "wcsph"),
+    (r"Grain surfaces carry dummy velocities \[\d+\]", lambda: first["wall"] == "adami"),
+    (r"Grains are frozen fluid particles after \[\d+\], which .*", lambda: first["wall"] == "frozen"),
+    (r"No slip holds at the wall itself, by image velocities from the distance to it, after \[\d+\](?:; walls are (.*))?",
+     lambda walls: first["wall"] == "subvoxel" and (WALLS[walls]() if walls else model is None)),
+    (r"(\d+) runs entered this page; lattice and model are the first's", lambda n: int(n) == len(runs) > 1),
+    (r"The Darcy velocity was averaged after the steady point .*", lambda: any(r["method"] != "stokes" for r in runs)),
+    (r"Permeability is the slope of the superficial velocity against the hydraulic gradient(, extrapolated over .*)?; errors are 95 % "
+     r"half widths", lambda more: len(gradients) > 1 and (not more or len(spacings) > 1)),
+    (r"Permeability is the superficial velocity over the hydraulic gradient(, extrapolated over .*)?; errors are 95 % half widths",
+     lambda more: len(gradients) == 1 and (not more or len(spacings) > 1)),
+    (r"The error of resolution is a grid convergence index \[\d+\]",
+     lambda: len(spacings) > 1 or first["error"].get("resolution", float("nan")) > 0),
+]
+
+bad = []
+section = re.search(r'<section id="methods">.*?<p>(.*?)</p>', page, re.S)[1]
+prose = html.unescape(re.sub(r"<[^>]*>", "", section)).replace("\u2019", "'").replace("\u00a0", " ").strip()
+for sentence in re.split(r"\. (?=[A-Z0-9])|\.$", prose):
+    sentence = sentence.strip()
+    found = [m for pattern, true in SENTENCES if (m := re.fullmatch(pattern, sentence)) and true(*m.groups())]
+    if sentence and not found:
+        bad.append(sentence)
+for caption in re.findall(r"<figcaption>(.*?)</figcaption>", page, re.S):
+    if re.search(r"gives the measured void ratio|it was set to give", caption) and not matched:
+        bad.append(caption)
+    if "which it was not set to give" in caption and (matched or not measured > 0):
+        bad.append(caption)
+for line in bad:
+    print(f"{page_path}: not so: {line}")
+sys.exit(len(bad) > 0)
