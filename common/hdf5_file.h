@@ -58,6 +58,8 @@ enum status h5_list_attributes(struct h5_file *file, const char *object, size_t 
 bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute);
 /* Shape of a dataset: rank <= max_rank, dims filled. */
 enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank, size_t *dims);
+/* How the numbers of a dataset are stored: bits, and 'u', 'i' or 'f'. */
+enum status h5_number_format(struct h5_file *file, const char *name, int *bits, char *format);
 /* Reads a whole dataset of exactly `rank` dimensions, converted to `type`, into new memory
  * (memory_free); dims filled. Any integer or float type on disk is accepted for a number. */
 enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,

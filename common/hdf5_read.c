@@ -94,6 +94,24 @@ static bool holds_texts(hid_t stored) {
   return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= LONGEST_TEXT;
 }
 
+enum status h5_number_format(struct h5_file *file, const char *name, int *bits, char *format) {
+  enum status status = STATUS_OK;
+  hid_t set = -1, stored = -1;
+  TRY(open_dataset(file, name, &set));
+  stored = H5Dget_type(set);
+  if (!holds_numbers(stored)) TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
+  const H5T_class_t class = H5Tget_class(stored);
+  *bits = 8 * (int)H5Tget_size(stored);
+  *format = class == H5T_FLOAT                                            ? 'f'
+            : class == H5T_INTEGER && H5Tget_sign(stored) == H5T_SGN_NONE ? 'u'
+            : class == H5T_INTEGER                                        ? 'i'
+                                                                          : 'u';
+cleanup:
+  if (stored >= 0) H5Tclose(stored);
+  if (set >= 0) H5Dclose(set);
+  return status;
+}
+
 /* Deflate packs at most 1032 bytes into one; beyond that, nothing was written, and the library
  * fills in as many numbers as the file claims. */
 #define PACKED_MOST 1100.0

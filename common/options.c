@@ -238,6 +238,12 @@ cleanup:
   return status;
 }
 
+/* "0", "255" or "0=pore,1=grain" */
+static bool is_number_or_pairs(const char *word) {
+  const size_t digits = strspn(word, "0123456789");
+  return digits > 0 && (word[digits] == '\0' || word[digits] == '=');
+}
+
 enum status options_parse(const struct option_table *table, int argc, char **argv,
                           struct options **result, bool *done) {
   enum status status = STATUS_OK;
@@ -256,8 +262,10 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     options->entries[options->entry_count++] = common_entries[i];
   for (size_t i = 0; i < options->entry_count; i++) {
     const struct option_entry *e = &options->entries[i];
-    longs[i] =
-        (struct option){e->name, e->metavar ? required_argument : no_argument, NULL, 256 + (int)i};
+    const int argument = e->metavar == NULL     ? no_argument
+                         : e->metavar[0] == '[' ? optional_argument
+                                                : required_argument;
+    longs[i] = (struct option){e->name, argument, NULL, 256 + (int)i};
     if (e->letter) {
       size_t used = strlen(shorts);
       snprintf(shorts + used, sizeof shorts - used, "%c%s", e->letter, e->metavar ? ":" : "");
@@ -296,6 +304,9 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     if (entry == NULL || !takes(options, entry)) TRY(refuse_option(options, word));
     if (options->given_count == VALUE_MAX)
       TRY_FAIL(STATUS_USAGE, "more than %d options", VALUE_MAX);
+    /* A value that may be left out stands behind a space too, where it cannot be a file's name. */
+    if (entry->metavar != NULL && entry->metavar[0] == '[' && optarg == NULL)
+      optarg = optind < count && is_number_or_pairs(words[optind]) ? words[optind++] : "";
     options->given[options->given_count++] = (struct given){entry, optarg};
   }
   options->operands = words + optind;

@@ -12,7 +12,7 @@
 struct option_entry {
   const char *name;    /* long name without dashes */
   char letter;         /* 0: none */
-  const char *metavar; /* NULL: a flag */
+  const char *metavar; /* NULL: a flag; "[...]": whole numbers or LABEL=..., may be left out ("") */
   unsigned commands;   /* bit i: the i-th subcommand takes it; OPTION_ALL */
   const char *help;    /* one line */
 };

@@ -14,7 +14,8 @@
 #include "ct2model/surface/wall_distance.h"
 
 double pipeline_grey(const struct pipeline *pipeline, double internal) {
-  return internal * pipeline->grey_scale * (pipeline->request->dark_grains ? -1.0 : 1.0);
+  const bool negated = pipeline->request->dark_grains && !pipeline->labels.on;
+  return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
 }
 
 double pipeline_threshold_error(const struct pipeline *pipeline) {
@@ -147,6 +148,31 @@ cleanup:
   return status;
 }
 
+/* A segmented image is one by --segmented, or where it holds two values and no threshold or filter
+ * for greys is asked for. */
+static enum status take_labels(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  const bool plain = request->rule == THRESHOLD_AUTO && request->roi.kind == ROI_NONE &&
+                     request->denoise == DENOISE_NONE && !request->correct_beam &&
+                     !request->correct_rings && isnan(request->scale_peak);
+  bool reflect[3] = {false, false, false};
+  if (request->mirror) reflect[(request->flow_axis + 1 + request->mirror_axis) % 3] = true;
+  if (request->labels.given || plain)
+    TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
+                    &pipeline->labels));
+  if (pipeline->labels.on && !pipeline->distances)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: is segmented: there is no threshold to sweep; build takes it as it is",
+             pipeline->stack.files[0].path);
+  if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio) && !pipeline->labels.on)
+    TRY_FAIL(STATUS_USAGE,
+             "--void-ratio is missing: give the measured one, --threshold VALUE or otsu, "
+             "or --segmented for an image of labels");
+cleanup:
+  return status;
+}
+
 static enum status choose_region(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -170,7 +196,8 @@ static enum status choose_region(struct pipeline *pipeline) {
   TRY(stack_keep_labels(stack, region->origin[2]));
   if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
-  TRY(survey_region(pipeline));
+  TRY(take_labels(pipeline));
+  if (!pipeline->labels.on) TRY(survey_region(pipeline));
   int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
   for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
   /* Each slice is denoised once. */
@@ -282,12 +309,13 @@ static enum status make_solid(struct pipeline *pipeline) {
   TRY(binarise_connect(pipeline));
   model->void_ratio_measured = pipeline->request->void_ratio;
   if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2 &&
-      pipeline->request->roi.kind == ROI_NONE && !pipeline->request->fill_islands &&
+      !pipeline->labels.on && pipeline->request->roi.kind == ROI_NONE &&
+      !pipeline->request->fill_islands &&
       fabs(model->void_ratio / model->void_ratio_measured - 1.0) > 0.01)
     log_warning("the model's void ratio is %.4g, not %.4g: the scan has too few grey levels near "
                 "the threshold to come nearer",
                 model->void_ratio, model->void_ratio_measured);
-  model->threshold = pipeline_grey(pipeline, pipeline->threshold);
+  model->threshold = pipeline->labels.on ? NAN : pipeline_grey(pipeline, pipeline->threshold);
 cleanup:
   return status;
 }
@@ -395,8 +423,10 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
+  const bool labels = pipeline->labels.on;
   pipeline->resampled = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
-  if (distances) TRY(coarse_start(&pipeline->region, out, &pipeline->survey, &pipeline->coarse));
+  if (distances && !labels)
+    TRY(coarse_start(&pipeline->region, out, &pipeline->survey, &pipeline->coarse));
   if (!distances || pipeline->coarse.step > 1)
     TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
   TRY(scan_take(pipeline));
@@ -404,7 +434,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(binarise_calibrate(pipeline));
   memory_free(&pipeline->survey.sample); /* room for the model */
   TRY(measure_surface(pipeline));
-  TRY(sweep_table_make(pipeline, &pipeline->table));
+  if (!labels) TRY(sweep_table_make(pipeline, &pipeline->table));
   if (pipeline->resampled) TRY(make_solid(pipeline));
   if (distances) {
     TRY(find_walls(pipeline));
@@ -427,5 +457,6 @@ void pipeline_end(struct pipeline *pipeline) {
   surface_sample_end(&pipeline->sample);
   coarse_end(&pipeline->coarse);
   survey_end(&pipeline->survey);
+  labels_end(&pipeline->labels);
   stack_close(&pipeline->stack);
 }

@@ -12,6 +12,7 @@
 #include "ct2model/surface/coarse.h"
 #include "ct2model/scan/denoise_effect.h"
 #include "ct2model/model/morphology.h"
+#include "ct2model/scan/labels.h"
 #include "ct2model/scan/region.h"
 #include "ct2model/request.h"
 #include "ct2model/readers/stack.h"
@@ -33,6 +34,7 @@ struct pipeline {
   bool distances; /* a model is wanted, not a sweep alone */
   struct stack stack;
   struct region region;
+  struct labels labels;              /* of a segmented image: `region` reads them smoothed */
   struct survey survey;              /* of the greys as stored, in the scan's axes */
   size_t survey_size[2];             /* of its slices */
   struct correction correction;      /* what region applies, if asked */

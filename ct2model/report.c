@@ -102,6 +102,28 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "representative_volume", windows);
 }
 
+/* Labels have no threshold, no greys and no noise. */
+static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
+  static const char *const OF_GREYS[] = {
+      "threshold",      "threshold_original", "threshold_uncertainty",
+      "threshold_otsu", "threshold_valley",   "pore_peak",
+      "grain_peak"};
+  const struct labels *labels = &pipeline->labels;
+  if (!labels->on) {
+    json_object_set_new(root, "segmented", json_null());
+    return;
+  }
+  json_t *pore = json_array(), *grain = json_array();
+  for (size_t i = 0; i < labels->count; i++)
+    json_array_append_new(labels->pore[i] ? pore : grain, json_real(labels->value[i]));
+  json_object_set_new(root, "segmented",
+                      json_pack("{s:o,s:o,s:f,s:f}", "pore", pore, "grain", grain,
+                                "smoothing_voxels", LABEL_SMOOTHING, "k_change_by_smoothing",
+                                labels_effect_on_k(labels)));
+  for (size_t i = 0; i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)
+    json_object_set_new(root, OF_GREYS[i], json_null());
+}
+
 static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
@@ -121,6 +143,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
   put(root, "beam_hardening", pipeline->survey.beam);
   put(root, "rings", pipeline->survey.rings);
+  json_of_labels(pipeline, root);
   if (pipeline->region.denoise != DENOISE_NONE) {
     put(root, "denoised_void_ratio", pipeline->denoised.void_ratio);
     put(root, "denoised_surface_ratio", pipeline->denoised.surface);
@@ -246,9 +269,19 @@ static void print_scan(const struct pipeline *pipeline) {
            100.0 * (pipeline->denoised.surface - 1.0), pipeline->denoised.void_ratio);
 }
 
-static void print_text(const struct pipeline *pipeline) {
-  const struct request *request = pipeline->request;
-  const struct quality *quality = &pipeline->quality;
+static void print_labels(const struct labels *labels) {
+  for (int pore = 1; pore >= 0; pore--) {
+    printf(pore ? "labels            pore" : "; grain");
+    for (size_t i = 0; i < labels->count; i++)
+      if (labels->pore[i] == pore) printf(" %g", labels->value[i]);
+  }
+  printf("\nwalls             labels smoothed over %.2g voxels at the same pore volume: k %+.2g "
+         "%%, by "
+         "Kozeny and Carman, beside walls halfway between voxels\n",
+         LABEL_SMOOTHING, 100.0 * labels_effect_on_k(labels));
+}
+
+static void print_greys(const struct pipeline *pipeline) {
   printf("threshold         %.4f", pipeline_grey(pipeline, pipeline->threshold));
   if (isfinite(pipeline_threshold_error(pipeline)))
     printf(" +- %.3g", pipeline_threshold_error(pipeline));
@@ -267,6 +300,15 @@ static void print_text(const struct pipeline *pipeline) {
     printf(", contrast %.3g times the noise", pipeline->phases.contrast_to_noise);
   putchar('\n');
   print_scan(pipeline);
+}
+
+static void print_text(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  const struct quality *quality = &pipeline->quality;
+  if (pipeline->labels.on)
+    print_labels(&pipeline->labels);
+  else
+    print_greys(pipeline);
   if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2 ||
       request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);

@@ -52,6 +52,10 @@ static const struct option_entry ENTRIES[] = {
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "RULE", SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
+    {"segmented", 0, "[0|1|LABEL=pore,LABEL=grain,...]", SWEEP | BUILD,
+     "an image of labels: which is pore (the rest grain), or what each is; found out where it "
+     "holds "
+     "two"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
     {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
      "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local "
@@ -239,9 +243,16 @@ enum status request_parse(const struct options *options, struct request *request
   TRY(parse_correct(options, request));
   if (options_given(options, "scale-peak") && !(request->scale_peak > 0.0))
     TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0", options_text(options, "scale-peak"));
-  if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio))
-    TRY_FAIL(STATUS_USAGE,
-             "--void-ratio is missing: give the measured one, or --threshold VALUE or otsu");
+  if (options_given(options, "segmented"))
+    TRY(labels_parse(options_text(options, "segmented"), &request->labels));
+  static const char *const OF_GREYS[] = {"threshold", "grain", "denoise",
+                                         "correct",   "roi",   "scale-peak"};
+  for (size_t i = 0; request->labels.given && i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)
+    if (options_given(options, OF_GREYS[i]))
+      TRY_FAIL(STATUS_USAGE,
+               "--%s is for greys, and --segmented says that there are none: leave "
+               "one of them out",
+               OF_GREYS[i]);
   if (build && request->output == NULL) TRY_FAIL(STATUS_USAGE, "build: -o model.hdf is missing");
 cleanup:
   return status;

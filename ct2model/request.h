@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "common/options.h"
 #include "ct2model/scan/denoise.h"
+#include "ct2model/scan/labels.h"
 #include "ct2model/readers/image.h"
 #include "ct2model/resample/resample.h"
 #include "ct2model/scan/roi.h"
@@ -31,6 +32,7 @@ struct request {
   enum threshold_rule rule;
   double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;
+  struct label_rules labels;
   double scale_peak; /* NAN: greys as stored */
   const char *output;
   int levels; /* models to build: that of `size` and coarser ones */

@@ -64,7 +64,8 @@ static enum status scan_start(struct pipeline *pipeline, struct scan *scan) {
   scan->batch = (size_t)fmin(BATCH_MOST, fmax(BATCH_LEAST, floor(BATCH_BYTES / reduced)));
   scan->batch -= scan->batch % pipeline->coarse.step; // NOLINT: a step is one slice at least
   scan->has_levels = region_has_levels(region);
-  if (pixel_levels(pipeline->stack.type, &scan->low, &scan->high)) {
+  if (pixel_levels(pipeline->labels.on ? PIXEL_U8 : pipeline->stack.type, &scan->low,
+                   &scan->high)) {
     double first = region->scale < 0.0 ? -scan->high : scan->low;
     TRY(grey_histogram_start(first - 0.5, 1.0, (size_t)(scan->high - scan->low) + 1, histogram));
   } else {

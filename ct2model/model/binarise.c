@@ -44,18 +44,35 @@ static enum status check_reading(const struct pipeline *pipeline, double porosit
 
 /* Labels cannot be moved: the void ratio of a segmented image is its own, and one measured on the
  * specimen is met or is not. */
-static enum status check_labels(const struct pipeline *pipeline, double porosity) {
+static enum status check_labels(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
-  const double e = void_ratio_of(porosity), measured = request->void_ratio;
-  if (isnan(measured) || pipeline->request->roi.kind != ROI_NONE) return STATUS_OK;
+  const struct labels *labels = &pipeline->labels;
+  const double e = void_ratio_of(labels->porosity), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
   const double off = fabs(e - measured);
+  const char *path = pipeline->stack.files[0].path;
+  const bool pair = labels->count == 2;
+  const double pore = labels->value[labels->pore[0] ? 0 : 1];
+  const double other = labels->value[labels->pore[0] ? 1 : 0];
+  const char *turn = request->labels.given ? "" : "; --segmented LABEL names another";
+  if (isnan(measured)) {
+    if (pair && !request->labels.given)
+      log_warning(
+          "%s holds two labels: %g is taken as pore, %g as grain, a void ratio of %.4g; the "
+          "other way round it would be %.4g (--segmented %g)",
+          path, pore, other, e, 1.0 / e, other);
+    return STATUS_OK;
+  }
+  if (pair && fabs(log(e * measured)) < 0.5 * fabs(log(e / measured)))
+    return FAIL(STATUS_INPUT,
+                "%s: with the label %g as pore its void ratio is %.4g, with %g it is %.4g, and "
+                "measured is %.4g: say --segmented %g, or leave --void-ratio out",
+                path, pore, e, other, 1.0 / e, measured, other);
   if (off > fmax(0.1 * measured, 3.0 * error))
     return FAIL(STATUS_INPUT,
                 "%s: is segmented, with a void ratio of %.4g, and no threshold makes it the "
-                "measured %.4g: segment it anew from the greys, or take it as it is with "
-                "--void-ratio %.4g",
-                pipeline->stack.files[0].path, e, measured, e);
+                "measured %.4g: segment it anew from the greys, or leave --void-ratio out%s",
+                path, e, measured, turn);
   if (off > fmax(0.01 * measured, error))
     log_warning("the image is segmented, with a void ratio of %.4g, not the measured %.4g: k is "
                 "that of the image",
@@ -172,8 +189,32 @@ static void phases_of_survey(struct pipeline *pipeline) {
   pipeline->phases.contrast_to_noise = seen->contrast_to_noise;
 }
 
+/* Labels have no greys to be uncertain of: the surface encloses their volume, at full resolution
+ * and after resampling. */
+static enum status calibrate_labels(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct labels *labels = &pipeline->labels;
+  TRY(check_labels(pipeline));
+  pipeline->phases = (struct grey_phases){.pore_peak = 0.0,
+                                          .grain_peak = LABEL_GREY,
+                                          .valley = NAN,
+                                          .noise = NAN,
+                                          .contrast_to_noise = NAN,
+                                          .valley_depth = NAN,
+                                          .levels = labels->count};
+  pipeline->survey.beam = pipeline->survey.rings = NAN;
+  pipeline->otsu = NAN;
+  pipeline->threshold_original = pipeline->threshold = labels->threshold;
+  pipeline->void_ratio_original = void_ratio_of(labels->porosity);
+  TRY(resampled_threshold(pipeline, labels->porosity, &pipeline->threshold));
+  pipeline->threshold_slope = pipeline->threshold_slope_original = NAN;
+cleanup:
+  return status;
+}
+
 enum status binarise_calibrate(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
+  if (pipeline->labels.on) return calibrate_labels(pipeline);
   const struct request *request = pipeline->request;
   const struct grey_histogram *histogram = &pipeline->calibration;
   double sign = request->dark_grains ? -1.0 : 1.0;
@@ -205,7 +246,6 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
     double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
     TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
                       segmented || pipeline->phases.valley_depth < 0.5));
-    if (segmented) TRY(check_labels(pipeline, grey_histogram_porosity(histogram, natural)));
     if (!segmented) pipeline->threshold_original = first;
     pipeline->threshold = pipeline->threshold_original;
   } else {

@@ -19,9 +19,25 @@ static enum status write_slice(struct h5_file *file, const struct pipeline *pipe
   return h5_write(file, "/calibration/slice", H5_F32, 2, dims, pipeline->middle, true);
 }
 
+/* Of a segmented image there is nothing that was calibrated, but a picture. */
+static enum status write_labels(struct h5_file *file, const struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const char *group = "/calibration";
+  const int32_t segmented = 1;
+  TRY(write_slice(file, pipeline));
+  TRY(h5_write_attribute(file, group, "segmented", H5_I32, 1, &segmented));
+  TRY(write_number(file, group, "smoothing_voxels", LABEL_SMOOTHING));
+  TRY(write_number(file, group, "k_change_by_smoothing", labels_effect_on_k(&pipeline->labels)));
+  TRY(write_number(file, group, "pore_peak", 0.0));
+  TRY(write_number(file, group, "grain_peak", LABEL_GREY));
+cleanup:
+  return status;
+}
+
 static enum status write_calibration(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const char *group = "/calibration";
+  if (pipeline->labels.on) return write_labels(file, pipeline);
   const struct sweep_table *table = &pipeline->table;
   TRY(h5_write(file, "/calibration/threshold", H5_F64, 1, &table->count, table->threshold, false));
   TRY(h5_write(file, "/calibration/void_ratio", H5_F64, 1, &table->count,

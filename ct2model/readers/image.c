@@ -11,7 +11,9 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/image_hdf5.h"
 #include "ct2model/readers/image_meta.h"
+#include "ct2model/readers/image_npy.h"
 #include "ct2model/readers/image_nrrd.h"
 #include "ct2model/readers/image_png.h"
 #include "ct2model/readers/image_tiff.h"
@@ -19,12 +21,13 @@
 
 static const struct image_reader RAW = {"raw", NULL, NULL, image_read_contiguous};
 static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
-                                                     &image_nrrd_reader, &image_meta_reader};
+                                                     &image_nrrd_reader, &image_meta_reader,
+                                                     &image_npy_reader,  &image_hdf5_reader};
 #define READER_COUNT (sizeof READERS / sizeof *READERS)
 
 bool image_name_known(const char *name) {
   static const char *const EXTENSIONS[] = {".tif",  ".tiff", ".png", ".mhd", ".mha",
-                                           ".nrrd", ".nhdr", ".btf", ".tf8"};
+                                           ".nrrd", ".nhdr", ".btf", ".tf8", ".npy"};
   const char *dot = strrchr(name, '.');
   if (dot == NULL) return false;
   for (size_t i = 0; i < sizeof EXTENSIONS / sizeof *EXTENSIONS; i++) {
@@ -123,17 +126,22 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
     TRY(raw_open(raw, image));
     goto cleanup;
   }
-  TRY(image_file_size(path, &bytes));
-  TRY(read_head(path, head, sizeof head, &got));
+  const char *dataset = image_hdf5_dataset(path);
+  if (dataset != NULL) TRY(memory_copy_text(path, (size_t)(dataset - path) - 1, &image->data_path));
+  const char *file = dataset != NULL ? image->data_path : path;
+  TRY(image_file_size(file, &bytes));
+  TRY(read_head(file, head, sizeof head, &got));
   for (size_t i = 0; i < READER_COUNT && image->reader == NULL; i++) {
     if (READERS[i]->claims(path, head, got)) image->reader = READERS[i];
   }
   if (image->reader == NULL)
-    TRY_FAIL(
-        STATUS_INPUT,
-        "%s: not a TIFF, PNG, MetaImage or NRRD file; convert it to one of them, or for headerless "
-        "pixels give --raw NXxNYxNZ:u8|u16le|...",
-        path);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: not a TIFF, PNG, MetaImage, NRRD, NumPy or HDF5 file; convert it to one of them, "
+             "or for "
+             "headerless pixels give --raw NXxNYxNZ:u8|u16le|...",
+             path);
+  if (dataset != NULL && image->reader != &image_hdf5_reader)
+    TRY_FAIL(STATUS_INPUT, "%s: %s is no HDF5 file, which alone has datasets", path, file);
   TRY(image->reader->open(path, image));
   size_t pixels;
   if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0)
@@ -152,6 +160,8 @@ void image_close(struct image *image) {
   memory_free(&image->page_offsets);
   inflate_end(image->inflated);
   image->inflated = NULL;
+  image_hdf5_end(image->dataset);
+  image->dataset = NULL;
 }
 
 bool image_has_levels(const struct image *image) {

@@ -14,6 +14,7 @@
 
 struct image_reader;
 struct inflated;
+struct image_dataset;
 
 struct image {
   char *path;
@@ -28,11 +29,12 @@ struct image {
   char *data_path;      /* where the pixels are, if not in `path` */
   uint64_t data_offset; /* of page 0, for contiguous pixels; 0 otherwise */
   struct inflated
-      *inflated;          /* compressed contiguous pixels; data_offset then counts unpacked bytes */
-  bool swap;              /* bytes of contiguous pixels */
-  uint64_t *page_offsets; /* of the directories of a multi-page TIFF */
-  bool invert;            /* white is zero */
-  bool plain;             /* every pixel is a value of `type` */
+      *inflated; /* compressed contiguous pixels; data_offset then counts unpacked bytes */
+  struct image_dataset *dataset; /* of an HDF5 file */
+  bool swap;                     /* bytes of contiguous pixels */
+  uint64_t *page_offsets;        /* of the directories of a multi-page TIFF */
+  bool invert;                   /* white is zero */
+  bool plain;                    /* every pixel is a value of `type` */
 };
 
 struct image_reader {

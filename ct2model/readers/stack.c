@@ -12,6 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "ct2model/readers/image_hdf5.h"
 
 struct name_list {
   char **names;
@@ -86,10 +87,11 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
       ignored++;
   }
   if (list->count == before)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: no .tif, .png, .mhd or .nrrd files in this folder; for headerless files give "
-             "--raw",
-             folder);
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: no .tif, .png, .mhd, .nrrd or .npy files in this folder; for headerless files give "
+        "--raw",
+        folder);
   if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
   qsort(list->names + before, list->count - before, sizeof *list->names, by_natural_order);
 cleanup:
@@ -102,6 +104,10 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
   enum status status = STATUS_OK;
   for (size_t i = 0; i < count; i++) {
     struct stat info;
+    if (image_hdf5_dataset(paths[i]) != NULL) {
+      TRY(names_add(list, "", paths[i]));
+      continue;
+    }
     if (stat(paths[i], &info) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", paths[i], strerror(errno));
     if (S_ISDIR(info.st_mode))
       TRY(list_folder(paths[i], raw, list));

@@ -5,12 +5,17 @@
 #include "ct2model/readers/stack.h"
 #include "fuzz_input.h"
 
-static inline int fuzz_image(const char *ending, const struct raw_layout *raw, const uint8_t *data,
-                             size_t size) {
+/* `inside`: what of the file is the image, "" where all of it is. */
+static inline int fuzz_image_inside(const char *ending, const char *inside,
+                                    const struct raw_layout *raw, const uint8_t *data,
+                                    size_t size) {
   const char *path = fuzz_file(ending, data, size);
+  char whole[160];
+  const char *image = whole;
   struct stack stack;
   float *slice = NULL;
-  if (stack_open(&path, 1, raw, &stack) == STATUS_OK) {
+  snprintf(whole, sizeof whole, "%s%s", path, inside);
+  if (stack_open(&image, 1, raw, &stack) == STATUS_OK) {
     size_t pixels = stack.size[0] * stack.size[1], first = 0;
     char name[64];
     stack_slice_name(&stack, stack.size[2] - 1, name, sizeof name);
@@ -23,6 +28,11 @@ static inline int fuzz_image(const char *ending, const struct raw_layout *raw, c
     stack_close(&stack);
   }
   return fuzz_end(path, 0);
+}
+
+static inline int fuzz_image(const char *ending, const struct raw_layout *raw, const uint8_t *data,
+                             size_t size) {
+  return fuzz_image_inside(ending, "", raw, data, size);
 }
 
 #endif

@@ -1,0 +1,158 @@
+#include "ct2model/readers/image_hdf5.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+
+/* Pages are read some at a time, for chunks that hold many; the library knows one thread only. */
+#define BLOCK_BYTES 64e6
+enum { BLOCK_MOST = 64 };
+
+struct image_dataset {
+  struct h5_file *file;
+  char *name;
+  enum h5_type type;
+  int rank;
+  size_t first, count, most; /* pages in `block` */
+  char *block;
+};
+
+static pthread_mutex_t one_thread = PTHREAD_MUTEX_INITIALIZER;
+
+const char *image_hdf5_dataset(const char *path) {
+  struct stat info;
+  if (stat(path, &info) == 0) return NULL;
+  for (const char *at = strstr(path, ":/"); at != NULL; at = strstr(at + 1, ":/")) {
+    char *file = NULL;
+    if (memory_copy_text(path, (size_t)(at - path), &file) != STATUS_OK) return NULL;
+    const bool is_file = stat(file, &info) == 0 && S_ISREG(info.st_mode);
+    memory_free(&file);
+    if (is_file) return at + 1;
+  }
+  return NULL;
+}
+
+static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
+  (void)path;
+  return n >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
+}
+
+static enum status name_datasets(struct h5_file *file) {
+  size_t count = 0;
+  char **names = NULL, list[200] = "";
+  if (h5_list(file, "/", &count, &names) != STATUS_OK) error_clear();
+  for (size_t i = 0; i < count; i++)
+    snprintf(list + strlen(list), sizeof list - strlen(list), " /%s", names[i]);
+  h5_free_texts(count, &names);
+  return FAIL(STATUS_INPUT, "%s: an HDF5 file; name the dataset, as %s:/dataset (it has%s)",
+              h5_path(file), h5_path(file), list);
+}
+
+/* The type of a pixel, and that in which the numbers are read: the layer below has no others. */
+static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_type *type) {
+  const bool whole = format != 'f';
+  if (!whole || bits > 32 || !pixel_type_of(bits, format, pixel))
+    *pixel = !whole && bits <= 32 ? PIXEL_F32 : PIXEL_F64;
+  *type = *pixel == PIXEL_U8    ? H5_U8
+          : *pixel == PIXEL_U32 ? H5_U32
+          : *pixel == PIXEL_F32 ? H5_F32
+          : *pixel == PIXEL_F64 ? H5_F64
+                                : H5_I32;
+}
+
+/* Numbers as read to pixels: those of less than 32 bits were widened. */
+static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_type type,
+                   void *out) {
+  const size_t bytes = pixel_size(pixel);
+  if (bytes == h5_type_size(type)) {
+    memcpy(out, from, n * bytes);
+    return;
+  }
+  for (size_t i = 0; i < n; i++) {
+    int32_t value;
+    memcpy(&value, from + i * sizeof value, sizeof value);
+    const int8_t small = (int8_t)value;
+    const int16_t wide = (int16_t)value; /* the low bits, signed or not */
+    memcpy((char *)out + i * bytes, bytes == 1 ? (const void *)&small : (const void *)&wide, bytes);
+  }
+}
+
+static enum status hdf5_open(const char *path, struct image *image) {
+  enum status status = STATUS_OK;
+  const char *name = image_hdf5_dataset(path);
+  const char *of_file = image->data_path != NULL ? image->data_path : path;
+  struct image_dataset *dataset = NULL;
+  size_t dims[3], page;
+  int bits;
+  char format;
+  TRY(memory_allocate(&dataset, 1, sizeof *dataset, "a dataset"));
+  image->dataset = dataset;
+  TRY(h5_open(of_file, &dataset->file));
+  if (name == NULL) TRY(name_datasets(dataset->file));
+  TRY(memory_copy_text(name, strlen(name), &dataset->name));
+  if (!h5_exists(dataset->file, name))
+    TRY_FAIL(STATUS_INPUT, "%s: has no dataset %s", of_file, name);
+  TRY(h5_shape(dataset->file, name, 3, &dataset->rank, dims));
+  if (dataset->rank < 2)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %d axes; an image has 2 or 3, [z][y][x]", of_file, name,
+             dataset->rank);
+  TRY(h5_number_format(dataset->file, name, &bits, &format));
+  choose_types(bits, format, &image->type, &dataset->type);
+  image->size[0] = dims[dataset->rank - 1];
+  image->size[1] = dims[dataset->rank - 2];
+  image->pages = dataset->rank == 3 ? dims[0] : 1;
+  if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0 ||
+      !size_multiply(image->size[0], image->size[1], &page) || page > ((size_t)1 << 32))
+    TRY_FAIL(STATUS_INPUT, "%s: %s is %zux%zux%zu, which is no image", of_file, name,
+             image->size[0], image->size[1], image->pages);
+  const double fit = BLOCK_BYTES / ((double)page * (double)h5_type_size(dataset->type));
+  dataset->most = fit < 1.0 ? 1 : fit > BLOCK_MOST ? BLOCK_MOST : (size_t)fit;
+  image->plain = true;
+cleanup:
+  return status; /* image_close frees the rest */
+}
+
+static enum status read_block(const struct image *image, struct image_dataset *dataset,
+                              size_t page) {
+  size_t dims[3] = {image->pages - page < dataset->most ? image->pages - page : dataset->most, 0,
+                    0};
+  memory_free(&dataset->block);
+  dataset->count = 0;
+  enum status status =
+      dataset->rank == 2
+          ? h5_read(dataset->file, dataset->name, dataset->type, 2, dims, &dataset->block)
+          : h5_read_share(dataset->file, dataset->name, dataset->type, 3, image->pages, page, dims,
+                          &dataset->block);
+  if (status != STATUS_OK) return status;
+  dataset->first = page;
+  dataset->count = dataset->rank == 2 ? 1 : dims[0];
+  return STATUS_OK;
+}
+
+static enum status hdf5_read(const struct image *image, size_t page, void *out) {
+  enum status status = STATUS_OK;
+  struct image_dataset *dataset = image->dataset;
+  const size_t n = image->size[0] * image->size[1];
+  pthread_mutex_lock(&one_thread);
+  if (page < dataset->first || page >= dataset->first + dataset->count)
+    status = read_block(image, dataset, page);
+  if (status == STATUS_OK)
+    narrow(dataset->block + (page - dataset->first) * n * h5_type_size(dataset->type), n,
+           image->type, dataset->type, out);
+  pthread_mutex_unlock(&one_thread);
+  return status;
+}
+
+void image_hdf5_end(struct image_dataset *dataset) {
+  if (dataset == NULL) return;
+  h5_close(dataset->file);
+  memory_free(&dataset->name);
+  memory_free(&dataset->block);
+  memory_free(&dataset);
+}
+
+const struct image_reader image_hdf5_reader = {"HDF5", hdf5_claims, hdf5_open, hdf5_read};

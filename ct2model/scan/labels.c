@@ -1,0 +1,305 @@
+#include "ct2model/scan/labels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "ct2model/calibrate/calibrate.h"
+
+enum { REACH = 2, TAPS = 2 * REACH + 1, SUB = 3 };
+
+enum status labels_parse(const char *text, struct label_rules *rules) {
+  *rules = (struct label_rules){.given = true};
+  const char *at = text;
+  while (at != NULL && *at != '\0') {
+    char *end;
+    if (rules->count == LABELS_MOST)
+      return FAIL(STATUS_USAGE, "--segmented: more than %d labels", LABELS_MOST);
+    const size_t i = rules->count++;
+    rules->value[i] = strtod(at, &end);
+    if (end == at) goto wrong;
+    if (*end == '\0' && i == 0) {
+      rules->pore[0] = rules->rest_is_grain = true;
+      return STATUS_OK;
+    }
+    const size_t length = strcspn(end, ",");
+    if (length == 5 && strncmp(end, "=pore", 5) == 0)
+      rules->pore[i] = true;
+    else if (strncmp(end, "=soil", 5) == 0)
+      return FAIL(STATUS_USAGE,
+                  "--segmented %s: labels with pores of their own (soil) cannot be built yet; take "
+                  "them as pore or grain",
+                  text);
+    else if (length != 6 || strncmp(end, "=grain", 6) != 0)
+      goto wrong;
+    at = end + length + (end[length] == ',');
+  }
+  return STATUS_OK;
+wrong:
+  return FAIL(STATUS_USAGE,
+              "--segmented %s: the label that is pore is wanted, as 0, or what each is, as "
+              "0=pore,1=grain,2=grain",
+              text);
+}
+
+void labels_end(struct labels *labels) {
+  memory_free(&labels->smooth);
+}
+
+double labels_effect_on_k(const struct labels *labels) {
+  const double n = labels->porosity, sharp = labels->sharp_porosity;
+  return pow(n / sharp, 3) * pow((1.0 - sharp) / (1.0 - n), 2) - 1.0;
+}
+
+static size_t find(const struct labels *labels, double value) {
+  size_t i = 0;
+  while (i < labels->count && labels->value[i] != value) i++;
+  return i;
+}
+
+static void sort(struct labels *labels) {
+  for (size_t i = 1; i < labels->count; i++)
+    for (size_t j = i; j > 0 && labels->value[j] < labels->value[j - 1]; j--) {
+      const double value = labels->value[j];
+      const bool pore = labels->pore[j];
+      labels->value[j] = labels->value[j - 1], labels->pore[j] = labels->pore[j - 1];
+      labels->value[j - 1] = value, labels->pore[j - 1] = pore;
+    }
+}
+
+/* The values of three slices, if they are few. */
+static enum status look(const struct region *region, struct labels *labels, bool *few) {
+  enum status status = STATUS_OK;
+  const size_t plane = region->size[0] * region->size[1], nz = region->size[2];
+  float *slice = NULL;
+  *few = true;
+  TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
+  for (size_t s = 0; s < 3 && *few; s++) {
+    const size_t z = s * (nz - 1) / 2;
+    TRY(region_read(region, &z, 1, slice));
+    double last = NAN;
+    for (size_t p = 0; p < plane && *few; p++) {
+      const double value = (double)slice[p];
+      if (value == last) continue;
+      last = value;
+      if (find(labels, value) < labels->count) continue;
+      *few = labels->count < LABELS_MOST;
+      if (*few) labels->value[labels->count++] = value;
+    }
+  }
+cleanup:
+  memory_free(&slice);
+  return status;
+}
+
+static enum status name_unknown(const struct region *region, size_t z, double value) {
+  char name[160];
+  stack_slice_name(region->stack, region->origin[2] + z, name, sizeof name);
+  return FAIL(STATUS_INPUT,
+              "%s: holds the label %g, of which --segmented says nothing; say %g=pore or %g=grain",
+              name, value, value, value);
+}
+
+/* 1 grain, 0 pore; *fits is false where a value is none of two labels that were found. */
+static enum status classify(const struct region *region, const struct label_rules *rules,
+                            struct labels *labels, uint8_t *grain, bool *fits) {
+  enum status status = STATUS_OK;
+  const size_t plane = region->size[0] * region->size[1];
+  size_t pores = 0;
+  float *slice = NULL;
+  *fits = true;
+  TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
+  for (size_t z = 0; z < region->size[2] && *fits; z++) {
+    TRY(region_read(region, &z, 1, slice));
+    size_t at = 0;
+    for (size_t p = 0; p < plane; p++) {
+      const double value = (double)slice[p];
+      if (!(at < labels->count && labels->value[at] == value)) at = find(labels, value);
+      if (at == labels->count) {
+        if (rules->count == 0) {
+          *fits = false;
+          break;
+        }
+        if (!rules->rest_is_grain || at == LABELS_MOST) TRY(name_unknown(region, z, value));
+        labels->value[labels->count++] = value;
+      }
+      grain[z * plane + p] = !labels->pore[at];
+      pores += labels->pore[at];
+    }
+  }
+  labels->porosity = (double)pores / ((double)plane * (double)region->size[2]);
+cleanup:
+  memory_free(&slice);
+  return status;
+}
+
+/* Index i + d of n, mirrored about the outer faces or periodic. */
+static size_t beyond(size_t i, long d, size_t n, bool reflect) {
+  const long count = (long)n;
+  long at = (long)i + d;
+  if (reflect && n > 1) {
+    while (at < 0 || at >= count) at = at < 0 ? -1 - at : 2 * count - 1 - at;
+    return (size_t)at;
+  }
+  return (size_t)(((at % count) + count) % count);
+}
+
+/* A separable Gaussian, in greys of LABEL_GREY. */
+static enum status smooth(const uint8_t *grain, const size_t size[3], const bool reflect[3],
+                          uint8_t *out) {
+  enum status status = STATUS_OK;
+  const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * ny;
+  float weight[TAPS], sum = 0.0f;
+  for (int d = -REACH; d <= REACH; d++)
+    sum += weight[d + REACH] =
+        (float)exp(-0.5 * d * d / (LABEL_SMOOTHING * LABEL_SMOOTHING)); /* NOLINT */
+  for (int t = 0; t < TAPS; t++) weight[t] /= sum;
+#pragma omp parallel
+  {
+    float *a = NULL, *b = NULL;
+    enum status mine = memory_allocate(&a, plane, sizeof *a, "a slice");
+    if (mine == STATUS_OK) mine = memory_allocate(&b, plane, sizeof *b, "a slice");
+#pragma omp for schedule(static)
+    for (size_t z = 0; z < nz; z++) {
+      if (mine != STATUS_OK) continue;
+      memset(a, 0, plane * sizeof *a);
+      for (int t = 0; t < TAPS; t++) {
+        const uint8_t *from = grain + beyond(z, t - REACH, nz, reflect[2]) * plane;
+        for (size_t p = 0; p < plane; p++) a[p] += weight[t] * (float)from[p];
+      }
+      memset(b, 0, plane * sizeof *b);
+      for (size_t y = 0; y < ny; y++)
+        for (int t = 0; t < TAPS; t++) {
+          const float *from = a + beyond(y, t - REACH, ny, reflect[1]) * nx;
+          for (size_t x = 0; x < nx; x++) b[y * nx + x] += weight[t] * from[x];
+        }
+      for (size_t y = 0; y < ny; y++)
+        for (size_t x = 0; x < nx; x++) {
+          float value = 0.0f;
+          for (int t = 0; t < TAPS; t++)
+            value += weight[t] * b[y * nx + beyond(x, t - REACH, nx, reflect[0])];
+          out[z * plane + y * nx + x] = (uint8_t)lroundf((float)LABEL_GREY * value);
+        }
+    }
+    memory_free(&a);
+    memory_free(&b);
+    if (mine != STATUS_OK) {
+#pragma omp critical
+      status = mine;
+    }
+  }
+  return status;
+}
+
+/* The volume under each grey of the trilinear field between voxel centres, which is what walls are
+ * found on: SUB^3 samples a voxel. */
+static enum status measure_volume(const uint8_t *field, double unit, const size_t size[3],
+                                  const bool reflect[3], struct grey_histogram *histogram) {
+  enum status status = STATUS_OK;
+  const size_t nx = size[0], ny = size[1], nz = size[2];
+  uint64_t counts[256] = {0};
+#pragma omp parallel for schedule(static) reduction(+ : counts)
+  for (size_t line = 0; line < ny * nz; line++) {
+    const size_t y = line % ny, z = line / ny; // NOLINT: a region has a row
+    const uint8_t *rows[4];
+    for (int c = 0; c < 4; c++)
+      rows[c] =
+          field + (beyond(z, c / 2, nz, reflect[2]) * ny + beyond(y, c % 2, ny, reflect[1])) * nx;
+    for (size_t x = 0; x < nx; x++) {
+      const size_t next = beyond(x, 1, nx, reflect[0]);
+      double corner[8];
+      bool same = true;
+      for (int c = 0; c < 8; c++) {
+        corner[c] = (double)rows[c / 2][c % 2 ? next : x];
+        same = same && corner[c] == corner[0];
+      }
+      if (same) {
+        counts[(size_t)(unit * corner[0] + 0.5)] += SUB * SUB * SUB;
+        continue;
+      }
+      for (int s = 0; s < SUB * SUB * SUB; s++) {
+        const double u = (s % SUB + 0.5) / SUB, v = (s / SUB % SUB + 0.5) / SUB,
+                     w = (s / SUB / SUB + 0.5) / SUB; // NOLINT: whole parts are meant
+        double edge[4];
+        for (int c = 0; c < 4; c++)
+          edge[c] = corner[2 * c] + u * (corner[2 * c + 1] - corner[2 * c]);
+        const double near = edge[0] + v * (edge[1] - edge[0]),
+                     far = edge[2] + v * (edge[3] - edge[2]);
+        counts[(size_t)(unit * (near + w * (far - near)) + 0.5)]++;
+      }
+    }
+  }
+  TRY(grey_histogram_start(-0.5, 1.0, 256, histogram));
+  for (size_t b = 0; b < 256; b++) {
+    histogram->counts[b] = counts[b];
+    histogram->total += counts[b];
+  }
+cleanup:
+  return status;
+}
+
+/* Two values are two labels; which is pore is a convention, and said. */
+static enum status find_labels(const struct region *region, const struct label_rules *rules,
+                               bool dark, struct labels *labels) {
+  bool few;
+  enum status status = look(region, labels, &few);
+  if (status != STATUS_OK) return status;
+  sort(labels);
+  labels->on = few && labels->count == 2;
+  if (labels->on) labels->pore[dark ? 1 : 0] = true;
+  if (labels->on || !rules->given) return STATUS_OK;
+  if (!few)
+    return FAIL(STATUS_INPUT,
+                "%s: --segmented, but it holds more than %d greys: leave --segmented out and give "
+                "--void-ratio, or name the labels, as --segmented 0=pore,1=grain",
+                region->stack->files[0].path, LABELS_MOST);
+  char list[200] = "";
+  for (size_t i = 0; i < labels->count; i++)
+    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%g", i > 0 ? ", " : "",
+             labels->value[i]);
+  return FAIL(STATUS_INPUT,
+              "%s: holds the label%s %s; say which is pore, as --segmented %g, or what each is, as "
+              "--segmented %g=pore,...",
+              region->stack->files[0].path, labels->count == 1 ? "" : "s", list, labels->value[0],
+              labels->value[0]);
+}
+
+enum status labels_take(struct region *region, const struct label_rules *rules, bool dark,
+                        const bool reflect[3], struct labels *labels) {
+  enum status status = STATUS_OK;
+  const size_t count = region->size[0] * region->size[1] * region->size[2];
+  struct grey_histogram volume = {0};
+  uint8_t *grain = NULL;
+  bool fits;
+  region->scale = 1.0;
+  *labels = (struct labels){.on = true, .count = rules->count};
+  memcpy(labels->value, rules->value, sizeof labels->value);
+  memcpy(labels->pore, rules->pore, sizeof labels->pore);
+  if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
+  if (!labels->on) goto cleanup;
+  TRY(memory_allocate(&grain, count, 1, "the labels"));
+  TRY(classify(region, rules, labels, grain, &fits));
+  labels->on = fits;
+  if (!fits) goto cleanup;
+  sort(labels);
+  if (labels->porosity <= 0.0 || labels->porosity >= 1.0)
+    TRY_FAIL(STATUS_INPUT, "%s: by --segmented all of the region is %s",
+             region->stack->files[0].path, labels->porosity > 0.0 ? "pore" : "grain");
+  TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
+  TRY(smooth(grain, region->size, reflect, labels->smooth));
+  TRY(measure_volume(grain, LABEL_GREY, region->size, reflect, &volume));
+  labels->sharp_porosity = grey_histogram_porosity(&volume, 0.5 * LABEL_GREY);
+  grey_histogram_end(&volume);
+  TRY(measure_volume(labels->smooth, 1.0, region->size, reflect, &volume));
+  labels->threshold = grey_histogram_quantile(&volume, labels->porosity);
+  region->held = labels->smooth;
+  region->held_type = PIXEL_U8;
+cleanup:
+  if (!labels->on || status != STATUS_OK) region->scale = dark ? -1.0 : 1.0;
+  grey_histogram_end(&volume);
+  memory_free(&grain);
+  if (status != STATUS_OK) labels_end(labels);
+  return status;
+}

@@ -1,0 +1,56 @@
+/* Segmented images: which labels are pore, and the labels smoothed, so that walls are surfaces and
+ * not stairs. */
+#ifndef TOSUI_CT2MODEL_SCAN_LABELS_H
+#define TOSUI_CT2MODEL_SCAN_LABELS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "ct2model/scan/region.h"
+
+enum { LABELS_MOST = 32 };
+
+/* What --segmented says. */
+struct label_rules {
+  bool given;
+  size_t count; /* 0: to be found out */
+  double value[LABELS_MOST];
+  bool pore[LABELS_MOST];
+  bool rest_is_grain; /* one label alone is named, which is pore */
+};
+
+/* "", "0" (this label is pore, the rest grain) or "0=pore,1=grain,..."; usage errors. */
+enum status labels_parse(const char *text, struct label_rules *rules);
+
+/* Greys of the smoothed labels go from 0, pore, to this, grain. */
+#define LABEL_GREY 250.0
+/* Standard deviation of the Gaussian, in voxels: of 0, 0.5, 0.7 and 1, that with which k of spheres
+ * of 4 to 15 voxels' radius is nearest to the exact one (docs/notes/2026-11-22-labels.md). */
+#define LABEL_SMOOTHING 0.7
+
+struct labels {
+  bool on;
+  size_t count;
+  double value[LABELS_MOST]; /* labels seen, rising */
+  bool pore[LABELS_MOST];
+  double porosity;       /* share of voxels that are pore */
+  double sharp_porosity; /* that the surface halfway between unsmoothed labels would give */
+  double threshold;      /* the grey at which the smoothed surface encloses the pores' volume */
+  uint8_t *smooth;       /* [z][y][x] of the region */
+};
+
+/* Whether the region is segmented: by `rules`, or because it holds two values only; and then
+ * smooths it and makes `region` read that. `reflect`: axes of the scan that will be mirrored; the
+ * others are periodic. `dark`: of two labels found, the lower is grain. Free with labels_end after
+ * the last read. */
+enum status labels_take(struct region *region, const struct label_rules *rules, bool dark,
+                        const bool reflect[3], struct labels *labels);
+void labels_end(struct labels *labels);
+
+/* Change of k by the smoothing, relative: that of the pores' volume within the walls, by Kozeny and
+ * Carman, k ~ n^3 / (1 - n)^2. */
+double labels_effect_on_k(const struct labels *labels);
+
+#endif

@@ -1,0 +1,133 @@
+#!/usr/bin/env bats
+# Segmented images, NumPy arrays and HDF5 datasets as they come from other programs.
+
+bats_require_minimum_version 1.5.0
+setup_file() {
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$PWD/$build ;; esac
+  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  cd "$BATS_FILE_TMPDIR"
+  # A sphere of share 0.216 in a cube of 320 um, 12 voxels a side, off the middle; 1 is grain, 0 pore; and with three labels.
+  /usr/bin/python3 - <<'END'
+n, r = 12, (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 12
+at = [i + .5 - n / 2 for i in range(n)]
+inside = [(x - .137) ** 2 + (y + .21) ** 2 + (z - .3) ** 2 < r * r for z in at for y in at for x in at]
+open("sphere.raw", "wb").write(bytes(inside))
+open("turned.raw", "wb").write(bytes(not i for i in inside))
+open("three.raw", "wb").write(bytes(7 + (j % 2) if i else 3 for j, i in enumerate(inside)))
+END
+  cat > s.cfg <<'END'
+scene = { name = "sphere"; method = "stokes"; };
+model = { file = "s.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+  export CUBE="--raw 12x12x12:u8 --voxel-size 26.666667um --mirror none"
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+@test "k of smoothed labels is that of the sphere: Zick and Homsy within 2 %" {
+  ct2model build sphere.raw $CUBE --segmented 0 --json -o s.hdf > s.json
+  sphsolve run s.cfg -o s-run --json > run.json
+  /usr/bin/python3 - <<'END'
+import json
+s, run = json.load(open("s.json")), json.load(open("run.json"))
+radius = (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 320e-6
+exact = 2 * radius**2 / (9 * 0.216 * 7.4419)  # Zick, Homsy 1982
+assert abs(run["intrinsic_permeability"] / exact - 1) < 0.02, run["intrinsic_permeability"] / exact
+assert s["segmented"]["pore"] == [0] and s["segmented"]["grain"] == [1]
+assert -0.1 < s["segmented"]["k_change_by_smoothing"] < -0.01
+assert abs(s["void_ratio_original"] - s["void_ratio"]) < 1e-9
+for key in ("threshold", "threshold_otsu", "threshold_uncertainty", "dthreshold_dvoid_ratio", "contrast_to_noise"):
+    assert s[key] is None, key
+assert run["error"]["threshold"] is None
+END
+}
+
+@test "the walls enclose the volume of the labels" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  ct2model build sphere.raw $CUBE --segmented 0 -o volume.hdf --quiet
+  /usr/bin/python3 - <<'END'
+import h5py
+grain = h5py.File("volume.hdf")["model/grain_fraction"][:].mean()
+share = open("sphere.raw", "rb").read().count(1) / 12**3
+assert abs(grain / share - 1) < 0.015, grain / share
+END
+}
+
+@test "which label is pore: by its number, by a list, found out" {
+  e() { ct2model build "$@" --json -o e.hdf 2> said | sed -n 's/^  "void_ratio": \(.*\),/\1/p'; }
+  same() { awk -v a="$1" -v b="$2" 'BEGIN { exit !((a / b - 1)^2 < 1e-12) }'; }
+  first=$(e sphere.raw $CUBE --segmented 0)
+  same "$first" "$(e turned.raw $CUBE --segmented 1)"
+  same "$first" "$(e turned.raw $CUBE --segmented=1)"
+  same "$first" "$(e --segmented 1 turned.raw $CUBE)"
+  same "$first" "$(e sphere.raw $CUBE --segmented)"
+  same "$first" "$(e three.raw $CUBE --segmented 3)"
+  same "$first" "$(e three.raw $CUBE --segmented 3=pore,7=grain,8=grain)"
+  same "$first" "$(e sphere.raw $CUBE)"
+  grep -q "0 is taken as pore, 1 as grain.*--segmented 1" said
+  same "$first" "$(e sphere.raw $CUBE --void-ratio 3.66)"
+  run ! grep -q "taken as pore" said
+}
+
+@test "what cannot be labels is refused, with the mend" {
+  wrong() { # CODE WORD ARGUMENTS
+    local code=$1 word=$2
+    shift 2
+    run --separate-stderr ct2model build "$@" -o wrong.hdf
+    [ "$status" -eq "$code" ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+  }
+  wrong 3 "labels 3, 7, 8" three.raw $CUBE --segmented
+  wrong 2 "void-ratio is missing" three.raw $CUBE
+  wrong 3 "label 8" three.raw $CUBE --segmented 3=pore,7=grain
+  wrong 3 "all of the region is grain" sphere.raw $CUBE --segmented 5
+  wrong 2 "--threshold is for greys" sphere.raw $CUBE --segmented 0 --threshold 0.5
+  wrong 2 "--segmented 0=air" sphere.raw $CUBE --segmented 0=air
+  wrong 3 "--segmented 1" sphere.raw $CUBE --void-ratio 0.273
+  run --separate-stderr ct2model sweep sphere.raw $CUBE --segmented 0
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"no threshold to sweep"* ]]
+}
+
+@test "a NumPy array and an HDF5 dataset are the volume that a raw file is" {
+  /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+z, y, x = np.mgrid[:20, :24, :28]
+v = (20000 + 9000 * np.sin(x / 4) * np.sin(y / 3) * np.cos(z / 5) + 300 * np.sin(x * y * z)).astype("u2")
+v.tofile("v.raw")
+np.save("v.npy", v), np.save("big.npy", v.astype(">u2")), np.save("fortran.npy", np.asfortranarray(v))
+np.save("float.npy", v.astype("f4")), np.save("one.npy", v[0, 0]), np.save("truth.npy", v > 20000)
+with h5py.File("v.h5", "w") as file:
+    file["group/v"] = v
+    file.create_dataset("packed", data=v, chunks=(7, 9, 11), compression="gzip")
+    file["double"] = v.astype("f8")
+END
+  threshold() { ct2model build "$@" --void-ratio 0.8 --voxel-size 5um --json -o n.hdf --quiet | grep '"threshold_original"'; }
+  raw=$(threshold v.raw --raw 28x24x20:u16le)
+  for image in v.npy big.npy v.h5:/group/v v.h5:/packed "v.h5:/packed --threads 4"; do
+    [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
+  done
+  for image in float.npy v.h5:/double; do
+    awk -v a="${raw//[^0-9.]/}" -v b="$(threshold $image | tr -cd 0-9.)" 'BEGIN { exit !((a - b)^2 < 1) }'
+  done
+  ct2model build truth.npy --segmented 1 --voxel-size 5um -o truth.hdf --quiet
+  [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
+  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset" "v.npy:/x no.HDF5"; do
+    run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
+    [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
+  done
+  cp v.h5 before.h5
+  run ct2model build v.h5:/packed --void-ratio 0.8 --voxel-size 5um -o v.h5 --force
+  [ "$status" -eq 2 ] && cmp v.h5 before.h5
+}
+
+@test "voxels that are no cubes become cubes" {
+  ct2model build sphere.raw --raw 12x12x12:u8 --voxel-size 5um,5um,10um --segmented 0 --mirror none --json -o a.hdf > a.json
+  /usr/bin/python3 - <<'END'
+import json
+a = json.load(open("a.json"))
+assert a["size"] == [12, 12, 24] and all(abs(s / 5e-6 - 1) < 1e-9 for s in a["spacing_m"]), a
+assert all(abs(v / w - 1) < 1e-9 for v, w in zip(a["voxel_size_m"], (5e-6, 5e-6, 1e-5))), a["voxel_size_m"]
+END
+}
