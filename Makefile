@@ -237,12 +237,14 @@ MAN = $(PROGRAMS:%=$(BUILD)/man/%.1)
 $(BUILD)/man/%.1: $(BUILD)/bin/%
 	$(Q)mkdir -p $(@D) && $< --man > $@
 COMPLETIONS = $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+PYTHON_DIR = $(DESTDIR)$(PREFIX)/lib/python3/dist-packages
 install: all $(MAN)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(COMPLETIONS)
 	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sphsolve-mpi) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(MAN) $(DESTDIR)$(PREFIX)/share/man/man1
 	for p in $(PROGRAMS); do install -m 644 scripts/tosui-completion.bash $(COMPLETIONS)/$$p; done
+	install -d $(PYTHON_DIR) && install -m 644 python/tosui.py $(PYTHON_DIR)
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/sphsolve-mpi $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
+	rm -f $(PYTHON_DIR)/tosui.py $(DESTDIR)$(PREFIX)/bin/sphsolve-mpi $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
 dist:
 	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD

@@ -1,0 +1,271 @@
+"""Tosui from Python: models and runs as arrays with units, and the permeability of an image.
+
+    import tosui
+    result = tosui.permeability(image, "5 um", pore=0)     # image[z, y, x] of labels
+    print(result.k, result.k_low, result.k_high, result.K) # m/s, 95 %; m^2
+    model, run = tosui.load("model.hdf"), tosui.load("run.hdf")
+
+Needs numpy and h5py; permeability() and table() run the programs ct2model, sphsolve and analyze, which are looked for in
+TOSUI_BIN, beside a source tree's build/, and on the PATH.
+"""
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+
+import h5py
+import numpy as np
+
+__all__ = ["Array", "Model", "Permeability", "Run", "Snapshot", "TosuiError", "load", "permeability", "table"]
+
+DARCY = 9.869233e-13  # m^2
+
+
+class TosuiError(RuntimeError):
+    """What a program said; `code` is its exit code (2 usage, 3 input, 4 numerical failure)."""
+
+    def __init__(self, message, code=None):
+        super().__init__(message)
+        self.code = code
+
+
+class Array(np.ndarray):
+    """A numpy array that knows its unit ("m/s"; "1" for none)."""
+
+    def __new__(cls, values, unit="1"):
+        array = np.asarray(values).view(cls)
+        array.unit = unit
+        return array
+
+    def __array_finalize__(self, other):
+        self.unit = getattr(other, "unit", "1")
+
+
+def _text(value):
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def _attributes(node):
+    return {name: _text(value.item() if isinstance(value, np.ndarray) and value.size == 1 else value)
+            for name, value in node.attrs.items()}
+
+
+def _read(dataset, unit=None):
+    return Array(dataset[()], _text(dataset.attrs.get("unit", unit or "1")))
+
+
+@dataclasses.dataclass
+class Model:
+    """A voxel model: arrays are [z, y, x]."""
+
+    path: str
+    solid: Array  # 1 grain, 0 pore
+    spacing: Array  # m; z, y, x
+    wall_distance: Array = None  # m, positive in the pore
+    grain_fraction: Array = None
+    attributes: dict = dataclasses.field(default_factory=dict)
+
+    @property
+    def porosity(self):
+        return 1.0 - float(self.solid.mean())
+
+    @property
+    def void_ratio(self):
+        return self.porosity / (1.0 - self.porosity)
+
+
+@dataclasses.dataclass
+class Snapshot:
+    """Fields at the particles or sites `points` (m); fields["velocity"] is [n, 3] in m/s."""
+
+    path: str
+    time: float
+    points: Array
+    fields: dict
+
+
+@dataclasses.dataclass
+class Run:
+    """A run: `history` holds arrays by name, `attributes` what stands in /run, as k (m/s)."""
+
+    path: str
+    history: dict
+    attributes: dict
+    scene: str
+    snapshot_names: list
+    snapshot_times: Array
+
+    @property
+    def k(self):
+        return float(self.attributes["k"])
+
+    @property
+    def K(self):
+        return float(self.attributes["intrinsic_permeability"])
+
+    def snapshot(self, number=-1):
+        """The snapshot of that number, the last by default."""
+        return load(os.path.join(os.path.dirname(self.path), self.snapshot_names[number]))
+
+
+def _load_model(path, file):
+    group = file["model"]
+    optional = {name: _read(group[name], unit) for name, unit in (("wall_distance", "m"), ("grain_fraction", "1"))
+                if name in group}
+    return Model(path, _read(group["solid"]), Array(group.attrs["spacing"], "m"), attributes=_attributes(group), **optional)
+
+
+def _load_run(path, file):
+    group = file["run"]
+    history = {name: _read(data) for name, data in file["history"].items()} if "history" in file else {}
+    snapshots = group.get("snapshots", {})
+    names = [_text(name) for name in snapshots["name"][()]] if "name" in snapshots else []
+    times = Array(snapshots["time"][()] if "time" in snapshots else [], "s")
+    scene = _text(group["scene"][()]) if "scene" in group else ""
+    return Run(path, history, _attributes(group), scene, names, times)
+
+
+def _load_snapshot(path, file):
+    group = file["VTKHDF"]
+    fields = {name: _read(data) for name, data in group["PointData"].items()}
+    return Snapshot(path, float(file.attrs["time"]), Array(group["Points"][()], "m"), fields)
+
+
+def load(path):
+    """A model, a run or a snapshot, by what the file holds."""
+    path = os.fspath(path)
+    try:
+        with h5py.File(path, "r") as file:
+            for name, read in (("model/solid", _load_model), ("run", _load_run), ("VTKHDF/Points", _load_snapshot)):
+                if name in file:
+                    return read(path, file)
+    except OSError as error:
+        raise TosuiError(f"{path}: {error}") from None
+    raise TosuiError(f"{path}: neither a model nor a run nor a snapshot of Tosui")
+
+
+def _program(name):
+    here = os.path.dirname(os.path.abspath(__file__))
+    for folder in (os.environ.get("TOSUI_BIN"), os.path.join(here, "..", "build", "bin")):
+        if folder and os.access(os.path.join(folder, name), os.X_OK):
+            return os.path.join(folder, name)
+    found = shutil.which(name)
+    if found is None:
+        raise TosuiError(f"{name} is not on the PATH; set TOSUI_BIN to the folder of the programs")
+    return found
+
+
+def _run(name, *words):
+    """The JSON object that a program prints; what it says goes into the error."""
+    done = subprocess.run([_program(name), *map(str, words), "--json"], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise TosuiError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else name, done.returncode)
+    return json.loads(done.stdout), done.stderr
+
+
+def table(command, *runs, **options):
+    """What `analyze COMMAND RUN...` finds, as a dictionary: table("darcy", "a.hdf", "b.hdf", mix=True)."""
+    words = []
+    for name, value in options.items():
+        words += ["--" + name.replace("_", "-")] + ([] if value is True else [value])
+    return _run("analyze", command, *map(os.fspath, runs), *words)[0]
+
+
+@dataclasses.dataclass
+class Permeability:
+    """k, k_low, k_high: hydraulic conductivity in m/s (of water at 20 degrees unless said otherwise) and its 95 % bounds;
+    K, K_low, K_high: permeability in m^2. `model` and `run` are what the programs printed, `messages` what they said."""
+
+    k: float
+    k_low: float
+    k_high: float
+    K: float
+    void_ratio: float
+    status: str
+    model: dict
+    run: dict
+    messages: str
+
+    @property
+    def K_low(self):
+        return self.K * self.k_low / self.k if self.k else 0.0
+
+    @property
+    def K_high(self):
+        return self.K * self.k_high / self.k if self.k else 0.0
+
+    @property
+    def darcy(self):
+        return self.K / DARCY
+
+
+_SCENE = """scene = {{ name = "image"; method = "stokes"; }};
+model = {{ file = "model.hdf"; }};
+fluids = ( {{ name = "fluid"; density = "{density:.9g} kg/m^3"; viscosity = "{viscosity:.9g} Pa s"; }} );
+force = {{ body_acceleration = ["0", "0", "-9.80665 m/s^2"]; }};
+"""
+
+
+def _length(value):
+    return value if isinstance(value, str) else f"{float(value):.9g} m"
+
+
+def _phases(image, pore):
+    """--segmented and its list: the labels in `pore`, the others grain."""
+    labels = np.unique(image)
+    pores = {float(label) for label in np.atleast_1d(pore)}
+    if len(labels) > 32:
+        raise TosuiError("the image holds more than 32 labels; give void_ratio for an image of greys")
+    if not pores & {float(label) for label in labels}:
+        raise TosuiError(f"the image does not hold the label {pore}, only {', '.join(f'{x:g}' for x in labels[:8])}")
+    return "--segmented=" + ",".join(f"{float(x):g}={'pore' if float(x) in pores else 'grain'}" for x in labels)
+
+
+def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=None, size=None, mirror=True,
+                 density=998.2, viscosity=1.002e-3, folder=None, threads=None):
+    """The permeability of image[z, y, x] along `axis` ("z" is the first axis of the array, "x" the last).
+
+    An image of labels: `pore` is the label, or the labels, of pores (True of a boolean image is 1). An image of greys,
+    where grains are bright: give the measured `void_ratio`. `voxel_size`: metres, a text with a unit ("5 um"), or three
+    of them for x, y and z. `error`: relative; None for that of the voxels as they are. `size`: (nx, ny, nz) to resample
+    to. `mirror`: the image and its mirror image stand one behind the other along the flow, so that pores fit; False
+    for an image that is periodic. `folder` keeps the files. Raises TosuiError with the program's message."""
+    image = np.asarray(image)
+    if image.ndim != 3:
+        raise TosuiError(f"the image has {image.ndim} axes; 3 are wanted: [z, y, x]")
+    axis = axis if isinstance(axis, str) else "zyx"[axis]
+    if axis not in ("x", "y", "z"):
+        raise TosuiError(f"axis {axis!r}: 'x', 'y' or 'z' is wanted")
+    if image.dtype == bool:
+        image = image.astype(np.uint8)
+    elif image.dtype.itemsize == 8 and image.dtype.kind in "iu":
+        image = image.astype(np.int32)
+    lengths = [voxel_size] if isinstance(voxel_size, str) else np.atleast_1d(voxel_size)
+    words = ["--voxel-size", ",".join(_length(length) for length in lengths), "--flow", axis]
+    words += ["--mirror", "z" if mirror else "none"]
+    words += [_phases(image, pore)] if void_ratio is None else ["--void-ratio", void_ratio]
+    words += ["--size", "x".join(str(int(n)) for n in size)] if size is not None else []
+    common = ["--threads", threads] if threads else []
+    with tempfile.TemporaryDirectory(prefix="tosui-") as own:
+        at = os.fspath(folder) if folder is not None else own
+        os.makedirs(at, exist_ok=True)
+        np.save(os.path.join(at, "image.npy"), np.ascontiguousarray(image))
+        with open(os.path.join(at, "scene.cfg"), "w") as scene:
+            scene.write(_SCENE.format(density=density, viscosity=viscosity))
+        model, said = _run("ct2model", "build", os.path.join(at, "image.npy"), *words, *common, "-o",
+                           os.path.join(at, "model.hdf"))
+        goal = ["--error", f"{100 * error:g}%"] if error is not None and _takes_error() else []
+        run, more = _run("sphsolve", "run", os.path.join(at, "scene.cfg"), *goal, *common, "-o", os.path.join(at, "run"))
+    k = run["k"]
+    relative = run.get("k_relative_error") or 0.0
+    low, high = run.get("k_low"), run.get("k_high")
+    return Permeability(k, k * max(0.0, 1 - relative) if low is None else low, k * (1 + relative) if high is None else high,
+                        run["intrinsic_permeability"], model["void_ratio"], run["status"], model, run, said + more)
+
+
+def _takes_error():
+    """Whether sphsolve run solves to a wanted error."""
+    said = subprocess.run([_program("sphsolve"), "run", "--help"], capture_output=True, text=True).stdout
+    return "--error" in said

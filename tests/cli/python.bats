@@ -1,0 +1,29 @@
+#!/usr/bin/env bats
+# The Python module: its own tests, and the page that shows it.
+
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export TOSUI_BIN="$build/bin" PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+}
+setup() { /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"; }
+
+@test "python: the module's own tests" {
+  /usr/bin/python3 "$ROOT/tests/cli/python_test.py"
+}
+
+@test "python: the page's commands run as they stand" {
+  cd "$BATS_TEST_TMPDIR"
+  ln -s "$ROOT/data-samples" data-samples
+  sed -n '/^```python$/,/^```$/p' "$ROOT/docs/python.md" | grep -v '^```' > page.py
+  [ -s page.py ]
+  PYTHONPATH="$ROOT/python" /usr/bin/python3 page.py > said
+  grep -q "m^2" said
+}
+
+@test "python: make install puts the module where Python finds it" {
+  make -s -C "$ROOT" BUILD="$(dirname "$TOSUI_BIN")" install PREFIX=/usr DESTDIR="$BATS_TEST_TMPDIR/root" > /dev/null
+  cd "$BATS_TEST_TMPDIR"
+  PYTHONPATH="$PWD/root/usr/lib/python3/dist-packages" /usr/bin/python3 -c "import tosui; print(tosui.__file__)" | grep -q "$PWD/root"
+}

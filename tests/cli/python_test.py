@@ -1,0 +1,79 @@
+"""The Python module against the programs it runs, and against an exact k."""
+import os
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+import tosui
+
+
+def sphere(n=12, share=0.216):
+    radius = (share * 3 / (4 * np.pi)) ** (1 / 3) * n
+    at = np.arange(n) + 0.5 - n / 2
+    z, y, x = np.meshgrid(at - 0.3, at + 0.21, at - 0.137, indexing="ij")
+    return x**2 + y**2 + z**2 < radius**2, 2 * (radius * 320e-6 / n) ** 2 / (9 * share * 7.4419)  # Zick, Homsy 1982
+
+
+class Module(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.grain, cls.exact = sphere()
+        cls.result = tosui.permeability(cls.grain, 320e-6 / 12, mirror=False, error=None, folder=cls.folder.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_k_of_spheres(self):
+        r = self.result
+        self.assertLess(abs(r.K / self.exact - 1), 0.02)
+        self.assertAlmostEqual(r.k / (r.K * 998.2 * 9.80665 / 1.002e-3), 1, places=6)
+        self.assertTrue(r.k_low <= r.k <= r.k_high and r.k_low < r.k_high)
+        self.assertAlmostEqual(r.darcy, r.K / 9.869233e-13)
+        self.assertAlmostEqual(r.K_high / r.K, r.k_high / r.k)
+
+    def test_labels_and_axes(self):
+        other = tosui.permeability(np.where(self.grain, 7, 3), "26.6666667 um", pore=3, mirror=False, error=None)
+        self.assertAlmostEqual(other.K / self.result.K, 1, places=6)
+        turned = tosui.permeability(~self.grain, "26.6666667 um", pore=True, mirror=False, error=None, axis="x")
+        self.assertLess(abs(turned.K / self.exact - 1), 0.03)
+
+    def test_load(self):
+        model = tosui.load(os.path.join(self.folder.name, "model.hdf"))
+        self.assertEqual(model.solid.shape, (12, 12, 12))
+        self.assertEqual((model.spacing.unit, model.wall_distance.unit), ("m", "m"))
+        self.assertAlmostEqual(model.void_ratio, self.result.void_ratio)
+        self.assertEqual(int((np.asarray(model.solid) != self.grain).sum()), 0)
+        run = tosui.load(os.path.join(self.folder.name, "run.hdf"))
+        self.assertAlmostEqual(run.k, self.result.k)
+        self.assertEqual(run.history["darcy_velocity"].unit, "m/s")
+        self.assertIn("fluids", run.scene)
+        shot = run.snapshot()
+        self.assertEqual(shot.fields["velocity"].shape, shot.points.shape)
+        self.assertEqual(shot.fields["velocity"].unit, "m/s")
+        darcy = -shot.fields["velocity"][:, 2].sum() / 12**3
+        self.assertLess(abs(darcy / run.attributes["darcy_velocity"][2] + 1), 0.05)
+
+    def test_table(self):
+        table = tosui.table("darcy", os.path.join(self.folder.name, "run.hdf"))
+        self.assertAlmostEqual(table["k_m_per_s"] / self.result.k, 1, places=4)
+
+    def test_errors_say_what_is_wrong(self):
+        for words, image, size in ((("axes",), np.zeros((4, 4)), 1e-6), (("label 5",), self.grain, 1e-6),
+                                   (("1 nm to 1 cm",), self.grain, 5.0)):
+            with self.assertRaises(tosui.TosuiError) as caught:
+                tosui.permeability(image, size, pore=5 if words == ("label 5",) else 0)
+            self.assertIn(words[0], str(caught.exception))
+        with self.assertRaises(tosui.TosuiError):
+            tosui.load(__file__)
+        with self.assertRaises(tosui.TosuiError) as caught:
+            tosui.permeability(np.ones((4, 4, 4), int) * np.arange(4), 1e-6, void_ratio=-1)
+        self.assertEqual(caught.exception.code, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
