@@ -394,6 +394,8 @@ enum status run_last_snapshot(const struct run *run, struct particles *particles
   TRY(snapshot_read(&snapshot, "velocity", 3, &particles->velocity));
   if (h5_exists(snapshot.file, "/VTKHDF/PointData/density"))
     TRY(snapshot_read(&snapshot, "density", 1, &particles->density));
+  if (h5_exists(snapshot.file, "/VTKHDF/PointData/pressure"))
+    TRY(snapshot_read(&snapshot, "pressure", 1, &particles->pressure));
   for (size_t i = 0; i < 3 * snapshot.count; i++)
     if (!isfinite(particles->velocity[i]) || !isfinite(snapshot.points[i]))
       TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a position or velocity that is not finite", path,
@@ -415,6 +417,7 @@ void particles_free(struct particles *particles) {
   memory_free(&particles->points);
   memory_free(&particles->velocity);
   memory_free(&particles->density);
+  memory_free(&particles->pressure);
   particles->count = 0;
 }
 

@@ -85,12 +85,12 @@ const struct history_column *run_column(const struct run *run, const char *name,
  * against time, in new memory (memory_free): rows of both. An input error without them. */
 enum status run_darcy_series(const struct run *run, size_t *rows, double **times, double **values);
 
-/* The last snapshot: points [count][3] (m), velocity [count][3] (m/s) and density [count] (kg/m^3;
- * NULL if not stored), all in new memory. */
+/* The last snapshot: points [count][3] (m), velocity [count][3] (m/s), density [count] (kg/m^3) and
+ * pressure [count] (Pa; both NULL if not stored), all in new memory. */
 struct particles {
   double time;
   size_t count;
-  double *points, *velocity, *density;
+  double *points, *velocity, *density, *pressure;
 };
 enum status run_last_snapshot(const struct run *run, struct particles *particles);
 void particles_free(struct particles *particles);

@@ -4,250 +4,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analyze/converge.h"
-#include "analyze/darcy.h"
-#include "analyze/history.h"
 #include "analyze/report/page_assets.h"
-#include "analyze/report/page_flow.h"
 #include "analyze/report/page_html.h"
+#include "analyze/report/page_internal.h"
 #include "analyze/report/page_ledger.h"
 #include "analyze/report/page_methods.h"
-#include "analyze/report/page_model.h"
 #include "analyze/report/page_record.h"
 #include "analyze/report/page_specimen.h"
 #include "analyze/report/page_verdict.h"
-#include "analyze/pdf.h"
-#include "analyze/plot.h"
-#include "analyze/slice.h"
-#include "analyze/steady.h"
 #include "common/log.h"
-#include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
 #include "common/provenance.h"
-
-/* The analyses, each present or not as the runs support it. */
-enum part { PART_DARCY, PART_HISTORY, PART_PDF, PART_SLICE, PART_CONVERGE, PARTS };
-static const char *const part_names[PARTS] = {"darcy", "history", "pdf", "slice", "converge"};
-
-struct page {
-  const struct run *runs;
-  size_t n;
-  const char *command_line;
-  bool has[PARTS];
-  struct product part[PARTS];
-  struct page_model model; /* of the first run */
-  struct flow flow;
-  bool has_flow;
-  bool lean;    /* leaves the still pictures to the charts, to stay small */
-  json_t *data; /* {"darcy": .., "pdf": .., ...} as embedded */
-  FILE *out;
-};
-
-/* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
- */
-static enum status run_part(struct page *page, enum part part) {
-  enum status status = STATUS_OK;
-  struct slice_request middle = {.axis = -1, .position = NAN, .thickness = NAN, .vectors = 42.0};
-  struct product *product = &page->part[part];
-  const struct run *first = &page->runs[0];
-  TRY(product_start(part_names[part], product));
-  page->has[part] = true;
-  switch (part) {
-  case PART_DARCY:
-    TRY(darcy_analyze(page->runs, page->n, product));
-    break;
-  case PART_HISTORY:
-    TRY(history_analyze(page->runs, page->n, product));
-    break;
-  case PART_PDF:
-    TRY(pdf_analyze(page->runs, page->n, product));
-    break;
-  case PART_SLICE:
-    TRY(slice_analyze(first, &middle, product));
-    break;
-  default:
-    TRY(converge_analyze(page->runs, page->n, product));
-    break;
-  }
-  TRY(product_finish(product));
-  json_object_set(page->data, part_names[part], product->json);
-cleanup:
-  return status;
-}
-
-static bool all_driven(const struct page *page) {
-  for (size_t i = 0; i < page->n; i++)
-    if (!run_has_permeability(&page->runs[i])) return false;
-  return true;
-}
-
-/* A tank that fills or sloshes is driven by gravity and has no permeability: of method isph only
- * runs with a steady seepage count. */
-static enum status seeps(const struct page *page, bool *result) {
-  enum status status = STATUS_OK;
-  *result = all_driven(page);
-  for (size_t i = 0; *result && i < page->n; i++) {
-    struct steady steady;
-    if (strcmp(page->runs[i].method, "isph") != 0) continue;
-    TRY(steady_darcy(&page->runs[i], &steady));
-    *result = steady.is_steady;
-  }
-cleanup:
-  return status;
-}
-
-static bool all_have_snapshots(const struct page *page) {
-  for (size_t i = 0; i < page->n; i++)
-    if (page->runs[i].snapshot_count == 0) return false;
-  return true;
-}
-
-static bool spacings_differ(const struct page *page) {
-  for (size_t i = 1; i < page->n; i++)
-    if (fabs(page->runs[i].spacing[0] / page->runs[0].spacing[0] - 1.0) > 1e-4) return true;
-  return false;
-}
-
-static enum status run_parts(struct page *page) {
-  enum status status = STATUS_OK;
-  struct particles particles = {0};
-  bool permeable;
-  TRY(seeps(page, &permeable));
-  if (permeable) TRY(run_part(page, PART_DARCY));
-  TRY(run_part(page, PART_HISTORY));
-  if (all_have_snapshots(page)) {
-    if (permeable) TRY(run_part(page, PART_PDF));
-    TRY(run_part(page, PART_SLICE));
-    TRY(run_last_snapshot(&page->runs[0], &particles));
-    if (page->runs[0].dimensions == 3) {
-      TRY(flow_build(&page->runs[0], &particles, &page->flow));
-      page->has_flow = true;
-    }
-  } else {
-    log_warning("not every run has a snapshot, so the report shows no velocity distribution and no "
-                "flow");
-  }
-  if (permeable && spacings_differ(page)) {
-    /* Runs of one scan at several spacings, or of different bodies: then nothing is extrapolated.
-     */
-    if (run_part(page, PART_CONVERGE) != STATUS_OK) {
-      log_warning("no extrapolation over spacings: %s", error_message());
-      error_clear();
-      page->has[PART_CONVERGE] = false;
-    }
-  }
-cleanup:
-  particles_free(&particles);
-  return status;
-}
-
-/* ---- writing ---- */
-
-/* The plot of `body` as a still picture; a page without one is better than no page. */
-static void write_still(FILE *out, const char *name, const char *body, int width, int height,
-                        const char *title) {
-  char *svg = NULL;
-  if (plot_svg(name, body, width, height, &svg) != STATUS_OK) {
-    log_warning("%s", error_message());
-    error_clear();
-  }
-  if (svg != NULL) {
-    fprintf(out,
-            "<img class=\"still\" data-name=\"%s\" width=\"%d\" height=\"%d\" alt=\"%s\" "
-            "src=\"data:image/svg+xml;base64,",
-            name, width, height, title);
-    html_base64(out, svg, strlen(svg));
-    fputs("\">\n", out);
-  } else {
-    fputs("<p class=\"still\">No still picture: gnuplot did not draw it when the page was "
-          "made.</p>\n",
-          out);
-  }
-  memory_free(&svg);
-}
-
-/* Whether a part deserves the reader's screen: a line through one point and a record of a few rows
- * do not; they wait behind a fold. */
-static bool is_worth_a_screen(const struct page *page, enum part part) {
-  size_t i;
-  const json_t *group, *json = page->part[part].json;
-  if (part == PART_DARCY) {
-    json_array_foreach(json_object_get(json, "groups"), i, group) {
-      if (json_array_size(json_object_get(group, "runs")) > 1) return true;
-    }
-    return false;
-  }
-  if (part == PART_HISTORY) {
-    for (i = 0; i < page->n; i++)
-      if (page->runs[i].column_count > 0 && page->runs[i].columns[0].rows >= 10 &&
-          strcmp(page->runs[i].method, "stokes") != 0)
-        return true;
-    return false;
-  }
-  return true;
-}
-
-/* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
-static void write_figure(struct page *page, enum part part, const char *title,
-                         const char *caption) {
-  FILE *out = page->out;
-  const struct product *product = &page->part[part];
-  if (!page->has[part]) return;
-  const bool shown = is_worth_a_screen(page, part);
-  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", part_names[part], title,
-          shown ? "" : "<details><summary>One value a run: show the figure</summary>");
-  if (part != PART_SLICE)
-    fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", part_names[part]);
-  if (!page->lean || part == PART_SLICE)
-    write_still(out, part_names[part], product->plot.data, product->width, product->height, title);
-  fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
-  html_text(out, product->summary.data);
-  fprintf(out, "</pre>%s</section>\n", shown ? "" : "</details>");
-}
-
-static enum status write_calibration(FILE *out, const json_t *calibration,
-                                     const struct page_model *model) {
-  enum status status = STATUS_OK;
-  char *body = NULL;
-  size_t size = 0;
-  FILE *plot = open_memstream(&body, &size);
-  if (plot == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
-  page_calibration_plot(calibration, plot);
-  if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
-  fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
-  write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
-  fprintf(out,
-          "<figcaption>Void ratio against the grey threshold, and the histogram of grey values; at "
-          "the resolution of the model and of the scan. Dashed: the model&rsquo;s threshold%s."
-          "</figcaption></figure>\n",
-          model->rule == RULE_MATCHED ? " and the measured void ratio that it was set to give"
-          : isfinite(model->void_ratio_measured)
-              ? " and the measured void ratio, which it was not set to give"
-              : "");
-cleanup:
-  free(body);
-  return status;
-}
-
-static enum status write_flow(struct page *page) {
-  enum status status = STATUS_OK;
-  FILE *out = page->out;
-  if (!page->has_flow) return STATUS_OK;
-  fputs("<section id=\"flow\"><h2>Grains and flow</h2>\n<figure><div id=\"view\"><div "
-        "class=\"still3d\">",
-        out);
-  TRY(flow_write_still(&page->flow, out));
-  fputs("</div></div>\n<figcaption>Grains and streamlines of <em>", out);
-  html_text(out, page->runs[0].name);
-  fprintf(
-      out,
-      "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). Drag to turn, wheel or pinch "
-      "to zoom; the slider cuts the grains.</figcaption></figure></section>\n",
-      1e3 * page->flow.speed_high);
-cleanup:
-  return status;
-}
 
 static void write_asset(FILE *out, enum asset_name name, const char *open, const char *close) {
   struct asset asset = asset_get(name);
@@ -307,11 +75,12 @@ static void write_contents(const struct page *page, bool ledger) {
     const char *id, *name;
     bool there;
   } list[] = {{"flow", "Flow", page->has_flow},
+              {"levels", "Accuracy", page->n == 1 && page->runs[0].levels.count > 1},
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
               {"pdf", "Pore velocity", page->has[PART_PDF]},
               {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
               {"history", "History", page->has[PART_HISTORY]},
-              {"slice", "Slice", page->has[PART_SLICE]},
+              {"slice", "Slice", page->has[PART_SLICE] && !page->has_plane},
               {"specimen", "Specimen", true},
               {"methods", "Methods", true},
               {"effects", "Effects", true},
@@ -329,8 +98,8 @@ static void write_methods(struct page *page) {
   const char *from = json_string_value(
       json_object_get(json_object_get(result, "error_budget"), "resolution_from"));
   struct methods_facts facts = {.permeable = result != NULL,
-                                .fitted =
-                                    page->has[PART_DARCY] && is_worth_a_screen(page, PART_DARCY),
+                                .fitted = page->has[PART_DARCY] &&
+                                          page_is_worth_a_screen(page, PART_DARCY),
                                 .index = from != NULL && from[0] == 'g'};
   size_t i;
   json_array_foreach(json_object_get(converge, "series"), i, series) {
@@ -351,26 +120,28 @@ static enum status write_body(struct page *page) {
   write_head(page);
   write_contents(page, ledger);
   verdict_write(json_object_get(page->data, "verdict"), out);
-  TRY(write_flow(page));
-  write_figure(page, PART_CONVERGE, "Accuracy and its cost",
-               "k against spacing with the extrapolation, and its deviation from the "
-               "extrapolated k against wall-clock time.");
-  write_figure(page, PART_PDF, "Pore velocity",
-               "Probability density of the velocity along the driving force, raw and over the "
-               "pore mean, with those of a slit, a tube, an exponential and a fitted "
-               "power-exponential.");
-  write_figure(page, PART_DARCY, "Darcy&rsquo;s law",
-               "Darcy velocity against hydraulic gradient with the fitted line.");
-  write_figure(page, PART_HISTORY, "History",
-               "Darcy velocity and density against time, the density's histogram at the end, and "
-               "what the scene records.");
-  write_figure(page, PART_SLICE, "Slice",
-               "Velocity in the plane over the grains (grey), half-way through the body.");
+  TRY(page_flow_section(page));
+  TRY(page_levels(page));
+  page_figure(page, PART_CONVERGE, "Accuracy and its cost",
+              "k against spacing with the extrapolation, and its deviation from the "
+              "extrapolated k against wall-clock time.");
+  page_figure(page, PART_PDF, "Pore velocity",
+              "Probability density of the velocity along the driving force, raw and over the "
+              "pore mean, with those of a slit, a tube, an exponential and a fitted "
+              "power-exponential.");
+  page_figure(page, PART_DARCY, "Darcy&rsquo;s law",
+              "Darcy velocity against hydraulic gradient with the fitted line.");
+  page_figure(page, PART_HISTORY, "History",
+              "Darcy velocity and density against time, the density's histogram at the end, and "
+              "what the scene records.");
+  if (!page->has_plane)
+    page_figure(page, PART_SLICE, "Slice",
+                "Velocity in the plane over the grains (grey), half-way through the body.");
   fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
   TRY(page_specimen(&page->runs[0], &page->model, out, &calibration));
   if (calibration != NULL) {
     json_object_set_new(page->data, "calibration", calibration);
-    TRY(write_calibration(out, calibration, &page->model));
+    TRY(page_calibration(out, calibration, &page->model));
   }
   fputs("</section>\n", out);
   write_methods(page);
@@ -428,8 +199,8 @@ enum status page_write(const struct run *runs, size_t n, const char *path, const
   if (!charts || asset_get(ASSET_THREE).size == 0)
     log_warning("this program was built without libjs-dygraphs or libjs-three: the report shows "
                 "still pictures; install both and build again");
-  TRY(run_parts(&page));
   page_model_read(&runs[0], &page.model);
+  TRY(page_analyse(&page));
   json_t *results =
       verdict_results(runs, n, page.has[PART_DARCY] ? page.part[PART_DARCY].json : NULL,
                       page.has[PART_CONVERGE] ? page.part[PART_CONVERGE].json : NULL);
@@ -447,5 +218,6 @@ cleanup:
   json_decref(page.data);
   for (int i = 0; i < PARTS; i++) product_free(&page.part[i]);
   flow_free(&page.flow);
+  plane_free(&page.plane);
   return status;
 }

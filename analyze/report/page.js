@@ -211,6 +211,14 @@
     }
   };
 
+  /* A map is complete in itself: saved as it stands. */
+  document.querySelectorAll('svg.map').forEach((map, i) => {
+    const tools = document.createElement('div');
+    tools.className = 'tools';
+    map.after(tools);
+    element(tools, 'button', '', 'Save SVG').onclick = () =>
+      save('map-' + (i + 1) + '.svg', 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(map.outerHTML));
+  });
   /* Charts behind a fold have no width until it opens. */
   document.querySelectorAll('details').forEach(d => d.addEventListener('toggle', () => window.dispatchEvent(new Event('resize'))));
   if (window.Dygraph) {

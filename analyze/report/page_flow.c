@@ -42,6 +42,18 @@ cleanup:
   return status;
 }
 
+size_t flow_cell(const struct run *run, const struct flow *flow, const double place[3]) {
+  size_t at[3];
+  for (int d = 0; d < 3; d++) {
+    double low = run->origin[d] - 0.5 * run->spacing[d];
+    double c = floor((place[d] - low) / flow->cell[d]);
+    double n = (double)flow->size[d];
+    c -= n * floor(c / n); /* periodic images come home */
+    at[d] = (size_t)fmin(fmax(c, 0.0), n - 1.0);
+  }
+  return index_of(flow, at[0], at[1], at[2]);
+}
+
 /* Mean particle velocity of each cell; an empty pore cell takes the mean of its neighbours. */
 static enum status fill_velocity(const struct run *run, const struct particles *particles,
                                  struct flow *flow) {
@@ -51,15 +63,7 @@ static enum status fill_velocity(const struct run *run, const struct particles *
   TRY(memory_allocate(&flow->velocity, 3 * cells, sizeof *flow->velocity, "velocities"));
   TRY(memory_allocate(&count, cells, sizeof *count, "velocities"));
   for (size_t i = 0; i < particles->count; i++) {
-    size_t at[3];
-    for (int d = 0; d < 3; d++) {
-      double low = run->origin[d] - 0.5 * run->spacing[d];
-      double c = floor((particles->points[3 * i + (size_t)d] - low) / flow->cell[d]);
-      double n = (double)flow->size[d];
-      c -= n * floor(c / n); /* periodic images come home */
-      at[d] = (size_t)fmin(fmax(c, 0.0), n - 1.0);
-    }
-    size_t cell = index_of(flow, at[0], at[1], at[2]);
+    size_t cell = flow_cell(run, flow, &particles->points[3 * i]);
     count[cell] += 1.0f;
     for (size_t d = 0; d < 3; d++)
       flow->velocity[3 * cell + d] += (float)particles->velocity[3 * i + d];
@@ -208,6 +212,7 @@ cleanup:
 void flow_free(struct flow *flow) {
   memory_free(&flow->solid);
   memory_free(&flow->velocity);
+  memory_free(&flow->plume);
   memory_free(&flow->line_start);
   memory_free(&flow->points);
   memset(flow, 0, sizeof *flow);

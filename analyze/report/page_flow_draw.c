@@ -35,11 +35,7 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
 
 #define STILL 360 /* pixels a side */
 
-struct camera {
-  double right[3], up[3], forward[3], middle[3], scale; /* cells a pixel */
-};
-
-static void look(const struct flow *flow, struct camera *camera) {
+void flow_look(const struct flow *flow, size_t side, struct camera *camera) {
   const double turn = 0.62, tilt = 0.42;
   const double forward[3] = {cos(tilt) * sin(turn), cos(tilt) * cos(turn), -sin(tilt)};
   double diagonal = 0.0;
@@ -54,7 +50,7 @@ static void look(const struct flow *flow, struct camera *camera) {
     camera->middle[d] = 0.5 * (double)flow->size[d];
     diagonal += (double)flow->size[d] * (double)flow->size[d];
   }
-  camera->scale = 0.97 * sqrt(diagonal) / STILL;
+  camera->scale = 0.97 * sqrt(diagonal) / (double)side;
 }
 
 /* The near upper octant is cut away, so that the flow inside shows. */
@@ -154,7 +150,7 @@ enum status flow_write_still(const struct flow *flow, FILE *stream) {
   float *depths = NULL;
   uint32_t palette[256];
   struct camera camera;
-  look(flow, &camera);
+  flow_look(flow, STILL, &camera);
   TRY(memory_allocate(&pixels, STILL * STILL, 1, "a picture"));
   TRY(memory_allocate(&depths, STILL * STILL, sizeof *depths, "a picture"));
   double reach = 0.5 * camera.scale * STILL;
@@ -167,7 +163,7 @@ enum status flow_write_still(const struct flow *flow, FILE *stream) {
     }
   for (size_t i = 0; i < flow->line_count; i++) draw_line(flow, &camera, i, pixels, depths);
   still_palette(palette);
-  TRY(html_picture(stream, pixels, STILL, STILL, palette,
+  TRY(html_picture(stream, pixels, 1, STILL, STILL, palette,
                    "Grains with one corner cut away and streamlines coloured by speed"));
 cleanup:
   memory_free(&pixels);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 #include <strings.h>
+#include <zlib.h>
 
 #include "common/memory.h"
 
@@ -83,35 +84,61 @@ void html_json(FILE *stream, const char *json) {
   }
 }
 
-static void put32(uint8_t *at, size_t value) {
-  for (int i = 0; i < 4; i++) at[i] = (uint8_t)(value >> (8 * i));
+static void put32(uint8_t *at, size_t value) { /* big end first, as PNG has it */
+  for (int i = 0; i < 4; i++) at[i] = (uint8_t)(value >> (24 - 8 * i));
 }
 
-enum status html_picture(FILE *stream, const uint8_t *pixels, size_t width, size_t height,
-                         const uint32_t palette[256], const char *alt) {
+/* One chunk of a PNG: length, type, data, checksum, at `at`; returns its end. */
+static uint8_t *chunk(uint8_t *at, const char *type, const uint8_t *data, size_t size) {
+  put32(at, size);
+  memcpy(at + 4, type, 4);
+  if (size > 0 && data != at + 8) memcpy(at + 8, data, size);
+  put32(at + 8 + size, crc32(crc32(0, NULL, 0), at + 4, (uInt)(size + 4)));
+  return at + 12 + size;
+}
+
+enum status html_png(FILE *stream, const uint8_t *pixels, size_t channels, size_t width,
+                     size_t height, const uint32_t palette[256]) {
   enum status status = STATUS_OK;
-  uint8_t *file = NULL;
-  const size_t head = 54 + 1024, row = (width + 3) / 4 * 4, size = head + row * height;
-  TRY(memory_allocate(&file, size, 1, "a picture"));
-  file[0] = 'B', file[1] = 'M';
-  put32(file + 2, size);
-  put32(file + 10, head);
-  put32(file + 14, 40);
-  put32(file + 18, width);
-  put32(file + 22, height);
-  file[26] = 1; /* plane */
-  file[28] = 8; /* bits a pixel */
-  put32(file + 46, 256);
-  for (size_t i = 0; i < 256; i++) put32(file + 54 + 4 * i, palette[i]);
-  for (size_t y = 0; y < height; y++)
-    memcpy(file + head + (height - 1 - y) * row, pixels + y * width, width);
+  static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  const size_t row = 1 + channels * width;
+  uint8_t *rows = NULL, *file = NULL, head[13] = {0}, colours[768];
+  uLongf packed = compressBound((uLong)(row * height));
+  TRY(memory_allocate(&rows, row * height, 1, "a picture"));
+  TRY(memory_allocate(&file, packed + 1024, 1, "a picture"));
+  for (size_t y = 0; y < height; y++) /* each row behind its filter, 0: none */
+    memcpy(rows + y * row + 1, pixels + y * channels * width, channels * width);
+  memcpy(file, signature, sizeof signature);
+  put32(head, width);
+  put32(head + 4, height);
+  head[8] = 8;                     /* bits */
+  head[9] = channels == 1 ? 3 : 2; /* palette, or red, green and blue */
+  uint8_t *at = chunk(file + 8, "IHDR", head, sizeof head);
+  if (channels == 1) {
+    for (size_t i = 0; i < 768; i++) colours[i] = (uint8_t)(palette[i / 3] >> (16 - 8 * (i % 3)));
+    at = chunk(at, "PLTE", colours, sizeof colours);
+  }
+  if (compress2(at + 8, &packed, rows, (uLong)(row * height), 9) != Z_OK)
+    TRY_FAIL(STATUS_RUN, "out of memory for a picture");
+  at = chunk(at, "IDAT", at + 8, packed);
+  at = chunk(at, "IEND", NULL, 0);
+  fputs("data:image/png;base64,", stream);
+  html_base64(stream, file, (size_t)(at - file));
+cleanup:
+  memory_free(&rows);
+  memory_free(&file);
+  return status;
+}
+
+enum status html_picture(FILE *stream, const uint8_t *pixels, size_t channels, size_t width,
+                         size_t height, const uint32_t palette[256], const char *alt) {
+  enum status status = STATUS_OK;
   fprintf(stream, "<img width=\"%zu\" height=\"%zu\" alt=\"", width, height);
   html_text(stream, alt);
-  fputs("\" src=\"data:image/bmp;base64,", stream);
-  html_base64(stream, file, size);
+  fputs("\" src=\"", stream);
+  TRY(html_png(stream, pixels, channels, width, height, palette));
   fputs("\">", stream);
 cleanup:
-  memory_free(&file);
   return status;
 }
 

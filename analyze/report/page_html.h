@@ -17,10 +17,13 @@ void html_script(FILE *stream, const char *data, size_t size);
 /* JSON for the inside of <script>: every < as \u003c, which JSON reads back. */
 void html_json(FILE *stream, const char *json);
 
-/* <img> of an 8-bit picture through a palette of 256 colours 0xRRGGBB, row 0 on top, as a BMP in
- * the page itself. `alt` is escaped. */
-enum status html_picture(FILE *stream, const uint8_t *pixels, size_t width, size_t height,
-                         const uint32_t palette[256], const char *alt);
+/* A picture of 8 bits as a PNG in a data URL, row 0 on top: one channel through a palette of 256
+ * colours 0xRRGGBB, or three channels (palette NULL). */
+enum status html_png(FILE *stream, const uint8_t *pixels, size_t channels, size_t width,
+                     size_t height, const uint32_t palette[256]);
+/* The same as an <img>. `alt` is escaped. */
+enum status html_picture(FILE *stream, const uint8_t *pixels, size_t channels, size_t width,
+                         size_t height, const uint32_t palette[256], const char *alt);
 /* Black to white. */
 void html_palette_grey(uint32_t palette[256]);
 

@@ -32,7 +32,7 @@ static enum status picture(FILE *stream, const float *field, size_t nx, size_t n
     }
   html_palette_grey(palette);
   fputs("<figure class=\"pixels\">", stream);
-  TRY(html_picture(stream, pixels, width, height, palette, alt));
+  TRY(html_picture(stream, pixels, 1, width, height, palette, alt));
   fputs("<figcaption>", stream);
   html_text(stream, alt);
   fputs("</figcaption></figure>", stream);
@@ -84,14 +84,19 @@ static void write_bars(FILE *stream, const struct bar *bars, size_t n, const cha
           "<figure class=\"bars\"><svg viewBox=\"0 0 %g %g\" width=\"%g\" font-size=\"10\" "
           "text-anchor=\"middle\" fill=\"currentColor\">",
           width, height, width);
+  /* Letters of 10 are at most 6 wide: names and shares stand as close as the longest allows. */
+  size_t longest = 7;
+  for (size_t i = 0; i < n; i++)
+    longest = strlen(bars[i].text) > longest ? strlen(bars[i].text) : longest;
+  const size_t every = (size_t)ceil(6.0 * (double)longest / step);
   for (size_t i = 0; i < n; i++) {
     const double tall = (height - foot - head) * bars[i].percent / most;
     const double middle = ((double)i + 0.5) * step, top = height - foot - tall;
-    fprintf(stream,
-            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>"
-            "<text x=\"%.1f\" y=\"%.1f\">%.3g %%</text><text x=\"%.1f\" y=\"%.1f\">",
-            middle - 0.4 * step, top, 0.8 * step, tall, plot_colours[0], middle, top - 3.0,
-            bars[i].percent, middle, height - foot + 12.0);
+    fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>",
+            middle - 0.4 * step, top, 0.8 * step, tall, plot_colours[0]);
+    if (i % every != 0) continue;
+    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%.3g %%</text><text x=\"%.1f\" y=\"%.1f\">",
+            middle, top - 3.0, bars[i].percent, middle, height - foot + 12.0);
     html_text(stream, bars[i].text);
     fputs("</text>", stream);
   }

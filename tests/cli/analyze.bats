@@ -215,10 +215,11 @@ assert page["darcy"] == alone
 for part in ("darcy", "history", "pdf", "slice"):
     assert part in page, part
 PY
-  for section in headline specimen darcy history pdf slice flow effects methods provenance; do
+  for section in headline specimen darcy history pdf flow effects methods provenance; do
     grep -q "id=\"$section\"" page.html
   done
   grep -q "0.14981 &plusmn;" page.html
+  grep -q "class=\"map\"" page.html && ! grep -q "id=\"slice\"" page.html # a map says what arrows would
 }
 
 @test "report: nothing from a file is taken for HTML" {

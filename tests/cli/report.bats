@@ -1,6 +1,8 @@
 #!/usr/bin/env bats
 # The report's page: what it says is so, and what it shows can be seen.
 
+model() { ct2model build "$ROOT/data-samples/small" --voxel-size 8.745um -q --size "${@:2}" -o "$1.hdf" > /dev/null; }
+
 setup_file() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
   local build=${BUILD:-build}
@@ -13,11 +15,10 @@ model  = { file = "matched.hdf"; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 force  = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
 END
-  build() { ct2model build "$ROOT/data-samples/small" --voxel-size 8.745um --size 16x16x7 -q "${@:2}" -o "$1.hdf" > /dev/null; }
-  build matched --void-ratio 0.725
-  build given --threshold 62
-  build given-measured --threshold=62 --void-ratio 0.725
-  build otsu --threshold otsu --mirror none
+  model matched 16x16x7 --void-ratio 0.725
+  model given 16x16x7 --threshold 62
+  model given-measured 16x16x7 --threshold=62 --void-ratio 0.725
+  model otsu 16x16x7 --threshold otsu --mirror none
   /usr/bin/python3 - << END
 import h5py, numpy as np
 solid = h5py.File("matched.hdf")["model/solid"][()]
@@ -100,6 +101,55 @@ open_part, fold = effects.split("<details>")
 assert 'class="off"' not in open_part and 'class="on"' in open_part and 'class="off"' in fold
 for anchor in re.findall(r'<a href="#(\w+)"', page):
     assert f'id="{anchor}"' in page, anchor
+END
+}
+
+@test "pictures: outlines lie on the walls, half of the flow is half of it, PNGs are sound" {
+  model fine 32x32x14 --void-ratio 0.725
+  sphsolve run scene.cfg --set model.file=fine.hdf -o run-fine -q > /dev/null
+  analyze report run-fine.hdf -o fine.html -q > /dev/null
+  /usr/bin/python3 "$ROOT/tests/cli/report_pictures.py" fine.html run-fine.hdf fine.hdf run-fine-0000.hdf
+  # Without a model the lattice's own walls do.
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf model= pressure=1
+  analyze report made.hdf -o made.html -q > /dev/null
+  [ "$(grep -o 'class="map"' made.html | wc -l)" -eq 2 ]
+}
+
+@test "a run that solved several lattices: its own interval, and k of each against time" {
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" levels.hdf method=stokes k=1e-3 model= levels=1
+  analyze report levels.hdf -o levels.html -q > /dev/null
+  data levels.html '(lambda v: abs(v["k_low_m_per_s"] / 0.9e-3 - 1) < 1e-9 and abs(v["k_high_m_per_s"] / 1.2e-3 - 1) < 1e-9)(page["verdict"][0])'
+  grep -q 'section id="levels"' levels.html
+  ! grep -q 'section id="levels"' matched.html
+}
+
+@test "names and shares of bars do not run into each other" {
+  /usr/bin/python3 - << 'END'
+import re
+import h5py, numpy as np
+with h5py.File("matched.hdf") as source, h5py.File("bars.hdf", "w") as f:
+    for name in ("model", "calibration", "provenance"):
+        source.copy(name, f)
+    f["quality/local_thickness"] = np.full(64, 1 / 64)
+    n = np.arange(1.0, 15)
+    f["quality/window"], f["quality/windows"] = 1.2345e-5 * n, 4 * n
+    f["quality/void_ratio"], f["quality/void_ratio_deviation"] = 0.7 + 0 * n, 0.1234 / n
+END
+  mkdir -p bars && cp run-matched.hdf run-matched-0000.hdf bars && cp bars.hdf bars/matched.hdf
+  (cd bars && analyze report run-matched.hdf -o page.html -q > /dev/null)
+  /usr/bin/python3 - << 'END'
+import re
+charts = re.findall(r'<figure class="bars">(.*?)</svg>', open("bars/page.html").read(), re.S)
+assert len(charts) == 2
+for chart in charts:
+    bars = len(re.findall("<rect", chart))
+    texts = [(float(x), float(y), t) for x, y, t in re.findall(r'<text x="([\d.]+)" y="([\d.]+)">(.*?)</text>', chart)]
+    names = sorted((x, t) for x, y, t in texts if not t.endswith("%"))
+    shares = sorted((x, t) for x, y, t in texts if t.endswith("%"))
+    assert bars >= 14 and len(names) >= 5
+    for row in (names, shares):
+        for (a, left), (b, right) in zip(row, row[1:]):
+            assert b - a >= 5.5 * (len(left) + len(right)) / 2, (left, right, b - a)
 END
 }
 

@@ -1,0 +1,187 @@
+/* The page's figures: plots of the analyses, and pictures of the flow. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analyze/plot.h"
+#include "analyze/report/page_html.h"
+#include "analyze/report/page_internal.h"
+#include "analyze/report/page_map.h"
+#include "analyze/report/page_specimen.h"
+#include "common/log.h"
+#include "common/memory.h"
+
+/* The plot of `body` as a still picture; a page without one is better than no page. */
+static void write_still(FILE *out, const char *name, const char *body, int width, int height,
+                        const char *title) {
+  char *svg = NULL;
+  if (plot_svg(name, body, width, height, &svg) != STATUS_OK) {
+    log_warning("%s", error_message());
+    error_clear();
+  }
+  if (svg != NULL) {
+    fprintf(out,
+            "<img class=\"still\" data-name=\"%s\" width=\"%d\" height=\"%d\" alt=\"%s\" "
+            "src=\"data:image/svg+xml;base64,",
+            name, width, height, title);
+    html_base64(out, svg, strlen(svg));
+    fputs("\">\n", out);
+  } else {
+    fputs("<p class=\"still\">No still picture: gnuplot did not draw it when the page was "
+          "made.</p>\n",
+          out);
+  }
+  memory_free(&svg);
+}
+
+/* Whether a part deserves the reader's screen: a line through one point and a record of a few rows
+ * do not; they wait behind a fold. */
+bool page_is_worth_a_screen(const struct page *page, enum part part) {
+  size_t i;
+  const json_t *group, *json = page->part[part].json;
+  if (part == PART_DARCY) {
+    json_array_foreach(json_object_get(json, "groups"), i, group) {
+      if (json_array_size(json_object_get(group, "runs")) > 1) return true;
+    }
+    return false;
+  }
+  if (part == PART_HISTORY) {
+    for (i = 0; i < page->n; i++)
+      if (page->runs[i].column_count > 0 && page->runs[i].columns[0].rows >= 10 &&
+          strcmp(page->runs[i].method, "stokes") != 0)
+        return true;
+    return false;
+  }
+  return true;
+}
+
+/* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
+void page_figure(struct page *page, enum part part, const char *title, const char *caption) {
+  FILE *out = page->out;
+  const struct product *product = &page->part[part];
+  if (!page->has[part]) return;
+  const bool shown = page_is_worth_a_screen(page, part);
+  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", page_part_names[part], title,
+          shown ? "" : "<details><summary>One value a run: show the figure</summary>");
+  if (part != PART_SLICE)
+    fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
+  if (!page->lean || part == PART_SLICE)
+    write_still(out, page_part_names[part], product->plot.data, product->width, product->height,
+                title);
+  fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
+  html_text(out, product->summary.data);
+  fprintf(out, "</pre>%s</section>\n", shown ? "" : "</details>");
+}
+
+enum status page_calibration(FILE *out, const json_t *calibration, const struct page_model *model) {
+  enum status status = STATUS_OK;
+  char *body = NULL;
+  size_t size = 0;
+  FILE *plot = open_memstream(&body, &size);
+  if (plot == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
+  page_calibration_plot(calibration, plot);
+  if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
+  fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
+  write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
+  fprintf(out,
+          "<figcaption>Void ratio against the grey threshold, and the histogram of grey values; at "
+          "the resolution of the model and of the scan. Dashed: the model&rsquo;s threshold%s."
+          "</figcaption></figure>\n",
+          model->rule == RULE_MATCHED ? " and the measured void ratio that it was set to give"
+          : isfinite(model->void_ratio_measured)
+              ? " and the measured void ratio, which it was not set to give"
+              : "");
+cleanup:
+  free(body);
+  return status;
+}
+
+/* k on each lattice that the run solved against the processor time gone, and the result with its
+ * interval. */
+enum status page_levels(struct page *page) {
+  enum status status = STATUS_OK;
+  const struct run *run = &page->runs[0];
+  const struct run_levels *levels = &run->levels;
+  char *body = NULL;
+  size_t size = 0;
+  double gone = 0.0;
+  if (levels->count < 2 || page->n > 1 || !(levels->seconds[0] >= 0.0)) return STATUS_OK;
+  FILE *plot = open_memstream(&body, &size);
+  if (plot == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
+  fputs("$levels << EOD\n", plot);
+  for (size_t i = 0; i < levels->count; i++)
+    fprintf(plot, "%.6g %.8g %.4g\n", gone += levels->seconds[i], 100.0 * levels->k[i],
+            1e6 * levels->spacing[i]);
+  fprintf(plot,
+          "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
+          "time (s)'\nset ylabel 'k (cm/s)'\nset key bottom right\nset offsets graph 0.1, graph "
+          "0.15, graph 0.1, graph 0.1\n"
+          "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
+          "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "
+          "0,1 notitle, $result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
+          "rgb '%s' title 'result, 95 %%'\n",
+          gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high, plot_colours[0],
+          plot_colours[1]);
+  if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
+  fputs("<section id=\"levels\"><h2>Accuracy and its cost</h2><figure>", page->out);
+  write_still(page->out, "levels", body, 760, 420, "k of each lattice against processor time");
+  fputs(
+      "<figcaption>k on each lattice, from the coarsest to the finest, against the processor time "
+      "gone, and the result with its interval.</figcaption></figure></section>\n",
+      page->out);
+cleanup:
+  free(body);
+  return status;
+}
+
+/* Maps of a plane, and the pores that carry half of the flow. */
+static enum status write_pictures(struct page *page) {
+  enum status status = STATUS_OK;
+  FILE *out = page->out;
+  if (page->has_plane) {
+    fprintf(out, "<div class=\"maps\"><figure>");
+    TRY(map_write(&page->plane, MAP_SPEED, out));
+    fprintf(out,
+            "<figcaption>Speed, with streamlines of the velocity in the plane %c = %.4g mm. "
+            "Outlines: the walls that the flow feels.</figcaption></figure>\n",
+            "xyz"[page->plane.axis], 1e3 * page -> plane.at);
+    if (page->plane.pressure != NULL && page->plane.pressure_high > 0.0) {
+      fprintf(out, "<figure>");
+      TRY(map_write(&page->plane, MAP_PRESSURE, out));
+      fputs("<figcaption>Pressure in the same plane about its mean, beside what drives the "
+            "flow.</figcaption></figure>\n",
+            out);
+    }
+    fputs("</div>\n", out);
+  }
+  if (page->flow.plume != NULL) {
+    fputs("<figure class=\"plume\">", out);
+    TRY(plume_write(&page->flow, out));
+    fprintf(out,
+            "<figcaption>Half of the flow goes through %.2g&nbsp;%% of the pores&rsquo; "
+            "volume: the fastest water along the force (blue), among the grains.</figcaption>"
+            "</figure>\n",
+            100.0 * page->flow.plume_share);
+  }
+cleanup:
+  return status;
+}
+
+enum status page_flow_section(struct page *page) {
+  enum status status = STATUS_OK;
+  FILE *out = page->out;
+  if (!page->has_flow) return STATUS_OK;
+  fputs("<section id=\"flow\"><h2>Grains and flow</h2>\n", out);
+  TRY(write_pictures(page));
+  fputs("<figure><div id=\"view\"><div class=\"still3d\">", out);
+  TRY(flow_write_still(&page->flow, out));
+  fputs("</div></div>\n<figcaption>Grains and streamlines of <em>", out);
+  html_text(out, page->runs[0].name);
+  fprintf(
+      out,
+      "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). Drag to turn, wheel or pinch "
+      "to zoom; the slider cuts the grains.</figcaption></figure></section>\n",
+      1e3 * page->flow.speed_high);
+cleanup:
+  return status;
+}

@@ -1,0 +1,233 @@
+#include "analyze/report/page_plane.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/model_file.h"
+#include "common/statistics.h"
+
+static size_t points_of(const struct plane *plane) {
+  return plane->size[0] * plane->size[1];
+}
+
+static double clamped(double v, size_t size) {
+  return fmin(fmax(v, 0.0), (double)size - 1.0);
+}
+
+double plane_linear(const struct plane *plane, const float *field, int components, int c, double x,
+                    double y) {
+  x = clamped(x, plane->size[0]);
+  y = clamped(y, plane->size[1]);
+  const size_t i = (size_t)x, j = (size_t)y;
+  const size_t right = i + 1 < plane->size[0] ? i + 1 : i, top = j + 1 < plane->size[1] ? j + 1 : j;
+  const double p = x - (double)i, q = y - (double)j;
+  const size_t n = (size_t)components, k = (size_t)c, width = plane->size[0];
+  return (1 - q) * ((1 - p) * (double)field[(j * width + i) * n + k] +
+                    p * (double)field[(j * width + right) * n + k]) +
+         q * ((1 - p) * (double)field[(top * width + i) * n + k] +
+              p * (double)field[(top * width + right) * n + k]);
+}
+
+double plane_cubic(const struct plane *plane, const float *field, double x, double y) {
+  double weight[2][4], value = 0.0;
+  const double at[2] = {clamped(x, plane->size[0]), clamped(y, plane->size[1])};
+  for (int d = 0; d < 2; d++) {
+    const double t = at[d] - floor(at[d]);
+    weight[d][0] = 0.5 * t * (-1 + t * (2 - t));
+    weight[d][1] = 0.5 * (2 + t * t * (-5 + 3 * t));
+    weight[d][2] = 0.5 * t * (1 + t * (4 - 3 * t));
+    weight[d][3] = 0.5 * t * t * (t - 1);
+  }
+  for (int j = 0; j < 4; j++)
+    for (int i = 0; i < 4; i++) {
+      const size_t column = (size_t)clamped(floor(at[0]) + i - 1, plane->size[0]);
+      const size_t line = (size_t)clamped(floor(at[1]) + j - 1, plane->size[1]);
+      value += weight[0][i] * weight[1][j] * (double)field[line * plane->size[0] + column];
+    }
+  return value;
+}
+
+/* Trilinear value of a model's field at a place (m, the model's corner at 0); periodic. */
+static double model_value(const struct voxel_model *model, const float *field, const double at[3]) {
+  size_t low[3], high[3];
+  double part[3], value = 0.0;
+  for (int d = 0; d < 3; d++) {
+    const double n = (double)model->size[d];
+    double x = at[d] / model->spacing[d] - 0.5;
+    x -= n * floor(x / n);
+    low[d] = (size_t)x < model->size[d] ? (size_t)x : model->size[d] - 1;
+    high[d] = (low[d] + 1) % model->size[d];
+    part[d] = x - (double)low[d];
+  }
+  for (int corner = 0; corner < 8; corner++) {
+    size_t p[3];
+    double weight = 1.0;
+    for (int d = 0; d < 3; d++) {
+      p[d] = (corner >> d & 1) != 0 ? high[d] : low[d];
+      weight *= (corner >> d & 1) != 0 ? part[d] : 1.0 - part[d];
+    }
+    value += weight * (double)field[(p[2] * model->size[1] + p[1]) * model->size[0] + p[0]];
+  }
+  return value;
+}
+
+/* Distances from the model's walls, else from its grain fraction; false without either. */
+static bool read_distances(const struct run *run, const struct page_model *facts,
+                           struct plane *plane) {
+  struct voxel_model model = {0};
+  if (!facts->found || !(facts->wall_distance || facts->grain_fraction)) return false;
+  if (model_read(facts->path, &model) != STATUS_OK) {
+    error_clear();
+    return false;
+  }
+  const bool walls = model.wall_distance != NULL;
+  const float *field = walls ? model.wall_distance : model.grain_fraction;
+  for (size_t j = 0; field != NULL && j < plane->size[1]; j++)
+    for (size_t i = 0; i < plane->size[0]; i++) {
+      double at[3];
+      at[plane->axis] = plane->at;
+      at[plane->across] = run->origin[plane->across] + (double)i * plane->spacing[0];
+      at[plane->up] = run->origin[plane->up] + (double)j * plane->spacing[1];
+      const double value = model_value(&model, field, at);
+      plane->distance[j * plane->size[0] + i] =
+          (float)(walls ? value / plane->spacing[0] : 0.5 - value);
+    }
+  model_free(&model);
+  return field != NULL;
+}
+
+/* From the run's lattice alone: half a spacing on both sides of each face, evened out. */
+static void guess_distances(const struct run *run, size_t layer, struct plane *plane) {
+  const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
+  for (size_t j = 0; j < plane->size[1]; j++)
+    for (size_t i = 0; i < plane->size[0]; i++) {
+      double grains = 0.0, count = 0.0;
+      for (int k = 0; k < 9; k++) {
+        const size_t x = (size_t)clamped((double)i + k % 3 - 1, plane->size[0]);
+        const size_t y = (size_t)clamped((double)j + k / 3 - 1, plane->size[1]);
+        const double weight = k == 4 ? 4.0 : k % 2 != 0 ? 2.0 : 1.0;
+        const size_t site =
+            layer * stride[plane->axis] + x * stride[plane->across] + y * stride[plane->up];
+        if (run->solid != NULL && run->solid[site] != 0) grains += weight;
+        count += weight;
+      }
+      plane->distance[j * plane->size[0] + i] = (float)(0.5 - grains / count);
+    }
+}
+
+/* Means of the particles of the layer over the points. */
+static enum status fill(const struct run *run, const struct particles *particles,
+                        struct plane *plane, float *count) {
+  for (size_t i = 0; i < particles->count; i++) {
+    const double *x = &particles->points[3 * i], *v = &particles->velocity[3 * i];
+    if (fabs(x[plane->axis] - plane->at) > 0.5 * run->spacing[plane->axis]) continue;
+    const double a = (x[plane->across] - run->origin[plane->across]) / plane->spacing[0];
+    const double b = (x[plane->up] - run->origin[plane->up]) / plane->spacing[1];
+    const size_t p = (size_t)clamped(round(b), plane->size[1]) * plane->size[0] +
+                     (size_t)clamped(round(a), plane->size[0]);
+    count[p] += 1.0f;
+    plane->velocity[2 * p] += (float)v[plane->across];
+    plane->velocity[2 * p + 1] += (float)v[plane->up];
+    plane->speed[p] += (float)sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (plane->pressure != NULL) plane->pressure[p] += (float)particles->pressure[i];
+  }
+  double mean = 0.0, filled = 0.0;
+  for (size_t p = 0; p < points_of(plane); p++) {
+    if (!(count[p] > 0)) continue;
+    plane->velocity[2 * p] /= count[p];
+    plane->velocity[2 * p + 1] /= count[p];
+    plane->speed[p] /= count[p];
+    if (plane->pressure == NULL) continue;
+    plane->pressure[p] /= count[p];
+    mean += (double)plane->pressure[p];
+    filled += 1.0;
+  }
+  for (size_t p = 0; plane->pressure != NULL && filled > 0 && p < points_of(plane); p++)
+    if (count[p] > 0) plane->pressure[p] -= (float)(mean / filled);
+  return STATUS_OK;
+}
+
+/* Pressure goes on into the grains, two points deep, so that it can be interpolated beside them. */
+static void carry_on(const struct plane *plane, float *count) {
+  static const float fresh = -1.0f; /* filled in this round: not a source of it */
+  for (int round = 0; round < 2; round++) {
+    for (size_t p = 0; p < points_of(plane); p++) {
+      const size_t i = p % plane->size[0], j = p / plane->size[0];
+      float sum = 0, n = 0;
+      if (count[p] > 0) continue;
+      for (int k = 0; k < 4; k++) {
+        const size_t x = (size_t)clamped((double)i + (k == 0) - (k == 1), plane->size[0]);
+        const size_t y = (size_t)clamped((double)j + (k == 2) - (k == 3), plane->size[1]);
+        if (!(count[y * plane->size[0] + x] > 0)) continue;
+        sum += plane->pressure[y * plane->size[0] + x];
+        n += 1;
+      }
+      if (!(n > 0)) continue;
+      plane->pressure[p] = sum / n;
+      count[p] = fresh;
+    }
+    for (size_t p = 0; p < points_of(plane); p++)
+      if (count[p] < 0) count[p] = 1.0f;
+  }
+}
+
+static enum status find_ranges(struct plane *plane, const float *count) {
+  enum status status = STATUS_OK;
+  double *values = NULL;
+  size_t n = 0;
+  TRY(memory_allocate(&values, points_of(plane), sizeof *values, "a plane"));
+  for (size_t p = 0; p < points_of(plane); p++)
+    if (count[p] > 0) values[n++] = (double)plane->speed[p];
+  plane->speed_high = n > 0 ? quantile(values, n, 0.98) : 0.0;
+  n = 0;
+  for (size_t p = 0; plane->pressure != NULL && p < points_of(plane); p++)
+    if (count[p] > 0) values[n++] = fabs((double)plane->pressure[p]);
+  plane->pressure_high = n > 0 ? quantile(values, n, 0.98) : 0.0;
+cleanup:
+  memory_free(&values);
+  return status;
+}
+
+enum status plane_read(const struct run *run, const struct particles *particles,
+                       const struct page_model *model, struct plane *plane) {
+  enum status status = STATUS_OK;
+  float *count = NULL;
+  memset(plane, 0, sizeof *plane);
+  plane->up = 2;
+  for (int d = 0; d < 3; d++)
+    if (fabs(run->direction[d]) > fabs(run->direction[plane->up])) plane->up = d;
+  plane->axis = plane->up == 0 ? 1 : 0;
+  plane->across = 3 - plane->up - plane->axis;
+  const size_t layer = run->size[plane->axis] / 2;
+  plane->at = run->origin[plane->axis] + (double)layer * run->spacing[plane->axis];
+  for (int i = 0; i < 2; i++) {
+    const int d = i == 0 ? plane->across : plane->up;
+    plane->size[i] = run->size[d];
+    plane->spacing[i] = run->spacing[d];
+  }
+  const size_t n = points_of(plane);
+  TRY(memory_allocate(&plane->distance, n, sizeof *plane->distance, "a plane"));
+  TRY(memory_allocate(&plane->velocity, 2 * n, sizeof *plane->velocity, "a plane"));
+  TRY(memory_allocate(&plane->speed, n, sizeof *plane->speed, "a plane"));
+  TRY(memory_allocate(&count, n, sizeof *count, "a plane"));
+  if (particles->pressure != NULL)
+    TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
+  if (!read_distances(run, model, plane)) guess_distances(run, layer, plane);
+  TRY(fill(run, particles, plane, count));
+  TRY(find_ranges(plane, count));
+  if (plane->pressure != NULL) carry_on(plane, count);
+cleanup:
+  memory_free(&count);
+  if (status != STATUS_OK) plane_free(plane);
+  return status;
+}
+
+void plane_free(struct plane *plane) {
+  memory_free(&plane->distance);
+  memory_free(&plane->velocity);
+  memory_free(&plane->speed);
+  memory_free(&plane->pressure);
+  memset(plane, 0, sizeof *plane);
+}
