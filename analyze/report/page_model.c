@@ -28,7 +28,6 @@ static bool option_value(const char *line, const char *name, size_t least, char 
 
 static enum threshold_rule rule_of(const struct page_model *model, const char *line) {
   char value[64];
-  if (option_value(line, "segmented", 3, value, sizeof value)) return RULE_LABELS;
   if (option_value(line, "threshold", 4, value, sizeof value) && strcmp(value, "auto") != 0)
     return strcmp(value, "otsu") == 0 ? RULE_OTSU : RULE_GIVEN;
   return isfinite(model->void_ratio_measured) ? RULE_MATCHED : RULE_NONE;
@@ -73,6 +72,9 @@ void page_model_read(const struct run *run, struct page_model *model) {
   read_text(file, "/provenance", "program", program, sizeof program);
   read_text(file, "/provenance", "command_line", line, sizeof line);
   model->scanned = strcmp(program, "ct2model") == 0;
-  if (model->scanned) model->rule = rule_of(model, line);
+  if (model->scanned)
+    model->rule = h5_attribute_or_nan(file, "/calibration", "segmented") > 0.0
+                      ? RULE_LABELS
+                      : rule_of(model, line);
   h5_close(file);
 }

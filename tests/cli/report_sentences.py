@@ -33,11 +33,12 @@ for path in (named, os.path.join(os.path.dirname(run_paths[0]), os.path.basename
             model = attributes(file, "model")
             model["program"] = attributes(file, "provenance").get("program", "")
             model["wall_distance"], model["grain_fraction"] = ("model/" + n in file for n in ("wall_distance", "grain_fraction"))
+            model["segmented"] = attributes(file, "calibration").get("segmented", 0) == 1
             command = attributes(file, "provenance").get("command_line", "")
 
 scanned = model is not None and model["program"] == "ct2model"
 given = re.search(r"--threshold[ =](\S+)", command)
-matched = scanned and (given is None or given[1] == "auto") and "--segmented" not in command
+matched = scanned and (given is None or given[1] == "auto") and not model["segmented"]
 measured = model.get("void_ratio_measured", float("nan")) if model else float("nan")
 
 
@@ -70,7 +71,7 @@ GEOMETRY = [
     (r", made by ct2model from an image at a given grey threshold of ([\d.]+), which gives a void ratio of ([\d.]+)" + unmatched,
      lambda t, e, told, axis: near(t, given[1]) and is_unmatched(e, told, axis)),
     (r", made by ct2model from an image that was segmented before, with a void ratio of ([\d.]+)" + unmatched,
-     lambda e, told, axis: "--segmented" in command and is_unmatched(e, told, axis)),
+     lambda e, told, axis: model["segmented"] and is_unmatched(e, told, axis)),
 ]
 WALLS = {"the model's signed distances to the grain surface": lambda: model["wall_distance"],
          "found from the grain fraction of the voxels": lambda: not model["wall_distance"] and model["grain_fraction"],
