@@ -137,11 +137,64 @@ static void write_summary(const struct velocity_statistics *table, size_t n, FIL
         stream);
 }
 
+/* ---- curves to compare with: once, for the plot, the JSON and the page ---- */
+
+#define REFERENCE_POINTS 300
+
+/* A curve over [0, end]: `density` of normalised velocity, or the fitted power-exponential. */
+struct reference {
+  const char *name;
+  double (*density)(double);
+  double end;
+};
+static const struct reference references[] = {{"slit", pdf_slit, 1.4999},
+                                              {"tube", pdf_tube, 2.0},
+                                              {"exponential", pdf_exponential, INFINITY},
+                                              {"power-exponential", NULL, INFINITY}};
+enum { REFERENCES = sizeof references / sizeof *references };
+
+static double reference_at(const struct reference *reference,
+                           const struct velocity_statistics *first, double s) {
+  if (reference->density != NULL) return reference->density(s);
+  const double area = first->sigma * exp(lgamma(1.0 / first->gamma)) / first->gamma;
+  return exp(-pow(s / first->sigma, first->gamma)) / area;
+}
+
+static void reference_json(const struct velocity_statistics *table, size_t n, json_t *json) {
+  json_t *list = json_array();
+  double most = 2.5;
+  for (size_t i = 0; i < n; i++) most = fmax(most, table[i].high);
+  for (size_t r = 0; r < REFERENCES; r++) {
+    json_t *x = json_array(), *y = json_array();
+    const double end = fmin(references[r].end, most);
+    for (size_t i = 0; i <= REFERENCE_POINTS; i++) {
+      const double s = end * (double)i / REFERENCE_POINTS;
+      json_array_append_new(x, json_number(s));
+      json_array_append_new(y, json_number(reference_at(&references[r], &table[0], s)));
+    }
+    json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "name", references[r].name,
+                                          "normalised_velocity", x, "density", y));
+  }
+  json_object_set_new(json, "references", list);
+}
+
+/* `$name << EOD` with each curve that reference_json made. */
+static void write_references(const json_t *json, FILE *stream) {
+  const json_t *reference, *x;
+  size_t r, i;
+  json_array_foreach(json_object_get(json, "references"), r, reference) {
+    const json_t *density = json_object_get(reference, "density");
+    fprintf(stream, "$reference%zu << EOD\n", r);
+    json_array_foreach(json_object_get(reference, "normalised_velocity"), i, x) fprintf(
+        stream, "%.6g %.8g\n", json_number_value(x), json_number_value(json_array_get(density, i)));
+    fputs("EOD\n", stream);
+  }
+}
+
 /* Left: raw, in mm/s; right: normalised with the reference curves, both logarithmic in density. */
 static void write_plot(const struct velocity_statistics *table, size_t n, struct product *product) {
   FILE *stream = product->plot.stream;
-  double peak = 0.0, least = 1.0, low = 0.0, high = 2.5, sigma = table[0].sigma,
-         gamma = table[0].gamma;
+  double peak = 0.0, least = 1.0, low = 0.0, high = 2.5;
   for (size_t i = 0; i < n; i++) {
     const struct pdf *raw = &table[i].raw, *normalised = &table[i].normalised;
     char name[32];
@@ -178,27 +231,22 @@ static void write_plot(const struct velocity_statistics *table, size_t n, struct
           "\nset key at screen 0.785,0.012 center bottom vertical maxrows 2 maxcols 2\n"
           "set ylabel 'Probability density (-)'\n"
           "set xlabel 'Velocity along the force / pore mean (-)'\n"
-          "set xrange [%.4g:%.4g]\nset yrange [%.4g:%.4g]\n"
-          "slit(s) = s >= 0 && s < 1.5 ? 1/(3*sqrt(1 - s/1.5)) : NaN\n"
-          "tube(s) = s >= 0 && s <= 2 ? 0.5 : NaN\n"
-          "expo(s) = s >= 0 ? exp(-s) : NaN\n"
-          "powexp(s) = s > 0 ? %.6g*exp(-(s/%.6g)**%.6g) : NaN\n",
-          1.05 * low, 1.05 * high, fmin(0.5 * least, 0.05), 3.0 * fmax(peak, 1.0),
-          gamma / (sigma * exp(lgamma(1.0 / gamma))), sigma, gamma);
+          "set xrange [%.4g:%.4g]\nset yrange [%.4g:%.4g]\n",
+          1.05 * low, 1.05 * high, fmin(0.5 * least, 0.05), 3.0 * fmax(peak, 1.0));
   fputs("plot ", stream);
   for (size_t i = 0; i < n; i++) {
     fprintf(stream, "$norm%zu with lines linewidth 1.8 ", i);
     plot_line_style(stream, i);
     fputs(" notitle, ", stream);
   }
-  fprintf(
-      stream,
-      "slit(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 1 title 'slit', "
-      "tube(x) with lines linewidth 1.5 linecolor rgb '#777777' dashtype 2 title 'tube', "
-      "expo(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 3 title 'exponential', "
-      "powexp(x) with lines linewidth 1.5 linecolor rgb '#000000' dashtype 4 "
-      "title 'power-exponential, γ = %.2f'\nunset multiplot\n",
-      gamma);
+  for (size_t r = 0; r < REFERENCES; r++) {
+    fprintf(stream,
+            "%s$reference%zu with lines linewidth 1.5 linecolor rgb '%s' dashtype %zu title '%s",
+            r > 0 ? ", " : "", r, r < 2 ? "#777777" : "#000000", r + 1, references[r].name);
+    if (references[r].density == NULL) fprintf(stream, ", γ = %.2f", table[0].gamma);
+    fputc('\'', stream);
+  }
+  fputs("\nunset multiplot\n", stream);
 }
 
 enum status pdf_analyze(const struct run *runs, size_t n, struct product *product) {
@@ -216,6 +264,8 @@ enum status pdf_analyze(const struct run *runs, size_t n, struct product *produc
   if (n == 1) fill_json(&table[0], product->json);
   write_csv(table, n, product->csv.stream);
   write_summary(table, n, product->summary.stream);
+  reference_json(table, n, product->json);
+  write_references(product->json, product->plot.stream);
   write_plot(table, n, product);
 cleanup:
   for (size_t i = 0; table != NULL && i < n; i++) {

@@ -11,7 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "analyze/product.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/output_file.h"

@@ -154,22 +154,14 @@
     pdf(parent, pdf) {
       chart(parent, 'Velocity along the force', 'Velocity (mm/s)', 'Probability density (s/mm)',
             pdf.runs.map(r => ({name: r.name, step: true, points: steps(r.pdf_m_per_s, 1e3, 0, true)})), {logscale: true});
-      const high = Math.max.apply(null, pdf.runs.map(r => r.normalised_velocity_max));
-      const p = pdf.runs[0].power_exponential;
       let least = 1;
       pdf.runs.forEach(r => r.pdf.density.forEach(d => { if (d > 0 && d < least) least = d; }));
-      const floor = points => points.filter(q => q[1] > 0.5 * least);
-      const power = s => Math.exp(-Math.pow(s / p.sigma, p.gamma));
-      let area = 0;
-      for (let i = 0; i < 20000; i++) area += power((i + 0.5) * 0.002) * 0.002;
-      const reference = (name, points, dash) => ({name: name, points: floor(points), dash: dash, colour: css('--soft')});
+      const dashes = [null, [7, 3], [2, 3], [7, 3, 2, 3]];
+      const references = pdf.references.map((r, i) => ({
+        name: r.name === 'power-exponential' ? r.name + ', \u03b3 = ' + pdf.runs[0].power_exponential.gamma.toFixed(2) : r.name,
+        points: zip(r.normalised_velocity, r.density).filter(q => q[1] > 0.5 * least), dash: dashes[i], colour: css('--soft')}));
       chart(parent, 'Velocity over the pore mean', 'Velocity / pore mean (-)', 'Probability density (-)',
-            pdf.runs.map(r => ({name: r.name, step: true, points: steps(r.pdf, 1, 0, true)})).concat([
-              reference('slit', sample(s => 1 / (3 * Math.sqrt(1 - s / 1.5)), 0, 1.4999, 300), null),
-              reference('tube', [[0, 0.5], [2, 0.5]], [7, 3]),
-              reference('exponential', sample(s => Math.exp(-s), 0, high, 200), [2, 3]),
-              reference('power-exponential, \u03b3 = ' + p.gamma.toFixed(2), sample(s => power(s) / area, 0, high, 200), [7, 3, 2, 3])
-            ]), {logscale: true});
+            pdf.runs.map(r => ({name: r.name, step: true, points: steps(r.pdf, 1, 0, true)})).concat(references), {logscale: true});
     },
     converge(parent, converge) {
       const against = [], cost = [];

@@ -106,9 +106,21 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
   near "$(field out/pdf.json pore_mean_m_per_s)" 3e-3 1e-6
   [ "$(field out/pdf.json transverse_ratio)" = 0.0 ]
   /usr/bin/python3 - <<'PY'
-import json
-p = json.load(open("out/pdf.json"))["pdf"]
+import json, math
+whole = json.load(open("out/pdf.json"))
+p = whole["pdf"]
 e, d = p["bin_edges"], p["density"]
+# The curves to compare with: exact densities, from one place for plot, file and page.
+exact = {"slit": lambda s: 1 / (3 * math.sqrt(1 - s / 1.5)), "tube": lambda s: 0.5, "exponential": lambda s: math.exp(-s)}
+curves = {c["name"]: c for c in whole["references"]}
+assert set(curves) == set(exact) | {"power-exponential"}
+for name, density in exact.items():
+    c = curves[name]
+    assert all(abs(y - density(s)) < 1e-9 * density(s) for s, y in zip(c["normalised_velocity"], c["density"])), name
+c = curves["power-exponential"]  # integrates to 1 with what lies beyond its end
+step, g = c["normalised_velocity"][1], whole["power_exponential"]
+assert abs(step * (sum(c["density"]) - 0.5 * (c["density"][0] + c["density"][-1])) - 1) < 0.05, g
+assert "exp(" not in open("out/pdf.gp").read().split("$raw0")[0] and "slit(s)" not in open("out/pdf.gp").read()
 assert len(e) == len(d) + 1
 assert abs(sum(x * (b - a) for x, a, b in zip(d, e, e[1:])) - 1) < 1e-9
 PY
