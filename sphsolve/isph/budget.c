@@ -84,9 +84,9 @@ void isph_account_begin(struct isph *s) {
   if (dot(s->force, s->force) > 0) on |= 1u << LEDGER_FORCE;
   if (walls) on |= 1u << LEDGER_WALL_PRESSURE | 1u << LEDGER_LOST | 1u << LEDGER_WALL_GUARD;
   if (walls && s->on.viscosity && s->on.no_slip) on |= 1u << LEDGER_WALL_FRICTION;
-  for (size_t k = 0; k < s->on.force_count; k++) {
+  for (size_t k = 0; k < s->on.own_count; k++) {
     on |= 1u << (LEDGER_OWN + k);
-    snprintf(s->account.own[k], sizeof s->account.own[k], "%s", s->on.force[k]->name);
+    snprintf(s->account.own[k], sizeof s->account.own[k], "%s", s->on.own[k]->name);
   }
   s->account.on = on;
   held(s, s->account.momentum[0], &s->account.energy[0]);
@@ -164,6 +164,22 @@ static void account_viscosity(const struct isph *s, size_t i, double scale, cons
   give(sums, LEDGER_WALL_FRICTION, scale, applied->friction, u);
 }
 
+/* Effects that bring a force, or a pressure outside the surface, whose part of the corrector's
+ * gradient (surface_close) is then not the projection's. */
+static void account_own(const struct isph *s, size_t i, double scale, const double u[3],
+                        double pressed[3], struct ledger_sums *sums) {
+  for (size_t k = 0; k < s->on.own_count; k++) {
+    if (s->own_force[k] != NULL) give(sums, LEDGER_OWN + k, scale, s->own_force[k][i], u);
+    if (s->on.own[k]->surface_pressure == NULL) continue;
+    double outside[3];
+    for (int a = 0; a < 3; a++) {
+      outside[a] = -2 * s->surface[i] * s->surface_pressure[i] * s->imbalance[i][a] / s->density;
+      pressed[a] -= outside[a];
+    }
+    give(sums, LEDGER_OWN + k, scale, outside, u);
+  }
+}
+
 void isph_account_forces(struct isph *s, double tau, double dt) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -182,11 +198,10 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
         square += (v[a] - before[a]) * (v[a] - before[a]);
         sums->impulse[LEDGER_FORCE][a] += m * dt * f[a];
       }
+      account_own(s, i, m * dt, u, pressed, sums);
       give(sums, LEDGER_PROJECTION, m * dt, pressed, u);
       sums->work[LEDGER_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscosity) account_viscosity(s, i, m * dt, u, sums);
-      for (size_t k = 0; k < s->on.force_count; k++)
-        give(sums, LEDGER_OWN + k, m * dt, s->own_force[k][i], u);
       if (s->on.soil) account_drag(s, i, m * dt, before, u, sums);
       if (s->on.soil && s->soil_share[i] > 0 && s->soil_share[i] < 1)
         account_soil(s, chunk, i, m * dt / (eps * s->density), sums);

@@ -22,10 +22,10 @@ enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) 
     if (!planned->on) continue;
     if (planned->dt_max < on->dt_most)
       on->dt_most = planned->dt_max, on->dt_most_by = planned->effect->name;
-    if (planned->effect->force == NULL) continue;
-    if (on->force_count == ISPH_FORCES)
-      return FAIL(STATUS_RUN, "more than %d effects with a force of their own", ISPH_FORCES);
-    on->force[on->force_count++] = planned->effect;
+    if (planned->effect->force == NULL && planned->effect->surface_pressure == NULL) continue;
+    if (on->own_count == ISPH_OWN)
+      return FAIL(STATUS_RUN, "more than %d effects with a force of their own", ISPH_OWN);
+    on->own[on->own_count++] = planned->effect;
   }
   return STATUS_OK;
 }

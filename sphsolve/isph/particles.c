@@ -70,8 +70,12 @@ enum status isph_reserve(struct isph *s, size_t n) {
   if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
   TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
   TRY(memory_resize(&s->applied, n, sizeof *s->applied, what));
-  for (size_t k = 0; k < s->on.force_count; k++)
-    TRY(memory_resize(&s->own_force[k], n, sizeof *s->own_force[k], what));
+  for (size_t k = 0; k < s->on.own_count; k++) {
+    if (s->on.own[k]->force != NULL)
+      TRY(memory_resize(&s->own_force[k], n, sizeof *s->own_force[k], what));
+    if (s->on.own[k]->surface_pressure != NULL)
+      TRY(memory_resize(&s->surface_pressure, n, sizeof *s->surface_pressure, what));
+  }
   TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
@@ -288,6 +292,7 @@ void isph_free(struct isph *s) {
                     &s->eddy,
                     &s->predicted,
                     &s->applied,
+                    &s->surface_pressure,
                     &s->diagonal,
                     &s->source,
                     &s->tied,
@@ -320,6 +325,6 @@ void isph_free(struct isph *s) {
                     &s->column_front,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
-  for (size_t k = 0; k < ISPH_FORCES; k++) memory_free(&s->own_force[k]);
+  for (size_t k = 0; k < ISPH_OWN; k++) memory_free(&s->own_force[k]);
   memset(s, 0, sizeof *s);
 }

@@ -28,7 +28,7 @@
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
 
-#define ISPH_FORCES (LEDGER_TERMS - LEDGER_OWN)
+#define ISPH_OWN (LEDGER_TERMS - LEDGER_OWN)
 
 /* What of the physics is on; each flag is an effect of the plan. */
 struct isph_switches {
@@ -36,9 +36,9 @@ struct isph_switches {
   bool viscosity, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides;
   uint32_t budget; /* terms of the effects on */
-  size_t force_count;
-  const struct effect *force[ISPH_FORCES]; /* the effects on with a force of their own */
-  double dt_most;                          /* s: of the effects, that no state changes */
+  size_t own_count;
+  const struct effect *own[ISPH_OWN]; /* the effects on that bring a force or a surface pressure */
+  double dt_most;                     /* s: of the effects, that no state changes */
   const char *dt_most_by;
 };
 
@@ -159,8 +159,9 @@ struct isph {
   double *eddy;           /* nu + nu_T; NULL without viscosity */
   double (*predicted)[3]; /* v* without the driving force */
   struct isph_applied *applied;
-  double (*own_force[ISPH_FORCES])[3]; /* m/s^2, of on.force; NULL without */
-  double *diagonal, *source, *tied;    /* tied: the diagonal's part that fixes the pressure */
+  double (*own_force[ISPH_OWN])[3]; /* m/s^2, of on.own; NULL where it has none */
+  double *surface_pressure;         /* Pa, outside; NULL without an effect that makes one */
+  double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
   double *work[4]; /* r, z, p, q of CG */

@@ -157,8 +157,8 @@ static void predict(struct isph *s, double dt) {
         for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
       }
       for (int a = 0; a < 3; a++) force[a] += applied->viscous[a] + applied->friction[a];
-      for (size_t k = 0; k < s->on.force_count; k++)
-        for (int a = 0; a < 3; a++) force[a] += s->own_force[k][i][a];
+      for (size_t k = 0; k < s->on.own_count; k++)
+        for (int a = 0; a < 3 && s->own_force[k] != NULL; a++) force[a] += s->own_force[k][i][a];
       s->mobility[i] = left * t / s->density;
       for (int a = 0; a < 3; a++)
         s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
@@ -243,8 +243,11 @@ static void correct(struct isph *s) {
  * has P < 0 inside, and fell apart without. */
 static void part(struct isph *s) {
   bool holds = isph_is_free(s);
-  for (size_t i = s->share.begin; i < s->share.end; i++)
-    s->pressure[i] = fmax(holds ? (1 - s->surface[i]) * s->pressure[i] : 0, s->pressure[i]);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    double least = holds ? (1 - s->surface[i]) * s->pressure[i] : 0;
+    if (s->surface_pressure != NULL) least += s->surface[i] * fmin(0, s->surface_pressure[i]);
+    s->pressure[i] = fmax(least, s->pressure[i]);
+  }
 }
 
 static void wrap(const struct isph *s, double x[3]) {
@@ -322,7 +325,7 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
  * `budget`: isph_energy_settle's. */
 static void move(struct isph *s, double dt, double budget) {
   double(*way)[3] = s->predicted; /* v* is not needed any more */
-  const bool waves = s->on.surface && !isph_is_free(s);
+  const bool waves = s->on.surface && (!isph_is_free(s) || s->surface_pressure != NULL);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -415,7 +418,11 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->on.viscosity) find_viscosity(s);
-  for (size_t k = 0; k < s->on.force_count; k++) s->on.force[k]->force(s, s->own_force[k]);
+  for (size_t k = 0; k < s->on.own_count; k++) {
+    if (s->own_force[k] != NULL) s->on.own[k]->force(s, s->own_force[k]);
+    if (s->on.own[k]->surface_pressure != NULL)
+      s->on.own[k]->surface_pressure(s, s->surface_pressure);
+  }
   predict(s, dt);
   if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
   if (s->on.open_sides) isph_open_straighten(s);

@@ -37,6 +37,9 @@ struct effect {
    * a loop of the method computes it. Such an effect has a term of its own in the budget, of its
    * name. */
   void (*force)(const void *state, double (*acceleration)[3]);
+  /* Likewise the pressure that it adds outside a free surface, Pa, at the particles on it. */
+  void (*surface_pressure)(void *state, double *pressure);
+  bool drives; /* it moves fluid that nothing else drives */
 };
 
 #define EFFECT_SWITCH(type, member) (offsetof(type, member) + 1)

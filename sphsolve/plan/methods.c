@@ -62,6 +62,7 @@ static enum status refuse_contradictions(const struct scene *scene,
   enum status status = STATUS_OK;
   const struct lattice *lattice = context->lattice;
   bool driven = false, held = false, moves = context->has_moving_wall;
+  char unused[EFFECT_WHY];
   if (lattice->fluid_count == 0 && !context->has_inflow)
     return scene_error(scene, *scene->model_path ? AT_MODEL : AT_REGIONS, "no site holds water; %s",
                        *scene->model_path ? "the model is all grain: look at its threshold"
@@ -76,6 +77,8 @@ static enum status refuse_contradictions(const struct scene *scene,
                        "fall for ever; write false for that direction, or fill the domain");
   for (size_t r = 0; r < scene->region_count; r++)
     for (int a = 0; a < 3; a++) moves = moves || scene->regions[r].velocity[a] != 0;
+  for (size_t i = 0; method->effects[i] != NULL; i++)
+    moves = moves || (method->effects[i]->drives && method->effects[i]->wanted(context, unused));
   if (!driven && !moves && !context->has_inflow)
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow; give a gravity, body_acceleration or "
@@ -87,6 +90,10 @@ static enum status refuse_contradictions(const struct scene *scene,
         "no wall holds the fluid back, so a steady flow does not exist; add a wall%s "
         "or write method = \"wcsph\" and an end_time",
         *scene->model_path ? " (the model is all pore: look at its threshold)," : ",");
+  if (scene->fluid.surface_tension > 0 && method->resolves_pores)
+    return scene_error(scene, AT_VISCOSITY,
+                       "surface_tension, but method %s has no free surface; leave it out",
+                       method->name);
   if (scene->turbulence == SWITCH_ON && !method->has_turbulence)
     return scene_error(scene, AT_TURBULENCE,
                        "\"on\", but only method isph has a model of turbulence; leave it out");

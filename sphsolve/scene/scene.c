@@ -220,6 +220,11 @@ static enum status read_fluid(struct config *config, struct scene *scene) {
     TRY(config_error(config, config_child(config, group, "density"), "must be greater than 0"));
   if (!(scene->fluid.viscosity >= 0))
     TRY(config_error(config, config_child(config, group, "viscosity"), "must not be negative"));
+  TRY(config_quantity(config, group, "surface_tension", (struct dimension){0, 1, -2},
+                      &scene->fluid.surface_tension, NULL));
+  if (!(scene->fluid.surface_tension >= 0))
+    TRY(config_error(config, config_child(config, group, "surface_tension"),
+                     "must not be negative"));
 cleanup:
   return status;
 }

@@ -52,8 +52,9 @@ enum scene_place {
 
 struct fluid {
   char name[64];
-  double density;   /* kg/m^3 */
-  double viscosity; /* Pa s */
+  double density;         /* kg/m^3 */
+  double viscosity;       /* Pa s */
+  double surface_tension; /* N/m; 0 without */
 };
 
 struct region {

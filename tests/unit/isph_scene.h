@@ -3,6 +3,7 @@
 #define TOSUI_TESTS_UNIT_ISPH_SCENE_H
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,10 +24,12 @@ static inline void start(struct run *run, const char *text) {
   assert_true(handle >= 0);
   FILE *file = fdopen(handle, "w");
   assert_non_null(file);
+  /* What stands behind an @ is of the fluid. */
+  const char *more = strchr(text, '@');
   fprintf(file,
           "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
-          "viscosity = \"1e-3 Pa s\"; } );\n%s",
-          text);
+          "viscosity = \"1e-3 Pa s\"; %s } );\n%.*s",
+          more ? more + 1 : "", (int)(more ? more - text : (ptrdiff_t)strlen(text)), text);
   fclose(file);
   struct isph_switches on;
   memset(run, 0, sizeof *run);

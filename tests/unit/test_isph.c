@@ -376,6 +376,53 @@ static void a_small_wave_lives(void **state) {
   finish(&run);
 }
 
+/* A square of water with a surface tension: over its first step the pressure is that of curvature,
+ * largest at the corners, and what tension gives is in the budget, under its own name; without
+ * gravity it neither moves nor turns as a whole. */
+static void tension_presses(void **state) {
+  (void)state;
+  struct run run;
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+      "domain = { size = [\"4 mm\", \"4 mm\"]; spacing = \"0.2 mm\"; periodic = [true, true]; };\n"
+      "regions = ( { type = \"water\"; box = [\"1 mm\", \"1 mm\", \"3 mm\", \"3 mm\"]; } );\n");
+  assert_int_equal(run.s.on.own_count, 0); /* no surface_tension, no effect, no memory */
+  assert_null(run.s.surface_pressure);
+  finish(&run);
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+      "domain = { size = [\"4 mm\", \"4 mm\"]; spacing = \"0.2 mm\"; periodic = [true, true]; };\n"
+      "regions = ( { type = \"water\"; box = [\"1 mm\", \"1 mm\", \"3 mm\", \"3 mm\"]; } );\n"
+      "@surface_tension = \"0.07 N/m\";");
+  struct isph *s = &run.s;
+  double middle = 0, corner = 0, momentum[2] = {0}, radius = 2e-3 / sqrt(M_PI), end = 0;
+  s->viscosity = 1e-4;
+  assert_int_equal(s->on.own_count, 1);
+  assert_int_equal(isph_advance(s, 1e-5), STATUS_OK);
+  for (size_t i = 0; i < s->count; i++) {
+    const double *x = s->position[i];
+    if (fabs(x[0] - 2e-3) > 0.85e-3 && fabs(x[2] - 2e-3) > 0.85e-3)
+      corner = fmax(corner, s->surface_pressure[i]);
+    if (s->surface[i] > 0 && fabs(x[0] - 2e-3) < 0.2e-3)
+      middle = fmax(middle, s->surface_pressure[i]);
+  }
+  assert_true(corner > 2 * 0.07 / 2e-3 && middle < 0.2 * corner);
+  while (s->time < 10e-3) assert_int_equal(isph_advance(s, 2e-5), STATUS_OK);
+  for (size_t i = 0, n = 0; i < s->count; i++) {
+    const double dx = s->position[i][0] - 2e-3, dz = s->position[i][2] - 2e-3;
+    for (int a = 0; a < 2; a++) momentum[a] += s->mass[i] * s->velocity[i][2 * a];
+    if (dx * dx + dz * dz < 0.25 * radius * radius) end += (s->pressure[i] - end) / (double)++n;
+  }
+  assert_near(end / (0.07 / radius), 1, 0.05);
+  assert_true(hypot(momentum[0], momentum[1]) < 1e-3 * 4e-6 * 1000 * 0.07);
+  const double *impulse = s->account.sums.impulse[LEDGER_OWN];
+  assert_string_equal(ledger_name(&s->account, LEDGER_OWN), "isph_surface_tension");
+  assert_true(s->account.sums.work[LEDGER_OWN] > 0 && isfinite(impulse[0]));
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(kernels_agree),
@@ -393,6 +440,7 @@ int main(void) {
       cmocka_unit_test(walls_hold_by_the_law_of_the_wall),
       cmocka_unit_test(energy_does_not_rise),
       cmocka_unit_test(a_small_wave_lives),
+      cmocka_unit_test(tension_presses),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

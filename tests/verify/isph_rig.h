@@ -18,6 +18,7 @@
 
 static json_t *results;
 static char scene_file[] = "/tmp/verify_isph_XXXXXX";
+static const char *fluid_more = ""; /* further settings of the fluid */
 static const char *const *wanted;
 static int wanted_count;
 
@@ -39,7 +40,8 @@ static void start(struct run *run, const char *format, ...) {
   FILE *file = fopen(scene_file, "w");
   if (file == NULL) exit(1);
   fprintf(file, "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
-                "viscosity = \"1e-3 Pa s\"; } );\n");
+                "viscosity = \"1e-3 Pa s\"; %s } );\n",
+          fluid_more);
   vfprintf(file, format, arguments);
   fclose(file);
   va_end(arguments);

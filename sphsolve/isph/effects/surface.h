@@ -1,4 +1,5 @@
-/* Free surface: P = 0 half a particle above the outermost particles.
+/* Free surface: P = 0, or what an effect makes of it (surface_tension.h), half a particle above the
+ * outermost particles.
  *
  * Where neighbours are missing on one side a row of the pressure
  * equation is closed by a ghost in the void, as Nair, Tomar (2014, Comput. Fluids 102) close
@@ -75,7 +76,9 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
   const double *f = s->force;
   double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   if (force == 0) return 1; /* P = q */
-  return fmin(1, s->pressure[i] / fmax(0.25 * size * s->density * force, 1e-300));
+  double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
+  double carried = (s->pressure[i] - outside) / fmax(0.25 * size * s->density * force, 1e-300);
+  return fmax(0, fmin(1, carried));
 }
 
 /* What the surface adds to the diagonal and to the right-hand side of row i; `pairs` is the sum of
@@ -92,6 +95,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   double missing = scale * s->slope_sum / (size * size) - pairs;
   *coefficient = w * fmax(moment / (0.5 * size), missing);
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
+  if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
 }
 
 /* Closes the gradients of q = P - rho f.x and of P at particle i against the void; returns how far
@@ -101,7 +105,9 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
   const double *m = s->imbalance[i], *f = s->force;
   double w = s->surface[i];
   double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
-  double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]), pressure = s->pressure[i];
+  double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
+  double pressure = s->pressure[i] - outside;
   double d = 0.5 * size / fmax(length, 1e-30);
   double level = pressure + s->density * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   for (int a = 0; a < 3 && w > 0; a++) {
