@@ -35,7 +35,7 @@ refused() {
 python() { /usr/bin/python3 "$@"; }
 
 @test "every run ends with a ledger that closes" {
-  run --separate-stderr sphsolve run flow.cfg -o flow --quiet
+  run --separate-stderr sphsolve run flow.cfg -o flow
   [ "$status" -eq 0 ] && [[ "$output" == *"ledger     particles: 400 + "* ]] && [[ "$output" != *unaccounted* ]]
   [[ "$output" == *"momentum (kg m/s): "*"not accounted for"*"energy (J): "*"not accounted for"* ]]
   analyze report flow.hdf -o flow.html --quiet > /dev/null
@@ -48,7 +48,7 @@ fluids = ( { density = "1000 kg/m^3"; viscosity = "1 Pa s"; } );
 regions = ( { type = "water"; box = ["0", "0", "6 cm", "6 cm"]; } );
 force = { body_acceleration = ["1 mm/s^2", "0"]; };
 END
-  run --separate-stderr sphsolve run slit.cfg -o slit --quiet
+  run --separate-stderr sphsolve run slit.cfg -o slit
   [ "$status" -eq 0 ] && [[ "$output" == *"ledger     mass: the flux is the same through all planes"*"energy: friction takes"* ]]
   # Water that only a wall drives has its balance too.
   cat > couette.cfg << 'END'
@@ -58,60 +58,10 @@ fluids = ( { density = "1000 kg/m^3"; viscosity = "1 Pa s"; } );
 regions = ( { type = "water"; box = ["0", "0", "6 cm", "6 cm"]; },
   { type = "wall"; box = ["0", "5 cm", "6 cm", "6 cm"]; velocity = ["1 mm/s", "0"]; } );
 END
-  run --separate-stderr sphsolve run couette.cfg -o couette --quiet
+  run --separate-stderr sphsolve run couette.cfg -o couette
   [ "$status" -eq 0 ] && [[ "$output" == *"momentum: walls and pressure balance what drives the flow to "[1-9]*e-* ]]
   sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o creep --quiet > /dev/null
-  python - << 'END'
-import h5py, numpy as np
-def of(name):
-    file = h5py.File(name + ".hdf")
-    ledger = file["run/ledger"]
-    rows = dict(zip(ledger["term"].asstr()[:], zip(ledger["impulse"][:], ledger["work"][:]))) if "term" in ledger else {}
-    return file, ledger.attrs, rows
-for name in "flow", "pore":
-    _, l, _ = of(name)
-    n = {k: int(l["particles_" + k]) for k in ("start", "entered", "left", "lost", "end", "open")}
-    assert n["open"] == 0 and n["start"] + n["entered"] - n["left"] - n["lost"] == n["end"], n
-    # As many masses added, each rounded by 2^-53 of the sum at most.
-    assert abs(l["mass_open"]) <= sum(n.values()) * 2**-53 * l["mass_start"], l["mass_open"]
-    assert all(k in l for k in ("momentum_start", "momentum_end", "impulse_of_force", "work_of_force", "energy_taken"))
-flow, l, terms = of("flow")
-assert l["particles_left"] > 0
-# Both are identities, of products of some ten factors added over 64 particles, chunks and steps: 2^-53 for each, in each term.
-rounding = (len(terms) + 1) * (10 + 64 + 402 / 64 + flow["run"].attrs["steps"]) * 2**-53
-assert l["energy_open_share"] < rounding and l["momentum_open_share"] < rounding, dict(l)
-# What heads give soil and walls take, the walls by the pressure at their faces, which is known to half a spacing of the ten
-# that the water is deep.
-assert np.abs(terms["projection"][0]).max() < 0.05 * np.abs(terms["force"][0]).max(), terms
-assert terms["drag_linear"][1] < 0 and terms["open_sides"][1] > 0 and "turbulence" not in terms, terms
-# What is left is what samples may miss and rounding: velocities of 24 bits, in each step, of which sum m |v| is at most
-# sqrt(2 T M), and pressures of 24 bits, whose energy is at most that of the end, the flow starting from rest.
-pore, l, terms = of("pore")
-kinetic, mass, steps = pore["history/kinetic_energy"][:].max(), l["mass_end"], pore["run"].attrs["steps"]
-momentum_rounding, energy_rounding = steps * 2**-24 * (2 * kinetic * mass) ** 0.5, steps * 2**-24 * 2 * (kinetic + l["energy_end"])
-assert np.linalg.norm(l["momentum_open"]) <= l["momentum_sampling_error"] + momentum_rounding, (dict(l), momentum_rounding)
-assert abs(l["energy_open"]) <= l["energy_sampling_error"] + energy_rounding, (dict(l), energy_rounding)
-# Frozen grains: action is reaction, pair by pair, of 102 pairs added with 24 bits; pressures are at most the force's over the
-# box of 13 spacings, and the sum of V |grad W| is 2.28/h = 2.28 / .967 spacings.
-assert np.abs(terms["projection"][0]).max() <= 102 * 2**-24 * 2 * 13 * 2.28 / 0.967 * np.abs(terms["force"][0]).max(), terms
-for name in "slit", "creep":
-    file, l, _ = of(name)
-    residual, count = file["run"].attrs["residual"], file["run"].attrs["fluid_count"]
-    # A sum of N residuals is at most N of their rms, the solver's own; their work sqrt N of it.
-    assert 0 <= l["force_open"] < residual and 0 <= l["power_open"] < residual * count**0.5, (name, residual, dict(l))
-    if name == "slit": # through planes that are equal: what residuals make of velocities, the largest 1.5 times the mean
-        assert l["flux_open"] < 1.5 * count**0.5 * residual, (residual, dict(l))
-# Of a sand of few sites the plain sums over planes leave out the walls' shares within a site: of a site beside a wall at most
-# half.
-solid, snapshot = file["run/solid"][:] > 0, h5py.File("creep-0000.hdf")["VTKHDF"]
-at = np.rint((snapshot["Points"][:] - file["run"].attrs["origin"]) / file["run"].attrs["spacing"]).astype(int).T[::-1]
-speed, beside = np.zeros(solid.shape), np.zeros(solid.shape, bool)
-speed[tuple(at)] = snapshot["PointData/velocity"][:, 2]
-for axis in range(3):
-    beside |= np.roll(solid, 1, axis) | np.roll(solid, -1, axis)
-share = 0.5 * np.abs(speed * beside).sum((1, 2)) / abs(speed.sum((1, 2)).mean())
-assert l["flux_open"] < np.sqrt((share**2).mean()), (l["flux_open"], share)
-END
+  python "$ROOT/tests/cli/budget_closes.py"
 }
 
 @test "the same inputs give the same bytes in every output" {
@@ -207,27 +157,7 @@ END
   mkfifo pipe.tif
   refused 3 "a pipe or device, not an image file" ct2model info pipe.tif
   refused 3 "is no file" analyze darcy pipe.tif
-  python - << 'END'
-import struct, zlib
-tags = [(256, 4, 16), (257, 4, 16), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, 512), (277, 3, 1), (278, 4, 16), (279, 4, 256)]
-page = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", t, k, 1, v) for t, k, v in tags)
-def tiff(name, follows): open(name, "wb").write(b"II*\0" + struct.pack("<I", 8) + page + struct.pack("<I", follows) + bytes(range(256)) * 4)
-tiff("circle.tif", 8)
-# Many pages, each found at once: the chain leads from one to the next; each has its own grey.
-n, size = 300, len(page) + 4
-with open("pages.tif", "wb") as file:
-    file.write(b"II*\0" + struct.pack("<I", 8))
-    for i in range(n):
-        own = [(t, k, 4 if t in (256, 257, 278) else 16 if t == 279 else 8 + n * size + 16 * i if t == 273 else v) for t, k, v in tags]
-        file.write(struct.pack("<H", len(own)) + b"".join(struct.pack("<HHII", t, k, 1, v) for t, k, v in own))
-        file.write(struct.pack("<I", 8 + (i + 1) * size if i < n - 1 else 0))
-    file.write(bytes(200 if (i + x) % 3 else 10 + i % 7 for i in range(n) for x in range(16)))
-open("pages.raw", "wb").write(bytes(200 if (i + x) % 3 else 10 + i % 7 for i in range(n) for x in range(16)))
-def chunk(kind, data): return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-head = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 0, 0, 0, 0))
-open("text.png", "wb").write(head + struct.pack(">I", 2**31 - 1) + b"tEXtlong")
-open("many.cfg", "w").write("".join(f"k{i} = 1;\n" for i in range(20001)))
-END
+  python "$ROOT/tests/cli/write_hostile_images.py"
   refused 3 "its directories lead in a circle" ct2model info circle.tif
   # The shadows of sanitizers are no memory of ours.
   [[ "$SANITIZE" == *address* || "$SANITIZE" == *thread* ]] || ulimit -S -v 1000000
