@@ -30,7 +30,7 @@ static const struct option_entry entries[] = {
     {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
     {"error", 0, "E", EXPLAIN,
      "wanted error of k, like 5%: names the cheapest settings that reach it"},
-    {"ranks", 0, "N", EXPLAIN, "foretells memory and time on N ranks of --threads each"},
+    {"ranks", 0, "N", EXPLAIN, "predicts memory and time on N ranks of --threads each"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 

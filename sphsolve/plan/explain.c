@@ -96,7 +96,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
     printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
            e->why);
   else
-    printf("error      not foretold%s%s\n", *e->why ? ": " : "", e->why);
+    printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
 }
 
 static json_t *number_or_null(double value) {

@@ -1,11 +1,17 @@
-/* Particles are nudged to where they are fewer, so that streamlines do not comb them apart.
- *   dx_i/dt = v_i + u_i,   u_i = -A U h sum_j V grad_i W                  Lind et al. (2012), eq.
- * 15 with U the largest fluid speed and |u_i| <= U/4. With A = 1 a Taylor-Green flow tears at Re
- * 100; the more the better up to the limit of an explicit step, A U h K dt < 2 with K the largest
- * eigenvalue of sum V grad W on the lattice: beyond it particles jitter with U/4, and a flow loses
- * its energy to them. So A = 16 where the step allows it, and a step that allows 12. Velocity and
- * pressure are carried along, dv_i/dt += (u_i . grad) v_i, dp_i/dt += (u_i . grad) p_i Sun et al.
- * (2019), eq. 2 */
+/* Particle shifting: particles drift to where they are fewer, so that streamlines do not pull them
+ * apart (Lind et al. 2012, eq. 15):
+ *
+ *   dx_i/dt = v_i + u_i,   u_i = -A U h sum_j V grad_i W,
+ *
+ * U the largest fluid speed, |u_i| <= U/4. Velocity and pressure are carried along (Sun et al.
+ * 2019, eq. 2):
+ *
+ *   dv_i/dt += (u_i . grad) v_i,   dp_i/dt += (u_i . grad) p_i.
+ *
+ * With A = 1 the particles of a Taylor-Green flow part at Re 100; the more the better up to the
+ * limit of an explicit step, A U h K dt < 2 with K the largest eigenvalue of sum V grad W on the
+ * lattice: beyond it particles jitter with U/4, and a flow loses its energy to them. So A = 16
+ * where the step allows it, and a step that allows 12. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 

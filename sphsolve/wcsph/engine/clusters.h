@@ -16,8 +16,7 @@ struct cluster_set {
 };
 
 /* Of clusters set->begin to end: boxes that hold each fluid particle for `horizon` seconds if it
- * goes on as it does: the path to come, and around it `swerve` of its length and `margin` (m).
- * `drift` is a further velocity of the particles (NULL: none). */
+ * goes on as it does: the path to come, and around it `swerve` of its length and `margin` (m). */
 enum status cluster_boxes_fluid(const struct particles *particles, double horizon, double swerve,
                                 double margin, struct cluster_set *set);
 /* Walls stay where they are: their boxes are exact. */

@@ -1,6 +1,6 @@
 /* How a row cluster collects its columns: relative to where it stands now, in single precision and
- * in units of h, image by image, without those that no row of the cluster can reach; and what each
- * row then needs of a pair. */
+ * in units of 2 h, image by image, without those that no row of the cluster can reach; and what
+ * each row then needs of a pair. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 
