@@ -10,6 +10,7 @@
 #include "common/units.h"
 #include "ct2model/scan/autocrop.h"
 #include "ct2model/model/binarise.h"
+#include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
 #include "ct2model/surface/wall_distance.h"
 
@@ -157,7 +158,9 @@ static enum status take_labels(struct pipeline *pipeline) {
                      request->denoise == DENOISE_NONE && !request->correct_beam &&
                      !request->correct_rings && isnan(request->scale_peak);
   bool reflect[3] = {false, false, false};
-  if (request->mirror) reflect[(request->flow_axis + 1 + request->mirror_axis) % 3] = true;
+  const int mirrored = (request->flow_axis + 1 + request->mirror_axis) % 3;
+  for (int a = 0; a < 3; a++)
+    reflect[a] = a == mirrored ? request->mirror : request->sides != SIDES_PERIODIC;
   if (request->labels.given || plain)
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));
@@ -230,6 +233,7 @@ cleanup:
 
 static void add_layers(struct pipeline *pipeline) {
   struct voxel_model *model = &pipeline->model;
+  const enum sides sides = pipeline->request->sides;
   size_t n = pipeline->size[2];
   memcpy(model->size, pipeline->size, sizeof model->size);
   model->mirror_plane = -1;
@@ -238,23 +242,30 @@ static void add_layers(struct pipeline *pipeline) {
     model->mirror_plane = (int)n - 1;
   }
   for (int d = 0; d < 3; d++) {
-    model->periodic[d] = true;
+    if (sides == SIDES_MIRRORED && d < 2) model->size[d] = 2 * pipeline->size[d] - 1;
+    model->periodic[d] = sides != SIDES_CLOSED || d == 2;
     model->spacing[d] =
         pipeline->region.voxel[d] * (double)pipeline->region.size[d] / (double)pipeline->size[d];
   }
 }
 
-/* Layers n .. 2n - 2 repeat n - 2 .. 0. */
-static void mirror_layers(const struct pipeline *pipeline, void *data, size_t bytes) {
-  size_t layer = pipeline->size[0] * pipeline->size[1] * bytes, n = pipeline->size[2];
+/* Layers n .. 2n - 2 repeat n - 2 .. 0; `layer` voxels each. */
+static void mirror_layers(const struct pipeline *pipeline, size_t layer, void *data, size_t bytes) {
+  const size_t n = pipeline->size[2];
+  layer *= bytes;
   for (size_t z = n; z < pipeline->model.size[2]; z++)
     memcpy((char *)data + z * layer, (char *)data + (2 * n - 2 - z) * layer, layer);
 }
 
+static size_t plain_layer(const struct pipeline *pipeline) {
+  return pipeline->size[0] * pipeline->size[1];
+}
+
 static enum status extend(const struct pipeline *pipeline, float **data, const char *what) {
   enum status status = memory_resize(data, model_site_count(&pipeline->model), sizeof **data, what);
-  if (status == STATUS_OK) mirror_layers(pipeline, *data, sizeof **data);
-  return status;
+  if (status != STATUS_OK) return status;
+  mirror_layers(pipeline, plain_layer(pipeline), *data, sizeof **data);
+  return sides_mirror(pipeline->size, &pipeline->model, *data, sizeof **data);
 }
 
 /* One field of the model from the axes inside to its own. */
@@ -305,7 +316,8 @@ static enum status make_solid(struct pipeline *pipeline) {
   for (size_t i = 0; i < sites; i++)
     model->solid[i] = (double)pipeline->volume[i] > pipeline->threshold;
   memory_free(&pipeline->volume);
-  mirror_layers(pipeline, model->solid, 1);
+  mirror_layers(pipeline, plain_layer(pipeline), model->solid, 1);
+  TRY(sides_mirror(pipeline->size, model, model->solid, 1));
   TRY(binarise_connect(pipeline));
   model->void_ratio_measured = pipeline->request->void_ratio;
   if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2 &&
@@ -393,11 +405,16 @@ static enum status find_walls(struct pipeline *pipeline) {
   model->wall_distance = walls.distance;
   model->grain_fraction = walls.grain_fraction;
   walls = (struct wall_result){0};
+  if (pipeline->request->sides != SIDES_PERIODIC)
+    sides_forget(pipeline->size, model->spacing, model->wall_distance);
   TRY(extend(pipeline, &model->wall_distance, "wall distances"));
   TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));
   TRY(wall_complete(model->wall_distance, model->solid, model->size, model->spacing,
                     &pipeline->disagreeing));
-  mirror_layers(pipeline, model->wall_distance, sizeof *model->wall_distance); /* to the last bit */
+  /* To the last bit. */
+  mirror_layers(pipeline, model->size[0] * model->size[1], model->wall_distance,
+                sizeof *model->wall_distance);
+  sides_repeat(pipeline->size, model, model->wall_distance, sizeof *model->wall_distance);
 cleanup:
   wall_result_end(&walls);
   return status;

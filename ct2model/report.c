@@ -65,6 +65,8 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "mirror_plane", json_integer(model->mirror_plane));
   json_object_set_new(root, "mirror_axis",
                       pipeline->request->mirror ? json_string(mirror_axis(pipeline)) : json_null());
+  static const char *const SIDES[] = {"periodic", "closed", "mirrored"};
+  json_object_set_new(root, "sides", json_string(SIDES[pipeline->request->sides]));
   put(root, "void_ratio", model->void_ratio);
   put(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
   put(root, "porosity", quality->porosity);
@@ -178,6 +180,8 @@ static void print_model(const struct pipeline *pipeline) {
          model->size[2], spacing);
   if (model->mirror_plane >= 0)
     printf(", mirrored about layer %d of %s", model->mirror_plane + 1, mirror_axis(pipeline));
+  if (pipeline->request->sides != SIDES_PERIODIC)
+    printf(pipeline->request->sides == SIDES_CLOSED ? ", sides closed" : ", sides mirrored");
   printf("\nvoid ratio        %.4f", model->void_ratio);
   if (!isnan(pipeline->request->void_ratio))
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,

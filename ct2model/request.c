@@ -48,6 +48,10 @@ static const struct option_entry ENTRIES[] = {
      "bicubic (antialiased, default), bicubic-point, area or none"},
     {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
      "axis of the model along which n layers become 2n-1, so that it is periodic (default z)"},
+    {"sides", 0, "NAME", SWEEP | BUILD,
+     "the faces along the flow: periodic (default: the sample again), closed (walls, as in a tube) "
+     "or "
+     "mirrored (in all axes; pores fit, as in a larger sample)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "RULE", SWEEP | BUILD,
@@ -174,13 +178,21 @@ static enum status parse_choices(const struct options *options, struct request *
   static const char *const FILTERS[] = {"bicubic", "bicubic-point", "area", "none", NULL};
   static const char *const MIRRORS[] = {"x", "y", "z", "none", NULL};
   static const char *const AXES[] = {"x", "y", "z", NULL};
+  static const char *const SIDES[] = {"periodic", "closed", "mirrored", NULL};
   static const char *const GRAINS[] = {"bright", "dark", NULL};
   static const char *const DENOISE[] = {"none", "median", "nlm", NULL};
   static const char *const ISLANDS[] = {"keep", "fill", NULL};
   enum status status = STATUS_OK;
-  int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0, denoise = 0;
+  int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0, denoise = 0, sides = 0;
   TRY(options_choice(options, "filter", FILTERS, &filter));
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
+  TRY(options_choice(options, "sides", SIDES, &sides));
+  request->sides = (enum sides)sides;
+  if (request->sides == SIDES_CLOSED && mirror < 2)
+    TRY_FAIL(
+        STATUS_USAGE,
+        "--sides closed: the sides are x and y, of which --mirror %s makes one periodic; mirror z",
+        MIRRORS[mirror]);
   request->flow_axis = 2;
   TRY(options_choice(options, "flow", AXES, &request->flow_axis));
   TRY(options_choice(options, "grain", GRAINS, &grain));

@@ -15,10 +15,14 @@
 
 enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 
+/* What lies beyond the faces along the flow: the sample again, a wall, or its mirror image. */
+enum sides { SIDES_PERIODIC, SIDES_CLOSED, SIDES_MIRRORED };
+
 struct request {
   struct raw_layout raw;
   double voxel[3]; /* m; x, y, z of the scan; NAN: the file's own */
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
+  enum sides sides;
   int mirror_axis; /* of the model; 2 where nothing is mirrored */
   size_t crop[6];  /* x0, y0, z0, nx, ny, nz */
   size_t size[3];

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
@@ -206,7 +207,9 @@ static enum status calibrate_labels(struct pipeline *pipeline) {
   pipeline->otsu = NAN;
   pipeline->threshold_original = pipeline->threshold = labels->threshold;
   pipeline->void_ratio_original = void_ratio_of(labels->porosity);
-  TRY(resampled_threshold(pipeline, labels->porosity, &pipeline->threshold));
+  /* The voxels as they are keep their surface; others have one that leaves as much to the pores. */
+  if (memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) != 0)
+    TRY(resampled_threshold(pipeline, labels->model_porosity, &pipeline->threshold));
   pipeline->threshold_slope = pipeline->threshold_slope_original = NAN;
 cleanup:
   return status;

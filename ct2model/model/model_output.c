@@ -118,6 +118,8 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(h5_write_attribute_text(file, "/model", "mirror_axis",
                               pipeline->request->mirror ? AXES[pipeline->request->mirror_axis]
                                                         : "none"));
+  static const char *const SIDES[] = {"periodic", "closed", "mirrored"};
+  TRY(h5_write_attribute_text(file, "/model", "sides", SIDES[pipeline->request->sides]));
   TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
 cleanup:
   return status;

@@ -49,7 +49,7 @@ void labels_end(struct labels *labels) {
 }
 
 double labels_effect_on_k(const struct labels *labels) {
-  const double n = labels->porosity, sharp = labels->sharp_porosity;
+  const double n = labels->model_porosity, sharp = labels->sharp_porosity;
   return pow(n / sharp, 3) * pow((1.0 - sharp) / (1.0 - n), 2) - 1.0;
 }
 
@@ -104,10 +104,12 @@ static enum status name_unknown(const struct region *region, size_t z, double va
 
 /* 1 grain, 0 pore; *fits is false where a value is none of two labels that were found. */
 static enum status classify(const struct region *region, const struct label_rules *rules,
-                            struct labels *labels, uint8_t *grain, bool *fits) {
+                            const bool reflect[3], struct labels *labels, uint8_t *grain,
+                            bool *fits) {
   enum status status = STATUS_OK;
   const size_t plane = region->size[0] * region->size[1];
   size_t pores = 0;
+  double weighed = 0.0, all = 0.0; /* in the mirrored model the last layers occur once */
   float *slice = NULL;
   *fits = true;
   TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
@@ -127,20 +129,28 @@ static enum status classify(const struct region *region, const struct label_rule
       }
       grain[z * plane + p] = !labels->pore[at];
       pores += labels->pore[at];
+      const size_t place[3] = {p % region->size[0], p / region->size[0], z};
+      double weight = 1.0;
+      for (int a = 0; a < 3; a++)
+        if (reflect[a] && place[a] + 1 == region->size[a]) weight *= 0.5;
+      weighed += labels->pore[at] ? weight : 0.0;
+      all += weight;
     }
   }
   labels->porosity = (double)pores / ((double)plane * (double)region->size[2]);
+  labels->model_porosity = weighed / all;
 cleanup:
   memory_free(&slice);
   return status;
 }
 
-/* Index i + d of n, mirrored about the outer faces or periodic. */
+/* Index i + d of n, periodic, or mirrored as models are: about the first face and the last centre.
+ */
 static size_t beyond(size_t i, long d, size_t n, bool reflect) {
   const long count = (long)n;
   long at = (long)i + d;
   if (reflect && n > 1) {
-    while (at < 0 || at >= count) at = at < 0 ? -1 - at : 2 * count - 1 - at;
+    while (at < 0 || at >= count) at = at < 0 ? -1 - at : 2 * count - 2 - at;
     return (size_t)at;
   }
   return (size_t)(((at % count) + count) % count);
@@ -205,18 +215,22 @@ static enum status measure_volume(const uint8_t *field, double unit, const size_
     const size_t y = line % ny, z = line / ny; // NOLINT: a region has a row
     const uint8_t *rows[4];
     for (int c = 0; c < 4; c++)
-      rows[c] =
-          field + (beyond(z, c / 2, nz, reflect[2]) * ny + beyond(y, c % 2, ny, reflect[1])) * nx;
+      rows[c] = field + ((c / 2 ? z : beyond(z, -1, nz, reflect[2])) * ny +
+                         (c % 2 ? y : beyond(y, -1, ny, reflect[1]))) *
+                            nx;
+    /* A cell from one centre to the next occurs twice where it is mirrored, that on a face once. */
+    const uint64_t twice = (reflect[1] && y > 0 ? 2u : 1u) * (reflect[2] && z > 0 ? 2u : 1u);
     for (size_t x = 0; x < nx; x++) {
-      const size_t next = beyond(x, 1, nx, reflect[0]);
+      const size_t last = beyond(x, -1, nx, reflect[0]);
+      const uint64_t weight = twice * (reflect[0] && x > 0 ? 2u : 1u);
       double corner[8];
       bool same = true;
       for (int c = 0; c < 8; c++) {
-        corner[c] = (double)rows[c / 2][c % 2 ? next : x];
+        corner[c] = (double)rows[c / 2][c % 2 ? x : last];
         same = same && corner[c] == corner[0];
       }
       if (same) {
-        counts[(size_t)(unit * corner[0] + 0.5)] += SUB * SUB * SUB;
+        counts[(size_t)(unit * corner[0] + 0.5)] += weight * SUB * SUB * SUB;
         continue;
       }
       for (int s = 0; s < SUB * SUB * SUB; s++) {
@@ -227,7 +241,7 @@ static enum status measure_volume(const uint8_t *field, double unit, const size_
           edge[c] = corner[2 * c] + u * (corner[2 * c + 1] - corner[2 * c]);
         const double near = edge[0] + v * (edge[1] - edge[0]),
                      far = edge[2] + v * (edge[3] - edge[2]);
-        counts[(size_t)(unit * (near + w * (far - near)) + 0.5)]++;
+        counts[(size_t)(unit * (near + w * (far - near)) + 0.5)] += weight;
       }
     }
   }
@@ -280,7 +294,7 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
   if (!labels->on) goto cleanup;
   TRY(memory_allocate(&grain, count, 1, "the labels"));
-  TRY(classify(region, rules, labels, grain, &fits));
+  TRY(classify(region, rules, reflect, labels, grain, &fits));
   labels->on = fits;
   if (!fits) goto cleanup;
   sort(labels);
@@ -293,7 +307,7 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   labels->sharp_porosity = grey_histogram_porosity(&volume, 0.5 * LABEL_GREY);
   grey_histogram_end(&volume);
   TRY(measure_volume(labels->smooth, 1.0, region->size, reflect, &volume));
-  labels->threshold = grey_histogram_quantile(&volume, labels->porosity);
+  labels->threshold = grey_histogram_quantile(&volume, labels->model_porosity);
   region->held = labels->smooth;
   region->held_type = PIXEL_U8;
 cleanup:

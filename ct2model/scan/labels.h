@@ -36,6 +36,7 @@ struct labels {
   double value[LABELS_MOST]; /* labels seen, rising */
   bool pore[LABELS_MOST];
   double porosity;       /* share of voxels that are pore */
+  double model_porosity; /* the same of the mirrored model, where the last layers count once */
   double sharp_porosity; /* that the surface halfway between unsmoothed labels would give */
   double threshold;      /* the grey at which the smoothed surface encloses the pores' volume */
   uint8_t *smooth;       /* [z][y][x] of the region */

@@ -131,3 +131,37 @@ assert a["size"] == [12, 12, 24] and all(abs(s / 5e-6 - 1) < 1e-9 for s in a["sp
 assert all(abs(v / w - 1) < 1e-9 for v, w in zip(a["voxel_size_m"], (5e-6, 5e-6, 1e-5))), a["voxel_size_m"]
 END
 }
+
+@test "--sides: an octant mirrored on all sides is the whole; closed sides are walls" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # The eighth of a sphere of share 0.216 in a cube of 17 voxels, cut through its middle voxel.
+  /usr/bin/python3 - <<'END'
+n, r = 9, (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 17
+at = [(i - (n - 1)) ** 2 for i in range(n)]
+open("eighth.raw", "wb").write(bytes(x + y + z < r * r for z in at for y in at for x in at))
+END
+  local eighth="eighth.raw --raw 9x9x9:u8 --voxel-size 10um --segmented 0"
+  for sides in mirrored periodic closed; do
+    ct2model build $eighth --sides $sides -o $sides.hdf --quiet
+    sphsolve run s.cfg --set model.file=$sides.hdf -o run-$sides --json > run-$sides.json
+  done
+  /usr/bin/python3 - <<'END'
+import h5py, json
+k = {s: json.load(open(f"run-{s}.json"))["intrinsic_permeability"] for s in ("mirrored", "periodic", "closed")}
+radius = (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 170e-6
+exact = 2 * radius**2 / (9 * 0.216 * 7.4419)  # Zick, Homsy 1982
+assert abs(k["mirrored"] / exact - 1) < 0.03, k["mirrored"] / exact
+assert k["closed"] < 0.8 * k["periodic"], k
+for sides, shape, periodic in (("mirrored", (17, 17, 17), [1, 1, 1]), ("periodic", (17, 9, 9), [1, 1, 1]), ("closed", (17, 9, 9), [1, 0, 0])):
+    model = h5py.File(sides + ".hdf")["model"]
+    assert model["solid"].shape == shape and list(model.attrs["periodic"]) == periodic, sides
+    assert model.attrs["sides"].decode() == sides
+for name in ("solid", "wall_distance", "grain_fraction"):
+    field = h5py.File("mirrored.hdf")["model/" + name][:]
+    assert all((field == field[s]).all() for s in ((slice(None, None, -1),), (slice(None), slice(None, None, -1)), (..., slice(None, None, -1)))), name
+END
+  run --separate-stderr ct2model build $eighth --sides closed --mirror x -o wrong.hdf
+  [ "$status" -eq 2 ] && [[ "$stderr" == *"--sides closed"* ]]
+  run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf
+  [ "$status" -eq 2 ]
+}
