@@ -145,6 +145,7 @@ static enum status survey_region(struct pipeline *pipeline) {
     pipeline->region.correction = &pipeline->correction;
   }
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
+  TRY(scanner_measure(&pipeline->region, &survey->phases, &pipeline->scanner));
 cleanup:
   return status;
 }
@@ -314,7 +315,7 @@ static enum status make_solid(struct pipeline *pipeline) {
   size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < sites; i++)
-    model->solid[i] = (double)pipeline->volume[i] > pipeline->threshold;
+    model->solid[i] = (double)pipeline->volume[i] > pipeline->solid_threshold;
   memory_free(&pipeline->volume);
   mirror_layers(pipeline, plain_layer(pipeline), model->solid, 1);
   TRY(sides_mirror(pipeline->size, model, model->solid, 1));
@@ -378,7 +379,16 @@ static enum status measure_walls(struct pipeline *pipeline, struct wall_request 
   double volume = 1.0, threshold;
   for (int d = 0; d < 3; d++)
     volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
-  if (coarse_threshold(pipeline, &threshold)) {
+  if (pipeline->restored.scan.levels != NULL) {
+    const struct region region = restored_region(&pipeline->restored, &pipeline->region);
+    const size_t step = pipeline->restored.scan.step;
+    request->threshold = pipeline->restored.threshold;
+    request->contrast = 1.0 / pipeline->restored.scan.unit;
+    TRY(wall_measure(&region, request, walls));
+    pipeline->specks = walls->specks * step * step * step;
+    quality->surface_original = walls->surface_area / volume;
+    quality->surface_error = NAN;
+  } else if (coarse_threshold(pipeline, &threshold)) {
     const struct region region = coarse_region(coarse, &pipeline->region);
     request->threshold = threshold;
     request->contrast /= coarse->unit;
@@ -392,6 +402,7 @@ static enum status measure_walls(struct pipeline *pipeline, struct wall_request 
   }
 cleanup:
   coarse_end(&pipeline->coarse);
+  restored_end(&pipeline->restored);
   return status;
 }
 
@@ -430,11 +441,37 @@ static enum status check_output(const struct pipeline *pipeline) {
   return output_allow(pipeline->request->output);
 }
 
+/* A grey scan whose scanner is known, and which the user does not want otherwise. */
+static bool can_restore(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  return pipeline->scanner.known && !request->keep_blur &&
+         pipeline->region.denoise == DENOISE_NONE &&
+         (request->filter == FILTER_BICUBIC || request->filter == FILTER_AREA);
+}
+
+/* Takes the blur out, and replaces the resampled volume by that of the result. */
+static enum status restore(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const double e = pipeline->void_ratio_original;
+  const size_t *size = pipeline->size;
+  TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e,
+                    &pipeline->restored));
+  if (pipeline->restored.scan.levels == NULL) return STATUS_OK;
+  TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
+  TRY(volume_threshold(pipeline->volume, size[2], size[0] * size[1], pipeline->weight,
+                       e / (1.0 + e), &pipeline->solid_threshold));
+cleanup:
+  return status;
+}
+
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
                          bool distances, struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  *pipeline = (struct pipeline){
-      .request = request, .distances = distances, .grey_scale = 1.0, .coarse = {.step = 1}};
+  *pipeline = (struct pipeline){.request = request,
+                                .distances = distances,
+                                .grey_scale = 1.0,
+                                .coarse = {.step = 1},
+                                .restored = {.scan = {.step = 1}}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   TRY(check_output(pipeline));
   TRY(choose_region(pipeline));
@@ -442,7 +479,8 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   const size_t *out = pipeline->size;
   const bool labels = pipeline->labels.on;
   pipeline->resampled = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
-  if (distances && !labels)
+  pipeline->restoring = distances && !labels && can_restore(pipeline);
+  if (distances && !labels && !pipeline->restoring)
     TRY(coarse_start(&pipeline->region, out, &pipeline->survey, &pipeline->coarse));
   if (!distances || pipeline->coarse.step > 1)
     TRY(surface_sample_start(&pipeline->region, &pipeline->sample));
@@ -451,7 +489,9 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(binarise_calibrate(pipeline));
   memory_free(&pipeline->survey.sample); /* room for the model */
   TRY(measure_surface(pipeline));
+  pipeline->solid_threshold = pipeline->threshold;
   if (!labels) TRY(sweep_table_make(pipeline, &pipeline->table));
+  if (pipeline->restoring) TRY(restore(pipeline));
   if (pipeline->resampled) TRY(make_solid(pipeline));
   if (distances) {
     TRY(find_walls(pipeline));
@@ -473,6 +513,7 @@ void pipeline_end(struct pipeline *pipeline) {
   memory_free(&pipeline->weight);
   surface_sample_end(&pipeline->sample);
   coarse_end(&pipeline->coarse);
+  restored_end(&pipeline->restored);
   survey_end(&pipeline->survey);
   labels_end(&pipeline->labels);
   stack_close(&pipeline->stack);

@@ -18,6 +18,8 @@
 #include "ct2model/readers/stack.h"
 #include "ct2model/surface/surface_sample.h"
 #include "ct2model/scan/survey.h"
+#include "ct2model/scanner/restored.h"
+#include "ct2model/scanner/scanner.h"
 #include "ct2model/calibrate/sweep_table.h"
 
 struct quality {
@@ -37,6 +39,7 @@ struct pipeline {
   struct labels labels;              /* of a segmented image: `region` reads them smoothed */
   struct survey survey;              /* of the greys as stored, in the scan's axes */
   size_t survey_size[2];             /* of its slices */
+  struct scanner scanner;            /* of the greys that are used */
   struct correction correction;      /* what region applies, if asked */
   struct denoise_effect denoised;    /* if asked */
   float *turned;                     /* the scan with other axes (--flow); NULL if z stays z */
@@ -53,8 +56,11 @@ struct pipeline {
   double grey_scale; /* reported = stored * grey_scale */
   struct surface_sample sample; /* where the scan is not read again */
   struct coarse coarse;         /* likewise, of a build; until the walls are measured */
+  struct restored restored;     /* the scan without blur and noise */
+  bool restoring;               /* whether that is tried */
   struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
+  double solid_threshold;                           /* of `volume`, which may be restored */
   double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
   double void_ratio_original;                       /* of the region at threshold_original */
   double otsu;

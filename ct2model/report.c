@@ -126,6 +126,24 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
     json_object_set_new(root, OF_GREYS[i], json_null());
 }
 
+static json_t *json_of_scanner(const struct scanner *scanner) {
+  json_t *object = json_object();
+  static const struct scanner UNKNOWN = {.blur = NAN,
+                                         .blur_error = NAN,
+                                         .fringe = NAN,
+                                         .contrast_to_noise = NAN,
+                                         .noise_correlation = NAN,
+                                         .resolution = NAN};
+  if (!scanner->known) scanner = &UNKNOWN;
+  put(object, "blur_m", scanner->blur);
+  put(object, "blur_uncertainty_m", scanner->blur_error);
+  put(object, "fringe", scanner->fringe);
+  put(object, "contrast_to_noise", scanner->contrast_to_noise);
+  put(object, "noise_correlation_m", scanner->noise_correlation);
+  put(object, "resolution_m", scanner->resolution);
+  return object;
+}
+
 static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
@@ -143,6 +161,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   put(root, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak));
   put(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
   put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
+  json_object_set_new(root, "scanner", json_of_scanner(&pipeline->scanner));
   put(root, "beam_hardening", pipeline->survey.beam);
   put(root, "rings", pipeline->survey.rings);
   json_of_labels(pipeline, root);
@@ -261,6 +280,13 @@ static void print_morphology(const struct pipeline *pipeline) {
 /* What the survey found, and what was done about it. */
 static void print_scan(const struct pipeline *pipeline) {
   const struct survey *survey = &pipeline->survey;
+  const struct scanner *scanner = &pipeline->scanner;
+  if (scanner->known)
+    printf("scanner           blur %.3g +- %.2g um (%.2g voxels), fringe %.2g, contrast %.3g times "
+           "the "
+           "noise, noise correlated over %.2g um\n",
+           1e6 * scanner->blur, 1e6 * scanner->blur_error, scanner->blur / scanner->unit,
+           scanner->fringe, scanner->contrast_to_noise, 1e6 * scanner->noise_correlation);
   if (isfinite(survey->rings))
     printf("radial            grain %+.1f +- %.1f %% of the contrast from middle to rim%s; rings "
            "%.1f %%%s\n",

@@ -64,6 +64,8 @@ static const struct option_entry ENTRIES[] = {
     {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
      "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local "
      "means)"},
+    {"blur", 0, "remove|keep", BUILD,
+     "what the scanner did to the surface: remove (default, where it can be measured) or keep"},
     {"correct", 0, "LIST", SWEEP | BUILD,
      "level what the radius does to the greys: beam (hardening), rings, or beam,rings"},
     {"axis", 0, "X,Y", SWEEP | BUILD, "pixel about which rings lie (default the middle)"},
@@ -182,8 +184,10 @@ static enum status parse_choices(const struct options *options, struct request *
   static const char *const GRAINS[] = {"bright", "dark", NULL};
   static const char *const DENOISE[] = {"none", "median", "nlm", NULL};
   static const char *const ISLANDS[] = {"keep", "fill", NULL};
+  static const char *const BLUR[] = {"remove", "keep", NULL};
   enum status status = STATUS_OK;
   int filter = FILTER_BICUBIC, mirror = 2, grain = 0, islands = 0, denoise = 0, sides = 0;
+  int blur = 0;
   TRY(options_choice(options, "filter", FILTERS, &filter));
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
   TRY(options_choice(options, "sides", SIDES, &sides));
@@ -198,6 +202,8 @@ static enum status parse_choices(const struct options *options, struct request *
   TRY(options_choice(options, "grain", GRAINS, &grain));
   TRY(options_choice(options, "islands", ISLANDS, &islands));
   TRY(options_choice(options, "denoise", DENOISE, &denoise));
+  TRY(options_choice(options, "blur", BLUR, &blur));
+  request->keep_blur = blur == 1;
   request->filter = (enum filter)filter;
   request->denoise = (enum denoise)denoise;
   request->mirror = mirror < 3;

@@ -30,7 +30,7 @@ struct request {
   int flow_axis; /* of the scan, 0 x .. 2 z: the model's z */
   enum filter filter;
   enum denoise denoise;
-  bool correct_beam, correct_rings;
+  bool correct_beam, correct_rings, keep_blur;
   double axis[2];                      /* of rotation, pixels; NAN: the middle */
   double void_ratio, void_ratio_error; /* NAN if not given */
   enum threshold_rule rule;

@@ -11,7 +11,7 @@ import sys
 # above all.
 ROOMS = {
     "sphsolve": ["scene", "geometry", "plan", "output", "parallel", "march", "stokes", "wcsph", "isph"],
-    "ct2model": ["readers", "calibrate", "scan", "resample", "surface", "model", ""],
+    "ct2model": ["readers", "calibrate", "scan", "resample", "surface", "scanner", "model", ""],
     "analyze": ["", "report"],
 }
 # Not right yet: from -> to. None may be added; one that is no more is told, and taken out here.

@@ -100,7 +100,7 @@ static void warn_of_contrast(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
   char advice[100];
   bool unimodal = phases->valley_depth > 0.9;
-  if (!unimodal && !(phases->contrast_to_noise < 5.0)) return;
+  if (!unimodal && (!(phases->contrast_to_noise < 5.0) || pipeline->restoring)) return;
   advise_denoising(pipeline, advice, sizeof advice);
   if (unimodal)
     log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "

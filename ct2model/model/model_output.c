@@ -68,6 +68,29 @@ cleanup:
   return status;
 }
 
+/* What the scanner did, and the edge response it is read from. */
+static enum status write_scanner(struct h5_file *file, const struct scanner *scanner) {
+  enum status status = STATUS_OK;
+  const size_t bins = EDGE_BINS;
+  double distance[EDGE_BINS], response[EDGE_BINS];
+  if (!scanner->known) return STATUS_OK;
+  for (size_t i = 0; i < bins; i++) {
+    distance[i] = edge_bin_distance(i) * scanner->unit;
+    response[i] = scanner->response.sum[i] / scanner->response.count[i]; /* NAN: no voxel */
+  }
+  TRY(h5_make_group(file, "/scanner"));
+  TRY(write_number(file, "/scanner", "blur", scanner->blur));
+  TRY(write_number(file, "/scanner", "blur_uncertainty", scanner->blur_error));
+  TRY(write_number(file, "/scanner", "fringe", scanner->fringe));
+  TRY(write_number(file, "/scanner", "contrast_to_noise", scanner->contrast_to_noise));
+  TRY(write_number(file, "/scanner", "noise_correlation", scanner->noise_correlation));
+  TRY(write_number(file, "/scanner", "resolution", scanner->resolution));
+  TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
+  TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
+cleanup:
+  return status;
+}
+
 /* Pore widths, and the void ratio against the size of the window. */
 static enum status write_curves(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
@@ -161,6 +184,7 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
+  TRY(write_scanner(file, &pipeline->scanner));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
   file = NULL; /* commit frees it */

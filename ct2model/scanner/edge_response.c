@@ -1,0 +1,179 @@
+#include "ct2model/scanner/edge_response.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/surfels.h"
+
+#define PI 3.14159265358979323846
+
+double edge_bin_distance(size_t bin) {
+  return ((double)bin + 0.5) / EDGE_FINE - EDGE_REACH;
+}
+
+/* ---- fit ---- */
+
+/* Least squares of a + b u + c v to the bins, u and v the two parts of the response; the sum of the
+ * squares left. */
+static double fit_linear(const struct edge_response *response, double reach, double deviation,
+                         double shift, double out[3]) {
+  double m[3][4] = {{0}}, left = 0.0;
+  for (size_t i = 0; i < EDGE_BINS; i++) {
+    if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
+    const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
+    const double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * PI),
+                           response->sum[i] / n};
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 4; b++) m[a][b] += n * row[a] * row[b];
+  }
+  for (int p = 0; p < 3; p++) { /* positive definite: no pivots needed */
+    if (!(m[p][p] > 0.0)) return INFINITY;
+    for (int a = 0; a < 3; a++) {
+      if (a == p) continue;
+      const double factor = m[a][p] / m[p][p];
+      for (int b = p; b < 4; b++) m[a][b] -= factor * m[p][b];
+    }
+  }
+  for (int p = 0; p < 3; p++) out[p] = m[p][3] / m[p][p];
+  for (size_t i = 0; i < EDGE_BINS; i++) {
+    if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
+    const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
+    left += n * pow(out[0] + out[1] * 0.5 * erfc(t / sqrt(2.0)) -
+                        out[2] * t * exp(-0.5 * t * t) / sqrt(2.0 * PI) - response->sum[i] / n,
+                    2.0);
+  }
+  return left;
+}
+
+bool edge_fit_find(const struct edge_response *response, double reach, struct edge_fit *fit) {
+  double count = 0.0, least = INFINITY, deviation = 0.0, shift = 0.0, linear[3] = {0};
+  size_t filled = 0;
+  *fit = (struct edge_fit){.deviation = NAN};
+  for (size_t i = 0; i < EDGE_BINS; i++) {
+    if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
+    count += response->count[i];
+    filled++;
+  }
+  if (count < 500.0 || filled < 12) return false;
+  double wide[2] = {0.3, fmin(reach, 5.0)}, far[2] = {-0.6, 0.6};
+  for (int round = 0; round < 5; round++) {
+    double best[2] = {deviation, shift};
+    for (int i = 0; i <= 20; i++)
+      for (int j = 0; j <= 12; j++) {
+        const double s = wide[0] * pow(wide[1] / wide[0], i / 20.0);
+        const double d = far[0] + (far[1] - far[0]) * j / 12.0;
+        double found[3] = {0};
+        const double left = fit_linear(response, reach, s, d, found);
+        if (!(left < least) || !(found[1] > 0.0) || !(found[2] > -0.3 * found[1])) continue;
+        least = left;
+        best[0] = s;
+        best[1] = d;
+        memcpy(linear, found, sizeof linear);
+      }
+    if (!isfinite(least)) return false;
+    deviation = best[0];
+    shift = best[1];
+    const double step = pow(wide[1] / wide[0], 1.0 / 10.0), side = (far[1] - far[0]) / 6.0;
+    wide[0] = deviation / step;
+    wide[1] = deviation * step;
+    far[0] = shift - side;
+    far[1] = shift + side;
+  }
+  *fit = (struct edge_fit){.deviation = deviation,
+                           .fringe = linear[2] / linear[1],
+                           .pore = linear[0],
+                           .grain = linear[0] + linear[1],
+                           .shift = shift,
+                           .residual = sqrt(least / count)};
+  return true;
+}
+
+double edge_fit_transfer(const struct edge_fit *fit, double frequency) {
+  const double x = pow(2.0 * PI * frequency * fit->deviation, 2.0);
+  return exp(-0.5 * x) * (1.0 + fit->fringe * x);
+}
+
+/* ---- surfaces ---- */
+
+enum status edge_distances(const float *smooth, const size_t size[3], const double stretch[3],
+                           double limit, float *distance) {
+  enum status status = STATUS_OK;
+  const size_t nx = size[0], rows = size[1] * size[2], words = phase_words(nx);
+  int16_t *field = NULL;
+  uint64_t *bits = NULL;
+  struct surfels surfels = {0};
+  TRY(memory_allocate(&field, nx * rows, sizeof *field, "a window of the scan"));
+  TRY(memory_allocate(&bits, rows * words, sizeof *bits, "a window of the scan"));
+  for (size_t i = 0; i < nx * rows; i++) {
+    const float value = fminf(fmaxf((smooth[i] - 0.5f) * 8192.0f, -32767.0f), 32767.0f);
+    field[i] = (int16_t)(value > 0.0f ? (int)value + 1 : (int)value - 1);
+  }
+  for (size_t row = 0; row < rows; row++) phase_row(field + row * nx, nx, bits + row * words);
+  TRY(surfels_build(field, bits, size, stretch, &surfels));
+#pragma omp parallel for schedule(dynamic, 4)
+  for (size_t row = 0; row < rows; row++) {
+    size_t near = SURFELS_NOWHERE;
+    double best = limit;
+    for (size_t x = 0; x < nx; x++) {
+      const size_t at[3] = {x, row % size[1], row / size[1]};
+      double point[3];
+      for (int d = 0; d < 3; d++) point[d] = ((double)at[d] + 0.5) * stretch[d];
+      best = surfels_distance(&surfels, point, fmin(limit, 1.0001 * (best + stretch[0])), &near);
+      distance[row * nx + x] = (float)(field[row * nx + x] > 0 ? -best : best);
+    }
+  }
+cleanup:
+  surfels_end(&surfels);
+  memory_free(&field);
+  memory_free(&bits);
+  return status;
+}
+
+/* The voxel that holds a point of voxel coordinates; false beyond the window. */
+static bool voxel_at(const double point[3], const size_t size[3], size_t *voxel) {
+  size_t at[3];
+  for (int d = 0; d < 3; d++) {
+    if (!(point[d] > -0.5) || !(point[d] < (double)size[d] - 0.5)) return false;
+    at[d] = (size_t)(point[d] + 0.5);
+  }
+  *voxel = (at[2] * size[1] + at[1]) * size[0] + at[0];
+  return true;
+}
+
+void edge_response_add(const float *grey, const float *smooth, const float *distance,
+                       const size_t size[3], const double stretch[3], double reach,
+                       struct edge_response *response) {
+  const size_t step[3] = {1, size[0], size[0] * size[1]};
+  for (size_t i = 0; i < step[2] * size[2]; i++) {
+    const size_t at[3] = {i % size[0], i / size[0] % size[1], i / step[2]};
+    const double d = (double)distance[i];
+    double normal[3] = {0}, length = 0.0, ends[2][3];
+    size_t pore, grain;
+    if (!(fabs(d) < reach)) continue;
+    for (int a = 0; a < 3; a++) {
+      if (size[a] == 1) continue;
+      if (at[a] == 0 || at[a] + 1 == size[a]) goto next;
+      normal[a] =
+          0.5 * ((double)distance[i + step[a]] - (double)distance[i - step[a]]) / stretch[a];
+      length += normal[a] * normal[a];
+    }
+    length = sqrt(length);
+    if (!(length > 0.8)) continue; /* between two surfaces */
+    for (int a = 0; a < 3; a++)
+      for (int side = 0; side < 2; side++)
+        ends[side][a] =
+            (double)at[a] + normal[a] / length * ((side ? -reach : reach) - d) / stretch[a];
+    if (!voxel_at(ends[0], size, &pore) || !voxel_at(ends[1], size, &grain)) continue;
+    const double alone = 0.85 * reach - 0.5;
+    if ((double)distance[pore] < alone || (double)distance[grain] > -alone) continue;
+    if (smooth[grain] > 1.35f || smooth[grain] < 0.7f || smooth[pore] > 0.3f) continue;
+    const double bin = (d + EDGE_REACH) * EDGE_FINE;
+    if (bin >= 0.0 && bin < EDGE_BINS) {
+      response->sum[(size_t)bin] += (double)grey[i];
+      response->count[(size_t)bin] += 1.0;
+    }
+  next:;
+  }
+}

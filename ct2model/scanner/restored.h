@@ -1,0 +1,28 @@
+/* The scan without its blur and noise as what the model is made of: levels of the share of grain,
+ * and the one among them at which the surface lies. */
+#ifndef TOSUI_CT2MODEL_SCANNER_RESTORED_H
+#define TOSUI_CT2MODEL_SCANNER_RESTORED_H
+
+#include <stdbool.h>
+
+#include "ct2model/resample/resample.h"
+#include "ct2model/scanner/scanner.h"
+#include "ct2model/surface/coarse.h"
+
+struct restored {
+  struct coarse scan; /* no levels: the scan is left as it is */
+  double threshold;   /* the level that gives the void ratio */
+};
+
+/* Takes `blur` (m) out. No levels come back, with a warning, where the edges of the scan do not
+ * allow that void ratio or memory would not hold it. Free with restored_end. */
+enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
+                          double void_ratio, struct restored *restored);
+void restored_end(struct restored *restored);
+/* As a region of levels. */
+struct region restored_region(const struct restored *restored, const struct region *region);
+/* Resampled into volume[size z][size y][size x], by a filter that takes rows. */
+enum status restored_resample(const struct restored *restored, enum filter filter,
+                              const size_t size[3], float *volume);
+
+#endif

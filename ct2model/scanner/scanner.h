@@ -1,0 +1,36 @@
+/* What the scanner did to the specimen, measured on windows of the scan itself: how wide it blurs a
+ * grain's surface, what fringe it leaves there, how strong the noise is and over what length it is
+ * correlated. */
+#ifndef TOSUI_CT2MODEL_SCANNER_SCANNER_H
+#define TOSUI_CT2MODEL_SCANNER_SCANNER_H
+
+#include <stdbool.h>
+
+#include "common/error.h"
+#include "ct2model/scan/region.h"
+#include "ct2model/scanner/edge_response.h"
+
+struct grey_phases;
+
+struct scanner {
+  bool known;              /* false: segmented, or no surface stands alone; all else is then NAN */
+  double blur, blur_error; /* m: standard deviation, without the voxel's own width; 1 sigma */
+  double fringe;           /* strength of the Laplacian, per blur^2 */
+  double pore, grain;      /* greys of the region, far from surfaces */
+  double noise;            /* standard deviation, greys of the region */
+  double contrast_to_noise;
+  double noise_correlation; /* m: standard deviation of the Gaussian that correlates white noise */
+  double resolution;        /* m: period at which the modulation transfer falls to a tenth */
+  double unit;              /* m: the smallest side of a voxel, unit of the response's distances */
+  struct edge_response response; /* greys 0 pore, 1 grain; over all windows */
+};
+
+/* `phases` say about where pore and grain lie. */
+enum status scanner_measure(const struct region *region, const struct grey_phases *phases,
+                            struct scanner *scanner);
+
+/* Volume (m^3) over which noise is as one voxel's: its power at low frequencies over its variance.
+ */
+double scanner_noise_volume(const struct scanner *scanner, const double voxel[3]);
+
+#endif
