@@ -1,0 +1,63 @@
+#!/usr/bin/env bats
+# What ct2model says of the scanner, and what it makes of its blur and noise, on sands whose scanner and grains are
+# known: data-samples/generate_sand.
+
+setup_file() {
+  case ${BUILD:=build} in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
+  export GENERATE="$BUILD/bin/generate_sand" CT="$BUILD/bin/ct2model" WORK="$BATS_FILE_TMPDIR"
+}
+
+# sand NAME OPTIONS...: a scan of 96x96x48 voxels
+sand() { "$GENERATE" --quiet --output "$WORK/$1" --size 96x96x48 --ring 0 "${@:2}"; }
+# built NAME VOID_RATIO OPTIONS...: its model, and what was said of it
+built() {
+  "$CT" build "$WORK/$1" --void-ratio "$2" --size 24x24x12 --json --quiet -o "$WORK/$1$4.hdf" "${@:3}" > "$WORK/$1$4.json"
+}
+
+@test "blur, contrast to noise and the noise's correlation are those of the generator within a tenth" {
+  sand one --seed 31 --blur 5.83um --noise-ratio 16 --fringe 0
+  sand two --seed 32 --blur 11.66um --noise-ratio 6 --fringe 0.7 --noise-length 1
+  for name in one two; do built $name 0.725; done
+  python3 - "$WORK" << 'P'
+import json, sys
+for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11.66e-6, 6, 5.83e-6):
+    found = json.load(open(f"{sys.argv[1]}/{name}.json"))["scanner"]
+    print(name, found)
+    assert abs(found["blur_m"] / blur - 1) < 0.1
+    assert abs(found["contrast_to_noise"] / ratio - 1) < 0.1
+    assert abs(found["noise_correlation_m"] / length - 1) < 0.1
+    assert 0 < found["blur_uncertainty_m"] < 0.2 * blur
+    assert found["resolution_m"] > found["blur_m"]
+P
+  grep -q scanner <("$CT" build "$WORK/one" --void-ratio 0.725 --size 24x24x12 -o "$WORK/text.hdf" 2> /dev/null)
+}
+
+@test "the surface without blur is at least twice as near to the true grains' area as that of the scan" {
+  sand blurred --seed 33 --noise-ratio 30 --fringe 0 --truth "$WORK/truth.raw" --truth-refine 3
+  "$CT" build "$WORK/truth.raw" --raw 288x288x144:u8 --voxel-size 1.943333um --threshold 0.5 --size 24x24x12 --json \
+    --quiet -o "$WORK/truth.hdf" > "$WORK/truth.json"
+  e=$(python3 -c "import json; print(json.load(open('$WORK/truth.json'))['void_ratio_original'])")
+  built blurred "$e" --blur remove
+  built blurred "$e" --blur keep
+  python3 - "$WORK" << 'P'
+import json, sys
+surface = lambda name: json.load(open(f"{sys.argv[1]}/{name}.json"))["specific_surface_per_m"]
+true, without, kept = surface("truth"), surface("blurredremove"), surface("blurredkeep")
+print(true, without, kept)
+assert kept / true < 0.85 and abs(without / true - 1) < 0.5 * abs(kept / true - 1)
+P
+}
+
+@test "the same bytes on one thread and on two; a segmented image has no scanner" {
+  sand threads --seed 34
+  for n in 1 2; do
+    "$CT" build "$WORK/threads" --void-ratio 0.725 --size 24x24x12 --threads $n --quiet --json -o "$WORK/threads.hdf" \
+      > "$WORK/threads-$n.json"
+    "$CT" export "$WORK/threads.hdf" -o "$WORK/threads-$n.tif" > /dev/null
+  done
+  cmp "$WORK/threads-1.json" "$WORK/threads-2.json" && cmp "$WORK/threads-1.tif" "$WORK/threads-2.tif"
+  head -c 32768 /dev/zero > "$WORK/flat.raw"
+  head -c 32768 /dev/zero | tr '\0' '\1' >> "$WORK/flat.raw"
+  "$CT" build "$WORK/flat.raw" --raw 32x32x64:u8 --voxel-size 1um --threshold 0.5 --quiet --json -o "$WORK/flat.hdf" |
+    grep -q '"blur_m": null'
+}
