@@ -28,7 +28,7 @@ struct lattice {
    * of a domain lies within a site. */
   double bulk_count;
   bool saturated; /* all soil starts full of water */
-  uint8_t *kind;     /* enum site_kind */
+  uint8_t *kind;  /* enum site_kind */
   /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
    * model's wall_distance, else its grain_fraction, else the voxel faces; from the boxes of a
    * domain exactly. NULL when there is no wall. */

@@ -37,7 +37,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
 
   group = config_child(config, root, "stokes");
   wall = WALL_SUBVOXEL;
-  scene->stokes.tolerance = 1e-6;
+  scene->stokes.tolerance = NAN;
   kernel = KERNEL_QUINTIC;
   TRY(config_choice(config, group, "kernel", stokes_kernel_names, &kernel, NULL));
   scene->stokes.kernel = (enum kernel)kernel;
@@ -91,7 +91,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
     TRY(config_error(config, config_child(config, group, "smagorinsky"), "0 to 1 is possible"));
   double *tolerances[2] = {&scene->stokes.tolerance, &scene->isph.tolerance};
   for (int i = 0; i < 2; i++)
-    if (!(*tolerances[i] > 0 && *tolerances[i] < 0.1))
+    if (*tolerances[i] <= 0 || *tolerances[i] >= 0.1) /* NAN: not given */
       TRY(config_error(
           config,
           config_child(config, i ? group : config_child(config, root, "stokes"), "tolerance"),

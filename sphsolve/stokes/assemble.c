@@ -150,7 +150,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   if (walls_move(scene))
     TRY(memory_allocate(&op->drag, axes * op->n, sizeof *op->drag, "drag of moving walls"));
   TRY(memory_allocate(&op->row_flux, 3 * grid->rows, sizeof *op->row_flux, "flux of the rows"));
-  const size_t ghosts = 2 * (size_t)grid->reach * grid->size[1];
+  const size_t ghosts = 2 * (size_t)(grid->reach + grid->images) * grid->size[1];
   TRY(memory_allocate_sparse(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
                              4 * (grid->row_end - grid->row_begin + ghosts) * grid->stride,
                              "fields on the lattice"));
@@ -237,6 +237,7 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
       for (int a = 0; a < axes; a++) {
         const size_t at = (size_t)a * op->n + n;
         const int axis = op->stencil->axes[a];
+        if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
         /* Between two walls the force bends the profile by no more than its slope is; in a corner
          * it would, as it is shared among the walls. */
         const double slope = w.velocity * x[at] + w.moving[axis], most = fabs(slope);
@@ -248,6 +249,8 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
   }
   memset(flux, 0, 3 * sizeof *flux);
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
-    for (int a = 0; a < axes; a++) flux[op->stencil->axes[a]] += op->row_flux[3 * row + (size_t)a];
+    for (int a = 0; a < axes; a++)
+      flux[op->stencil->axes[a]] +=
+          stokes_grid_weight(grid, row) * op->row_flux[3 * row + (size_t)a];
   ranks_sum_all(flux, 3);
 }

@@ -14,7 +14,7 @@ static const double ratios[LEVELS] = {1.0, 1.5, 2.0};
 /* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
-#define TOLERANCE 1e-4
+static const struct stokes_goal goal = {.mean = 1e-4};
 
 struct error_split error_split_none(void) {
   return (struct error_split){NAN,
@@ -146,7 +146,7 @@ static double permeability_of(const struct scene *scene, const struct plan *plan
   if (lattice->fluid_count > 0 &&
       stokes_solver_build(lattice, scene, context->support / context->spacing * spacing, wall,
                           context->kinematic_viscosity, scene->driving, &s) == STATUS_OK &&
-      s.grid.active_all > 0 && stokes_solver_run(&s, TOLERANCE) == STATUS_OK)
+      s.grid.active_all > 0 && stokes_solver_run(&s, &goal) == STATUS_OK)
     for (int a = 0; a < 3; a++) k += s.mean[a] * s.force[a] * s.stencil.unit * s.stencil.unit;
   stokes_solver_free(&s);
   error_clear();

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/geometry/percolation.h"
+#include "sphsolve/geometry/resample.h"
 
 static void mark(struct stokes_grid *grid, size_t site) {
   const size_t row = site / grid->size[0], i = site % grid->size[0];
@@ -47,12 +48,34 @@ enum status stokes_grid_build(const struct lattice *lattice, const double drivin
       count += (size_t)__builtin_popcount(grid->mask[row * grid->chunks + c]);
     grid->row_start[row + 1] = grid->row_start[row] + count;
   }
-  grid->active = grid->active_all = grid->row_start[grid->rows];
+  grid->active = grid->active_all = grid->flowing = grid->row_start[grid->rows];
   grid->row_end = grid->inner_end = grid->rows;
   return STATUS_OK;
 cleanup:
   stokes_grid_free(grid);
   return status;
+}
+
+void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
+                        const double driving[3], int reach) {
+  const size_t nz = grid->size[2], half = (nz + 1) / 2;
+  int along = -1, axes = 0;
+  for (int a = 0; a < 3; a++)
+    if (driving[a] != 0.0) {
+      along = a;
+      axes++;
+    }
+  if (ranks_count() > 1 || axes != 1 || lattice->dimensions != 3 || nz < 4 * (size_t)reach + 2 ||
+      !lattice_is_mirrored(lattice))
+    return;
+  grid->mirrored = true;
+  grid->images = reach;
+  /* The image of a flow is the flow of the image of its force: a force along z changes its sign,
+   * and with it all fields, but for velocities along z, which change theirs once more. */
+  const float force = along == 2 ? -1.0f : 1.0f;
+  for (int c = 0; c < 4; c++) grid->parity[c] = c == 2 ? -force : force;
+  grid->row_end = grid->inner_end = half * grid->size[1];
+  grid->active = grid->active_all = grid->row_start[grid->row_end];
 }
 
 /* Work of a plane, in units of that of a solved site; docs/scaling.md. */

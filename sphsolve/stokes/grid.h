@@ -3,6 +3,7 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_GRID_H
 #define TOSUI_SPHSOLVE_STOKES_GRID_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -22,10 +23,17 @@ struct stokes_grid {
   size_t chunks, stride; /* of a row: STOKES_LANES floats a chunk, stride = STOKES_LANES * chunks */
   size_t active;         /* sites solved, by this rank */
   size_t active_all;     /* and by all */
+  size_t flowing;        /* and those they stand for: twice as many where half is solved */
   size_t offset;         /* by the ranks before */
   size_t row_begin, row_end;     /* rows of this rank */
   size_t inner_begin, inner_end; /* those of them whose stencil reads no ghost */
   int reach;                     /* planes of ghosts on each side; 0: there are none */
+  /* A lattice that is its own mirror image in z, driven along one axis, is solved on its lower
+   * half: rows up to row_end. Fields are even or odd there (+1, -1: velocities x, y, z and
+   * pressure), and the rows beyond are images of those within. */
+  bool mirrored;
+  float parity[4];
+  int images; /* planes of images on each side that a stencil reads */
   struct slabs slabs;
   uint16_t *mask;    /* [rows][chunks]: bit b of chunk c is site c * STOKES_LANES + b */
   size_t *row_start; /* [rows + 1]: first packed index of a row of this rank */
@@ -36,6 +44,10 @@ struct stokes_grid {
  * balanced by pressure. `keep_all`: walls move, every pore may flow. */
 enum status stokes_grid_build(const struct lattice *lattice, const double driving[3], int keep_all,
                               struct stokes_grid *grid);
+/* Takes the lower half only, where the lattice is mirrored, the flow with it, and one rank has all
+ * of it. `reach` as below. */
+void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
+                        const double driving[3], int reach);
 /* Shares the rows out among the ranks; `reach`: planes a stencil reads on each side. Does nothing
  * for one rank. */
 enum status stokes_grid_share(struct stokes_grid *grid, int reach);
@@ -45,7 +57,7 @@ void stokes_grid_free(struct stokes_grid *grid);
  * on their way, then the others. */
 #define STOKES_PARTS (RANKS ? 2 : 1)
 static inline size_t stokes_grid_part(const struct stokes_grid *grid, int part) {
-  if (!RANKS) return grid->rows;
+  if (!RANKS) return grid->row_end;
   const size_t inner = grid->inner_end - grid->inner_begin;
   return part == 0 ? inner : grid->row_end - grid->row_begin - inner;
 }
@@ -60,11 +72,46 @@ static inline size_t stokes_grid_begin(const struct stokes_grid *grid) {
   return RANKS ? grid->row_begin : 0;
 }
 static inline size_t stokes_grid_end(const struct stokes_grid *grid) {
-  return RANKS ? grid->row_end : grid->rows;
+  return grid->row_end;
 }
-/* Within a parallel region: the ghost rows of a field, `bytes` a row, are put under way, and have
- * come in before part 1. */
-static inline void stokes_grid_post(const struct stokes_grid *grid, void *field, size_t bytes) {
+/* Planes that are solved by all ranks: half of a mirrored lattice. */
+static inline size_t stokes_grid_planes(const struct stokes_grid *grid) {
+  return grid->mirrored ? grid->row_end / grid->size[1] : grid->size[2];
+}
+/* How often a row counts in sums over the lattice. */
+static inline double stokes_grid_weight(const struct stokes_grid *grid, size_t row) {
+  if (!grid->mirrored) return 1.0;
+  return grid->size[2] % 2 == 1 && row + grid->size[1] >= grid->row_end ? 1.0 : 2.0;
+}
+/* The row whose image a row of a mirrored lattice is. */
+static inline size_t stokes_grid_image(const struct stokes_grid *grid, size_t row) {
+  const size_t ny = grid->size[1];
+  return (grid->size[2] - 1 - row / ny) * ny + row % ny;
+}
+/* Within a parallel region: the ghost rows of a field of `stride` floats or doubles a row. Images
+ * are there when it returns; rows of other ranks are put under way, and have come in before part 1.
+ * component: 0 to 2 velocity, 3 pressure, -1 what is even. */
+static inline void stokes_grid_post(const struct stokes_grid *grid, int component, void *field,
+                                    size_t bytes) {
+  if (grid->mirrored) {
+    const float sign = component < 0 ? 1.0f : grid->parity[component];
+    const size_t ny = grid->size[1], first = grid->row_end, count = (size_t)grid->images * ny;
+    const bool wide = bytes == grid->stride * sizeof(double);
+#pragma omp for schedule(static)
+    for (size_t n = 0; n < 2 * count; n++) {
+      const size_t row = n < count ? first + n : grid->rows - 1 - (n - count);
+      const size_t from = stokes_grid_image(grid, row) * grid->stride;
+      if (wide) {
+        const double *in = (const double *)field + from;
+        double *out = (double *)field + row * grid->stride;
+        for (size_t i = 0; i < grid->stride; i++) out[i] = (double)sign * in[i];
+      } else {
+        const float *in = (const float *)field + from;
+        float *out = (float *)field + row * grid->stride;
+        for (size_t i = 0; i < grid->stride; i++) out[i] = sign * in[i];
+      }
+    }
+  }
   if (!RANKS || grid->reach == 0) return;
 #pragma omp master
   slabs_post(&grid->slabs, 0, field, bytes * grid->size[1], (size_t)grid->reach);

@@ -17,7 +17,7 @@ enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_kryl
   enum status status = STATUS_OK;
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
-  k->basis = NULL, k->work = NULL, k->partial = NULL;
+  k->basis = NULL, k->work = NULL, k->partial = NULL, k->stop = NULL;
   TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
                       "Krylov basis"));
   TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
@@ -84,17 +84,20 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
   const double start = stokes_krylov_norm(k, k->basis);
   *reached = start > 0.0 ? 1.0 : 0.0;
   if (!(start > 0.0)) return 0;
-  scale(k, 1.0 / start, k->basis);
+  /* The first vector stays as long as the residual, so that a correction can be given up. */
+  const double unit = 1.0 / start;
   g[0] = start;
   int n = 0;
-  while (n<k->basis_max && * reached> reduction) {
+  while (n < k->basis_max && !(*reached <= reduction)) {
+    if (k->stop != NULL && k->stop(k->system)) return 0;
     float *w = k->basis + (size_t)(n + 1) * k->length;
     k->precondition(k->system, k->basis + (size_t)n * k->length, w, k->work);
     k->apply(k->system, k->work, w);
+    if (n == 0) scale(k, unit, w);
     for (int i = 0; i <= n; i++) {
       const float *v = k->basis + (size_t)i * k->length;
-      h[i][n] = dot(k, v, w);
-      subtract(k, h[i][n], v, w);
+      h[i][n] = dot(k, v, w) * (i == 0 ? unit : 1.0);
+      subtract(k, h[i][n] * (i == 0 ? unit : 1.0), v, w);
     }
     h[n + 1][n] = stokes_krylov_norm(k, w);
     if (h[n + 1][n] > 0.0) scale(k, 1.0 / h[n + 1][n], w);
@@ -112,6 +115,7 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     n++;
     *reached = fabs(g[n]) / start;
   }
+  if (n == 0) return 0;
   /* What is left: g[n] times the last unit vector, turned back by the rotations. */
   double left[BASIS_MAX + 1] = {0.0};
   left[n] = g[n];
@@ -123,15 +127,12 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
     g[i] /= h[i][i];
   }
-  if (n == 0) {
-    scale(k, start, k->basis);
-    return 0;
-  }
   /* Both sums in place, in the last and the first vector of the basis. */
   float *first = k->basis, *last = k->basis + (size_t)n * k->length;
   scale(k, left[n], last);
-  for (int i = 0; i < n; i++) subtract(k, -left[i], k->basis + (size_t)i * k->length, last);
-  scale(k, g[0], first);
+  for (int i = 0; i < n; i++)
+    subtract(k, -left[i] * (i == 0 ? unit : 1.0), k->basis + (size_t)i * k->length, last);
+  scale(k, g[0] * unit, first);
   for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
   float *free_one = n < k->basis_max ? last + k->length : first + k->length;
   k->precondition(k->system, first, free_one, k->work);

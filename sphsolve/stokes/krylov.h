@@ -3,6 +3,7 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_KRYLOV_H
 #define TOSUI_SPHSOLVE_STOKES_KRYLOV_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
@@ -16,6 +17,7 @@ struct stokes_krylov {
   void *system;
   void (*apply)(void *system, const float *x, float *y);                     /* y = K x */
   void (*precondition)(void *system, const float *x, float *work, float *y); /* y = M^-1 x */
+  bool (*stop)(void *system); /* asked before each iteration; true gives the correction up */
 };
 
 enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *krylov);
@@ -23,7 +25,8 @@ void stokes_krylov_free(struct stokes_krylov *krylov);
 
 /* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
  * the basis is full. The residual is the first vector of the basis, and becomes what is left of it.
- * Returns the iterations; *reached the shrinkage. */
+ * Returns the iterations; *reached the shrinkage. 0 iterations: given up, x and the residual are
+ * what they were. */
 int stokes_krylov_correct(struct stokes_krylov *krylov, double reduction, double *x,
                           double *reached);
 

@@ -2,6 +2,7 @@
 #include "sphsolve/stokes/solver.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,6 +10,9 @@
 #include "common/memory.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/stokes/method.h"
+
+/* Where neither the residual nor the velocity is said to be good enough. */
+#define RESIDUAL_DEFAULT 1e-6
 
 struct fields {
   double *points;
@@ -30,7 +34,8 @@ static enum status write_snapshot(const struct scene *scene, const struct lattic
   enum status status = STATUS_OK;
   struct fields f = {0};
   const size_t nx = lattice->size[0], n = s->grid.active;
-  const size_t first = s->grid.row_begin * nx, end = s->grid.row_end * nx;
+  const size_t first = s->grid.row_begin * nx;
+  const size_t end = (s->grid.mirrored ? s->grid.rows : s->grid.row_end) * nx;
   size_t count = 0;
   for (size_t site = first; site < end; site++) count += lattice->kind[site] == SITE_FLUID;
   const size_t axes = (size_t)s->stencil.axis_count;
@@ -42,18 +47,23 @@ static enum status write_snapshot(const struct scene *scene, const struct lattic
   TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
   TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
   for (size_t site = first, at = 0, packed = 0; site < end; site++) {
-    if (lattice->kind[site] != SITE_FLUID) continue;
     const size_t i = site % nx, row = site / nx;
+    const bool image = row >= s->grid.row_end;
+    if (i == 0 && n > 0) packed = s->grid.row_start[image ? stokes_grid_image(&s->grid, row) : row];
+    if (lattice->kind[site] != SITE_FLUID) continue;
     const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
     for (int a = 0; a < 3; a++)
       f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
     f.density[at] = (float)density;
     f.id[at] = site;
     if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
-      for (size_t a = 0; a < axes; a++)
-        f.velocity[3 * at + (size_t)s->stencil.axes[a]] =
-            (float)(s->x[a * n + packed] * s->velocity_unit);
-      f.pressure[at] = (float)(s->x[axes * n + packed] * pressure_unit);
+      for (size_t a = 0; a < axes; a++) {
+        const int axis = s->stencil.axes[a];
+        f.velocity[3 * at + (size_t)axis] = (image ? s->grid.parity[axis] : 1.0f) *
+                                            (float)(s->x[a * n + packed] * s->velocity_unit);
+      }
+      f.pressure[at] =
+          (image ? s->grid.parity[3] : 1.0f) * (float)(s->x[axes * n + packed] * pressure_unit);
       packed++;
     }
     at++;
@@ -108,8 +118,10 @@ static enum status write_row(const struct scene *scene, const struct lattice *la
                             .density_max = scene->fluid.density,
                             .density_mean = scene->fluid.density};
   double square = 0.0;
-  for (size_t a = 0; n > 0 && a < (size_t)s->stencil.axis_count; a++)
-    for (size_t i = 0; i < n; i++) square += s->x[a * n + i] * s->x[a * n + i];
+  for (size_t r = s->grid.row_begin; n > 0 && r < s->grid.row_end; r++)
+    for (size_t a = 0; a < (size_t)s->stencil.axis_count; a++)
+      for (size_t i = s->grid.row_start[r]; i < s->grid.row_start[r + 1]; i++)
+        square += stokes_grid_weight(&s->grid, r) * s->x[a * n + i] * s->x[a * n + i];
   square = ranks_sum(square);
   row.mass = scene->fluid.density * volume * (double)lattice->fluid_count;
   scale_darcy(lattice, scene, s, darcy, reynolds);
@@ -130,18 +142,24 @@ struct progress_state {
   int stalled;
 };
 
+#define CHECKPOINT_NUMBERS 11
+
 static enum status write_checkpoint(const struct stokes_solver *s,
                                     const struct progress_state *state, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  size_t count = 7;
+  size_t count = CHECKPOINT_NUMBERS, n = s->grid.active;
   char name[32];
-  const double numbers[] = {s->mean[0],  s->mean[1],     s->mean[2],           s->change,
-                            state->best, state->stalled, (double)s->iterations};
+  const double numbers[CHECKPOINT_NUMBERS] = {
+      s->mean[0],         s->mean[1],        s->mean[2],           s->change,
+      s->residual_before, s->residual_start, s->residual_now,      s->divergence,
+      state->best,        state->stalled,    (double)s->iterations};
   TRY(recorder_checkpoint_begin(recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
-    TRY(h5_write_share(file, name, H5_F64, 1, &s->grid.active, s->x + c * s->grid.active, false));
+    TRY(h5_write_share(file, name, H5_F64, 1, &n, s->x + c * n, false));
+    snprintf(name, sizeof name, "/state/residual%zu", c);
+    TRY(h5_write_share(file, name, H5_F32, 1, &n, s->residual + c * n, false));
   }
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
@@ -156,27 +174,34 @@ static enum status read_checkpoint(struct stokes_solver *s, struct progress_stat
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   double *x = NULL, *numbers = NULL;
+  float *residual = NULL;
   size_t length = s->grid.active, count;
   char name[32];
   TRY(recorder_resume(recorder, &file));
   *resumed = file != NULL;
   if (file == NULL) goto cleanup;
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
-  if (count != 7)
+  if (count != CHECKPOINT_NUMBERS)
     TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
     TRY(h5_read_share(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));
     if (length > 0) memcpy(s->x + c * length, x, length * sizeof *x);
     memory_free(&x);
+    snprintf(name, sizeof name, "/state/residual%zu", c);
+    TRY(h5_read_share(file, name, H5_F32, 1, s->grid.active_all, s->grid.offset, &length,
+                      &residual));
+    if (length > 0) memcpy(s->residual + c * length, residual, length * sizeof *residual);
+    memory_free(&residual);
   }
-  stokes_solver_measure(s);
   memcpy(s->mean, numbers, sizeof s->mean);
-  s->change = numbers[3];
-  *state = (struct progress_state){numbers[4], (int)numbers[5]};
-  s->iterations = (long)numbers[6];
+  s->change = numbers[3], s->residual_before = numbers[4];
+  s->residual_start = numbers[5], s->residual_now = numbers[6], s->divergence = numbers[7];
+  *state = (struct progress_state){numbers[8], (int)numbers[9]};
+  s->iterations = (long)numbers[10];
 cleanup:
   memory_free(&x);
+  memory_free(&residual);
   memory_free(&numbers);
   h5_close(file);
   return status;
@@ -200,6 +225,7 @@ static enum status balance(const struct stokes_solver *s, struct ledger *ledger)
   for (int c = 0; c < s->stencil.axis_count; c++) {
     const int a = s->stencil.axes[c];
     const double *u = s->x + (size_t)c * n;
+    if (grid->mirrored && grid->parity[a] < 0.0f) continue; /* both halves cancel */
     for (size_t row = stokes_grid_begin(grid), p = 0; row < stokes_grid_end(grid); row++)
       for (size_t i = 0; i < grid->size[0]; i++) {
         if (!stokes_grid_is_active(grid, row, i)) continue;
@@ -222,10 +248,11 @@ static enum status balance(const struct stokes_solver *s, struct ledger *ledger)
   const double *size = s->walls_move ? sum.flow : s->force;
   for (int a = 1; a < 3; a++)
     if (fabs(size[a]) > fabs(size[main_axis])) main_axis = a;
-  const double count = (double)grid->size[main_axis], scale = sum.flow[main_axis] / count;
+  const size_t main_planes = main_axis == 2 ? stokes_grid_planes(grid) : grid->size[main_axis];
+  const double count = (double)main_planes, scale = sum.flow[main_axis] / count;
   double mean = 0;
-  for (size_t i = 0; i < grid->size[main_axis]; i++) mean += flux[first[main_axis] + i] / count;
-  for (size_t i = 0; i < grid->size[main_axis]; i++) {
+  for (size_t i = 0; i < main_planes; i++) mean += flux[first[main_axis] + i] / count;
+  for (size_t i = 0; i < main_planes; i++) {
     const double off = (flux[first[main_axis] + i] - mean) / scale;
     square += off * off / count;
   }
@@ -242,6 +269,12 @@ cleanup:
   return status;
 }
 
+struct stokes_goal stokes_goal_of(const struct scene *scene) {
+  struct stokes_goal goal = {.residual = scene->stokes.tolerance, .mean = scene->steady_tolerance};
+  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
+  return goal;
+}
+
 static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
                        struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -249,7 +282,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   double darcy[3] = {0.0}, reynolds = 0.0, solving = 0.0;
   struct progress_state state = {.best = INFINITY};
   bool resumed = false;
-  const double tolerance = scene->stokes.tolerance;
+  const struct stokes_goal goal = stokes_goal_of(scene);
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
   TRY(stokes_solver_build(lattice, scene, plan->context.support, scene->stokes.wall,
@@ -259,15 +292,15 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
                 "throats with smaller voxels, or look at the threshold",
                 scene->path);
-  if (s.grid.active_all < lattice->fluid_count)
+  if (s.grid.flowing < lattice->fluid_count)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
-                lattice->fluid_count - s.grid.active_all, lattice->fluid_count);
+                lattice->fluid_count - s.grid.flowing, lattice->fluid_count);
   if (s.grid.active_all > 0) TRY(read_checkpoint(&s, &state, recorder, &resumed));
   if (resumed)
     scale_darcy(lattice, scene, &s, darcy, &reynolds);
   else
     TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-  while (s.grid.active_all > 0 && !stokes_solver_converged(&s, tolerance)) {
+  while (s.grid.active_all > 0 && !stokes_solver_converged(&s, &goal)) {
     if (recorder_checkpoint_due(recorder)) TRY(write_checkpoint(&s, &state, recorder));
     if (recorder_interrupted(recorder)) {
       result->status = "interrupted";
@@ -277,13 +310,20 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     }
     char note[80];
     const double started = clock_seconds();
-    stokes_solver_round(&s);
+    if (!stokes_solver_round(&s)) continue; /* interrupted */
     solving += clock_seconds() - started;
     recorder_add_time(recorder, "stokes_solve", clock_seconds() - started);
     TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-    snprintf(note, sizeof note, "residual %.1e, Darcy velocity %.4g m/s", s.residual_now,
-             hypot(hypot(darcy[0], darcy[1]), darcy[2]));
-    recorder_progress(recorder, fmin(1.0, log(s.residual_now) / log(tolerance)), note);
+    const double error = fmin(1.0, stokes_solver_mean_error(&s));
+    snprintf(note, sizeof note, "k to %.1e, residual %.1e, Darcy velocity %.4g m/s", error,
+             s.residual_now, hypot(hypot(darcy[0], darcy[1]), darcy[2]));
+    if (getenv("TRACE"))
+      fprintf(stderr, "it %ld J %.9g res %.2e div %.2e est %.2e\n", s.iterations, s.mean[2],
+              s.residual_now, s.divergence, stokes_solver_mean_error(&s));
+    recorder_progress(recorder,
+                      fmin(1.0, goal.residual > 0.0 ? log(s.residual_now) / log(goal.residual)
+                                                    : log(error) / log(goal.mean)),
+                      note);
     state.stalled = s.residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s.residual_now);
     if (state.stalled == 10)
@@ -297,8 +337,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     if (status == STATUS_OK) TRY(told);
   }
   result_from_darcy(scene, darcy, result);
-  /* The last round shrank what was wrong by far more than half, so its step bounds what is left. */
-  result->k_error = s.grid.active_all > 0 ? fmax(s.change, s.residual_now) : 0.0;
+  result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
   result->error.averaging = 0.0;
   result->error.steadiness = result->k_error;
   result->reynolds = reynolds;

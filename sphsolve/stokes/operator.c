@@ -10,14 +10,15 @@ static float *field_of(const struct stokes_operator *op, int component) {
   return op->field + (size_t)component * op->grid->rows * op->grid->stride;
 }
 
-static void unpack(struct stokes_operator *op, const float *packed, int component) {
+/* Into the field of `slot`; `component` as of stokes_grid_post. */
+static void unpack(struct stokes_operator *op, const float *packed, int slot, int component) {
   const struct stokes_grid *grid = op->grid;
-  float *field = field_of(op, component);
+  float *field = field_of(op, slot);
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, packed + grid->row_start[row],
                      field + row * grid->stride);
-  stokes_grid_post(grid, field, grid->stride * sizeof *field);
+  stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
 }
 
 /* Packed values of one convolution of one field on one row; the result lies in the buffers of the
@@ -91,7 +92,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
     }
   }
   for (int a = 0; a < axes; a++)
-    stokes_grid_post(grid, field_of(op, a), grid->stride * sizeof(float));
+    stokes_grid_post(grid, op->stencil->axes[a], field_of(op, a), grid->stride * sizeof(float));
 }
 
 /* tau L p on one row. */
@@ -125,7 +126,7 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
   float *continuity = y + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack(op, p, axes);
+    unpack(op, p, axes, 3);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -145,7 +146,7 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
         if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
       }
     }
-    for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a);
+    for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -164,20 +165,18 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
   }
 }
 
-void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x,
+void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y) {
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    for (int c = 0; c < count; c++) unpack(op, x + (size_t)c * op->n, c);
+    unpack(op, x, 0, component);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
       for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
         const size_t row = stokes_grid_nth(grid, part, n);
-        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
-        for (int c = 0; c < count; c++)
-          viscous_row(op, c, row, x + (size_t)c * op->n, false, y + (size_t)c * op->n);
+        if (grid->row_start[row] < grid->row_start[row + 1]) viscous_row(op, 0, row, x, false, y);
       }
     }
   }
@@ -187,7 +186,7 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack(op, p, op->stencil->axis_count);
+    unpack(op, p, op->stencil->axis_count, 3);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)

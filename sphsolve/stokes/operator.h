@@ -63,8 +63,10 @@ void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */
 void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
-/* The velocity block alone: y[axis] = A x[axis] for `count` components. */
-void stokes_operator_apply_viscous(struct stokes_operator *op, int count, const float *x, float *y);
+/* The velocity block alone, of one component [n]: y = A x. component: the axis, or -1 for what is
+ * even where the lattice is mirrored. */
+void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
+                                   float *y);
 /* y = G p, y [axis_count][n]. */
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
 

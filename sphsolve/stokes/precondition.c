@@ -32,7 +32,7 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
   }
   rho = start = ranks_sum(rho);
   for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
-    stokes_operator_apply_viscous(op, 1, d, Ad);
+    stokes_operator_apply_viscous(op, -1, d, Ad);
     const float alpha = (float)(rho / dot(n, d, Ad));
     double next = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -57,7 +57,7 @@ cleanup:
 static void restrict_packed(const struct stokes_preconditioner *pc, const float *x, bool weigh,
                             const struct stokes_multigrid_level *coarse, float *out) {
   const struct stokes_grid *grid = pc->op->grid;
-  const size_t ny = grid->size[1], nz = grid->size[2];
+  const size_t ny = grid->size[1], nz = stokes_grid_planes(grid);
 #pragma omp parallel for schedule(static)
   for (size_t c = coarse->size[1] * coarse->begin; c < coarse->size[1] * coarse->end; c++) {
     const size_t J = c % coarse->size[1], K = c / coarse->size[1];
@@ -116,15 +116,19 @@ static void fill_levels(struct stokes_preconditioner *pc) {
       if (here == 0.0f) continue;
       const size_t at[3] = {i, j, k};
       const size_t c = ((k / 2) * v->size[1] + j / 2) * v->size[0] + i / 2;
+      /* An odd pressure is zero on the mirror planes, half a spacing away. */
+      if (grid->mirrored && grid->parity[3] < 0.0f && (k == 0 || k + 1 == stokes_grid_planes(grid)))
+        p->mass[c] += (float)(1.0 / (op->stencil->spacing[2] * op->stencil->spacing[2])) * here;
       for (int a = 0; a < op->stencil->axis_count; a++) {
         const int axis = op->stencil->axes[a];
         const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
         if (!edge || v->size[axis] == 1) continue;
+        const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
+        if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;
         size_t next[3] = {i, j, k};
         next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
         const float there = kappa[(next[2] * size[1] + next[1]) * grid->stride + next[0]];
         if (there == 0.0f) continue;
-        const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
         v->face[axis][c] += t * here * there;
         p->face[axis][c] += t * 0.5f * (here + there);
       }
@@ -140,7 +144,8 @@ enum status stokes_preconditioner_build(struct stokes_operator *op,
   memset(pc, 0, sizeof *pc);
   pc->op = op;
   size_t coarse[3];
-  for (int a = 0; a < 3; a++) coarse[a] = (op->grid->size[a] + 1) / 2;
+  for (int a = 0; a < 3; a++)
+    coarse[a] = ((a == 2 ? stokes_grid_planes(op->grid) : op->grid->size[a]) + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
   TRY(solve_kappa(pc));
   const int shared = STOKES_SHARED_LEVELS - 1;
@@ -169,17 +174,27 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
 }
 
 /* y = A~^-1 x for one velocity component: coarse correction, then a sweep of Jacobi. */
-static void solve_velocity(struct stokes_preconditioner *pc, const float *x, float *product,
-                           float *y) {
+static void solve_velocity(struct stokes_preconditioner *pc, int axis, const float *x,
+                           float *product, float *y) {
   struct stokes_operator *op = pc->op;
   struct stokes_multigrid_level *coarse = &pc->velocity.levels[0];
   restrict_packed(pc, x, true, coarse, coarse->b);
   stokes_multigrid_cycle(&pc->velocity);
   memset(y, 0, op->n * sizeof *y);
   prolong_packed(pc, coarse, true, y);
-  stokes_operator_apply_viscous(op, 1, y, product);
+  stokes_operator_apply_viscous(op, axis, y, product);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
+}
+
+/* What is odd is zero on a mirror plane that holds sites. */
+static void clear_mirror_plane(const struct stokes_operator *op, float *y) {
+  const struct stokes_grid *grid = op->grid;
+  if (!grid->mirrored || grid->size[2] % 2 == 0) return;
+  const size_t first = grid->row_start[grid->row_end - grid->size[1]];
+  for (int c = 0; c <= op->stencil->axis_count; c++)
+    if (grid->parity[c] < 0.0f)
+      memset(y + (size_t)c * op->n + first, 0, (op->n - first) * sizeof *y);
 }
 
 void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *work,
@@ -193,6 +208,7 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
     float *ra = r + a * n;
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++) ra[i] = x[a * n + i] - op->parabola[i] * ra[i];
-    solve_velocity(pc, ra, product, y + a * n);
+    solve_velocity(pc, op->stencil->axes[a], ra, product, y + a * n);
   }
+  clear_mirror_plane(op, y);
 }

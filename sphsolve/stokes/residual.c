@@ -4,7 +4,7 @@
 #include <omp.h>
 #include <string.h>
 
-static void unpack_double(struct stokes_operator *op, const double *packed) {
+static void unpack_double(struct stokes_operator *op, int component, const double *packed) {
   const struct stokes_grid *grid = op->grid;
   double *field = (double *)(void *)op->field;
 #pragma omp for schedule(static)
@@ -16,7 +16,7 @@ static void unpack_double(struct stokes_operator *op, const double *packed) {
       for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1)
         out[c * STOKES_LANES + (size_t)__builtin_ctz(bits)] = *p++;
   }
-  stokes_grid_post(grid, field, grid->stride * sizeof *field);
+  stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
   stokes_grid_await(grid, 1);
 }
 
@@ -102,7 +102,7 @@ static void viscous_terms(const struct stokes_operator *op, int axis, size_t row
 }
 
 /* Kernel average of the unpacked velocity at every wall site, into the second field. */
-static void average_at_walls(const struct stokes_operator *op) {
+static void average_at_walls(const struct stokes_operator *op, int component) {
   const struct stokes_grid *grid = op->grid;
   const double *field = (const double *)(const void *)op->field;
   double *average = (double *)(void *)op->field + grid->rows * grid->stride;
@@ -125,7 +125,7 @@ static void average_at_walls(const struct stokes_operator *op) {
       }
       average[row * grid->stride + i] = weight > 0.0 ? sum / weight : 0.0;
     }
-  stokes_grid_post(grid, average, grid->stride * sizeof *average);
+  stokes_grid_post(grid, component, average, grid->stride * sizeof *average);
   stokes_grid_await(grid, 1);
 }
 
@@ -165,13 +165,13 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
   float *continuity = residual + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack_double(op, p);
+    unpack_double(op, 3, p);
 #pragma omp for schedule(static)
     for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
       if (grid->row_start[row] < grid->row_start[row + 1]) pressure_terms(op, row, p, residual);
     for (int a = 0; a < axes; a++) {
       correct(op, a, x, residual, work);
-      unpack_double(op, work);
+      unpack_double(op, op->stencil->axes[a], work);
 #pragma omp for schedule(static)
       for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
@@ -185,13 +185,13 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
     }
     for (int a = 0; a < axes; a++) {
       const double *v = x + (size_t)a * op->n;
-      unpack_double(op, v);
+      unpack_double(op, op->stencil->axes[a], v);
 #pragma omp for schedule(static)
       for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
           viscous_terms(op, a, row, force[op->stencil->axes[a]], v, residual + (size_t)a * op->n);
       if (op->wall != WALL_ADAMI) continue;
-      average_at_walls(op);
+      average_at_walls(op, op->stencil->axes[a]);
 #pragma omp for schedule(static)
       for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])

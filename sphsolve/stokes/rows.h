@@ -37,7 +37,8 @@ struct stokes_rows {
   void (*convolve)(const struct stokes_convolution *convolution, const float *const (*rows)[4],
                    size_t nx, size_t stride, float *scratch, float *out);
   /* Between a full row and the packed values of its active sites; bit b of mask[c] stands for site
-   * STOKES_LANES * c + b. Returns the number of packed values. */
+   * STOKES_LANES * c + b. Returns the number of packed values; `packed` of pack has room for
+   * `chunks` chunks, all of which it may overwrite. */
   size_t (*unpack)(const uint16_t *mask, size_t chunks, const float *packed, float *row);
   size_t (*pack)(const uint16_t *mask, size_t chunks, const float *row, float *packed);
 };

@@ -116,7 +116,9 @@ static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float 
     const float *r = row + c * STOKES_LANES;
     unsigned bits = mask[c];
 #ifdef __AVX512F__
-    _mm512_mask_compressstoreu_ps(p, (__mmask16)bits, _mm512_loadu_ps(r));
+    /* Compressed in a register and stored whole: a compress-store to memory is microcoded on AMD's
+     * Zen 4. What lies beyond the values is overwritten by the next chunk. */
+    _mm512_storeu_ps(p, _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(r)));
     p += __builtin_popcount(bits);
 #else
     for (; bits; bits &= bits - 1) *p++ = r[__builtin_ctz(bits)];

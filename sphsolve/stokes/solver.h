@@ -27,13 +27,15 @@ struct stokes_solver {
   double acceleration, velocity_unit; /* m/s^2, m/s */
   double force[3];                    /* driving / acceleration */
   bool walls_move;
-  double *x;             /* [components][active] velocities, then pressure */
-  float *residual;       /* in the Krylov basis */
-  double residual_start; /* norm of the right-hand side */
-  double residual_now;   /* relative */
-  double divergence;     /* rms of the continuity residual over rms |grad v| */
-  double mean[3];        /* volume integral of the velocity / bulk volume */
-  double change;         /* of the mean in the last round, relative */
+  double *x;              /* [components][active] velocities, then pressure */
+  float *residual;        /* in the Krylov basis */
+  double residual_start;  /* norm of the right-hand side */
+  double residual_now;    /* relative */
+  double residual_before; /* and before the last round */
+  double divergence;      /* rms of the continuity residual over rms |grad v| */
+  double mean[3];         /* volume integral of the velocity / bulk volume */
+  double change;          /* of the mean in the last round, relative */
+  bool exact;             /* the residual was found from x, not carried on by the Krylov cycles */
   long iterations;
   double bulk_count;
 };
@@ -53,14 +55,24 @@ double stokes_solver_bytes(double sites, double active);
 double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
                              double refined, enum wall_scheme wall);
 
-/* Recomputes residual, divergence, mean and change from `x`, as a round leaves them: all that a
- * round needs of those before it is x and the mean. */
+/* When a solve ends: at this relative residual with a divergence under 1e-4; or, where `residual`
+ * is 0, when the mean is within `mean` of what it converges to, relative. */
+struct stokes_goal {
+  double residual, mean;
+};
+/* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
+struct stokes_goal stokes_goal_of(const struct scene *scene);
+
+/* Mean, divergence and norms of x and of the residual that stands in the basis. */
 void stokes_solver_measure(struct stokes_solver *solver);
-/* One round; residual, divergence, mean and change are those after it. */
-void stokes_solver_round(struct stokes_solver *solver);
-/* Relative residual under `tolerance`, divergence under 1e-4, mean settled to 1e-4. */
-bool stokes_solver_converged(const struct stokes_solver *solver, double tolerance);
-/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC. */
-enum status stokes_solver_run(struct stokes_solver *solver, double tolerance);
+/* One round, a Krylov cycle until the residual is a quarter or the basis full; mean, divergence and
+ * change are those after it. False where krylov.stop gave it up: nothing has changed then. */
+bool stokes_solver_round(struct stokes_solver *solver);
+/* How far the mean is from where it converges to, relative, from the last rounds. */
+double stokes_solver_mean_error(const struct stokes_solver *solver);
+bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_goal *goal);
+/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt
+ * STATUS_INTERRUPTED. */
+enum status stokes_solver_run(struct stokes_solver *solver, const struct stokes_goal *goal);
 
 #endif

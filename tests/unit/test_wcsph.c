@@ -143,7 +143,7 @@ static void test_stokes_on_sites(void **state) {
     assert_int_equal(
         stokes_solver_build(&lattice, NULL, 2.9 * dx, WALL_SUBVOXEL, nu, march.force, &solver),
         STATUS_OK);
-    assert_int_equal(stokes_solver_run(&solver, 1e-6), STATUS_OK);
+    assert_int_equal(stokes_solver_run(&solver, &(struct stokes_goal){.residual = 1e-6}), STATUS_OK);
     const double exact = -solver.mean[2] * solver.velocity_unit / g;
     stokes_solver_free(&solver);
     assert_int_equal(percolation_close(&lattice, march.force, &closed, &flows), STATUS_OK);

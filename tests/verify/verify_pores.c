@@ -243,7 +243,7 @@ static void pinning(const char *name, struct lattice *l, double gap) {
   struct stokes_solver s;
   double k_stokes = NAN, travel;
   if (stokes_solver_build(l, NULL, 2.9 * dx, WALL_SUBVOXEL, nu, m.force, &s) == STATUS_OK &&
-      stokes_solver_run(&s, 1e-6) == STATUS_OK) {
+      stokes_solver_run(&s, &(struct stokes_goal){.residual = 1e-6}) == STATUS_OK) {
     k_stokes = -s.mean[2] * s.velocity_unit / g * 9.80665;
     stokes_solver_free(&s);
   }

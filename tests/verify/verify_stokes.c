@@ -53,7 +53,7 @@ static double solve(struct lattice *lattice, const double driving[3], double *se
   double k = NAN;
   if (stokes_solver_build(lattice, NULL, 2.9 * spacing, WALL_SUBVOXEL, 1.0, driving, &s) ==
           STATUS_OK &&
-      stokes_solver_run(&s, 1e-6) == STATUS_OK) {
+      stokes_solver_run(&s, &(struct stokes_goal){.residual = 1e-6}) == STATUS_OK) {
     k = 0.0;
     for (int a = 0; a < 3; a++) k += s.mean[a] * s.force[a] * spacing * spacing;
     peak = 0.0;

@@ -1,0 +1,189 @@
+#include "sphsolve/geometry/resample.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+/* A spacing may be off by so much before several periods are taken instead of one; and so many at
+ * most. */
+#define SPACING_OFF 0.05
+#define COPIES_MOST 8
+
+struct target {
+  size_t size[3], copies[3], count;
+  double spacing[3];
+};
+
+bool lattice_is_mirrored(const struct lattice *l) {
+  const size_t plane = l->size[0] * l->size[1], nz = l->size[2];
+  if (nz < 4) return false;
+  for (size_t k = 0; k < nz / 2; k++) {
+    const size_t low = k * plane, high = (nz - 1 - k) * plane;
+    if (memcmp(l->kind + low, l->kind + high, plane) != 0) return false;
+    if (l->wall_distance != NULL && memcmp(l->wall_distance + low, l->wall_distance + high,
+                                           plane * sizeof *l->wall_distance) != 0)
+      return false;
+  }
+  return true;
+}
+
+static enum status find_target(const struct lattice *fine, double spacing, bool mirrored,
+                               struct target *t) {
+  t->count = 1;
+  for (int a = 0; a < 3; a++) {
+    const double length = (double)fine->size[a] * fine->spacing[a];
+    const size_t unit = a == 2 && mirrored ? 2 : 1;
+    double least = INFINITY;
+    t->size[a] = t->copies[a] = 1;
+    t->spacing[a] = fine->dimensions == 2 && a == 1 ? fine->spacing[a] : spacing;
+    for (size_t m = 1; fine->size[a] > 1 && m <= COPIES_MOST && least > SPACING_OFF; m++) {
+      const double wanted = (double)m * length / spacing;
+      if (!(wanted < 1e9)) return FAIL(STATUS_INPUT, "lattice.spacing: %g m is too fine", spacing);
+      const double whole = fmax(1.0, round(wanted / (double)unit)) * (double)unit;
+      if (fabs(wanted / whole - 1.0) >= least) continue;
+      least = fabs(wanted / whole - 1.0);
+      t->size[a] = (size_t)whole;
+      t->copies[a] = m;
+      t->spacing[a] = (double)m * length / whole;
+    }
+    if (!size_multiply(t->count, t->size[a], &t->count) || t->count > (size_t)1 << 40)
+      return FAIL(STATUS_INPUT, "lattice.spacing: %g m makes too many sites", spacing);
+  }
+  return STATUS_OK;
+}
+
+enum status lattice_resampled_size(const struct lattice *fine, double spacing, size_t size[3],
+                                   size_t *count) {
+  struct target t;
+  const enum status status = find_target(fine, spacing, lattice_is_mirrored(fine), &t);
+  memcpy(size, t.size, sizeof t.size);
+  *count = t.count;
+  return status;
+}
+
+/* Four sites around each new one and their weights: cubic (Lagrange), periodic. What is linear
+ * between sites would smooth curved walls away, and with them the second order. */
+struct tap {
+  size_t index[4];
+  float weight[4];
+};
+
+static void find_taps(size_t from, double from_spacing, size_t to, double to_spacing,
+                      struct tap *taps) {
+  for (size_t i = 0; i < to; i++) {
+    const double at = ((double)i + 0.5) * to_spacing / from_spacing - 0.5, n = (double)from;
+    const double x = at - floor(at / n) * n, whole = floor(x), t = x - whole;
+    const double w[4] = {-t * (t - 1.0) * (t - 2.0) / 6.0, (t * t - 1.0) * (t - 2.0) / 2.0,
+                         -t * (t + 1.0) * (t - 2.0) / 2.0, t * (t * t - 1.0) / 6.0};
+    for (size_t k = 0; k < 4; k++) {
+      taps[i].index[k] = ((size_t)whole + k + from - 1) % from;
+      taps[i].weight[k] = (float)w[k];
+    }
+  }
+}
+
+/* Along the axis of `stride` values: out [outer][to][stride] from in [outer][from][stride]. */
+static void resample_axis(const float *in, size_t from, size_t stride, const struct tap *taps,
+                          size_t to, size_t outer, float *out) {
+#pragma omp parallel for schedule(static) collapse(2)
+  for (size_t o = 0; o < outer; o++)
+    for (size_t i = 0; i < to; i++) {
+      const float *base = in + o * from * stride, *w = taps[i].weight;
+      const size_t *n = taps[i].index;
+      float *to_row = out + (o * to + i) * stride;
+      for (size_t s = 0; s < stride; s++)
+        to_row[s] = w[0] * base[n[0] * stride + s] + w[1] * base[n[1] * stride + s] +
+                    w[2] * base[n[2] * stride + s] + w[3] * base[n[3] * stride + s];
+    }
+}
+
+static enum status resample_distances(const struct lattice *fine, struct lattice *out) {
+  enum status status = STATUS_OK;
+  struct tap *taps = NULL;
+  float *planes = NULL, *rows = NULL;
+  const size_t *n = fine->size, *m = out->size;
+  const size_t most = m[0] > m[1] ? (m[0] > m[2] ? m[0] : m[2]) : (m[1] > m[2] ? m[1] : m[2]);
+  TRY(memory_allocate(&taps, most, sizeof *taps, "a lattice"));
+  TRY(memory_allocate(&planes, n[0] * n[1] * m[2], sizeof *planes, "a lattice"));
+  find_taps(n[2], fine->spacing[2], m[2], out->spacing[2], taps);
+  resample_axis(fine->wall_distance, n[2], n[0] * n[1], taps, m[2], 1, planes);
+  TRY(memory_allocate(&rows, n[0] * m[1] * m[2], sizeof *rows, "a lattice"));
+  find_taps(n[1], fine->spacing[1], m[1], out->spacing[1], taps);
+  resample_axis(planes, n[1], n[0], taps, m[1], m[2], rows);
+  memory_free(&planes);
+  find_taps(n[0], fine->spacing[0], m[0], out->spacing[0], taps);
+  resample_axis(rows, n[0], 1, taps, m[0], m[1] * m[2], out->wall_distance);
+cleanup:
+  memory_free(&taps);
+  memory_free(&planes);
+  memory_free(&rows);
+  return status;
+}
+
+/* Rounding may make the two halves of a mirrored lattice unlike in the last bit. */
+static void mirror_distances(struct lattice *l) {
+  const size_t plane = l->size[0] * l->size[1], nz = l->size[2];
+  for (size_t k = 0; k < nz / 2; k++)
+    memcpy(l->wall_distance + (nz - 1 - k) * plane, l->wall_distance + k * plane,
+           plane * sizeof *l->wall_distance);
+}
+
+static void copy_regions(const struct lattice *fine, struct lattice *out) {
+  for (size_t s = 0; s < out->count; s++) {
+    const size_t index[3] = {s % out->size[0], s / out->size[0] % out->size[1],
+                             s / out->size[0] / out->size[1]};
+    size_t near = 0;
+    for (int a = 2; a >= 0; a--) {
+      const double at = ((double)index[a] + 0.5) * out->spacing[a] / fine->spacing[a];
+      near = near * fine->size[a] + (size_t)at % fine->size[a];
+    }
+    out->region[s] = fine->region[near];
+  }
+}
+
+enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
+                             struct lattice *out) {
+  enum status status = STATUS_OK;
+  struct target t;
+  const bool mirrored = lattice_is_mirrored(fine);
+  *out = (struct lattice){.dimensions = fine->dimensions, .model_hash = fine->model_hash};
+  TRY(find_target(fine, spacing, mirrored, &t));
+  out->count = t.count;
+  out->bulk_count = fine->bulk_count;
+  for (int a = 0; a < 3; a++) {
+    out->size[a] = t.size[a];
+    out->spacing[a] = t.spacing[a];
+    out->origin[a] = fine->origin[a] + 0.5 * (t.spacing[a] - fine->spacing[a]);
+    out->bulk_count *= (double)(t.copies[a] * fine->size[a]) == 1.0
+                           ? 1.0
+                           : (double)t.copies[a] * fine->spacing[a] / t.spacing[a];
+  }
+  TRY(memory_allocate(&out->kind, out->count, 1, "a lattice"));
+  TRY(memory_allocate(&out->wall_distance, out->count, sizeof *out->wall_distance, "a lattice"));
+  if (fine->region)
+    TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
+  TRY(resample_distances(fine, out));
+  if (mirrored) mirror_distances(out);
+  const float least = (float)(1e-3 * spacing);
+  for (size_t s = 0; s < out->count; s++) {
+    const float d = out->wall_distance[s] + (float)offset;
+    const bool fluid = d > 0.0f;
+    out->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
+    out->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
+    out->fluid_count += fluid;
+    out->wall_count += !fluid;
+  }
+  if (fine->region) copy_regions(fine, out);
+cleanup:
+  if (status != STATUS_OK) lattice_free(out);
+  return status;
+}
+
+double lattice_void_ratio(const struct lattice *l) {
+  double pores = 0.0;
+  const double h = cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
+  for (size_t s = 0; s < l->count; s++)
+    pores += fmax(0.0, fmin(1.0, 0.5 + (double)l->wall_distance[s] / h));
+  return pores / (l->bulk_count - pores);
+}

@@ -1,0 +1,27 @@
+/* The walls of one lattice on sites of another spacing: a solve need not stand on the voxels that
+ * its model came in. */
+#ifndef TOSUI_SPHSOLVE_GEOMETRY_RESAMPLE_H
+#define TOSUI_SPHSOLVE_GEOMETRY_RESAMPLE_H
+
+#include "common/error.h"
+#include "sphsolve/geometry/lattice.h"
+
+/* A lattice of the same body with sites as near to `spacing` (m) apart as its periods allow, walls
+ * moved by `offset` (m) into the grains. An even number of sites along z where `fine` is its own
+ * mirror image in z, so that the mirror planes lie between sites. An axis of one site keeps one.
+ * Free with lattice_free. */
+enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
+                             struct lattice *out);
+
+/* What lattice_resample will make of it: the sites along each axis and their number. */
+enum status lattice_resampled_size(const struct lattice *fine, double spacing, size_t size[3],
+                                   size_t *count);
+
+/* Whether layer k is that of size[2] - 1 - k, kinds and distances alike: the lattice is mirrored
+ * about its middle, and about its ends. */
+bool lattice_is_mirrored(const struct lattice *lattice);
+
+/* Pore volume over grain volume, sites on the surface counted in part. */
+double lattice_void_ratio(const struct lattice *lattice);
+
+#endif
