@@ -93,7 +93,7 @@ cleanup:
 
 /* The groups and lists of a scene. Asked for first, so that a misspelt one is known as such. */
 static enum status check_roots(struct config *config) {
-  static const char *const groups[] = {"scene",  "model", "domain",  "force",  "wcsph",
+  static const char *const groups[] = {"scene",  "model", "lattice", "domain", "force",     "wcsph",
                                        "stokes", "isph",  "effects", "output", "checkpoint"};
   static const char *const lists[] = {"fluids", "regions", "gauges", "planes"};
   config_node *root = config_root(config);
@@ -109,6 +109,19 @@ static enum status check_roots(struct config *config) {
                           lists[i]);
   }
   return STATUS_OK;
+}
+
+/* Sites of their own in a model; those of a domain have its spacing. */
+static enum status read_lattice(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *group = config_child(config, config_root(config), "lattice");
+  scene->lattice_spacing = NAN;
+  if (group != NULL && !*scene->model_path)
+    TRY(config_error(config, group,
+                     "a domain has its own spacing; leave it out, or write model = { ... }"));
+  TRY(scene_positive(config, group, "spacing", DIM_LENGTH, &scene->lattice_spacing));
+cleanup:
+  return status;
 }
 
 static enum status read_model(struct config *config, struct scene *scene) {
@@ -309,6 +322,7 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(check_roots(config));
   TRY(read_scene_group(config, scene));
   TRY(read_model(config, scene));
+  TRY(read_lattice(config, scene));
   TRY(read_domain(config, scene));
   TRY(read_fluid(config, scene));
   TRY(scene_read_regions(config, scene));

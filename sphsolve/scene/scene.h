@@ -28,6 +28,7 @@ enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
 #define SCENE_PLACES(X)                                                                            \
   X(METHOD, "scene", "method")                                                                     \
   X(MODEL, "model", "file")                                                                        \
+  X(LATTICE, "lattice", "spacing")                                                                 \
   X(SIZE, "domain", "size")                                                                        \
   X(SPACING, "domain", "spacing")                                                                  \
   X(PERIODIC, "domain", "periodic")                                                                \
@@ -93,9 +94,10 @@ struct scene {
 
   char model_path[4096]; /* "" when the scene has a domain */
 
-  int dimensions;        /* 2 or 3; a 2-D scene lives in x and z */
-  double domain_size[3]; /* m; y of a 2-D scene: one spacing */
-  double spacing;        /* m; 0 when the model gives it */
+  int dimensions;         /* 2 or 3; a 2-D scene lives in x and z */
+  double domain_size[3];  /* m; y of a 2-D scene: one spacing */
+  double spacing;         /* m; 0 when the model gives it */
+  double lattice_spacing; /* m, of the sites in a model; NAN: auto, the model's voxels */
   bool periodic[3];
 
   struct fluid fluid;
