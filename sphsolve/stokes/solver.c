@@ -196,9 +196,10 @@ void stokes_solver_free(struct stokes_solver *s) {
   memory_free(&s->x);
 }
 
-void stokes_solver_measure(struct stokes_solver *s) {
+void stokes_solver_restart(struct stokes_solver *s) {
   const int threads = omp_get_max_threads();
   omp_set_num_threads(s->operator.threads);
+  find_residual(s);
   measure(s);
   omp_set_num_threads(threads);
 }

@@ -63,8 +63,8 @@ struct stokes_goal {
 /* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
 struct stokes_goal stokes_goal_of(const struct scene *scene);
 
-/* Mean, divergence and norms of x and of the residual that stands in the basis. */
-void stokes_solver_measure(struct stokes_solver *solver);
+/* After x was changed from outside: residual, mean and divergence of it. */
+void stokes_solver_restart(struct stokes_solver *solver);
 /* One round, a Krylov cycle until the residual is a quarter or the basis full; mean, divergence and
  * change are those after it. False where krylov.stop gave it up: nothing has changed then. */
 bool stokes_solver_round(struct stokes_solver *solver);

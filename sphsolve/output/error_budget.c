@@ -1,0 +1,102 @@
+#include "sphsolve/output/error_budget.h"
+
+#include <math.h>
+
+struct error_budget error_budget_none(void) {
+  return (struct error_budget){.resolution = NAN,
+                               .scan = NAN,
+                               .sides = NAN,
+                               .void_ratio = NAN,
+                               .threshold = NAN,
+                               .averaging = NAN,
+                               .steadiness = NAN,
+                               .resolution_low = NAN,
+                               .resolution_high = NAN,
+                               .model = NAN,
+                               .order = NAN,
+                               .extrapolated = NAN,
+                               .finest = NAN,
+                               .slope_void_ratio = NAN,
+                               .slope_threshold = NAN};
+}
+
+static double joined(const struct error_budget *b, double resolution) {
+  const double parts[] = {resolution,   b->scan,      b->sides,     b->void_ratio,
+                          b->threshold, b->averaging, b->steadiness};
+  double sum = 0.0;
+  bool known = false;
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    if (isfinite(parts[i])) {
+      sum += parts[i] * parts[i];
+      known = true;
+    }
+  return known ? sqrt(sum) : NAN;
+}
+
+void error_budget_total(const struct error_budget *b, double *low, double *high) {
+  *low = joined(b, isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
+  *high = joined(b, isfinite(b->resolution_high) ? b->resolution_high : b->resolution);
+}
+
+double error_budget_largest(const struct error_budget *b) {
+  double low, high;
+  error_budget_total(b, &low, &high);
+  return fmax(low, high);
+}
+
+static enum status write_levels(const struct error_budget *b, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  size_t count = (size_t)b->level_count;
+  double column[ERROR_LEVELS_MAX];
+  static const char *const names[] = {"spacing",         "permeability", "estimate", "estimate_low",
+                                      "estimate_high",   "sites",        "seconds",  "iterations"};
+  if (count == 0) return STATUS_OK;
+  TRY(h5_make_group(file, "/run/levels"));
+  for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+    char path[64];
+    for (size_t i = 0; i < count; i++) {
+      const struct error_level *l = &b->levels[i];
+      const double values[] = {l->spacing, l->permeability, l->estimate, l->low,
+                               l->high,    l->sites,        l->seconds,  (double)l->iterations};
+      column[i] = values[n];
+    }
+    snprintf(path, sizeof path, "/run/levels/%s", names[n]);
+    TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
+  }
+cleanup:
+  return status;
+}
+
+enum status error_budget_write(const struct error_budget *b, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  double low, high;
+  error_budget_total(b, &low, &high);
+  const struct {
+    const char *name;
+    double value;
+  } parts[] = {{"resolution", b->resolution},
+               {"scan", b->scan},
+               {"sides", b->sides},
+               {"averaging", b->averaging},
+               {"steadiness", b->steadiness},
+               {"void_ratio", b->void_ratio},
+               {"threshold", b->threshold},
+               {"total", fmax(low, high)},
+               {"total_low", low},
+               {"total_high", high},
+               {"resolution_low", b->resolution_low},
+               {"resolution_high", b->resolution_high},
+               {"model_voxels", b->model},
+               {"observed_order", b->order},
+               {"spacings", b->level_count},
+               {"extrapolated_permeability", b->extrapolated},
+               {"finest_permeability", b->finest},
+               {"dlnk_dvoid_ratio", b->slope_void_ratio},
+               {"dlnk_dthreshold", b->slope_threshold}};
+  TRY(h5_make_group(file, "/run/error"));
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
+  TRY(write_levels(b, file));
+cleanup:
+  return status;
+}

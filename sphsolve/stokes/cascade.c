@@ -1,0 +1,312 @@
+#include "sphsolve/stokes/cascade.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "common/convergence.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/ranks.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/stokes/start.h"
+
+/* From one lattice to the next of an open cascade the spacing shrinks by this. */
+#define SHRINKS 1.4142135623730951
+/* The first has so many sites across a mean pore, 4 V / S, and across the body. */
+#define FIRST_PORE 1.6
+#define FIRST_BODY 8.0
+/* Interpolated distances carry nothing new below this share of the model's voxels. */
+#define FINEST_SHARE 0.45
+/* A cascade that ends with the scene's own lattice. */
+#define FIXED_LEVELS 3
+static const double fixed_ratios[FIXED_LEVELS] = {2.0, 1.5, 1.0};
+/* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
+ * more than the tolerance of the solver. */
+#define SURFACE_STEP 0.05
+#define FORMAL_ORDER 2.0
+static const struct stokes_goal side_goal = {.mean = 3e-4};
+
+bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
+  const struct effect_context *context = &plan->context;
+  return context->lattice->wall_distance != NULL && context->driving > 0.0 &&
+         context->method->resolves_pores && !context->has_moving_wall && !context->has_surface &&
+         scene->fluid.viscosity > 0.0;
+}
+
+void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
+                   struct cascade *c) {
+  const bool possible = cascade_is_possible(scene, plan);
+  *c = (struct cascade){.scene = scene, .plan = plan, .base = base, .seconds = INFINITY};
+  c->budget = error_budget_none();
+  c->started = clock_seconds();
+  if (possible && (plan->goal.error > 0.0 || plan->goal.seconds > 0.0)) {
+    c->wanted = fmax(plan->goal.error, 1e-12);
+    if (plan->goal.seconds > 0.0) c->seconds = plan->goal.seconds;
+  } else {
+    c->fixed = possible ? FIXED_LEVELS : 1;
+  }
+}
+
+double cascade_next_seconds(const struct cascade *c) {
+  const int n = c->budget.level_count;
+  if (n == 0) return 0.0;
+  return c->budget.levels[n - 1].seconds * pow(SHRINKS, 3.2);
+}
+
+/* Where an open cascade begins. */
+static double first_spacing(const struct cascade *c) {
+  const double h = c->plan->context.spacing, width = c->plan->shape.width;
+  double shortest = INFINITY;
+  for (int a = 0; a < 3; a++)
+    if (c->base->size[a] > 1)
+      shortest = fmin(shortest, (double)c->base->size[a] * c->base->spacing[a]);
+  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
+}
+
+bool cascade_next(struct cascade *c, double *spacing, const char **why) {
+  const double h = c->plan->context.spacing;
+  *why = "converged";
+  if (c->fixed > 0) {
+    if (c->tried == c->fixed) return false;
+    *spacing = h * fixed_ratios[FIXED_LEVELS - c->fixed + c->tried];
+    return true;
+  }
+  *spacing = first_spacing(c) / pow(SHRINKS, c->tried);
+  if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
+  *why = "budget";
+  /* One thread does a processor second in a second, several less. */
+  const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
+  if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
+  if (c->tried == ERROR_LEVELS_MAX) return false;
+  if (*spacing < FINEST_SHARE * h) return false;
+  size_t size[3], count;
+  if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
+    error_clear();
+    return false;
+  }
+  const double share = (double)c->base->fluid_count / (double)c->base->count;
+  return stokes_solver_bytes((double)count, share * (double)count) < memory_available();
+}
+
+enum status cascade_lattice(const struct cascade *c, double spacing, struct lattice *lattice,
+                            bool *own) {
+  *own = fabs(spacing / c->plan->context.spacing - 1.0) < 1e-9;
+  if (*own) {
+    *lattice = *c->base;
+    return STATUS_OK;
+  }
+  return lattice_resample(c->base, spacing, 0.0, lattice);
+}
+
+static enum status build(const struct cascade *c, const struct lattice *lattice,
+                         enum wall_scheme wall, struct stokes_solver *s) {
+  const struct effect_context *context = &c->plan->context;
+  const double spacing =
+      lattice->dimensions == 2
+          ? sqrt(lattice->spacing[0] * lattice->spacing[2])
+          : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
+  return stokes_solver_build(lattice, c->scene, context->stokes_support * spacing, wall,
+                             context->kinematic_viscosity, c->scene->driving, s);
+}
+
+enum status cascade_solver(struct cascade *c, const struct lattice *lattice,
+                           struct stokes_solver *s) {
+  enum status status = STATUS_OK;
+  TRY(build(c, lattice, c->plan->context.method->wall(c->scene), s));
+  if (c->coarse.grid.active > 0 && s->grid.active > 0) TRY(stokes_solver_start(s, &c->coarse));
+cleanup:
+  return status;
+}
+
+/* m^2, along the force. */
+static double permeability_of(const struct stokes_solver *s) {
+  double k = 0.0;
+  for (int a = 0; a < 3; a++) k += s->mean[a] * s->force[a] * s->stencil.unit * s->stencil.unit;
+  return k;
+}
+
+/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails.
+ */
+static double solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
+                    bool keep) {
+  struct stokes_solver s = {0};
+  double k = 0.0;
+  if (lattice->fluid_count > 0 && build(c, lattice, wall, &s) == STATUS_OK &&
+      s.grid.active_all > 0) {
+    if (c->coarse.grid.active > 0 && stokes_solver_start(&s, &c->coarse) != STATUS_OK)
+      error_clear();
+    if (stokes_solver_run(&s, &side_goal) == STATUS_OK) k = permeability_of(&s);
+  }
+  error_clear();
+  if (keep && k > 0.0)
+    cascade_keep(c, &s);
+  else
+    stokes_solver_free(&s);
+  return k;
+}
+
+/* What the model says of its own void ratio, times the measured slope. */
+static void add_calibration(const char *path, struct error_budget *budget) {
+  struct h5_file *file = NULL;
+  if (!*path || !isfinite(budget->slope_void_ratio)) return;
+  if (h5_open(path, &file) != STATUS_OK) {
+    error_clear();
+    return;
+  }
+  const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
+  budget->void_ratio = fabs(budget->slope_void_ratio *
+                            (h5_attribute_or_nan(file, "/model", "void_ratio") -
+                             h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
+  budget->slope_threshold = budget->slope_void_ratio / slope;
+  if (uncertainty > 0.0) budget->threshold = fabs(budget->slope_threshold) * uncertainty;
+  h5_close(file);
+}
+
+/* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
+static enum status add_side_shares(struct cascade *c, const struct lattice *lattice, double spacing,
+                                   double k) {
+  enum status status = STATUS_OK;
+  struct lattice moved = {0}, coarser = {0};
+  if (!*c->scene->model_path) return STATUS_OK;
+  TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
+  const double more = solve(c, &moved, WALL_SUBVOXEL, false);
+  const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
+  if (more > 0.0 && change > 0.0) c->budget.slope_void_ratio = log(more / k) / change;
+  add_calibration(c->scene->model_path, &c->budget);
+  lattice_free(&moved);
+  /* The model from every second of its voxels. */
+  TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
+  TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
+  const double other = solve(c, &moved, WALL_SUBVOXEL, false);
+  if (other > 0.0) c->budget.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
+cleanup:
+  lattice_free(&moved);
+  lattice_free(&coarser);
+  return status;
+}
+
+/* The estimate from all lattices so far. */
+static void estimate(struct cascade *c) {
+  struct error_budget *b = &c->budget;
+  struct limit_estimate limit;
+  double h[ERROR_LEVELS_MAX], k[ERROR_LEVELS_MAX];
+  const int n = b->level_count;
+  for (int i = 0; i < n; i++) {
+    h[i] = b->levels[n - 1 - i].spacing;
+    k[i] = b->levels[n - 1 - i].permeability;
+  }
+  converge_limit(h, k, (size_t)n, FORMAL_ORDER, &limit);
+  if (n == 1) limit.low = limit.high = c->plan->expected.error;
+  struct error_level *level = &b->levels[n - 1];
+  level->estimate = limit.value;
+  level->low = limit.low, level->high = limit.high;
+  b->extrapolated = limit.value;
+  b->finest = k[0];
+  b->order = limit.order;
+  const double model = isfinite(b->model) ? b->model : 0.0;
+  b->resolution_low = hypot(limit.low, model);
+  b->resolution_high = hypot(limit.high, model);
+  b->resolution = fmax(b->resolution_low, b->resolution_high);
+}
+
+static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
+                       long iterations, double seconds) {
+  enum status status = STATUS_OK;
+  struct error_budget *b = &c->budget;
+  c->tried++;
+  if (!(k > 0.0)) return STATUS_OK;
+  b->levels[b->level_count++] = (struct error_level){.spacing = spacing,
+                                                     .permeability = k,
+                                                     .sites = (double)lattice->count,
+                                                     .seconds = seconds,
+                                                     .iterations = iterations};
+  if (!c->side_shares && b->level_count == 2) {
+    c->side_shares = true;
+    TRY(add_side_shares(c, lattice, spacing, k));
+  }
+  estimate(c);
+cleanup:
+  return status;
+}
+
+enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
+                        const struct stokes_solver *s, double seconds) {
+  return add(c, lattice, spacing, s->grid.active_all > 0 ? permeability_of(s) : 0.0, s->iterations,
+             seconds);
+}
+
+void cascade_keep(struct cascade *c, struct stokes_solver *s) {
+  stokes_solver_free(&c->coarse);
+  c->coarse = *s;
+  *s = (struct stokes_solver){0};
+  stokes_solver_strip(&c->coarse);
+  c->coarse.operator.grid = NULL;
+}
+
+void cascade_end(struct cascade *c) {
+  stokes_solver_free(&c->coarse);
+}
+
+static double processor_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+enum status cascade_measure(const struct scene *scene, const struct plan *plan,
+                            const struct lattice *base, double found, struct error_budget *budget) {
+  enum status status = STATUS_OK;
+  struct cascade c;
+  const char *why;
+  double spacing, own = NAN;
+  const enum wall_scheme wall = plan->context.method->wall(scene);
+  const struct error_budget given = *budget;
+  if (!cascade_is_possible(scene, plan)) return STATUS_OK;
+  cascade_begin(scene, plan, base, &c);
+  c.fixed = FIXED_LEVELS;
+  c.wanted = 0.0;
+  while (cascade_next(&c, &spacing, &why)) {
+    struct lattice lattice;
+    bool is_own;
+    TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
+    const double started = processor_seconds();
+    const double k = solve(&c, &lattice, WALL_SUBVOXEL, true);
+    status = add(&c, &lattice, spacing, k, c.coarse.iterations, processor_seconds() - started);
+    if (is_own) own = k;
+    if (!is_own) lattice_free(&lattice);
+    TRY(status);
+  }
+  *budget = c.budget;
+  budget->averaging = given.averaging;
+  budget->steadiness = given.steadiness;
+  /* What the run's own k differs by: its walls, or what its method leaves. */
+  if (c.budget.level_count > 0 && found > 0.0) {
+    const double off = found / c.budget.extrapolated - 1.0;
+    budget->resolution_low = hypot(budget->resolution_low, fmax(0.0, off));
+    budget->resolution_high = hypot(budget->resolution_high, fmax(0.0, -off));
+    budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
+  }
+  if (c.budget.level_count < FIXED_LEVELS || wall != WALL_SUBVOXEL || !(own > 0.0)) {
+    budget->resolution_low = fmax(budget->resolution_low, plan->expected.error);
+    budget->resolution_high = fmax(budget->resolution_high, plan->expected.error);
+    budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
+  }
+cleanup:
+  cascade_end(&c);
+  return status;
+}
+
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
+  const struct lattice *l = plan->context.lattice;
+  double seconds = 0.0;
+  if (!cascade_is_possible(scene, plan)) return 0.0;
+  for (int i = 0; i < FIXED_LEVELS - (own ? 0 : 1); i++) {
+    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
+    seconds +=
+        solves * stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], WALL_SUBVOXEL);
+  }
+  return seconds;
+}

@@ -1,0 +1,60 @@
+/* k from a cascade of lattices of one body, coarse ones first: each solve starts where the coarser
+ * one has ended, and k with its error is estimated from all of them together. */
+#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_H
+#define TOSUI_SPHSOLVE_STOKES_CASCADE_H
+
+#include "common/error.h"
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/output/error_budget.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/scene/scene.h"
+#include "sphsolve/stokes/solver.h"
+
+struct cascade {
+  const struct scene *scene;
+  const struct plan *plan;
+  const struct lattice *base; /* as the scene gives it */
+  double wanted;              /* relative error of k to reach; 0: none, the base is the last */
+  double seconds;             /* to spend, wall time; INFINITY */
+  double started;             /* clock, s */
+  int fixed;                  /* lattices of a cascade that ends with the base; 0: open */
+  int tried;                  /* lattices so far, those without a flow included */
+  bool side_shares;           /* void ratio and model voxels have been looked at */
+  struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
+  struct error_budget budget;
+};
+
+/* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
+bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
+
+/* A cascade that ends with `base`, or, with plan->goal, when that is reached. Free with
+ * cascade_end. */
+void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
+                   struct cascade *cascade);
+/* The next lattice's spacing, m; false when the cascade is at its end: *why says so in words. */
+bool cascade_next(struct cascade *cascade, double *spacing, const char **why);
+/* Its sites: base itself, not to be freed, where the spacing is its own. */
+enum status cascade_lattice(const struct cascade *cascade, double spacing, struct lattice *lattice,
+                            bool *own);
+/* Its solver, started from the lattice before. */
+enum status cascade_solver(struct cascade *cascade, const struct lattice *lattice,
+                           struct stokes_solver *solver);
+/* Takes the solved k of a lattice into the estimate; `seconds` of processor time went into it. The
+ * solver is only looked at. */
+enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,
+                        const struct stokes_solver *solver, double seconds);
+/* Keeps the solution of a solver, which is emptied, for the next to start from. */
+void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);
+/* What the next lattice will take, s of processor time. */
+double cascade_next_seconds(const struct cascade *cascade);
+void cascade_end(struct cascade *cascade);
+
+/* The resolution of a run whose k was found otherwise, by another method or with other walls: lattices
+ * up to `base` are solved with subvoxel walls. `found`: its intrinsic permeability, m^2. */
+enum status cascade_measure(const struct scene *scene, const struct plan *plan,
+                            const struct lattice *base, double found, struct error_budget *budget);
+
+/* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
+
+#endif
