@@ -96,3 +96,42 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   double ratio = pow(h[1] / h[0], p);
   result->index = result->safety * fabs((f[1] - f[0]) / f[0]) / (ratio - 1.0);
 }
+
+/* Least squares of f = value + slope h^p over the finest n, each by 1/h^p: what is left of higher
+ * orders grows with h. */
+static double fit_limit(const double *h, const double *f, size_t n, double p) {
+  double weight = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    const double x = pow(h[i] / h[0], p), w = 1.0 / x;
+    weight += w;
+    mx += w * x;
+    my += w * f[i];
+  }
+  mx /= weight, my /= weight;
+  for (size_t i = 0; i < n; i++) {
+    const double x = pow(h[i] / h[0], p), w = 1.0 / x;
+    xx += w * (x - mx) * (x - mx);
+    xy += w * (x - mx) * (f[i] - my);
+  }
+  return my - xy / xx * mx;
+}
+
+#define LIMIT_WINDOW 3
+#define LIMIT_STEP 0.6
+#define LIMIT_FINEST 0.15
+
+void converge_limit(const double *h, const double *f, size_t n, double formal_order,
+                    struct limit_estimate *limit) {
+  *limit = (struct limit_estimate){f[0], NAN, NAN, NAN};
+  if (n < 2) return;
+  const size_t window = n < LIMIT_WINDOW ? n : LIMIT_WINDOW;
+  limit->value = fit_limit(h, f, window, formal_order);
+  if (n > 2) limit->order = best_order(h, f, 3);
+  double bound = fabs(f[0] - limit->value);
+  if (n > 2) {
+    const size_t before = n - 1 < LIMIT_WINDOW ? n - 1 : LIMIT_WINDOW;
+    const double last = fit_limit(h + 1, f + 1, before, formal_order);
+    bound = hypot(LIMIT_STEP * (limit->value - last), LIMIT_FINEST * (f[0] - limit->value));
+  }
+  limit->low = limit->high = bound / fabs(limit->value);
+}

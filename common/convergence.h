@@ -27,4 +27,19 @@ struct convergence {
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result);
 
+/* What k changes by between a model and the same from every second of its voxels, times this, is
+ * what its own voxels leave: the two differ by less than first order would have it. */
+#define CONVERGE_MODEL_SHARE 0.7
+
+struct limit_estimate {
+  double value;     /* at spacing 0 */
+  double low, high; /* relative: the truth lies in value (1 - low) .. value (1 + high), 95 % */
+  double order;     /* observed; NAN where there is none */
+};
+
+/* The limit of f [n] at spacings h [n], finest first, n >= 1: with n = 1 the value itself and no
+ * error (NAN). */
+void converge_limit(const double *h, const double *f, size_t n, double formal_order,
+                    struct limit_estimate *limit);
+
 #endif

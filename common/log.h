@@ -22,6 +22,8 @@ void log_pending_error(void);
 
 /* Seconds on a monotonic clock. */
 double clock_seconds(void);
+/* Processor seconds of this process, all threads. */
+double clock_processor_seconds(void);
 
 /* Progress with rate and ETA: a live line on a terminal, one line every 10 s elsewhere, nothing
  * when quiet. Without a `unit` no rate is shown. `note` (may be NULL) is appended, e.g. "k 0.154

@@ -1,9 +1,12 @@
 #include "common/memory.h"
 
+#include <math.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 /* A header in front of each block holds its size, so that the bytes in use can be counted, and how
@@ -176,6 +179,20 @@ size_t memory_in_use(void) {
 }
 size_t memory_peak(void) {
   return peak;
+}
+double memory_available(void) {
+  double left = INFINITY;
+  char line[256];
+  FILE *file = fopen("/proc/meminfo", "r");
+  while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+    unsigned long long kilobytes;
+    if (sscanf(line, "MemAvailable: %llu", &kilobytes) == 1) left = 1024.0 * (double)kilobytes;
+  }
+  if (file != NULL) fclose(file);
+  struct rlimit address;
+  if (getrlimit(RLIMIT_AS, &address) == 0 && address.rlim_cur != RLIM_INFINITY)
+    left = fmin(left, (double)address.rlim_cur - (double)in_use);
+  return limit > 0 ? fmin(left, (double)limit - (double)in_use) : left;
 }
 void memory_set_limit(size_t bytes) {
   limit = bytes;

@@ -43,6 +43,8 @@ void memory_free(void *pointer);
 /* Bytes held now and at the highest; for /run/timing and explain. */
 size_t memory_in_use(void);
 size_t memory_peak(void);
+/* Bytes that the machine and the limits of this process leave, as far as they say. */
+double memory_available(void);
 
 /* Refuses allocations that would bring the bytes in use above `bytes` (--max-memory); 0: above the
  * machine's memory, which is where every program starts. */

@@ -22,21 +22,24 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/scene/scene.h"
+#include "sphsolve/stokes/cascade.h"
 
 enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
 
 static const struct option_entry entries[] = {
     {"output", 'o', "OUT", RUN, "OUT.hdf, OUT-NNNN.hdf (snapshots), OUT.ckpt.hdf"},
     {"set", 's', "PATH=VALUE", RUN | EXPLAIN, "overrides a key of the scene; may be repeated"},
-    {"error", 0, "E", EXPLAIN,
-     "wanted error of k, like 5%: names the cheapest settings that reach it"},
+    {"error", 0, "E", RUN | EXPLAIN,
+     "wanted error of k, like 5%: lattices of its own choice, coarse ones first, until it is "
+     "reached"},
+    {"time", 0, "T", RUN, "the best k that this time allows, like 60s"},
     {"ranks", 0, "N", EXPLAIN, "predicts memory and time on N ranks of --threads each"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
 static const struct option_command commands[] = {
-    {"run", "SCENE.cfg -o OUT [--set path=value]... [--resume]", "runs a scene",
-     "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
+    {"run", "SCENE.cfg -o OUT [--error E] [--time T] [--set path=value]... [--resume]",
+     "runs a scene", "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
     {"explain", "SCENE.cfg [--error E] [--ranks N] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
      "sphsolve explain dense.cfg", 1, 1},
@@ -92,16 +95,31 @@ static json_t *number_or_null(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *error_json(const struct error_split *split) {
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o}", "resolution",
-                   number_or_null(split->resolution), "averaging", number_or_null(split->averaging),
-                   "steadiness", number_or_null(split->steadiness), "void_ratio",
-                   number_or_null(split->void_ratio), "threshold", number_or_null(split->threshold),
-                   "total", number_or_null(error_split_total(split)), "observed_order",
-                   number_or_null(split->order), "order_credible", (int)split->order_credible,
-                   "extrapolated_permeability", number_or_null(split->extrapolated),
-                   "dlnk_dvoid_ratio", number_or_null(split->slope_void_ratio), "dlnk_dthreshold",
-                   number_or_null(split->slope_threshold));
+static json_t *error_json(const struct error_budget *b) {
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "resolution",
+      number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
+      number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
+      number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
+      number_or_null(b->steadiness), "total", number_or_null(error_budget_largest(b)),
+      "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
+      "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
+      number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
+      "dlnk_dthreshold", number_or_null(b->slope_threshold));
+}
+
+/* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
+static json_t *levels_json(const struct error_budget *b, double to_speed) {
+  json_t *list = json_array();
+  for (int i = 0; i < b->level_count; i++) {
+    const struct error_level *l = &b->levels[i];
+    json_array_append_new(
+        list, json_pack("{s:f, s:f, s:f, s:o, s:o, s:f, s:I, s:f}", "spacing", l->spacing, "k",
+                        to_speed * l->permeability, "estimate", to_speed * l->estimate, "low",
+                        number_or_null(l->low), "high", number_or_null(l->high), "sites", l->sites,
+                        "iterations", (json_int_t)l->iterations, "seconds", l->seconds));
+  }
+  return list;
 }
 
 /* What of the ledger does not close; null where a method keeps no such account. */
@@ -123,10 +141,14 @@ static json_t *ledger_json(const struct ledger *ledger) {
 }
 
 static enum status print_json(const struct run_result *result) {
+  double low, high;
+  error_budget_total(&result->error, &low, &high);
   json_t *object = json_pack(
-      "{s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
-      number_or_null(result->k), "k_relative_error",
-      number_or_null(error_split_total(&result->error)), "error", error_json(&result->error),
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
+      number_or_null(result->k), "k_low", number_or_null(result->k * (1 - fmin(low, 1))), "k_high",
+      number_or_null(result->k * (1 + high)), "k_finest", number_or_null(result->k_finest),
+      "k_relative_error", number_or_null(fmax(low, high)), "error", error_json(&result->error),
+      "levels", levels_json(&result->error, result->k / result->intrinsic_permeability),
       "intrinsic_permeability", number_or_null(result->intrinsic_permeability), "darcy_velocity",
       number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
       number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
@@ -146,42 +168,49 @@ static void print_part(const char *what, double share) {
 }
 
 /* The parts of the error, and how the resolution's was found. */
-static void print_error_split(const struct error_split *split) {
+static void print_error_budget(const struct error_budget *b) {
   printf("error     ");
-  print_part(" resolution", split->resolution);
-  if (!isfinite(split->resolution)) printf(" resolution not counted");
-  print_part(", averaging", split->averaging > 0 ? split->averaging : NAN);
-  print_part(", steadiness", split->steadiness);
-  print_part(", void ratio", split->void_ratio);
-  print_part(", threshold", split->threshold);
+  print_part(" resolution", b->resolution);
+  if (!isfinite(b->resolution)) printf(" resolution not counted");
+  print_part(", scan", b->scan);
+  print_part(", sides", b->sides);
+  print_part(", averaging", b->averaging > 0 ? b->averaging : NAN);
+  print_part(", steadiness", b->steadiness > 1e-5 ? b->steadiness : NAN);
+  print_part(", void ratio", b->void_ratio > 1e-5 ? b->void_ratio : NAN);
+  print_part(", threshold", b->threshold);
   putchar('\n');
-  if (split->levels > 1) {
-    printf("           resolution: grid convergence index of %d spacings, ", split->levels);
-    if (isfinite(split->order))
-      printf("observed order %.2g%s; ", split->order,
-             split->order_credible ? "" : " (not credible: too coarse)");
-    printf("extrapolated %.4g m^2\n", split->extrapolated);
+  if (b->level_count > 1) {
+    const struct error_level *finest = &b->levels[b->level_count - 1];
+    printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M sites), which "
+           "alone "
+           "says %.4g m^2",
+           b->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, b->finest);
+    print_part("; the model's voxels leave", b->model);
+    putchar('\n');
   }
-  if (isfinite(split->slope_void_ratio)) {
-    printf("           0.01 of void ratio moves k by %.2g %% (solved)", split->slope_void_ratio);
-    print_part(", one grey level of the threshold by", split->slope_threshold);
+  if (isfinite(b->slope_void_ratio)) {
+    printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
+    print_part(", one grey level of the threshold by", b->slope_threshold);
     putchar('\n');
   }
 }
 
 static void print_result(const struct run_result *result, const char *prefix) {
-  char error[64] = "";
-  const double total = error_split_total(&result->error);
-  if (isfinite(result->k) && total > 0)
-    snprintf(error, sizeof error, " +- %.*g %%%s", total < 1 ? 2 : 3, 100 * total,
-             result->error.levels > 1             ? ""
+  char error[120] = "";
+  double low, high;
+  error_budget_total(&result->error, &low, &high);
+  if (isfinite(result->k) && fmax(low, high) > 0)
+    snprintf(error, sizeof error, " +- %.*g %% (%.4g to %.4g)%s", fmax(low, high) < 1 ? 2 : 3,
+             100 * fmax(low, high), 100 * result->k * (1 - fmin(low, 1)),
+             100 * result->k * (1 + high),
+             result->error.level_count > 1        ? ""
              : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
                                                   : " (resolution not counted)");
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
-    print_error_split(&result->error);
+    print_error_budget(&result->error);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
     printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
            result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
@@ -194,6 +223,51 @@ static void print_result(const struct run_result *result, const char *prefix) {
          prefix);
 }
 
+/* "5%" or 0.05. */
+static enum status parse_error(const char *text, double *wanted) {
+  char *end;
+  *wanted = strtod(text, &end);
+  if (end != text && *end == '%') {
+    *wanted /= 100;
+    end++;
+  }
+  if (end == text || *end != '\0' || !(*wanted > 0 && *wanted < 1))
+    return FAIL(STATUS_USAGE, "--error %s: an error above 0 and below 100 %% is wanted, like 5%%",
+                text);
+  return STATUS_OK;
+}
+
+/* --error and --time, into the plan. */
+static enum status take_goal(const struct options *options, struct job *job) {
+  enum status status = STATUS_OK;
+  struct accuracy_goal *goal = &job->plan.goal;
+  const struct method *method = job->plan.context.method;
+  if (options_given(options, "error"))
+    TRY(parse_error(options_text(options, "error"), &goal->error));
+  if (options_given(options, "time")) {
+    TRY(options_quantity(options, "time", DIM_TIME, &goal->seconds));
+    if (!(goal->seconds > 0)) TRY_FAIL(STATUS_USAGE, "--time: more than 0 s is wanted, like 60s");
+  }
+  if (!(goal->error > 0 || goal->seconds > 0)) return STATUS_OK;
+  if (!method->solves_creeping || !cascade_is_possible(&job->scene, &job->plan) ||
+      method->wall(&job->scene) != WALL_SUBVOXEL || ranks_count() > 1)
+    TRY_FAIL(STATUS_USAGE,
+             "--error and --time choose lattices for steady creeping flow past resting subvoxel "
+             "walls (method stokes) in one process; leave them out of this run");
+  if (isfinite(job->scene.lattice_spacing))
+    TRY(scene_error(&job->scene, AT_LATTICE,
+                    "--error and --time choose the lattices; leave the spacing out"));
+cleanup:
+  return status;
+}
+
+/* The resolution of a run that is no cascade of lattices itself. */
+static enum status finish_error(struct job *job, struct run_result *result) {
+  return cascade_measure(
+      &job->scene, &job->plan, &job->lattice,
+      result->reynolds < REYNOLDS_CREEPING ? result->intrinsic_permeability : NAN, &result->error);
+}
+
 static enum status run(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct recorder *recorder = NULL;
@@ -201,21 +275,20 @@ static enum status run(const struct options *options, struct job *job) {
                               .k = NAN,
                               .k_error = NAN,
                               .intrinsic_permeability = NAN,
-                              .error = error_split_none()};
+                              .k_finest = NAN,
+                              .error = error_budget_none()};
   const char *prefix = options_text(options, "output");
   if (prefix == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
   TRY(prepare(options, job));
+  TRY(take_goal(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
   const struct method *method = job->plan.context.method;
   status = method->run(&job->scene, &job->plan, &job->lattice, recorder, &result);
-  if (status == STATUS_OK && result.k > 0)
-    status = error_split_measure(
-        &job->scene, &job->plan, &job->lattice,
-        method->solves_creeping ? result.intrinsic_permeability : NAN,
-        result.reynolds < REYNOLDS_CREEPING ? result.intrinsic_permeability : NAN, &result.error);
+  if (status == STATUS_OK && result.k > 0 && result.error.level_count < 2)
+    status = finish_error(job, &result);
   result.wall_time = clock_seconds() - started;
   /* An interrupted run leaves its record too; its message is the method's. */
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
@@ -239,20 +312,6 @@ static enum status run(const struct options *options, struct job *job) {
 cleanup:
   recorder_close(recorder);
   return status;
-}
-
-/* "5%" or 0.05. */
-static enum status parse_error(const char *text, double *wanted) {
-  char *end;
-  *wanted = strtod(text, &end);
-  if (end != text && *end == '%') {
-    *wanted /= 100;
-    end++;
-  }
-  if (end == text || *end != '\0' || !(*wanted > 0 && *wanted < 1))
-    return FAIL(STATUS_USAGE, "--error %s: an error above 0 and below 100 %% is wanted, like 5%%",
-                text);
-  return STATUS_OK;
 }
 
 static enum status explain(const struct options *options, struct job *job) {

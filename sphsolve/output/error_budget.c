@@ -1,6 +1,7 @@
 #include "sphsolve/output/error_budget.h"
 
 #include <math.h>
+#include <stdio.h>
 
 struct error_budget error_budget_none(void) {
   return (struct error_budget){.resolution = NAN,
@@ -48,8 +49,8 @@ static enum status write_levels(const struct error_budget *b, struct h5_file *fi
   enum status status = STATUS_OK;
   size_t count = (size_t)b->level_count;
   double column[ERROR_LEVELS_MAX];
-  static const char *const names[] = {"spacing",         "permeability", "estimate", "estimate_low",
-                                      "estimate_high",   "sites",        "seconds",  "iterations"};
+  static const char *const names[] = {"spacing",       "permeability", "estimate", "estimate_low",
+                                      "estimate_high", "sites",        "seconds",  "iterations"};
   if (count == 0) return STATUS_OK;
   TRY(h5_make_group(file, "/run/levels"));
   for (size_t n = 0; n < sizeof names / sizeof *names; n++) {

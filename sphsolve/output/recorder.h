@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "common/snapshot_file.h"
-#include "sphsolve/stokes/error_budget.h"
+#include "sphsolve/output/error_budget.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/output/ledger.h"
 #include "sphsolve/plan/plan.h"
@@ -36,8 +36,9 @@ struct history_row {
 struct run_result {
   const char *status;            /* "steady", "end_time", "converged", "interrupted", "blocked" */
   double k;                      /* m/s, v/i along the force; NAN where there is none */
+  double k_finest;               /* m/s, of the finest lattice alone; NAN: k itself */
   double k_error;                /* relative, of averaging, steadiness or residual; NAN unknown */
-  struct error_split error;      /* what k_error and the rest is made of */
+  struct error_budget error;     /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double fall[3]; /* between two heads: what falls over the length of soil; zero without */

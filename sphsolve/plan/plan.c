@@ -91,7 +91,8 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan) {
   enum status status = STATUS_OK;
-  *plan = (struct plan){.dt = NAN, .dt_limit = INFINITY, .expected = {NAN, NAN, ""}};
+  *plan = (struct plan){
+      .threads = threads, .dt = NAN, .dt_limit = INFINITY, .expected = {NAN, NAN, ""}};
   snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
   struct effect_context *context = &plan->context;
   plan_context(scene, lattice, context);

@@ -44,7 +44,15 @@ struct planned_effect {
   double dt_max; /* s; INFINITY: none */
 };
 
+/* What the user asks k to be or to cost; 0: not asked. */
+struct accuracy_goal {
+  double error;   /* relative */
+  double seconds; /* wall time */
+};
+
 struct plan {
+  struct accuracy_goal goal; /* set after the plan is made */
+  int threads;
   struct effect_context context;
   size_t effect_count;
   struct planned_effect effects[EFFECT_MAX]; /* those of the method, on and off */

@@ -38,7 +38,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   group = config_child(config, root, "stokes");
   wall = WALL_SUBVOXEL;
   scene->stokes.tolerance = NAN;
-  kernel = KERNEL_QUINTIC;
+  kernel = KERNEL_CUBIC;
   TRY(config_choice(config, group, "kernel", stokes_kernel_names, &kernel, NULL));
   scene->stokes.kernel = (enum kernel)kernel;
   TRY(scene_positive(config, group, "support", DIM_LENGTH, &scene->stokes.support));

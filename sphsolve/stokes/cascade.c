@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/convergence.h"
 #include "common/log.h"
@@ -10,6 +9,7 @@
 #include "common/ranks.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/start.h"
 
 /* From one lattice to the next of an open cascade the spacing shrinks by this. */
@@ -37,7 +37,8 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
-  const bool possible = cascade_is_possible(scene, plan);
+  const bool possible =
+      cascade_is_possible(scene, plan) && plan->context.method->wall(scene) == WALL_SUBVOXEL;
   *c = (struct cascade){.scene = scene, .plan = plan, .base = base, .seconds = INFINITY};
   c->budget = error_budget_none();
   c->started = clock_seconds();
@@ -107,7 +108,8 @@ static enum status build(const struct cascade *c, const struct lattice *lattice,
       lattice->dimensions == 2
           ? sqrt(lattice->spacing[0] * lattice->spacing[2])
           : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  return stokes_solver_build(lattice, c->scene, context->stokes_support * spacing, wall,
+  return stokes_solver_build(lattice, c->scene,
+                             stokes_support(c->scene, context->spacing) * spacing, wall,
                              context->kinematic_viscosity, c->scene->driving, s);
 }
 
@@ -157,9 +159,9 @@ static void add_calibration(const char *path, struct error_budget *budget) {
   }
   const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
   const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
-  budget->void_ratio = fabs(budget->slope_void_ratio *
-                            (h5_attribute_or_nan(file, "/model", "void_ratio") -
-                             h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
+  budget->void_ratio =
+      fabs(budget->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
+                                       h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
   budget->slope_threshold = budget->slope_void_ratio / slope;
   if (uncertainty > 0.0) budget->threshold = fabs(budget->slope_threshold) * uncertainty;
   h5_close(file);
@@ -192,14 +194,14 @@ cleanup:
 static void estimate(struct cascade *c) {
   struct error_budget *b = &c->budget;
   struct limit_estimate limit;
-  double h[ERROR_LEVELS_MAX], k[ERROR_LEVELS_MAX];
+  double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
   const int n = b->level_count;
   for (int i = 0; i < n; i++) {
     h[i] = b->levels[n - 1 - i].spacing;
     k[i] = b->levels[n - 1 - i].permeability;
   }
   converge_limit(h, k, (size_t)n, FORMAL_ORDER, &limit);
-  if (n == 1) limit.low = limit.high = c->plan->expected.error;
+  if (n == 1 && c->fixed != 1) limit.low = limit.high = c->plan->expected.error;
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
@@ -250,12 +252,6 @@ void cascade_end(struct cascade *c) {
   stokes_solver_free(&c->coarse);
 }
 
-static double processor_seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
                             const struct lattice *base, double found, struct error_budget *budget) {
   enum status status = STATUS_OK;
@@ -272,9 +268,10 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     struct lattice lattice;
     bool is_own;
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
-    const double started = processor_seconds();
+    const double started = clock_processor_seconds();
     const double k = solve(&c, &lattice, WALL_SUBVOXEL, true);
-    status = add(&c, &lattice, spacing, k, c.coarse.iterations, processor_seconds() - started);
+    status =
+        add(&c, &lattice, spacing, k, c.coarse.iterations, clock_processor_seconds() - started);
     if (is_own) own = k;
     if (!is_own) lattice_free(&lattice);
     TRY(status);
@@ -296,6 +293,57 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   }
 cleanup:
   cascade_end(&c);
+  return status;
+}
+
+/* /state/cascade: what a cascade knows beside the solve that goes on. */
+#define CASCADE_NUMBERS 8
+#define LEVEL_NUMBERS 5
+
+enum status cascade_write(const struct cascade *c, struct h5_file *file) {
+  const struct error_budget *b = &c->budget;
+  double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
+      c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
+      b->void_ratio, b->threshold,   b->model,       b->slope_threshold};
+  size_t count = CASCADE_NUMBERS;
+  for (int i = 0; i < b->level_count; i++) {
+    const struct error_level *l = &b->levels[i];
+    numbers[count++] = l->spacing;
+    numbers[count++] = l->permeability;
+    numbers[count++] = l->sites;
+    numbers[count++] = l->seconds;
+    numbers[count++] = (double)l->iterations;
+  }
+  return h5_write(file, "/state/cascade", H5_F64, 1, &count, numbers, false);
+}
+
+enum status cascade_read(struct cascade *c, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  struct error_budget *b = &c->budget;
+  double *numbers = NULL;
+  size_t count = 0;
+  TRY(h5_read(file, "/state/cascade", H5_F64, 1, &count, &numbers));
+  const double levels = count >= CASCADE_NUMBERS ? numbers[1] : -1.0;
+  if (!(levels >= 0.0 && levels <= ERROR_LEVELS_MAX && numbers[0] >= levels &&
+        numbers[0] <= ERROR_LEVELS_MAX &&
+        count == CASCADE_NUMBERS + LEVEL_NUMBERS * (size_t)levels))
+    TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
+  c->tried = (int)numbers[0];
+  c->side_shares = numbers[2] != 0.0;
+  b->slope_void_ratio = numbers[3], b->void_ratio = numbers[4], b->threshold = numbers[5];
+  b->model = numbers[6], b->slope_threshold = numbers[7];
+  for (int i = 0; i < (int)levels; i++) {
+    const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
+    if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
+    b->levels[b->level_count++] = (struct error_level){.spacing = n[0],
+                                                       .permeability = n[1],
+                                                       .sites = n[2],
+                                                       .seconds = n[3],
+                                                       .iterations = (long)n[4]};
+    estimate(c);
+  }
+cleanup:
+  memory_free(&numbers);
   return status;
 }
 

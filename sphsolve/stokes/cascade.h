@@ -13,13 +13,13 @@
 struct cascade {
   const struct scene *scene;
   const struct plan *plan;
-  const struct lattice *base; /* as the scene gives it */
-  double wanted;              /* relative error of k to reach; 0: none, the base is the last */
-  double seconds;             /* to spend, wall time; INFINITY */
-  double started;             /* clock, s */
-  int fixed;                  /* lattices of a cascade that ends with the base; 0: open */
-  int tried;                  /* lattices so far, those without a flow included */
-  bool side_shares;           /* void ratio and model voxels have been looked at */
+  const struct lattice *base;  /* as the scene gives it */
+  double wanted;               /* relative error of k to reach; 0: none, the base is the last */
+  double seconds;              /* to spend, wall time; INFINITY */
+  double started;              /* clock, s */
+  int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
+  int tried;                   /* lattices so far, those without a flow included */
+  bool side_shares;            /* void ratio and model voxels have been looked at */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
   struct error_budget budget;
 };
@@ -45,12 +45,16 @@ enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, 
                         const struct stokes_solver *solver, double seconds);
 /* Keeps the solution of a solver, which is emptied, for the next to start from. */
 void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);
+/* To and from a checkpoint. */
+enum status cascade_write(const struct cascade *cascade, struct h5_file *file);
+enum status cascade_read(struct cascade *cascade, struct h5_file *file);
 /* What the next lattice will take, s of processor time. */
 double cascade_next_seconds(const struct cascade *cascade);
 void cascade_end(struct cascade *cascade);
 
-/* The resolution of a run whose k was found otherwise, by another method or with other walls: lattices
- * up to `base` are solved with subvoxel walls. `found`: its intrinsic permeability, m^2. */
+/* The resolution of a run whose k was found otherwise, by another method or with other walls:
+ * lattices up to `base` are solved with subvoxel walls. `found`: its intrinsic permeability, m^2.
+ */
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
                             const struct lattice *base, double found, struct error_budget *budget);
 

@@ -1,86 +1,23 @@
-/* Method stokes: steady creeping flow, the SPH-Stokes system solved on the lattice itself. */
-#include "sphsolve/stokes/solver.h"
+/* Method stokes: steady creeping flow, the SPH-Stokes system solved on a cascade of lattices. */
+#include "sphsolve/stokes/method.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/output/recorder.h"
-#include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/budget.h"
+#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/output.h"
+#include "sphsolve/stokes/solver.h"
 
+/* Rounds without progress that a solve is given. */
+#define STALLED_MOST 20
 /* Where neither the residual nor the velocity is said to be good enough. */
 #define RESIDUAL_DEFAULT 1e-6
-
-struct fields {
-  double *points;
-  float *velocity, *pressure, *density;
-  uint64_t *id;
-};
-
-static void fields_free(struct fields *f) {
-  memory_free(&f->points);
-  memory_free(&f->velocity);
-  memory_free(&f->pressure);
-  memory_free(&f->density);
-  memory_free(&f->id);
-}
-
-/* All fluid sites, those of blocked pores at rest. */
-static enum status write_snapshot(const struct scene *scene, const struct lattice *lattice,
-                                  const struct stokes_solver *s, struct recorder *recorder) {
-  enum status status = STATUS_OK;
-  struct fields f = {0};
-  const size_t nx = lattice->size[0], n = s->grid.active;
-  const size_t first = s->grid.row_begin * nx;
-  const size_t end = (s->grid.mirrored ? s->grid.rows : s->grid.row_end) * nx;
-  size_t count = 0;
-  for (size_t site = first; site < end; site++) count += lattice->kind[site] == SITE_FLUID;
-  const size_t axes = (size_t)s->stencil.axis_count;
-  const double density = scene->fluid.density;
-  const double pressure_unit = density * s->acceleration * s->stencil.unit;
-  TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));
-  TRY(memory_allocate(&f.velocity, 3 * count, sizeof *f.velocity, "velocity of the snapshot"));
-  TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
-  TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
-  TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
-  for (size_t site = first, at = 0, packed = 0; site < end; site++) {
-    const size_t i = site % nx, row = site / nx;
-    const bool image = row >= s->grid.row_end;
-    if (i == 0 && n > 0) packed = s->grid.row_start[image ? stokes_grid_image(&s->grid, row) : row];
-    if (lattice->kind[site] != SITE_FLUID) continue;
-    const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
-    for (int a = 0; a < 3; a++)
-      f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
-    f.density[at] = (float)density;
-    f.id[at] = site;
-    if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
-      for (size_t a = 0; a < axes; a++) {
-        const int axis = s->stencil.axes[a];
-        f.velocity[3 * at + (size_t)axis] = (image ? s->grid.parity[axis] : 1.0f) *
-                                            (float)(s->x[a * n + packed] * s->velocity_unit);
-      }
-      f.pressure[at] =
-          (image ? s->grid.parity[3] : 1.0f) * (float)(s->x[axes * n + packed] * pressure_unit);
-      packed++;
-    }
-    at++;
-  }
-  const struct snapshot_field list[] = {
-      {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity, NULL, NULL},
-      {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure,
-       NULL, NULL},
-      {"density", "kg/m^3", "density", H5_F32, 1, f.density, NULL, NULL},
-      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id, NULL, NULL}};
-  const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
-  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, sizeof list / sizeof *list,
-                        list));
-cleanup:
-  fields_free(&f);
-  return status;
-}
 
 /* Pore velocity times hydraulic diameter 4 V / S over nu; S counts voxel faces, which overstate a
  * smooth surface by 3/2. */
@@ -109,31 +46,42 @@ static void scale_darcy(const struct lattice *lattice, const struct scene *scene
   *reynolds = reynolds_number(lattice, length, scene->fluid.viscosity / scene->fluid.density);
 }
 
-static enum status write_row(const struct scene *scene, const struct lattice *lattice,
-                             const struct stokes_solver *s, double darcy[3],
-                             struct recorder *recorder, double *reynolds) {
+/* A run between its parts. */
+struct stokes_job {
+  const struct scene *scene;
+  struct recorder *recorder;
+  struct run_result *result;
+  struct cascade cascade;
+  struct lattice lattice;     /* of the last solve */
+  bool own;                   /* it is the run's own, not to be freed */
+  struct h5_file *checkpoint; /* to go on from; NULL: none, or read */
+  long iterations;            /* of the lattices before */
+  double darcy[3], reynolds, solving, pairs;
+};
+
+static enum status write_row(struct stokes_job *job, const struct stokes_solver *s) {
+  const struct lattice *lattice = &job->lattice;
+  const double rho = job->scene->fluid.density;
   const double volume = lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2];
   const size_t n = s->grid.active;
-  struct history_row row = {.step = s->iterations,
-                            .density_max = scene->fluid.density,
-                            .density_mean = scene->fluid.density};
+  struct history_row row = {
+      .step = job->iterations + s->iterations, .density_max = rho, .density_mean = rho};
   double square = 0.0;
   for (size_t r = s->grid.row_begin; n > 0 && r < s->grid.row_end; r++)
     for (size_t a = 0; a < (size_t)s->stencil.axis_count; a++)
       for (size_t i = s->grid.row_start[r]; i < s->grid.row_start[r + 1]; i++)
         square += stokes_grid_weight(&s->grid, r) * s->x[a * n + i] * s->x[a * n + i];
   square = ranks_sum(square);
-  row.mass = scene->fluid.density * volume * (double)lattice->fluid_count;
-  scale_darcy(lattice, scene, s, darcy, reynolds);
+  row.mass = rho * volume * (double)lattice->fluid_count;
+  scale_darcy(lattice, job->scene, s, job->darcy, &job->reynolds);
   for (int a = 0; a < 3; a++) {
-    row.darcy_velocity[a] = darcy[a];
-    row.momentum[a] = darcy[a] * scene->fluid.density * volume * lattice->bulk_count;
+    row.darcy_velocity[a] = job->darcy[a];
+    row.momentum[a] = job->darcy[a] * rho * volume * lattice->bulk_count;
   }
-  row.kinetic_energy =
-      0.5 * scene->fluid.density * volume * square * s->velocity_unit * s->velocity_unit;
-  row.reynolds = *reynolds;
+  row.kinetic_energy = 0.5 * rho * volume * square * s->velocity_unit * s->velocity_unit;
+  row.reynolds = job->reynolds;
   const double extra[] = {s->residual_now, s->divergence};
-  return recorder_row(recorder, &row, extra);
+  return recorder_row(job->recorder, &row, extra);
 }
 
 /* What the rounds hand on beside the solution itself. */
@@ -142,19 +90,27 @@ struct progress_state {
   int stalled;
 };
 
-#define CHECKPOINT_NUMBERS 11
+#define CHECKPOINT_NUMBERS 12
 
-static enum status write_checkpoint(const struct stokes_solver *s,
-                                    const struct progress_state *state, struct recorder *recorder) {
+static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
+                                    const struct progress_state *state) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   size_t count = CHECKPOINT_NUMBERS, n = s->grid.active;
   char name[32];
-  const double numbers[CHECKPOINT_NUMBERS] = {
-      s->mean[0],         s->mean[1],        s->mean[2],           s->change,
-      s->residual_before, s->residual_start, s->residual_now,      s->divergence,
-      state->best,        state->stalled,    (double)s->iterations};
-  TRY(recorder_checkpoint_begin(recorder, &file));
+  const double numbers[CHECKPOINT_NUMBERS] = {s->mean[0],
+                                              s->mean[1],
+                                              s->mean[2],
+                                              s->change,
+                                              s->residual_before,
+                                              s->residual_start,
+                                              s->residual_now,
+                                              s->divergence,
+                                              state->best,
+                                              state->stalled,
+                                              (double)s->iterations,
+                                              (double)job->iterations};
+  TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
     TRY(h5_write_share(file, name, H5_F64, 1, &n, s->x + c * n, false));
@@ -162,24 +118,23 @@ static enum status write_checkpoint(const struct stokes_solver *s,
     TRY(h5_write_share(file, name, H5_F32, 1, &n, s->residual + c * n, false));
   }
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
-  status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
+  TRY(cascade_write(&job->cascade, file));
+  status = recorder_checkpoint_commit(job->recorder, file); /* takes the file over */
   file = NULL;
 cleanup:
   h5_close(file);
   return status;
 }
 
-static enum status read_checkpoint(struct stokes_solver *s, struct progress_state *state,
-                                   struct recorder *recorder, bool *resumed) {
+/* The solve that job->checkpoint holds, which is closed. */
+static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver *s,
+                                   struct progress_state *state) {
   enum status status = STATUS_OK;
-  struct h5_file *file = NULL;
+  struct h5_file *file = job->checkpoint;
   double *x = NULL, *numbers = NULL;
   float *residual = NULL;
   size_t length = s->grid.active, count;
   char name[32];
-  TRY(recorder_resume(recorder, &file));
-  *resumed = file != NULL;
-  if (file == NULL) goto cleanup;
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   if (count != CHECKPOINT_NUMBERS)
     TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
@@ -199,73 +154,13 @@ static enum status read_checkpoint(struct stokes_solver *s, struct progress_stat
   s->residual_start = numbers[5], s->residual_now = numbers[6], s->divergence = numbers[7];
   *state = (struct progress_state){numbers[8], (int)numbers[9]};
   s->iterations = (long)numbers[10];
+  job->iterations = (long)numbers[11];
 cleanup:
   memory_free(&x);
   memory_free(&residual);
   memory_free(&numbers);
   h5_close(file);
-  return status;
-}
-
-/* What the solution itself says, apart from the solver's own measures: whether the flux through
- * each plane across the force is the same (plain sums over its sites, without the shares of walls
- * within a site), the sum of all that acts on the water, and that of its work. Moving walls may
- * drive it round and round: then across the largest velocities, over their sum without signs. */
-static enum status balance(const struct stokes_solver *s, struct ledger *ledger) {
-  enum status status = STATUS_OK;
-  const struct stokes_grid *grid = &s->grid;
-  const size_t n = grid->active, first[3] = {0, grid->size[0], grid->size[0] + grid->size[1]};
-  const size_t planes = first[2] + grid->size[2];
-  struct {
-    double left[3], driving[3], flow[3], power_left, power;
-  } sum = {{0}, {0}, {0}, 0, 0};
-  double *flux = NULL, open = 0, driving = 0, square = 0;
-  int main_axis = 0;
-  TRY(memory_allocate(&flux, planes, sizeof *flux, "the ledger"));
-  for (int c = 0; c < s->stencil.axis_count; c++) {
-    const int a = s->stencil.axes[c];
-    const double *u = s->x + (size_t)c * n;
-    if (grid->mirrored && grid->parity[a] < 0.0f) continue; /* both halves cancel */
-    for (size_t row = stokes_grid_begin(grid), p = 0; row < stokes_grid_end(grid); row++)
-      for (size_t i = 0; i < grid->size[0]; i++) {
-        if (!stokes_grid_is_active(grid, row, i)) continue;
-        const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-        flux[first[a] + at[a]] += u[p++];
-      }
-    for (size_t i = 0; i < n; i++) {
-      const double left = (double)s->residual[(size_t)c * n + i];
-      const double given =
-          s->force[a] + (s->walls_move ? (double)s->operator.drag[(size_t)c * n + i] : 0);
-      sum.left[a] += left;
-      sum.driving[a] += fabs(given);
-      sum.flow[a] += s->walls_move ? fabs(u[i]) : u[i];
-      sum.power_left += left * u[i];
-      sum.power += given * u[i];
-    }
-  }
-  ranks_sum_all(flux, planes);
-  ranks_sum_all((double *)&sum, sizeof sum / sizeof(double));
-  const double *size = s->walls_move ? sum.flow : s->force;
-  for (int a = 1; a < 3; a++)
-    if (fabs(size[a]) > fabs(size[main_axis])) main_axis = a;
-  const size_t main_planes = main_axis == 2 ? stokes_grid_planes(grid) : grid->size[main_axis];
-  const double count = (double)main_planes, scale = sum.flow[main_axis] / count;
-  double mean = 0;
-  for (size_t i = 0; i < main_planes; i++) mean += flux[first[main_axis] + i] / count;
-  for (size_t i = 0; i < main_planes; i++) {
-    const double off = (flux[first[main_axis] + i] - mean) / scale;
-    square += off * off / count;
-  }
-  for (int a = 0; a < 3; a++) {
-    open = hypot(open, sum.left[a]);
-    driving = hypot(driving, sum.driving[a]);
-  }
-  ledger->steady = true;
-  ledger->flux_open = sqrt(square);
-  ledger->force_open = open / driving;
-  ledger->power_open = fabs(sum.power_left / sum.power);
-cleanup:
-  memory_free(&flux);
+  job->checkpoint = NULL;
   return status;
 }
 
@@ -275,92 +170,171 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
   return goal;
 }
 
-static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
-                       struct recorder *recorder, struct run_result *result) {
+static bool stop_asked(void *system) {
+  (void)system;
+  return interrupt_requested();
+}
+
+/* Rounds until converged, interrupted or stuck. */
+static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
   enum status status = STATUS_OK;
-  struct stokes_solver s = {0};
-  double darcy[3] = {0.0}, reynolds = 0.0, solving = 0.0;
+  const struct stokes_goal goal = stokes_goal_of(job->scene);
   struct progress_state state = {.best = INFINITY};
-  bool resumed = false;
-  const struct stokes_goal goal = stokes_goal_of(scene);
-  TRY(recorder_add_column(recorder, "residual", "1", 1));
-  TRY(recorder_add_column(recorder, "divergence", "1", 1));
-  TRY(stokes_solver_build(lattice, scene, plan->context.support, scene->stokes.wall,
-                          plan->context.kinematic_viscosity, scene->driving, &s));
-  result->status = s.grid.active_all > 0 ? "converged" : "blocked";
-  if (s.grid.active_all == 0)
-    log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
-                "throats with smaller voxels, or look at the threshold",
-                scene->path);
-  if (s.grid.flowing < lattice->fluid_count)
-    log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
-                lattice->fluid_count - s.grid.flowing, lattice->fluid_count);
-  if (s.grid.active_all > 0) TRY(read_checkpoint(&s, &state, recorder, &resumed));
-  if (resumed)
-    scale_darcy(lattice, scene, &s, darcy, &reynolds);
-  else
-    TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-  while (s.grid.active_all > 0 && !stokes_solver_converged(&s, &goal)) {
-    if (recorder_checkpoint_due(recorder)) TRY(write_checkpoint(&s, &state, recorder));
-    if (recorder_interrupted(recorder)) {
-      result->status = "interrupted";
-      status = FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
-                    s.residual_now);
-      break;
+  if (ranks_count() == 1) s->krylov.stop = stop_asked;
+  if (job->checkpoint != NULL) {
+    TRY(read_checkpoint(job, s, &state));
+    scale_darcy(&job->lattice, job->scene, s, job->darcy, &job->reynolds);
+  } else {
+    TRY(write_row(job, s));
+  }
+  while (!stokes_solver_converged(s, &goal)) {
+    if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state));
+    if (recorder_interrupted(job->recorder)) {
+      job->result->status = "interrupted";
+      return FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
+                  s->residual_now);
     }
     char note[80];
     const double started = clock_seconds();
-    if (!stokes_solver_round(&s)) continue; /* interrupted */
-    solving += clock_seconds() - started;
-    recorder_add_time(recorder, "stokes_solve", clock_seconds() - started);
-    TRY(write_row(scene, lattice, &s, darcy, recorder, &reynolds));
-    const double error = fmin(1.0, stokes_solver_mean_error(&s));
+    if (!stokes_solver_round(s)) continue; /* interrupted */
+    job->solving += clock_seconds() - started;
+    recorder_add_time(job->recorder, "stokes_solve", clock_seconds() - started);
+    TRY(write_row(job, s));
+    const double error = fmin(1.0, stokes_solver_mean_error(s));
     snprintf(note, sizeof note, "k to %.1e, residual %.1e, Darcy velocity %.4g m/s", error,
-             s.residual_now, hypot(hypot(darcy[0], darcy[1]), darcy[2]));
-    if (getenv("TRACE"))
-      fprintf(stderr, "it %ld J %.9g res %.2e div %.2e est %.2e\n", s.iterations, s.mean[2],
-              s.residual_now, s.divergence, stokes_solver_mean_error(&s));
-    recorder_progress(recorder,
-                      fmin(1.0, goal.residual > 0.0 ? log(s.residual_now) / log(goal.residual)
+             s->residual_now, hypot(hypot(job->darcy[0], job->darcy[1]), job->darcy[2]));
+    recorder_progress(job->recorder,
+                      fmin(1.0, goal.residual > 0.0 ? log(s->residual_now) / log(goal.residual)
                                                     : log(error) / log(goal.mean)),
                       note);
-    state.stalled = s.residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
-    state.best = fmin(state.best, s.residual_now);
-    if (state.stalled == 10)
+    state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
+    state.best = fmin(state.best, s->residual_now);
+    if (state.stalled == STALLED_MOST)
       TRY_FAIL(STATUS_NUMERIC,
                "%s: no progress after %ld iterations at a residual of %.1e; stokes.tolerance = "
                "%.1g accepts it",
-               scene->path, s.iterations, s.residual_now, 2.0 * s.residual_now);
+               job->scene->path, s->iterations, s->residual_now, 2.0 * s->residual_now);
   }
+cleanup:
+  return status;
+}
+
+static void tell_level(const struct cascade *c) {
+  const struct error_budget *b = &c->budget;
+  if (c->fixed > 0 || b->level_count == 0) return;
+  const struct error_level *l = &b->levels[b->level_count - 1];
+  const struct effect_context *context = &c->plan->context;
+  const double to_speed =
+      context->driving / context->kinematic_viscosity / scene_hydraulic_gradient(c->scene);
+  log_info("lattice %d: %.4g um, %.3g M sites: k %.4g, estimate %.4g cm/s -%.2g +%.2g %%; "
+           "%.2g s, the next about %.2g s",
+           b->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
+           100 * to_speed * l->estimate, 100 * b->resolution_low, 100 * b->resolution_high,
+           l->seconds, cascade_next_seconds(c));
+}
+
+/* One lattice of the cascade, from its sites to its k. The solver's solution is kept by the
+ * cascade, also of an interrupted one. */
+static enum status solve_level(struct stokes_job *job, double spacing) {
+  enum status status = STATUS_OK;
+  struct cascade *c = &job->cascade;
+  struct stokes_solver s = {0};
+  const double started = clock_processor_seconds();
+  if (!job->own) lattice_free(&job->lattice);
+  job->lattice = (struct lattice){0};
+  TRY(cascade_lattice(c, spacing, &job->lattice, &job->own));
+  TRY(cascade_solver(c, &job->lattice, &s));
+  if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
+    log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
+                job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
-    enum status told = balance(&s, &result->ledger);
-    if (status == STATUS_OK) TRY(told);
+    status = solve(job, &s);
+    /* Of an interrupted solve too; its message is the one to be told. */
+    if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+      const enum status told = stokes_balance(&s, &job->result->ledger);
+      if (status == STATUS_OK) status = told;
+    }
+    TRY(status);
+  } else {
+    TRY(write_row(job, &s));
   }
-  result_from_darcy(scene, darcy, result);
-  result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
+  TRY(cascade_add(c, &job->lattice, spacing, &s, clock_processor_seconds() - started));
+  tell_level(c);
+cleanup:
+  if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+    job->iterations += s.iterations;
+    job->pairs += (double)s.iterations * (double)s.grid.active_all * (double)s.stencil.offset_count;
+    recorder_set_fact(job->recorder, "residual", s.residual_now);
+    recorder_set_fact(job->recorder, "divergence", s.divergence);
+    recorder_set_fact(job->recorder, "iterations", (double)s.iterations);
+    recorder_set_fact(job->recorder, "sites_solved", (double)s.grid.active_all);
+    if (RANKS)
+      recorder_set_fact(job->recorder, "imbalance",
+                        s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
+    job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
+    cascade_keep(c, &s);
+  }
+  stokes_solver_free(&s);
+  return status;
+}
+
+/* k is the estimate from all lattices where there is one, not the value of the finest. */
+static void set_result(struct stokes_job *job) {
+  struct run_result *result = job->result;
+  const struct error_budget *b = &job->cascade.budget;
+  result_from_darcy(job->scene, job->darcy, result);
+  result->error = *b;
   result->error.averaging = 0.0;
   result->error.steadiness = result->k_error;
-  result->reynolds = reynolds;
-  result->steps = s.iterations;
-  result->pair_interactions =
-      (double)s.iterations * (double)s.grid.active_all * (double)s.stencil.offset_count;
-  if (solving > 0.0) result->pair_interactions_per_second = result->pair_interactions / solving;
-  if (reynolds > 1.0)
+  result->k_finest = result->k;
+  result->reynolds = job->reynolds;
+  if (!(b->extrapolated > 0.0 && b->finest > 0.0)) return;
+  const double scale = b->extrapolated / b->finest;
+  result->k *= scale;
+  result->intrinsic_permeability *= scale;
+  for (int a = 0; a < 3; a++) result->darcy_velocity[a] *= scale;
+  result->reynolds *= scale;
+}
+
+static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                       struct recorder *recorder, struct run_result *result) {
+  enum status status = STATUS_OK;
+  const char *why = "converged";
+  double spacing;
+  struct lattice base = *lattice;
+  struct stokes_job job = {.scene = scene, .recorder = recorder, .result = result, .own = true};
+  TRY(recorder_add_column(recorder, "residual", "1", 1));
+  TRY(recorder_add_column(recorder, "divergence", "1", 1));
+  cascade_begin(scene, plan, &base, &job.cascade);
+  TRY(recorder_resume(recorder, &job.checkpoint));
+  if (job.checkpoint != NULL) TRY(cascade_read(&job.cascade, job.checkpoint));
+  while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
+    status = solve_level(&job, spacing);
+  if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
+  const bool blocked = job.cascade.coarse.grid.active_all == 0;
+  if (blocked)
+    log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
+                "throats with smaller voxels, or look at the threshold",
+                scene->path);
+  if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
+  set_result(&job);
+  result->steps = job.iterations;
+  result->pair_interactions = job.pairs;
+  if (job.solving > 0.0) result->pair_interactions_per_second = job.pairs / job.solving;
+  if (result->reynolds > 1.0)
     log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
-                scene->path, reynolds);
-  recorder_set_fact(recorder, "residual", s.residual_now);
-  recorder_set_fact(recorder, "divergence", s.divergence);
-  recorder_set_fact(recorder, "iterations", (double)s.iterations);
-  recorder_set_fact(recorder, "sites_solved", (double)s.grid.active_all);
+                scene->path, result->reynolds);
   recorder_count_traffic(recorder);
-  if (RANKS)
-    recorder_set_fact(recorder, "imbalance", s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
-  stokes_krylov_free(&s.krylov); /* room for the snapshot */
-  stokes_operator_free(&s.operator);
-  enum status left = write_snapshot(scene, lattice, &s, recorder);
+  enum status left = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
   if (status == STATUS_OK) status = left;
 cleanup:
-  stokes_solver_free(&s);
+  h5_close(job.checkpoint);
+  cascade_end(&job.cascade);
+  /* What was solved last is what the record tells of. */
+  if (!job.own && job.lattice.count > 0) {
+    lattice_free(&base);
+    *lattice = job.lattice;
+  }
   return status;
 }
 

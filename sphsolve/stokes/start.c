@@ -59,8 +59,8 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
                    : fine->stencil.spacing[a] * fine->stencil.unit /
                          (coarse->stencil.spacing[a] * coarse->stencil.unit);
   for (int c = 0; c + 1 < components; c++) scale[c] = coarse->velocity_unit / fine->velocity_unit;
-  scale[components - 1] = coarse->acceleration * coarse->stencil.unit /
-                          (fine->acceleration * fine->stencil.unit);
+  scale[components - 1] =
+      coarse->acceleration * coarse->stencil.unit / (fine->acceleration * fine->stencil.unit);
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     if (grid->row_start[row] == grid->row_start[row + 1]) continue;

@@ -6,7 +6,7 @@
 
 #include "common/kernel.h"
 #include "sphsolve/wcsph/effects/advection.h"
-#include "sphsolve/stokes/error_budget.h"
+#include "sphsolve/stokes/cascade.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/solver.h"
 #include "sphsolve/wcsph/modes.h"
@@ -256,7 +256,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
   plan->seconds = plan->steps * passes * modes.neighbours * (double)lattice->fluid_count /
                   (PAIRS_PER_SECOND * threads);
-  const double split = error_split_seconds(scene, plan);
+  const double split = cascade_seconds(scene, plan, true);
   plan->seconds += split / threads;
   if (split > 0)
     plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);

@@ -1,0 +1,10 @@
+/* The conservation budget of a steady solution. */
+#ifndef TOSUI_SPHSOLVE_STOKES_BUDGET_H
+#define TOSUI_SPHSOLVE_STOKES_BUDGET_H
+
+#include "sphsolve/output/ledger.h"
+#include "sphsolve/stokes/solver.h"
+
+enum status stokes_balance(const struct stokes_solver *solver, struct ledger *ledger);
+
+#endif

@@ -1,0 +1,71 @@
+/* What method stokes leaves in snapshots: all fluid sites, those of blocked pores at rest. */
+#include "sphsolve/stokes/output.h"
+
+#include "common/memory.h"
+
+struct fields {
+  double *points;
+  float *velocity, *pressure, *density;
+  uint64_t *id;
+};
+
+static void fields_free(struct fields *f) {
+  memory_free(&f->points);
+  memory_free(&f->velocity);
+  memory_free(&f->pressure);
+  memory_free(&f->density);
+  memory_free(&f->id);
+}
+
+enum status stokes_write_snapshot(const struct scene *scene, const struct lattice *lattice,
+                                  const struct stokes_solver *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct fields f = {0};
+  const size_t nx = lattice->size[0], n = s->grid.active;
+  const size_t first = s->grid.row_begin * nx;
+  const size_t end = (s->grid.mirrored ? s->grid.rows : s->grid.row_end) * nx;
+  size_t count = 0;
+  for (size_t site = first; site < end; site++) count += lattice->kind[site] == SITE_FLUID;
+  const size_t axes = (size_t)s->stencil.axis_count;
+  const double density = scene->fluid.density;
+  const double pressure_unit = density * s->acceleration * s->stencil.unit;
+  TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));
+  TRY(memory_allocate(&f.velocity, 3 * count, sizeof *f.velocity, "velocity of the snapshot"));
+  TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
+  TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
+  TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
+  for (size_t site = first, at = 0, packed = 0; site < end; site++) {
+    const size_t i = site % nx, row = site / nx;
+    const bool image = row >= s->grid.row_end;
+    if (i == 0 && n > 0) packed = s->grid.row_start[image ? stokes_grid_image(&s->grid, row) : row];
+    if (lattice->kind[site] != SITE_FLUID) continue;
+    const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
+    for (int a = 0; a < 3; a++)
+      f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
+    f.density[at] = (float)density;
+    f.id[at] = site;
+    if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
+      for (size_t a = 0; a < axes; a++) {
+        const int axis = s->stencil.axes[a];
+        f.velocity[3 * at + (size_t)axis] = (image ? s->grid.parity[axis] : 1.0f) *
+                                            (float)(s->x[a * n + packed] * s->velocity_unit);
+      }
+      f.pressure[at] =
+          (image ? s->grid.parity[3] : 1.0f) * (float)(s->x[axes * n + packed] * pressure_unit);
+      packed++;
+    }
+    at++;
+  }
+  const struct snapshot_field list[] = {
+      {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity, NULL, NULL},
+      {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure,
+       NULL, NULL},
+      {"density", "kg/m^3", "density", H5_F32, 1, f.density, NULL, NULL},
+      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id, NULL, NULL}};
+  const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
+  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, sizeof list / sizeof *list,
+                        list));
+cleanup:
+  fields_free(&f);
+  return status;
+}
