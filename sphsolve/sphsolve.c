@@ -249,6 +249,12 @@ static enum status take_goal(const struct options *options, struct job *job) {
     if (!(goal->seconds > 0)) TRY_FAIL(STATUS_USAGE, "--time: more than 0 s is wanted, like 60s");
   }
   if (!(goal->error > 0 || goal->seconds > 0)) return STATUS_OK;
+  if (!method->solves_creeping && method->resolves_pores)
+    TRY(scene_error(
+        &job->scene, AT_METHOD,
+        "--error and --time are of method stokes, steady creeping flow; this scene runs by "
+        "%s: %s; --set scene.method=stokes gives the k of slow flow",
+        method->name, job->plan.method_why));
   if (!method->solves_creeping || !cascade_is_possible(&job->scene, &job->plan) ||
       method->wall(&job->scene) != WALL_SUBVOXEL || ranks_count() > 1)
     TRY_FAIL(STATUS_USAGE,

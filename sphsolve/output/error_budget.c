@@ -51,7 +51,9 @@ static enum status write_levels(const struct error_budget *b, struct h5_file *fi
   double column[ERROR_LEVELS_MAX];
   static const char *const names[] = {"spacing",       "permeability", "estimate", "estimate_low",
                                       "estimate_high", "sites",        "seconds",  "iterations"};
+  enum { SECONDS = 6 };
   if (count == 0) return STATUS_OK;
+  TRY(h5_make_group(file, "/run/timing/levels"));
   TRY(h5_make_group(file, "/run/levels"));
   for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
     char path[64];
@@ -61,7 +63,8 @@ static enum status write_levels(const struct error_budget *b, struct h5_file *fi
                                l->high,    l->sites,        l->seconds,  (double)l->iterations};
       column[i] = values[n];
     }
-    snprintf(path, sizeof path, "/run/levels/%s", names[n]);
+    /* What differs from run to run stands with the timings. */
+    snprintf(path, sizeof path, "/run/%s/%s", n == SECONDS ? "timing/levels" : "levels", names[n]);
     TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
   }
 cleanup:

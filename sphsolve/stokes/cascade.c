@@ -17,8 +17,8 @@
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
 #define FIRST_PORE 1.6
 #define FIRST_BODY 8.0
-/* Interpolated distances carry nothing new below this share of the model's voxels. */
-#define FINEST_SHARE 0.45
+/* Below the voxels of the model their interpolation is what a lattice resolves, not the walls. */
+#define FINEST_SHARE 0.98
 /* A cascade that ends with the scene's own lattice. */
 #define FIXED_LEVELS 3
 static const double fixed_ratios[FIXED_LEVELS] = {2.0, 1.5, 1.0};
@@ -132,13 +132,12 @@ static double permeability_of(const struct stokes_solver *s) {
 /* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails.
  */
 static double solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
-                    bool keep) {
+                    const struct stokes_solver *from, bool keep) {
   struct stokes_solver s = {0};
   double k = 0.0;
   if (lattice->fluid_count > 0 && build(c, lattice, wall, &s) == STATUS_OK &&
       s.grid.active_all > 0) {
-    if (c->coarse.grid.active > 0 && stokes_solver_start(&s, &c->coarse) != STATUS_OK)
-      error_clear();
+    if (from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK) error_clear();
     if (stokes_solver_run(&s, &side_goal) == STATUS_OK) k = permeability_of(&s);
   }
   error_clear();
@@ -169,12 +168,12 @@ static void add_calibration(const char *path, struct error_budget *budget) {
 
 /* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
 static enum status add_side_shares(struct cascade *c, const struct lattice *lattice, double spacing,
-                                   double k) {
+                                   double k, const struct stokes_solver *from) {
   enum status status = STATUS_OK;
   struct lattice moved = {0}, coarser = {0};
   if (!*c->scene->model_path) return STATUS_OK;
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
-  const double more = solve(c, &moved, WALL_SUBVOXEL, false);
+  const double more = solve(c, &moved, WALL_SUBVOXEL, from, false);
   const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
   if (more > 0.0 && change > 0.0) c->budget.slope_void_ratio = log(more / k) / change;
   add_calibration(c->scene->model_path, &c->budget);
@@ -182,7 +181,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
-  const double other = solve(c, &moved, WALL_SUBVOXEL, false);
+  const double other = solve(c, &moved, WALL_SUBVOXEL, from, false);
   if (other > 0.0) c->budget.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
 cleanup:
   lattice_free(&moved);
@@ -215,7 +214,7 @@ static void estimate(struct cascade *c) {
 }
 
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
-                       long iterations, double seconds) {
+                       const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
   struct error_budget *b = &c->budget;
   c->tried++;
@@ -224,10 +223,10 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
                                                      .permeability = k,
                                                      .sites = (double)lattice->count,
                                                      .seconds = seconds,
-                                                     .iterations = iterations};
+                                                     .iterations = from->iterations};
   if (!c->side_shares && b->level_count == 2) {
     c->side_shares = true;
-    TRY(add_side_shares(c, lattice, spacing, k));
+    TRY(add_side_shares(c, lattice, spacing, k, from));
   }
   estimate(c);
 cleanup:
@@ -236,8 +235,7 @@ cleanup:
 
 enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
                         const struct stokes_solver *s, double seconds) {
-  return add(c, lattice, spacing, s->grid.active_all > 0 ? permeability_of(s) : 0.0, s->iterations,
-             seconds);
+  return add(c, lattice, spacing, s->grid.active_all > 0 ? permeability_of(s) : 0.0, s, seconds);
 }
 
 void cascade_keep(struct cascade *c, struct stokes_solver *s) {
@@ -258,7 +256,6 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   struct cascade c;
   const char *why;
   double spacing, own = NAN;
-  const enum wall_scheme wall = plan->context.method->wall(scene);
   const struct error_budget given = *budget;
   if (!cascade_is_possible(scene, plan)) return STATUS_OK;
   cascade_begin(scene, plan, base, &c);
@@ -269,9 +266,8 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     bool is_own;
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
     const double started = clock_processor_seconds();
-    const double k = solve(&c, &lattice, WALL_SUBVOXEL, true);
-    status =
-        add(&c, &lattice, spacing, k, c.coarse.iterations, clock_processor_seconds() - started);
+    const double k = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, true);
+    status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_own) own = k;
     if (!is_own) lattice_free(&lattice);
     TRY(status);
@@ -286,7 +282,8 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     budget->resolution_high = hypot(budget->resolution_high, fmax(0.0, -off));
     budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
   }
-  if (c.budget.level_count < FIXED_LEVELS || wall != WALL_SUBVOXEL || !(own > 0.0)) {
+  if (c.budget.level_count < FIXED_LEVELS || !(own > 0.0) ||
+      plan->context.method->wall(scene) != WALL_SUBVOXEL) {
     budget->resolution_low = fmax(budget->resolution_low, plan->expected.error);
     budget->resolution_high = fmax(budget->resolution_high, plan->expected.error);
     budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
