@@ -45,12 +45,13 @@ double error_budget_largest(const struct error_budget *b) {
   return fmax(low, high);
 }
 
-static enum status write_levels(const struct error_budget *b, struct h5_file *file) {
+static enum status write_levels(const struct error_budget *b, double to_speed,
+                                struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t count = (size_t)b->level_count;
   double column[ERROR_LEVELS_MAX];
-  static const char *const names[] = {"spacing",       "permeability", "estimate", "estimate_low",
-                                      "estimate_high", "sites",        "seconds",  "iterations"};
+  static const char *const names[] = {"spacing",       "k",            "estimate", "low",
+                                      "high", "sites",        "seconds",  "iterations"};
   enum { SECONDS = 6 };
   if (count == 0) return STATUS_OK;
   TRY(h5_make_group(file, "/run/timing/levels"));
@@ -59,7 +60,7 @@ static enum status write_levels(const struct error_budget *b, struct h5_file *fi
     char path[64];
     for (size_t i = 0; i < count; i++) {
       const struct error_level *l = &b->levels[i];
-      const double values[] = {l->spacing, l->permeability, l->estimate, l->low,
+      const double values[] = {l->spacing, to_speed * l->permeability, to_speed * l->estimate, l->low,
                                l->high,    l->sites,        l->seconds,  (double)l->iterations};
       column[i] = values[n];
     }
@@ -67,11 +68,13 @@ static enum status write_levels(const struct error_budget *b, struct h5_file *fi
     snprintf(path, sizeof path, "/run/%s/%s", n == SECONDS ? "timing/levels" : "levels", names[n]);
     TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
   }
+  TRY(h5_soft_link(file, "/run/timing/levels/seconds", "/run/levels/seconds"));
 cleanup:
   return status;
 }
 
-enum status error_budget_write(const struct error_budget *b, struct h5_file *file) {
+enum status error_budget_write(const struct error_budget *b, double to_speed,
+                               struct h5_file *file) {
   enum status status = STATUS_OK;
   double low, high;
   error_budget_total(b, &low, &high);
@@ -100,7 +103,7 @@ enum status error_budget_write(const struct error_budget *b, struct h5_file *fil
   TRY(h5_make_group(file, "/run/error"));
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
     TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
-  TRY(write_levels(b, file));
+  TRY(write_levels(b, to_speed, file));
 cleanup:
   return status;
 }

@@ -48,7 +48,8 @@ void error_budget_total(const struct error_budget *budget, double *low, double *
 /* The larger of the two. */
 double error_budget_largest(const struct error_budget *budget);
 
-/* As attributes of /run/error, and /run/levels. */
-enum status error_budget_write(const struct error_budget *budget, struct h5_file *file);
+/* As attributes of /run/error, and /run/levels with k in m/s, by that factor from m^2. */
+enum status error_budget_write(const struct error_budget *budget, double to_speed,
+                               struct h5_file *file);
 
 #endif

@@ -202,7 +202,7 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   TRY(h5_create(path, &file));
   TRY(write_history(recorder, file));
   TRY(write_run(recorder, result, file));
-  TRY(error_budget_write(&result->error, file));
+  TRY(error_budget_write(&result->error, result->k / result->intrinsic_permeability, file));
   TRY(ledger_write(&result->ledger, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
