@@ -34,12 +34,13 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
 struct limit_estimate {
   double value;     /* at spacing 0 */
   double low, high; /* relative: the truth lies in value (1 - low) .. value (1 + high), 95 % */
-  double order;     /* observed; NAN where there is none */
+  double order;     /* of the fits, by their weight; NAN where there is none */
 };
 
-/* The limit of f [n] at spacings h [n], finest first, n >= 1: with n = 1 the value itself and no
- * error (NAN). */
-void converge_limit(const double *h, const double *f, size_t n, double formal_order,
+/* The limit of f [n] > 0 at spacings h [n], finest first, n >= 1, from the five finest: with n = 1
+ * the value itself and no error (NAN). `scale`: the spacing with 1.6 sites across a mean pore,
+ * where the value depends by some per cent on where the sites happen to lie. */
+void converge_limit(const double *h, const double *f, size_t n, double scale,
                     struct limit_estimate *limit);
 
 #endif

@@ -125,7 +125,12 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute_text(file, "/run", "wall", context->method->wall_name(scene)));
   TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
   TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
+  double low, high;
+  error_budget_total(&result->error, &low, &high);
   TRY(write_number(file, "k", result->k));
+  TRY(write_number(file, "k_low", result->k * (1 - fmin(low, 1))));
+  TRY(write_number(file, "k_high", result->k * (1 + high)));
+  TRY(write_number(file, "k_finest", result->k_finest));
   TRY(write_number(file, "k_error", result->k_error));
   TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
   TRY(write_number(file, "reynolds", result->reynolds));

@@ -25,7 +25,6 @@ static const double fixed_ratios[FIXED_LEVELS] = {2.0, 1.5, 1.0};
 /* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
-#define FORMAL_ORDER 2.0
 static const struct stokes_goal side_goal = {.mean = 3e-4};
 
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
@@ -56,14 +55,18 @@ double cascade_next_seconds(const struct cascade *c) {
   return c->budget.levels[n - 1].seconds * pow(SHRINKS, 3.2);
 }
 
-/* Where an open cascade begins. */
-static double first_spacing(const struct cascade *c) {
+/* The spacing with few sites across a mean pore, where a cascade may begin. */
+static double pore_spacing(const struct cascade *c) {
   const double h = c->plan->context.spacing, width = c->plan->shape.width;
+  return isfinite(width) ? h * width / FIRST_PORE : h;
+}
+
+static double first_spacing(const struct cascade *c) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (c->base->size[a] > 1)
       shortest = fmin(shortest, (double)c->base->size[a] * c->base->spacing[a]);
-  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
+  return fmin(pore_spacing(c), shortest / FIRST_BODY);
 }
 
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
@@ -199,7 +202,10 @@ static void estimate(struct cascade *c) {
     h[i] = b->levels[n - 1 - i].spacing;
     k[i] = b->levels[n - 1 - i].permeability;
   }
-  converge_limit(h, k, (size_t)n, FORMAL_ORDER, &limit);
+  converge_limit(h, k, (size_t)n, pore_spacing(c), &limit);
+  /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
+  if (n > 1 && c->plan->shape.flat)
+    limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
   if (n == 1 && c->fixed != 1) limit.low = limit.high = c->plan->expected.error;
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;

@@ -31,7 +31,7 @@ resumable_start() {
   case $method in
     wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.09 s' \
       --set output.interval='0.03 s' "$@" ;;
-    stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 "$@" ;;
+    stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --set lattice.spacing='20 um' "$@" ;;
     isph) set -- all.cfg "$@" ;;
   esac
   exec "${under[@]}" sphsolve run "$@" --set checkpoint.interval="${CHECKPOINT:-0.1 s}" -o "$name" "${VOICE:---quiet}"
