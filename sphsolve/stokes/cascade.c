@@ -202,7 +202,7 @@ static void estimate(struct cascade *c) {
     h[i] = b->levels[n - 1 - i].spacing;
     k[i] = b->levels[n - 1 - i].permeability;
   }
-  converge_limit(h, k, (size_t)n, pore_spacing(c), &limit);
+  converge_limit(h, k, (size_t)n, first_spacing(c), &limit);
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
