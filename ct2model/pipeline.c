@@ -150,8 +150,8 @@ cleanup:
   return status;
 }
 
-/* A segmented image is one by --segmented, or where it holds two values and no threshold or filter
- * for greys is asked for. */
+/* A segmented image is one by --segmented, or where a model is wanted of two values and no
+ * threshold or filter for greys is asked for. */
 static enum status take_labels(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -162,7 +162,7 @@ static enum status take_labels(struct pipeline *pipeline) {
   const int mirrored = (request->flow_axis + 1 + request->mirror_axis) % 3;
   for (int a = 0; a < 3; a++)
     reflect[a] = a == mirrored ? request->mirror : request->sides != SIDES_PERIODIC;
-  if (request->labels.given || plain)
+  if (request->labels.given || (plain && pipeline->distances))
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));
   if (pipeline->labels.on && !pipeline->distances)
