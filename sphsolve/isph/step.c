@@ -361,8 +361,7 @@ static void move(struct isph *s, double dt, double budget) {
   }
 }
 
-/* How often; once in soil that moves, where more make a ring of water 5 instead of 3 % too fast at
- * ten spacings a block. */
+/* How often. */
 #define AGAIN 3
 
 /* Takes out what the projection, an approximate one, leaves of div v, where there is no surface: a
@@ -440,8 +439,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.surface) part(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
-  const int again = !s->on.soil || s->on.surface ? 0 : s->on.moving_soil ? 1 : AGAIN;
-  for (int k = 0; k < again; k++) TRY(project_again(s, tau));
+  for (int k = 0; k < AGAIN && s->on.soil && !s->on.surface; k++) TRY(project_again(s, tau));
   TRY(ranks_agree(check_finite(s)));
   if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   TRY(isph_open_measure(s));
