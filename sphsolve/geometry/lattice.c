@@ -143,8 +143,7 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
 
 /* Kind and region of a point: the last region that holds it. Soil is a property of space, water is
  * what fills it: a water region fills what it claims, in or out of soil, and a later porous region
- * does not take it away; soil that no water region covers is dry unless it is `saturated`, and
- * always where the scene says that it is not. */
+ * does not take it away; soil that no water region covers is dry unless it is `saturated`. */
 static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
                   uint16_t *region) {
   bool water = false;
@@ -167,21 +166,13 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
       *kind = SITE_EMPTY;
       break;
     case REGION_POROUS:
-      *kind = water || candidate->saturated || (all_saturated && !candidate->dry) ? SITE_FLUID
-                                                                                 : SITE_EMPTY;
+      *kind = water || all_saturated || candidate->saturated ? SITE_FLUID : SITE_EMPTY;
       break;
     case REGION_INFLOW:
       continue; /* a boundary, it fills nothing */
     }
     *region = (uint16_t)(r + 1);
   }
-}
-
-enum site_kind lattice_kind_at(const struct scene *scene, bool saturated, const double x[3]) {
-  uint8_t kind;
-  uint16_t region;
-  claim(scene, x, saturated, &kind, &region);
-  return (enum site_kind)kind;
 }
 
 /* Whether all soil starts full of water without being told: no surface is possible where there is
@@ -249,11 +240,8 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
   const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
   bool wall = false;
   /* With all soil saturated first: if that leaves no site empty, there is no surface and it is. */
-  lattice->saturated = true;
-  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_nature(scene)) {
-    lattice->saturated = false;
+  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_nature(scene))
     fill_sites(scene, pad, inner, false, first, end, lattice);
-  }
   for (size_t at = from; at < to; at++) wall = wall || lattice->kind[at] == SITE_WALL;
   node_share(lattice->kind, start, 1);
   node_share(lattice->region, start, sizeof *lattice->region);

@@ -27,8 +27,7 @@ struct lattice {
   /* Sites without added wall layers: the bulk of the Darcy velocity. Not whole where a closed side
    * of a domain lies within a site. */
   double bulk_count;
-  bool saturated; /* all soil starts full of water */
-  uint8_t *kind;  /* enum site_kind */
+  uint8_t *kind; /* enum site_kind */
   /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
    * model's wall_distance, else its grain_fraction, else the voxel faces; from the boxes of a
    * domain exactly. NULL when there is no wall. */
@@ -45,8 +44,6 @@ struct lattice_aside {
 };
 
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
-/* What is at a point of a domain with regions; `saturated` is the lattice's. */
-enum site_kind lattice_kind_at(const struct scene *scene, bool saturated, const double x[3]);
 void lattice_free(struct lattice *lattice);
 
 /* What a method does not look at while it runs lies on disk (`beside` its results) meanwhile.

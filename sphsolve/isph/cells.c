@@ -238,8 +238,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
         isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
                     &slope);
         w *= s->kernel_w, slope *= s->kernel_slope;
-        add_sums(isph_boundary_volume(s, candidates[k] & PAIR_MASK), w, slope, r, &filling,
-                 imbalance, wall_moment);
+        add_sums(s->wall_volume, w, slope, r, &filling, imbalance, wall_moment);
         chunk->wall[chunk->wall_count + k] = candidates[k];
         chunk->wall_slope[chunk->wall_count + k] = (float)slope;
       }
@@ -262,10 +261,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   return STATUS_OK;
 }
 
-enum status isph_probe(const struct isph *s, const double x[3], double size, double *filling,
+enum status isph_probe(const struct isph *s, const double x[3], double *filling,
                        double velocity[3]) {
   uint32_t candidates[CANDIDATES];
-  double he = s->scene->isph.support_ratio * size, w, slope;
+  double he = s->scene->isph.support_ratio * s->spacing, w, slope;
   *filling = 0;
   velocity[0] = velocity[1] = velocity[2] = 0;
   size_t n = collect(s, &s->cells, NULL, s->position, x, he, candidates);

@@ -376,7 +376,7 @@ cleanup:
     recorder_set_fact(recorder, "particles_left", (double)s->left_count);
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
     result->ledger = (struct ledger){.known = true,
-                                     .start = s->started,
+                                     .start = lattice->fluid_count,
                                      .entered = s->entered_count,
                                      .left = s->left_count,
                                      .lost = s->lost_count,

@@ -7,7 +7,6 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
-#include "sphsolve/isph/fill.h"
 #include "sphsolve/isph/ranks.h"
 
 /* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
@@ -19,25 +18,6 @@
 
 static bool used(const struct isph *s, int a) {
   return !(s->dimensions == 2 && a == 1);
-}
-
-/* Sets the porosity of a window: that of the soil that it lies in as a whole, else that of the
- * places where particles are smallest; and returns how far apart they are. */
-static double shape_particles(const struct isph *s, struct isph_open_side *side) {
-  side->porosity = 0;
-  for (int corner = 0; corner < 8; corner++) {
-    double x[3];
-    for (int a = 0; a < 3; a++) {
-      const double in = 1e-3 * (side->high[a] - side->low[a]);
-      x[a] = (corner >> a & 1) != 0 ? side->high[a] - in : side->low[a] + in;
-    }
-    x[side->axis] = side->edge + 1e-3 * side->inward * s->spacing;
-    const double porosity = isph_fill_porosity(s->scene, x);
-    if (corner > 0 && porosity != side->porosity) side->porosity = s->porosity_most;
-    if (corner == 0) side->porosity = porosity;
-  }
-  side->porosity = fmin(side->porosity, s->porosity_most);
-  return s->spacing * pow(s->porosity_most / side->porosity, 1.0 / s->dimensions);
 }
 
 enum status isph_open_create(struct isph *s) {
@@ -68,17 +48,12 @@ enum status isph_open_create(struct isph *s) {
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
     size_t columns = 1;
-    double spacing = shape_particles(s, &side), along = spacing, across = 1;
     for (int a = 0; a < 3; a++) {
       double width = side.high[a] - side.low[a];
-      side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / spacing));
-      side.pitch[a] = width / side.cells[a];
+      side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / s->spacing));
+      side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
       columns *= (size_t)side.cells[a];
-      if (a != side.axis && used(s, a)) across *= side.pitch[a], along *= spacing;
     }
-    /* Free water's are a spacing apart, soil's make up for the width of their columns. */
-    side.pitch[side.axis] = side.porosity < s->porosity_most ? along / across : spacing;
-    side.volume = side.porosity < s->porosity_most ? along : pow(s->spacing, s->dimensions);
     side.first = s->column_count;
     s->column_count += columns;
     s->sides[s->side_count++] = side;
@@ -101,7 +76,7 @@ static void place_column(struct isph *s, size_t c) {
   if (column->dry) return;
   for (int l = 0; l < column_layers(s); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
-        side->edge - side->inward * (s->column_front[c] + l * side->pitch[side->axis]);
+        side->edge - side->inward * (s->column_front[c] + l * s->spacing);
 }
 
 enum status isph_open_fill(struct isph *s, size_t *capacity) {
@@ -117,11 +92,11 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       memcpy(column->at, x, sizeof x);
       column->side = k;
       column->first = s->boundary_count;
-      s->column_front[side->first + (size_t)c] = 0.5 * side->pitch[side->axis];
+      s->column_front[side->first + (size_t)c] = 0.5 * s->spacing;
       column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
       if (column->dry) continue;
       for (int l = 0; l < column_layers(s); l++) {
-        x[side->axis] = side->edge - side->inward * (l + 0.5) * side->pitch[side->axis];
+        x[side->axis] = side->edge - side->inward * (l + 0.5) * s->spacing;
         enum status status = isph_wall_add(s, capacity, x, side->kind, k);
         if (status != STATUS_OK) return status;
       }
@@ -177,9 +152,9 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
   }
   size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
   size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
-  double *front = &s->column_front[side->first + c], pitch = side->pitch[side->axis];
-  if (fabs(volume / side->volume - 1) < SAME_SPACING && *front > 0.5 * pitch)
-    *front = fmin(fabs(x[side->axis] - side->edge), pitch);
+  double *front = &s->column_front[side->first + c];
+  if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
+    *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);
 }
 
 static bool is_outside(const struct isph *s, const double x[3]) {
@@ -309,8 +284,7 @@ enum status isph_open_measure(struct isph *s) {
     double velocity[3];
     if (column->dry || side->kind == BOUNDARY_OPEN_FLUX || !isph_answers_for(s, column->at))
       continue;
-    const double size = pow(side->volume, 1.0 / s->dimensions);
-    status = isph_probe(s, column->at, size, &seen[c][0], velocity);
+    status = isph_probe(s, column->at, &seen[c][0], velocity);
     if (status != STATUS_OK) worst = status;
     seen[c][1] = velocity[side->axis];
   }
@@ -326,7 +300,6 @@ enum status isph_open_measure(struct isph *s) {
       isph_soil_at(s, column->at, 0, &soil);
       porosity = soil.porosity;
     }
-    column->share = porosity / side->porosity;
     if (side->kind == BOUNDARY_OPEN_FLUX) {
       column->speed = side->flux / porosity;
       continue;
@@ -353,7 +326,7 @@ static enum status admit(struct isph *s, size_t c) {
     porosity = soil.porosity;
   }
   velocity[side->axis] = side->inward * column->speed * porosity;
-  double mass = side->porosity * s->density * volume;
+  double mass = porosity * s->density * volume;
   /* The last in the order of all. */
   if (ranks_own() + 1 == ranks_count()) {
     enum status status = isph_add_particle(s, x, velocity, mass);
@@ -372,17 +345,14 @@ enum status isph_open_move(struct isph *s, double dt) {
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;
-    /* In soil what fills a site makes a share of a particle. One particle a step. */
-    const struct isph_open_side *side = &s->sides[column->side];
-    const double pitch = side->pitch[side->axis];
-    double path = fmin(column->share * column->speed * dt, 0.9 * pitch);
+    double path = fmin(column->speed * dt, 0.9 * s->spacing); /* one particle a step */
     double *front = &s->column_front[c];
     *front -= path;
-    if (*front > 1.1 * pitch) *front -= pitch; /* nothing has left */
+    if (*front > 1.1 * s->spacing) *front -= s->spacing; /* nothing has left */
     if (*front <= 0) {
       enum status status = admit(s, c);
       if (status != STATUS_OK) return status;
-      *front += pitch;
+      *front += s->spacing;
     }
     place_column(s, c);
   }

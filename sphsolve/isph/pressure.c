@@ -30,8 +30,7 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
 
 /* Row i of
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
- *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij = 2 k_i k_j / (k_i + k_j):
- * resistances add between two particles (their plain mean is all free water's beside fine soil).
+ *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
  * The driving force f enters through its potential, with the coefficients of the pressure itself:
  * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
@@ -54,8 +53,7 @@ void isph_assemble(struct isph *s, double tau) {
         double r[3], slope = chunk->slope[p];
         isph_separation(s, xi, s->position, entry, r);
         const double *vj = v[j];
-        const double kj = s->mobility[j];
-        float a = (float)(4 * vol * s->volume[j] * ki * kj / (ki + kj) * slope);
+        float a = (float)(vol * s->volume[j] * (ki + s->mobility[j]) * slope);
         chunk->matrix[p] = a;
         diagonal += (double)a;
         source += (double)a * rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
@@ -65,21 +63,21 @@ void isph_assemble(struct isph *s, double tau) {
       double beside = s->on.surface ? s->surface[i] : 0;
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-        double r[3], slope = chunk->wall_slope[p], volume = isph_boundary_volume(s, j);
+        double r[3], slope = chunk->wall_slope[p];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
-          double a = 2 * vol * volume * ki * slope * stretch;
+          double a = 2 * vol * s->wall_volume * ki * slope * stretch;
           diagonal += a, tied += a;
           source += a * (held * s->boundary_pressure[j] +
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
           continue;
         }
         const double *vw = isph_wall_velocity(s, j);
-        walled += 2 * vol * volume * ki * slope;
+        walled += 2 * vol * s->wall_volume * ki * slope;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-        double image = 2 * volume * slope;
+        double image = 2 * s->wall_volume * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
         for (int a = 0; a < 3; a++) divergence += image * mirror[a] * (vi[a] - vw[a]) * r[a];
       }

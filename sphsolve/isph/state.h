@@ -61,9 +61,7 @@ struct isph_open_side {
   double head, flux;
   double velocity[3]; /* of its boundary particles, where the flux is given */
   int cells[3];       /* columns across the rectangle */
-  double pitch[3];    /* their widths; along `axis` the distance of particles in them */
-  double porosity;    /* of a site there: that of the soil the whole window lies in, if it does */
-  double volume;      /* of a boundary particle */
+  double pitch[3];    /* their widths; along `axis` the spacing */
   size_t first;       /* of its columns; those above the head are there, but dry */
 };
 
@@ -72,9 +70,8 @@ struct isph_column {
   size_t side, first; /* first of its boundary particles */
   bool dry;           /* above the head: air, and no particles */
   double at[3];       /* its axis on the side */
-  double front;       /* distance of the foremost particle behind the side, 0 .. pitch */
+  double front;       /* distance of the foremost particle behind the side, 0 .. spacing */
   double speed;       /* of the water there, inward: of the pores */
-  double share;       /* of a particle, in the water of its volume there */
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
@@ -139,7 +136,7 @@ struct isph {
   size_t *chunk_cut;      /* [ranks + 1]: in chunks of all */
   double *layer_start;    /* [layers of cells + 1]: particles of all before it; NULL on one rank */
   double pairs_now;       /* of the own particles */
-  uint64_t next_id, started; /* started: particles at the start */
+  uint64_t next_id;
   uint64_t *id;
   double (*position)[3], (*velocity)[3];
   double *pressure, *mass;
@@ -197,7 +194,6 @@ struct isph {
   double wall_volume;
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
-  double porosity_most; /* of all places where water can be: a particle holds so much of a site */
 
   size_t region_count;
   double (*soil_offset)[3]; /* how far each region's soil has moved */
@@ -333,20 +329,14 @@ enum status isph_open_measure(struct isph *s);
 enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
-/* isph_cells.c: filling of a point by water, and the mean velocity of water there, in the support
- * of a particle of such a size. */
-enum status isph_probe(const struct isph *s, const double x[3], double size, double *filling,
+/* isph_cells.c: filling of a point by water, and the mean velocity of water there. */
+enum status isph_probe(const struct isph *s, const double x[3], double *filling,
                        double velocity[3]);
 
 /* Whether nothing acts on water with a surface but itself and walls. */
 static inline bool isph_is_free(const struct isph *s) {
   const double *f = s->force;
   return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
-}
-
-static inline double isph_boundary_volume(const struct isph *s, size_t j) {
-  return s->boundary_kind[j] == BOUNDARY_WALL ? s->wall_volume
-                                              : s->sides[s->boundary_box[j]].volume;
 }
 
 /* Velocity of boundary particle j. */

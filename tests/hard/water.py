@@ -272,35 +272,3 @@ def free_patches():
     for name in ("ellipse", "patch"):
         for what, r in engine(name).items():
             yield row(what, r["why"], r["measured"], r["reference"], r["bound"])
-
-
-def heads(porosity, grain, end, spacing=0.01, left=0.3, right=0.2, isph="", more=""):
-    """20 cm of soil between free water, two heads."""
-    return scene((0.4, 0.1), spacing, [("porous", (0.1, 0, 0.3, 0.1), soil(porosity, grain)), ("water", (0, 0, 0.4, 0.1), ""),
-                                       ("inflow", (0, 0, 0.01, 0.1), f'head = "{left} m";'), ("inflow", (0.39, 0, 0.4, 0.1), f'head = "{right} m";')],
-                 end, wall=SLIP, isph=isph, interval=end / 200, more='planes = ( { name = "mid"; x = "0.2 m"; } );\n' + more)
-
-
-def long_run(porosity, grain, end):
-    run = Run(heads(porosity, grain, end))
-    yield from whole(run)
-    if run.code:
-        return
-    late = run.history["time"] > end / 2
-    yield row("v_D through the middle over exact, second half", "issue: flux within 3 %", run.history["flux_mid"][late].mean() / 1e-3 / steady(porosity, grain, 0.5), 1, 0.03)
-    yield row("mean filling, least", "free water that thins out to .4 to .6 beside the soil; disorder alone: 2 %", run.history["density_mean"].min() / 1000, 1, 0.02)
-
-
-@case("Water that has left soil of porosity .2: particles of two masses, of which the light ones do not see the walls, thin out to nothing", fast=True)
-def porosity_two_tenths_for_a_passage():
-    yield from long_run(0.2, 1e-2, 14)
-
-
-@case("Seepage for ten times as long as water takes through the soil, where nothing happens")
-def porosity_three_tenths_for_a_minute():
-    yield from long_run(0.3, 5e-3, 60)
-
-
-@case("A tight soil for three passages, 6 minutes")
-def porosity_a_tenth_for_six_minutes():
-    yield from long_run(0.1, 5e-3, 360)

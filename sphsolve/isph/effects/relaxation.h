@@ -8,10 +8,7 @@
  * volume changes phi by as much as the second moments along and across differ. In seepage without a
  * surface tau is no shorter than a particle takes to go its own size, for errors of the filling
  * come by going: with tau alone water that creeps through soil of porosity .1 is stirred at its own
- * speed. `widening`: see isph_energy.c; else 1.
- * The kernel's sum is 1 on the lattice and .4 to .5 % above it where particles of the same density
- * stand between each other's rows: under a surface, which is free to rise, crowding counts from
- * there on. (Water over soil, whose rows do not fit, rose by a tenth of a spacing in 20 s.) */
+ * speed. `widening`: see isph_energy.c; else 1. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -20,8 +17,6 @@
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
-
-#define RELAXATION_DISORDER 0.005
 
 static inline double relaxation_source(const struct isph *s, size_t i, double tau) {
   double lack = 1 - s->filling[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
@@ -33,7 +28,6 @@ static inline double relaxation_source(const struct isph *s, size_t i, double ta
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     tau = fmax(tau, size / fmax(speed, 1e-30));
   }
-  if (lack < 0 && s->surface != NULL) lack = fmin(0, lack + RELAXATION_DISORDER);
   if (lack < 0) lack *= s->widening;
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
   return eps * lack * left / tau;
