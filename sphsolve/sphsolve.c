@@ -18,6 +18,7 @@
 #include "sphsolve/plan/recommend.h"
 #include "sphsolve/plan/explain.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/output/recorder.h"
@@ -80,11 +81,13 @@ static enum status prepare(const struct options *options, struct job *job) {
   }
   TRY(scene_read(options_operand(options, 0), overrides, n, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
+  TRY(lattice_take_spacing(&job->scene, &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
   if (method->wall_layers != plan_wall_layers(&job->scene)) {
     /* A free surface, seen only on the lattice, may call for a method with other walls. */
     lattice_free(&job->lattice);
     TRY(lattice_build(&job->scene, method->wall_layers, &job->lattice));
+    TRY(lattice_take_spacing(&job->scene, &job->lattice));
   }
   TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
 cleanup:

@@ -10,7 +10,6 @@
 #include "common/provenance.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/distance.h"
-#include "sphsolve/geometry/resample.h"
 
 /* The sign of a distance follows the kind of its site, so that no method divides by a distance of
  * the wrong side. Of sites [first, end). */
@@ -264,25 +263,13 @@ cleanup:
   return status;
 }
 
-/* The sites that the scene asks for instead of the model's voxels. */
-static enum status take_spacing(const struct scene *scene, struct lattice *lattice) {
-  struct lattice wanted = {0};
-  const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
-  if (status != STATUS_OK) return error_context(status, "%s", scene->path);
-  lattice_free(lattice);
-  *lattice = wanted;
-  return STATUS_OK;
-}
-
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
   *lattice = (struct lattice){0};
-  if (*scene->model_path) {
+  if (*scene->model_path)
     TRY(from_model(scene, wall_layers, lattice));
-    if (isfinite(scene->lattice_spacing)) TRY(take_spacing(scene, lattice));
-  } else
+  else
     TRY(from_domain(scene, wall_layers, lattice));
-  lattice->fluid_count = lattice->wall_count = 0;
   for (size_t i = 0; i < lattice->count; i++) {
     lattice->fluid_count += lattice->kind[i] == SITE_FLUID;
     lattice->wall_count += lattice->kind[i] == SITE_WALL;

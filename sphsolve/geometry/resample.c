@@ -187,3 +187,13 @@ double lattice_void_ratio(const struct lattice *l) {
     pores += fmax(0.0, fmin(1.0, 0.5 + (double)l->wall_distance[s] / h));
   return pores / (l->bulk_count - pores);
 }
+
+enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice) {
+  struct lattice wanted = {0};
+  if (!isfinite(scene->lattice_spacing)) return STATUS_OK;
+  const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
+  if (status != STATUS_OK) return error_context(status, "%s", scene->path);
+  lattice_free(lattice);
+  *lattice = wanted;
+  return STATUS_OK;
+}

@@ -13,6 +13,9 @@
 enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
                              struct lattice *out);
 
+/* Gives the lattice the sites that the scene asks for (lattice.spacing), if it does. */
+enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice);
+
 /* What lattice_resample will make of it: the sites along each axis and their number. */
 enum status lattice_resampled_size(const struct lattice *fine, double spacing, size_t size[3],
                                    size_t *count);

@@ -9,7 +9,6 @@
 #include "common/ranks.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/start.h"
 
 /* From one lattice to the next of an open cascade the spacing shrinks by this. */
@@ -111,16 +110,18 @@ static enum status build(const struct cascade *c, const struct lattice *lattice,
       lattice->dimensions == 2
           ? sqrt(lattice->spacing[0] * lattice->spacing[2])
           : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  return stokes_solver_build(lattice, c->scene,
-                             stokes_support(c->scene, context->spacing) * spacing, wall,
-                             context->kinematic_viscosity, c->scene->driving, s);
+  /* An open cascade is of one process; any other has the same bits on any number of ranks. */
+  return (c->fixed > 0 ? stokes_solver_build : stokes_solver_build_half)(
+      lattice, c->scene, stokes_support(c->scene, context->spacing) * spacing, wall,
+      context->kinematic_viscosity, c->scene->driving, s);
 }
 
 enum status cascade_solver(struct cascade *c, const struct lattice *lattice,
                            struct stokes_solver *s) {
   enum status status = STATUS_OK;
   TRY(build(c, lattice, c->plan->context.method->wall(c->scene), s));
-  if (c->coarse.grid.active > 0 && s->grid.active > 0) TRY(stokes_solver_start(s, &c->coarse));
+  if (c->fixed == 0 && c->coarse.grid.active > 0 && s->grid.active > 0)
+    TRY(stokes_solver_start(s, &c->coarse));
 cleanup:
   return status;
 }
@@ -140,7 +141,8 @@ static double solve(struct cascade *c, const struct lattice *lattice, enum wall_
   double k = 0.0;
   if (lattice->fluid_count > 0 && build(c, lattice, wall, &s) == STATUS_OK &&
       s.grid.active_all > 0) {
-    if (from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK) error_clear();
+    if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
+      error_clear();
     if (stokes_solver_run(&s, &side_goal) == STATUS_OK) k = permeability_of(&s);
   }
   error_clear();

@@ -8,8 +8,6 @@
 
 extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
-/* The support of method stokes, in spacings, where the scene's sites are `spacing` (m) apart. */
-double stokes_support(const struct scene *scene, double spacing);
 enum status stokes_cost(struct plan *plan, int threads);
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 

@@ -197,3 +197,14 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
     }
   }
 }
+
+void stokes_operator_clear_plane(const struct stokes_operator *op, float *y) {
+  const struct stokes_grid *grid = op->grid;
+  if (!grid->mirrored || grid->size[2] % 2 == 0) return;
+  const size_t first = grid->row_start[grid->row_end - grid->size[1]];
+  for (int c = 0; c < op->components; c++) {
+    const int component = c + 1 < op->components ? op->stencil->axes[c] : 3;
+    if (grid->parity[component] < 0.0f)
+      memset(y + (size_t)c * op->n + first, 0, (op->n - first) * sizeof *y);
+  }
+}

@@ -67,6 +67,9 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
  * even where the lattice is mirrored. */
 void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y);
+/* Zero on a mirror plane that holds sites for all of y that is odd there: what rounding leaves of
+ * its rows is no equation. */
+void stokes_operator_clear_plane(const struct stokes_operator *op, float *y);
 /* y = G p, y [axis_count][n]. */
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
 

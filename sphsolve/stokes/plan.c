@@ -39,12 +39,6 @@ double stokes_solver_seconds(const struct pore_shape *pores, const struct lattic
          SECONDS_BUILD * fluid;
 }
 
-/* Compact supports have the least error for grains of few sites (docs/physics/stokes.md). */
-double stokes_support(const struct scene *scene, double spacing) {
-  if (!isnan(scene->stokes.support)) return scene->stokes.support / spacing;
-  return scene->stokes.kernel == KERNEL_QUINTIC ? 2.9 : 1.8;
-}
-
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   context->support = stokes_support(context->scene, context->spacing) * context->spacing;

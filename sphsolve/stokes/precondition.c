@@ -187,16 +187,6 @@ static void solve_velocity(struct stokes_preconditioner *pc, int axis, const flo
   for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
 }
 
-/* What is odd is zero on a mirror plane that holds sites. */
-static void clear_mirror_plane(const struct stokes_operator *op, float *y) {
-  const struct stokes_grid *grid = op->grid;
-  if (!grid->mirrored || grid->size[2] % 2 == 0) return;
-  const size_t first = grid->row_start[grid->row_end - grid->size[1]];
-  for (int c = 0; c <= op->stencil->axis_count; c++)
-    if (grid->parity[c] < 0.0f)
-      memset(y + (size_t)c * op->n + first, 0, (op->n - first) * sizeof *y);
-}
-
 void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *x, float *work,
                                  float *y) {
   struct stokes_operator *op = pc->op;
@@ -210,5 +200,5 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
     for (size_t i = 0; i < n; i++) ra[i] = x[a * n + i] - op->parabola[i] * ra[i];
     solve_velocity(pc, op->stencil->axes[a], ra, product, y + a * n);
   }
-  clear_mirror_plane(op, y);
+  stokes_operator_clear_plane(op, y);
 }

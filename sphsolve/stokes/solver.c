@@ -41,6 +41,7 @@ static int threads_for(size_t active) {
 static void apply(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
   stokes_operator_apply(&s->operator, x, y);
+  stokes_operator_clear_plane(&s->operator, y);
 }
 
 static void precondition(void *system, const float *x, float *work, float *y) {
@@ -76,6 +77,7 @@ static void find_residual(struct stokes_solver *s) {
   const size_t begin = s->krylov.length + s->krylov.length % 2;
   double *component = (double *)(void *)(s->krylov.basis + begin);
   stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
+  stokes_operator_clear_plane(&s->operator, s->residual);
   s->exact = true;
 }
 
@@ -146,9 +148,9 @@ static enum status set_units(struct stokes_solver *s, const struct scene *scene,
   return STATUS_OK;
 }
 
-enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
-                                double support, enum wall_scheme wall, double nu,
-                                const double driving[3], struct stokes_solver *s) {
+static enum status build(const struct lattice *lattice, const struct scene *scene, double support,
+                         enum wall_scheme wall, double nu, const double driving[3], bool half,
+                         struct stokes_solver *s) {
   enum status status = STATUS_OK;
   const int threads = omp_get_max_threads();
   memset(s, 0, sizeof *s);
@@ -164,7 +166,7 @@ enum status stokes_solver_build(const struct lattice *lattice, const struct scen
   for (int o = 0; o < s->stencil.offset_count; o++)
     if (s->stencil.offsets[o].step[2] > reach) reach = s->stencil.offsets[o].step[2];
   const size_t active = s->grid.active_all;
-  if (!s->walls_move) stokes_grid_mirror(&s->grid, lattice, driving, reach);
+  if (half && !s->walls_move) stokes_grid_mirror(&s->grid, lattice, driving, reach);
   TRY(stokes_grid_share(&s->grid, reach));
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
@@ -186,6 +188,18 @@ cleanup:
   omp_set_num_threads(threads);
   if (status != STATUS_OK) stokes_solver_free(s);
   return status;
+}
+
+enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
+                                double support, enum wall_scheme wall, double nu,
+                                const double driving[3], struct stokes_solver *s) {
+  return build(lattice, scene, support, wall, nu, driving, false, s);
+}
+
+enum status stokes_solver_build_half(const struct lattice *lattice, const struct scene *scene,
+                                     double support, enum wall_scheme wall, double nu,
+                                     const double driving[3], struct stokes_solver *s) {
+  return build(lattice, scene, support, wall, nu, driving, true, s);
 }
 
 void stokes_solver_free(struct stokes_solver *s) {

@@ -45,6 +45,11 @@ struct stokes_solver {
 enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
                                 double support, enum wall_scheme wall, double nu,
                                 const double driving[3], struct stokes_solver *solver);
+/* The same on the lower half of a lattice that is mirrored, with its flow: same k, half the sites.
+ * One process only: ranks cut whole lattices. */
+enum status stokes_solver_build_half(const struct lattice *lattice, const struct scene *scene,
+                                     double support, enum wall_scheme wall, double nu,
+                                     const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
 
 /* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them

@@ -121,3 +121,9 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], enum k
   for (int a = 0; a < dimensions; a++) build_convolution(s, s->axes[a], &s->gradient[s->axes[a]]);
   return STATUS_OK;
 }
+
+/* Compact supports have the least error for grains of few sites (docs/physics/stokes.md). */
+double stokes_support(const struct scene *scene, double spacing) {
+  if (!isnan(scene->stokes.support)) return scene->stokes.support / spacing;
+  return scene->stokes.kernel == KERNEL_QUINTIC ? 2.9 : 1.8;
+}

@@ -5,6 +5,7 @@
 
 #include "common/error.h"
 #include "common/kernel.h"
+#include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/rows.h"
 
 #define STOKES_OFFSET_MAX ((2 * STOKES_REACH + 1) * (2 * STOKES_REACH + 1) * (2 * STOKES_REACH + 1))
@@ -30,6 +31,9 @@ struct stokes_stencil {
 
 /* Builds the stencil of a kernel with that support (m). A support of more than
  * STOKES_REACH sites along an axis is an input error. */
+/* The support of method stokes, in spacings, where the scene's sites are `spacing` (m) apart. */
+double stokes_support(const struct scene *scene, double spacing);
+
 enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
                                  double support, struct stokes_stencil *stencil);
 

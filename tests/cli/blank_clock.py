@@ -18,5 +18,7 @@ for path in sys.argv[1:]:
         if "run" in file:
             for name in "seconds", "share":
                 file["run/timing"][name][...] = 0
+            if "levels" in file["run/timing"]:
+                file["run/timing/levels/seconds"][...] = 0
             for name in file["run/timing"].attrs:
                 blank(file["run/timing"], name)

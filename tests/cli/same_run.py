@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""same_run.py A.hdf B.hdf: exit 1 unless both hold the same bytes in every dataset but timings and provenance."""
+"""same_run.py A.hdf B.hdf [NAME...]: exit 1 unless both hold the same bytes in every dataset but timings, provenance and
+those whose names begin with NAME."""
 import sys
 
 import h5py
 
-free = ("run/timing", "run/effects/share", "provenance", "run/snapshots/name", "run/scene")
+free = ("run/timing", "run/effects/share", "provenance", "run/snapshots/name", "run/scene", *sys.argv[3:])
 files = [h5py.File(path, "r") for path in sys.argv[1:3]]
 different = []
 
