@@ -61,7 +61,7 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   unset MAKEFLAGS MFLAGS # those of a make that runs this test are not meant for these
   local settings=("BIN=$bin" "SLICES=$ROOT/data-samples/small" "ROOT=$ROOT")
   make -C specimen "${settings[@]}" SIZES="16x16x7 32x32x14" > log 2>&1 || { cat log; false; }
-  make -C calibration "${settings[@]}" SIZE=16x16x7 THRESHOLDS="58 66" > log 2>&1 || { cat log; false; }
+  make -C calibration "${settings[@]}" SIZE=32x32x14 THRESHOLDS="58 66" > log 2>&1 || { cat log; false; }
   make -C gradients "${settings[@]}" SIZE=16x16x7 VOID_RATIOS=0.942 GRADIENTS="5 10" > log 2>&1 || { cat log; false; }
   make -C seepage "${settings[@]}" GRAIN_SIZES="5" > log 2>&1 || { cat log; false; }
   [ -s specimen/out/report.html ] && [ -s specimen/out/converge/converge.json ] && [ -s gradients/out/darcy/darcy.json ]

@@ -30,7 +30,7 @@ killed() { # NAME JOB: a rank of it, once the second checkpoint is there; the jo
 on() { local n=$1; shift; timeout 120 mpirun -np "$n" "$@"; }
 stokes() { # NAME [options]
   local name=$1; shift
-  echo run s06.cfg --set model.file=dense.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o "$name" "$@"
+  echo run s06.cfg --set model.file=dense.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o "$name" --quiet "$@"
 }
 
 @test "rows of 1 to 200 items are cut evenly on 1, 2, 3, 4 ranks" {
@@ -54,7 +54,7 @@ stokes() { # NAME [options]
 @test "stokes: k, history and snapshot of a run on 1, 2, 4 ranks" {
   sphsolve $(stokes serial) > /dev/null
   for n in 1 2 4; do
-    on $n sphsolve-mpi $(stokes "run$n") > "out$n"
+    on $n sphsolve-mpi $(stokes "run$n" | sed 's/ --quiet//') > "out$n"
     [ "$(grep -c '^k ' "out$n")" -eq 1 ]
     $AGREE serial.hdf "run$n.hdf" 1e-6 run@k history/darcy_velocity history/kinetic_energy
     $AGREE serial-0000.hdf "run$n-0000.hdf" 1e-5 VTKHDF/PointData/velocity VTKHDF/PointData/pressure
