@@ -46,6 +46,8 @@ static enum status refuse_overwriting(const struct recorder *recorder) {
   if (*recorder->scene->model_path) output_protect(recorder->scene->model_path);
   for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
     snprintf(path, sizeof path, "%s%s", recorder->prefix, endings[i]);
+    /* A damaged checkpoint that --resume asks for is ours: reading it says what is wrong. */
+    if (recorder->resume && strstr(endings[i], ".ckpt") != NULL) continue;
     TRY(output_allow(path));
   }
 cleanup:
