@@ -13,7 +13,7 @@
 #include "common/output_guard.h"
 #include "ct2model/describe.h"
 #include "ct2model/model/export_tiff.h"
-#include "ct2model/model/model_output.h"
+#include "ct2model/model_output.h"
 #include "ct2model/pipeline.h"
 #include "ct2model/report.h"
 #include "ct2model/request.h"

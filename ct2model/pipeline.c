@@ -9,34 +9,10 @@
 #include "common/output_guard.h"
 #include "common/units.h"
 #include "ct2model/scan/autocrop.h"
-#include "ct2model/model/binarise.h"
+#include "ct2model/binarise.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
 #include "ct2model/surface/wall_distance.h"
-
-double pipeline_grey(const struct pipeline *pipeline, double internal) {
-  const bool negated = pipeline->request->dark_grains && !pipeline->labels.on;
-  return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
-}
-
-double pipeline_threshold_error(const struct pipeline *pipeline) {
-  return fabs(pipeline_grey(pipeline, pipeline->threshold_slope)) *
-         pipeline->request->void_ratio_error;
-}
-
-bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3],
-                         bool *enough) {
-  const double error = pipeline->morphology.expected_error; /* of second order */
-  *enough = true;
-  if (!(error > aim)) return false;
-  for (int a = 0; a < 3; a++) {
-    const size_t most = pipeline->region.size[pipeline->place[a]];
-    size[a] = (size_t)ceil(sqrt(error / aim) * (double)pipeline->size[pipeline->place[a]]);
-    *enough &= size[a] <= most;
-    if (size[a] > most) size[a] = most;
-  }
-  return true;
-}
 
 /* ---- region: crop, voxel size, size after resampling ---- */
 
@@ -133,7 +109,8 @@ static enum status survey_region(struct pipeline *pipeline) {
   memcpy(pipeline->survey_size, pipeline->region.size, sizeof pipeline->survey_size);
   TRY(survey_take(&pipeline->region, request->void_ratio / (1.0 + request->void_ratio),
                   request->correct_beam || request->correct_rings, survey));
-  pipeline->correction = (struct correction){survey, request->correct_beam, request->correct_rings};
+  pipeline->correction =
+      (struct correction){survey_correct, survey, request->correct_beam, request->correct_rings};
   if (wanted && !(survey->phases.contrast_to_noise > 0.0)) {
     log_warning("--denoise and --correct do nothing: the image is segmented or of one grey");
   } else if (wanted && isnan(survey->rings) && (request->correct_beam || request->correct_rings)) {
@@ -490,7 +467,13 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   memory_free(&pipeline->survey.sample); /* room for the model */
   TRY(measure_surface(pipeline));
   pipeline->solid_threshold = pipeline->threshold;
-  if (!labels) TRY(sweep_table_make(pipeline, &pipeline->table));
+  const struct sweep_source swept = {.histogram = &pipeline->histogram,
+                                     .volume = pipeline->volume,
+                                     .size = pipeline->size,
+                                     .weight = pipeline->weight,
+                                     .unit = pipeline_grey(pipeline, 1.0),
+                                     .dark_grains = request->dark_grains};
+  if (!labels) TRY(sweep_table_make(&swept, &pipeline->table));
   if (pipeline->restoring) TRY(restore(pipeline));
   if (pipeline->resampled) TRY(make_solid(pipeline));
   if (distances) {
@@ -500,21 +483,4 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   TRY(turn_model(pipeline));
 cleanup:
   return status;
-}
-
-void pipeline_end(struct pipeline *pipeline) {
-  model_free(&pipeline->model);
-  grey_histogram_end(&pipeline->histogram);
-  grey_histogram_end(&pipeline->calibration);
-  sweep_table_end(&pipeline->table);
-  memory_free(&pipeline->volume);
-  memory_free(&pipeline->middle);
-  memory_free(&pipeline->turned);
-  memory_free(&pipeline->weight);
-  surface_sample_end(&pipeline->sample);
-  coarse_end(&pipeline->coarse);
-  restored_end(&pipeline->restored);
-  survey_end(&pipeline->survey);
-  labels_end(&pipeline->labels);
-  stack_close(&pipeline->stack);
 }

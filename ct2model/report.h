@@ -6,7 +6,7 @@
 
 #include "common/error.h"
 #include "common/options.h"
-#include "ct2model/pipeline.h"
+#include "ct2model/state.h"
 
 /* To stdout, or with --json as one object, a sweep's with its table. A coarser model's object goes
  * into the array "coarser" of *first, the finest's; the caller prints *first with report_end. */

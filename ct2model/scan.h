@@ -2,7 +2,7 @@
 #ifndef TOSUI_CT2MODEL_SCAN_H
 #define TOSUI_CT2MODEL_SCAN_H
 
-#include "ct2model/pipeline.h"
+#include "ct2model/state.h"
 
 /* Fills the pipeline's histogram, middle slice and, if it is resampled, volume. The result does not
  * depend on the number of threads. */

@@ -14,17 +14,6 @@ ROOMS = {
     "ct2model": ["readers", "calibrate", "scan", "resample", "surface", "scanner", "model", ""],
     "analyze": ["", "report"],
 }
-# Not right yet: from -> to. None may be added; one that is no more is told, and taken out here.
-KNOWN = {
-    "ct2model/calibrate/sweep_table -> ct2model/pipeline",
-    "ct2model/model/binarise -> ct2model/pipeline",
-    "ct2model/model/model_output -> ct2model/pipeline",
-    "ct2model/readers/tiff_description -> ct2model/readers/image",
-    "ct2model/resample/reduce -> ct2model/resample/resample",
-    "ct2model/scan/denoise -> ct2model/scan/survey",
-    "ct2model/scan/region -> ct2model/scan/survey",
-    "ct2model/scan -> ct2model/pipeline",
-}
 SOURCE = re.compile(r"\.(c|cc|h|def)$")
 files = [f for f in subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "common", *ROOMS], text=True,
                                    capture_output=True, check=True).stdout.split()
@@ -49,17 +38,13 @@ def room(path):
     return parts[1] if len(parts) > 2 else ""
 
 
-includes, bad, met = {}, [], set()
+includes, bad = {}, []
 for path in files:
     for line in open(path, encoding="utf-8"):
         match = re.match(r'\s*#\s*include "((?:common|ct2model|sphsolve|analyze)/[^"]*)"', line)
         if not match:
             continue
         other = match.group(1)
-        arrow = f"{module(path)} -> {module(other)}"
-        if arrow in KNOWN:
-            met.add(arrow)
-            continue
         if module(path) != module(other):
             includes.setdefault(module(path), {})[module(other)] = f"{path} includes {other}"
         program, here, there = path.split("/")[0], room(path), room(other)
@@ -67,9 +52,6 @@ for path in files:
         if program == other.split("/")[0] and here in order and module(path) != f"{program}/{program}":
             if there not in order or order.index(there) > order.index(here):
                 bad.append(f"{path} includes {other}: {here} stands below {there or 'the top'}")
-
-for arrow in sorted(KNOWN - met):
-    print(f"check-includes: {arrow} is no more: take it out of KNOWN in scripts/include_circles.py")
 
 # Circles, by depth first; each is told once.
 state, stack = {}, []

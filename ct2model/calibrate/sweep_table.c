@@ -8,14 +8,13 @@
 
 #include "common/memory.h"
 #include "common/output_file.h"
-#include "ct2model/pipeline.h"
 
 enum { ROWS = 256, MOST_ROWS = 2 * ROWS + 1 };
 
 /* Internal greys first, first + step, ... such that both phases occur at each. */
-static void choose_rows(const struct pipeline *pipeline, double *first, double *step,
+static void choose_rows(const struct sweep_source *source, double *first, double *step,
                         size_t *count) {
-  const struct grey_histogram *histogram = &pipeline->histogram;
+  const struct grey_histogram *histogram = source->histogram;
   double low = grey_histogram_quantile(histogram, 0.0005);
   double high = grey_histogram_quantile(histogram, 0.9995);
   if (histogram->width == 1.0 && high - low < 2.0 * ROWS) {
@@ -30,20 +29,20 @@ static void choose_rows(const struct pipeline *pipeline, double *first, double *
 }
 
 /* counts[i]: weighted voxels of the resampled volume above row i - 1 and up to row i. */
-static void count_volume(const struct pipeline *pipeline, double first, double step, size_t rows,
+static void count_volume(const struct sweep_source *source, double first, double step, size_t rows,
                          double *counts, double *total) {
-  size_t layer = pipeline->size[0] * pipeline->size[1];
+  size_t layer = source->size[0] * source->size[1];
 #pragma omp parallel for schedule(static)
-  for (size_t z = 0; z < pipeline->size[2]; z++) {
+  for (size_t z = 0; z < source->size[2]; z++) {
     uint32_t below[MOST_ROWS] = {0};
     for (size_t i = 0; i < layer; i++) {
-      double row = ceil(((double)pipeline->volume[z * layer + i] - first) / step);
+      double row = ceil(((double)source->volume[z * layer + i] - first) / step);
       if (row < (double)rows) below[row > 0.0 ? (size_t)row : 0]++;
     }
 #pragma omp critical(volume_counts) /* sums of whole numbers know no order */
     {
-      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i] * pipeline->weight[z];
-      *total += (double)layer * pipeline->weight[z];
+      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i] * source->weight[z];
+      *total += (double)layer * source->weight[z];
     }
   }
 }
@@ -60,12 +59,12 @@ static double void_ratio_of(double pores, double total) {
   return total > pores ? pores / (total - pores) : INFINITY;
 }
 
-enum status sweep_table_make(const struct pipeline *pipeline, struct sweep_table *table) {
+enum status sweep_table_make(const struct sweep_source *source, struct sweep_table *table) {
   enum status status = STATUS_OK;
-  const struct grey_histogram *histogram = &pipeline->histogram;
+  const struct grey_histogram *histogram = source->histogram;
   double first, step;
   memset(table, 0, sizeof *table);
-  choose_rows(pipeline, &first, &step, &table->count);
+  choose_rows(source, &first, &step, &table->count);
   size_t n = table->count;
   TRY(memory_allocate(&table->threshold, n, sizeof(double), "the sweep"));
   TRY(memory_allocate(&table->void_ratio, n, sizeof(double), "the sweep"));
@@ -74,23 +73,23 @@ enum status sweep_table_make(const struct pipeline *pipeline, struct sweep_table
   for (size_t i = 0; i < n; i++) {
     double grey = first + step * (double)i;
     double pores = total * grey_histogram_porosity(histogram, grey);
-    table->threshold[i] = pipeline_grey(pipeline, grey);
+    table->threshold[i] = source->unit * grey;
     table->void_ratio[i] = void_ratio_of(pores, total);
     table->histogram[i] = pores - last;
     last = pores;
   }
-  if (pipeline->volume != NULL) {
+  if (source->volume != NULL) {
     TRY(memory_allocate(&table->void_ratio_resampled, n, sizeof(double), "the sweep"));
     TRY(memory_allocate(&table->histogram_resampled, n, sizeof(double), "the sweep"));
     total = 0.0;
-    count_volume(pipeline, first, step, n, table->histogram_resampled, &total);
+    count_volume(source, first, step, n, table->histogram_resampled, &total);
     double pores = 0.0;
     for (size_t i = 0; i < n; i++) {
       pores += table->histogram_resampled[i];
       table->void_ratio_resampled[i] = void_ratio_of(pores, total);
     }
   }
-  if (pipeline->request->dark_grains) {
+  if (source->dark_grains) {
     double *columns[] = {table->threshold, table->void_ratio, table->histogram,
                          table->void_ratio_resampled, table->histogram_resampled};
     for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)

@@ -2,11 +2,11 @@
 #ifndef TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
 #define TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
-
-struct pipeline;
+#include "ct2model/calibrate/calibrate.h"
 
 /* Rows rise in the reported grey. Solid is the grain side of the threshold. Of an integer scan the
  * thresholds lie half-way between levels, where "above" and "at or above" are the same. The
@@ -18,8 +18,19 @@ struct sweep_table {
   double *void_ratio_resampled, *histogram_resampled; /* NULL without a resampled volume */
 };
 
+/* What a sweep is of: greys at full resolution and, unless NULL, the resampled volume, whose layers
+ * count `weight` times each. A reported grey is `unit` times one of these; of dark grains it falls
+ * as they rise. */
+struct sweep_source {
+  const struct grey_histogram *histogram;
+  const float *volume;
+  const size_t *size;
+  const unsigned *weight;
+  double unit;
+  bool dark_grains;
+};
 /* Free with sweep_table_end. */
-enum status sweep_table_make(const struct pipeline *pipeline, struct sweep_table *table);
+enum status sweep_table_make(const struct sweep_source *source, struct sweep_table *table);
 void sweep_table_end(struct sweep_table *table);
 /* CSV: threshold,void_ratio,histogram,void_ratio_resampled,histogram_resampled. */
 enum status sweep_table_write(const struct sweep_table *table, const char *path);

@@ -173,7 +173,7 @@ static void read_resolution(TIFF *tiff, const char *description, struct image *i
   TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &resolution[1]);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
   const double metres = unit == RESUNIT_CENTIMETER ? 0.01 : unit == RESUNIT_INCH ? 0.0254 : NAN;
-  tiff_voxel_size(description, resolution, metres, image);
+  tiff_voxel_size(description, resolution, metres, image->voxel, &image->voxel_source);
 }
 
 /* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */

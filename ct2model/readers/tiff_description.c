@@ -48,33 +48,33 @@ static double ome_size(const char *xml, char axis) {
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
-                     struct image *image) {
+                     double voxel[3], const char **source) {
   char text[40];
   if (description != NULL && strstr(description, "PhysicalSizeX") != NULL) {
-    image->voxel[0] = ome_size(description, 'X');
-    image->voxel[1] = ome_size(description, 'Y');
-    image->voxel[2] = ome_size(description, 'Z');
-    if (image->voxel[0] > 0.0) image->voxel_source = "OME metadata";
+    voxel[0] = ome_size(description, 'X');
+    voxel[1] = ome_size(description, 'Y');
+    voxel[2] = ome_size(description, 'Z');
+    if (voxel[0] > 0.0) *source = "OME metadata";
     return;
   }
   bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
   if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
     metres = unit_in_metres(text);
-    image->voxel_source = "ImageJ metadata";
+    *source = "ImageJ metadata";
   } else if (isfinite(metres)) {
-    image->voxel_source = "TIFF resolution tags";
+    *source = "TIFF resolution tags";
   }
   for (int axis = 0; axis < 2; axis++) {
-    double voxel = metres / (double)resolution[axis];
+    double edge = metres / (double)resolution[axis];
     /* 600 dpi and coarser, 42 um: a page, unless the unit is one of a microscope. */
     bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
-    image->voxel[axis] = resolution[axis] > 0.0f && isfinite(voxel) && !page ? voxel : NAN;
+    voxel[axis] = resolution[axis] > 0.0f && isfinite(edge) && !page ? edge : NAN;
   }
-  if (imagej && isfinite(image->voxel[0]) &&
+  if (imagej && isfinite(voxel[0]) &&
       tiff_description_value(description, "spacing", text, sizeof text))
-    image->voxel[2] = strtod(text, NULL) * metres;
-  if (!(image->voxel[2] > 0.0)) image->voxel[2] = NAN;
-  if (!isfinite(image->voxel[0])) image->voxel_source = NULL;
+    voxel[2] = strtod(text, NULL) * metres;
+  if (!(voxel[2] > 0.0)) voxel[2] = NAN;
+  if (!isfinite(voxel[0])) *source = NULL;
 }
 
 enum status tiff_refuse_hyperstack(const char *path, const char *description) {

@@ -4,7 +4,7 @@
 #define TOSUI_CT2MODEL_RESAMPLE_REDUCE_H
 
 #include "ct2model/readers/pixels.h"
-#include "ct2model/resample/resample.h"
+#include "ct2model/resample/weights.h"
 
 /* A slice on its way: rows are added from the first to the last, and summed in that order. */
 struct reduction {

@@ -1,8 +1,4 @@
-/* Resampling weights of one axis, and the stream that turns slices into model layers.
- *
- * Bicubic: Keys' kernel (Keys 1981) with a = -0.75, OpenCV's constant, stretched by the reduction
- * factor so that it filters what the coarser grid cannot carry, and normalised. Area: the overlap
- * of old and new voxel. Beyond the image's edge the weights are cut and normalised again. */
+/* The stream that turns slices into model layers. */
 #ifndef TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_H
 #define TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_H
 
@@ -10,24 +6,9 @@
 #include <stddef.h>
 
 #include "common/error.h"
+#include "ct2model/resample/reduce.h"
+#include "ct2model/resample/weights.h"
 
-enum filter { FILTER_BICUBIC, FILTER_BICUBIC_POINT, FILTER_AREA, FILTER_NONE };
-
-/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i]; `taps` is a multiple of
- * RESAMPLE_LANES, weights behind `count` are zero. Both ends of the taps rise with i. */
-enum { RESAMPLE_LANES = 16 };
-struct resample_axis {
-  size_t in, out, taps;
-  size_t *first, *count;
-  float *weight;
-};
-
-double keys_kernel(double x);
-enum status resample_axis_start(enum filter filter, size_t in, size_t out,
-                                struct resample_axis *axis);
-void resample_axis_end(struct resample_axis *axis);
-
-struct pixel_rows;
 struct resampler {
   enum filter filter;
   size_t in[3], out[3];
@@ -47,7 +28,6 @@ bool resampler_wants(const struct resampler *resampler, size_t z);
 /* Slices go to their places i < batch, one thread a place: row by row into what resampler_begin
  * starts, or, where the filter takes no rows, by resampler_point. */
 bool resampler_takes_rows(const struct resampler *resampler);
-struct reduction;
 void resampler_begin(struct resampler *resampler, size_t i, struct reduction *reduction);
 enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice, size_t i);
 /* Adds the reduced slices z0 .. z0 + n - 1 to volume[out z][out y][out x], which starts as zeros,

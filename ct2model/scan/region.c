@@ -5,7 +5,6 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "ct2model/scan/survey.h"
 
 size_t region_batch(const struct region *region) {
   const double bytes = 32e6;
@@ -38,10 +37,7 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
       out[y * region->size[0] + x] = grey;
     }
   }
-  if (region->correction == NULL) return STATUS_OK;
-  status = correction_apply(region, out);
-  if (status != STATUS_OK || region->denoise == DENOISE_NONE) return status;
-  return denoise_slice(region->denoise, &region->correction->survey->phases, region->size, out);
+  return region->correction == NULL ? STATUS_OK : region->correction->apply(region, out);
 }
 
 bool region_has_levels(const struct region *region) {

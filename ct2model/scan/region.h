@@ -10,7 +10,14 @@
 #include "ct2model/scan/denoise.h"
 #include "ct2model/readers/stack.h"
 
-struct correction;
+/* What is done to the greys of a slice as it is read (survey.h). */
+struct survey;
+struct region;
+struct correction {
+  enum status (*apply)(const struct region *region, float *slice); /* in place */
+  const struct survey *survey;
+  bool beam, rings; /* level both phases over the radius; take rings out */
+};
 
 struct region {
   const struct stack *stack;

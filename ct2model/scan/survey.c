@@ -299,7 +299,7 @@ void survey_end(struct survey *survey) {
   memory_free(&survey->ring_profile);
 }
 
-enum status correction_apply(const struct region *region, float *slice) {
+static enum status level(const struct region *region, float *slice) {
   enum status status = STATUS_OK;
   const struct correction *correction = region->correction;
   const struct survey *survey = correction->survey;
@@ -337,4 +337,10 @@ cleanup:
   memory_free(&own);
   memory_free(&greys);
   return status;
+}
+
+enum status survey_correct(const struct region *region, float *slice) {
+  const enum status status = level(region, slice);
+  if (status != STATUS_OK || region->denoise == DENOISE_NONE) return status;
+  return denoise_slice(region->denoise, &region->correction->survey->phases, region->size, slice);
 }

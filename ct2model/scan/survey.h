@@ -30,12 +30,8 @@ enum status survey_take(const struct region *region, double porosity, bool all,
                         struct survey *survey);
 void survey_end(struct survey *survey);
 
-/* Levels both phases over the radius, takes rings out. Kept by the region that reads. */
-struct correction {
-  const struct survey *survey;
-  bool beam, rings;
-};
-/* One slice of a region that has a correction, in place. */
-enum status correction_apply(const struct region *region, float *slice);
+/* The `apply` of a region's correction: levels, takes rings out, and denoises as the region asks.
+ */
+enum status survey_correct(const struct region *region, float *slice);
 
 #endif

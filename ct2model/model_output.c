@@ -1,4 +1,4 @@
-#include "ct2model/model/model_output.h"
+#include "ct2model/model_output.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-#include "ct2model/model/binarise.h"
+#include "ct2model/binarise.h"
 
 #include <math.h>
 #include <stdio.h>

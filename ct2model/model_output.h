@@ -1,10 +1,10 @@
 /* model.hdf: the model with its calibration, quality and provenance. */
-#ifndef TOSUI_CT2MODEL_MODEL_MODEL_OUTPUT_H
-#define TOSUI_CT2MODEL_MODEL_MODEL_OUTPUT_H
+#ifndef TOSUI_CT2MODEL_MODEL_OUTPUT_H
+#define TOSUI_CT2MODEL_MODEL_OUTPUT_H
 
 #include "common/error.h"
 #include "common/options.h"
-#include "ct2model/pipeline.h"
+#include "ct2model/state.h"
 
 enum status model_output_write(const struct pipeline *pipeline, const struct options *options);
 

@@ -1,4 +1,4 @@
-#include "ct2model/scan/denoise_effect.h"
+#include "ct2model/scan/denoising.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* What denoising does to the numbers that matter, on the slices of a survey. */
-#ifndef TOSUI_CT2MODEL_SCAN_DENOISE_EFFECT_H
-#define TOSUI_CT2MODEL_SCAN_DENOISE_EFFECT_H
+#ifndef TOSUI_CT2MODEL_SCAN_DENOISING_H
+#define TOSUI_CT2MODEL_SCAN_DENOISING_H
 
 #include "common/error.h"
 #include "ct2model/scan/denoise.h"

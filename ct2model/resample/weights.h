@@ -1,0 +1,29 @@
+/* Resampling weights of one axis.
+ *
+ * Bicubic: Keys' kernel (Keys 1981) with a = -0.75, OpenCV's constant, stretched by the reduction
+ * factor so that it filters what the coarser grid cannot carry, and normalised. Area: the overlap
+ * of old and new voxel. Beyond the image's edge the weights are cut and normalised again. */
+#ifndef TOSUI_CT2MODEL_RESAMPLE_WEIGHTS_H
+#define TOSUI_CT2MODEL_RESAMPLE_WEIGHTS_H
+
+#include <stddef.h>
+
+#include "common/error.h"
+
+enum filter { FILTER_BICUBIC, FILTER_BICUBIC_POINT, FILTER_AREA, FILTER_NONE };
+
+/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i]; `taps` is a multiple of
+ * RESAMPLE_LANES, weights behind `count` are zero. Both ends of the taps rise with i. */
+enum { RESAMPLE_LANES = 16 };
+struct resample_axis {
+  size_t in, out, taps;
+  size_t *first, *count;
+  float *weight;
+};
+
+double keys_kernel(double x);
+enum status resample_axis_start(enum filter filter, size_t in, size_t out,
+                                struct resample_axis *axis);
+void resample_axis_end(struct resample_axis *axis);
+
+#endif

@@ -1,0 +1,46 @@
+#include "ct2model/state.h"
+
+#include <math.h>
+
+#include "common/memory.h"
+
+double pipeline_grey(const struct pipeline *pipeline, double internal) {
+  const bool negated = pipeline->request->dark_grains && !pipeline->labels.on;
+  return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
+}
+
+double pipeline_threshold_error(const struct pipeline *pipeline) {
+  return fabs(pipeline_grey(pipeline, pipeline->threshold_slope)) *
+         pipeline->request->void_ratio_error;
+}
+
+bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3],
+                         bool *enough) {
+  const double error = pipeline->morphology.expected_error; /* of second order */
+  *enough = true;
+  if (!(error > aim)) return false;
+  for (int a = 0; a < 3; a++) {
+    const size_t most = pipeline->region.size[pipeline->place[a]];
+    size[a] = (size_t)ceil(sqrt(error / aim) * (double)pipeline->size[pipeline->place[a]]);
+    *enough &= size[a] <= most;
+    if (size[a] > most) size[a] = most;
+  }
+  return true;
+}
+
+void pipeline_end(struct pipeline *pipeline) {
+  model_free(&pipeline->model);
+  grey_histogram_end(&pipeline->histogram);
+  grey_histogram_end(&pipeline->calibration);
+  sweep_table_end(&pipeline->table);
+  memory_free(&pipeline->volume);
+  memory_free(&pipeline->middle);
+  memory_free(&pipeline->turned);
+  memory_free(&pipeline->weight);
+  surface_sample_end(&pipeline->sample);
+  coarse_end(&pipeline->coarse);
+  restored_end(&pipeline->restored);
+  survey_end(&pipeline->survey);
+  labels_end(&pipeline->labels);
+  stack_close(&pipeline->stack);
+}
