@@ -6,6 +6,7 @@
 
 #include "analyze/error_budget.h"
 #include "analyze/plot.h"
+#include "analyze/tensor.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
@@ -23,6 +24,8 @@ struct darcy_table {
   struct point *points;
   struct darcy_fit *fits;   /* [groups]; count 0 where no run of the group is steady */
   const struct run **first; /* [groups] */
+  struct tensor tensor;     /* of the first run that holds one */
+  bool has_tensor;
 };
 
 static enum status collect(struct darcy_table *table) {
@@ -172,6 +175,7 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     json_array_append_new(groups, group);
   }
   json_object_set_new(json, "groups", groups);
+  if (table->has_tensor) json_object_set_new(json, "tensor", tensor_json(&table->tensor));
   json_object_set_new(json, "superficial_velocity", json_string(superficial));
 }
 
@@ -249,6 +253,7 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
       fputs("  Forchheimer term: not called for by the data\n", stream);
     fputc('\n', stream);
   }
+  if (table->has_tensor) tensor_summary(&table->tensor, stream);
   fprintf(stream, "%s\n", superficial);
 }
 
@@ -308,6 +313,8 @@ enum status darcy_analyze(const struct run *runs, size_t n, struct product *prod
   struct darcy_table table = {.runs = runs, .n = n};
   TRY(collect(&table));
   for (size_t g = 0; g < table.groups; g++) TRY(fit_group(&table, g));
+  for (size_t i = 0; i < n && !table.has_tensor; i++)
+    TRY(tensor_read(&runs[i], &table.tensor, &table.has_tensor));
   write_json(&table, product->json);
   write_csv(&table, product->csv.stream);
   write_summary(&table, product->summary.stream);

@@ -13,6 +13,7 @@
 #include "common/memory.h"
 #include "common/options.h"
 #include "common/output_file.h"
+#include "common/output_guard.h"
 #include "common/ranks.h"
 #include "common/threads.h"
 #include "sphsolve/plan/recommend.h"
@@ -22,6 +23,7 @@
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/output/recorder.h"
+#include "sphsolve/output/tensor.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/cascade.h"
 
@@ -34,12 +36,14 @@ static const struct option_entry entries[] = {
      "wanted error of k, like 5%: lattices of its own choice, coarse ones first, until it is "
      "reached"},
     {"time", 0, "T", RUN, "the best k that this time allows, like 60s"},
+    {"tensor", 0, NULL, RUN,
+     "k along x, y and z: the tensor, with its principal axes (OUT-x.hdf, ... beside OUT.hdf)"},
     {"ranks", 0, "N", EXPLAIN, "predicts memory and time on N ranks of --threads each"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
 static const struct option_command commands[] = {
-    {"run", "SCENE.cfg -o OUT [--error E] [--time T] [--set path=value]... [--resume]",
+    {"run", "SCENE.cfg -o OUT [--error E] [--time T] [--tensor] [--set path=value]... [--resume]",
      "runs a scene", "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
     {"explain", "SCENE.cfg [--error E] [--ranks N] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
@@ -56,6 +60,7 @@ static const struct option_table table = {
 #define RANKS_MOST 10000000
 
 struct job {
+  int directions; /* that --time is shared by; 0: one */
   struct scene scene;
   struct lattice lattice;
   struct plan plan;
@@ -69,17 +74,24 @@ static int thread_count(void) {
 #endif
 }
 
-static enum status prepare(const struct options *options, struct job *job) {
-  enum status status = STATUS_OK;
-  const char *overrides[256];
+/* The scene with --set, and with one more override unless that is NULL. */
+static enum status read_scene(const struct options *options, const char *more,
+                              struct scene *scene) {
+  const char *overrides[257];
   size_t n = 0;
-  const struct method *method;
-  char why[EFFECT_WHY];
   while (n < 256 && options_text_nth(options, "set", n) != NULL) {
     overrides[n] = options_text_nth(options, "set", n);
     n++;
   }
-  TRY(scene_read(options_operand(options, 0), overrides, n, &job->scene));
+  if (more != NULL) overrides[n++] = more;
+  return scene_read(options_operand(options, 0), overrides, n, scene);
+}
+
+static enum status prepare(const struct options *options, const char *more, struct job *job) {
+  enum status status = STATUS_OK;
+  const struct method *method;
+  char why[EFFECT_WHY];
+  TRY(read_scene(options, more, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
   TRY(lattice_take_spacing(&job->scene, &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
@@ -160,6 +172,7 @@ static enum status print_json(const struct run_result *result) {
       number_or_null(result->pair_interactions_per_second), "status", result->status, "ledger",
       ledger_json(&result->ledger));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  if (result->tensor != NULL) json_object_set_new(object, "tensor", tensor_json(result->tensor));
   json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
   putchar('\n');
   json_decref(object);
@@ -219,11 +232,16 @@ static void print_result(const struct run_result *result, const char *prefix) {
            result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
     printf("Reynolds   %.3g\n", result->reynolds);
   }
+  if (result->tensor != NULL) tensor_print(result->tensor);
   if (result->pair_interactions_per_second > 0)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
   ledger_print(&result->ledger);
-  printf("files      %s.hdf\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix,
-         prefix);
+  printf("files      %s.hdf", prefix);
+  for (int a = 0; a < 3 && result->tensor != NULL; a++) {
+    const char *path = result->tensor->columns[a].path;
+    if (path[strlen(prefix)] == '-') printf(", %s", path);
+  }
+  printf("\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix);
 }
 
 /* "5%" or 0.05. */
@@ -250,6 +268,7 @@ static enum status take_goal(const struct options *options, struct job *job) {
   if (options_given(options, "time")) {
     TRY(options_quantity(options, "time", DIM_TIME, &goal->seconds));
     if (!(goal->seconds > 0)) TRY_FAIL(STATUS_USAGE, "--time: more than 0 s is wanted, like 60s");
+    if (job->directions > 0) goal->seconds /= job->directions;
   }
   if (!(goal->error > 0 || goal->seconds > 0)) return STATUS_OK;
   if (!method->solves_creeping && method->resolves_pores)
@@ -277,49 +296,127 @@ static enum status finish_error(struct job *job, struct run_result *result) {
       result->reynolds < REYNOLDS_CREEPING ? result->intrinsic_permeability : NAN, &result->error);
 }
 
-static enum status run(const struct options *options, struct job *job) {
+/* A scene from its plan to its record. `tensor`: to be completed by this run, and kept with it. */
+static enum status run_scene(const struct options *options, struct job *job, const char *prefix,
+                             struct tensor *tensor, int axis, struct run_result *result) {
   enum status status = STATUS_OK;
   struct recorder *recorder = NULL;
-  struct run_result result = {.status = "failed",
-                              .k = NAN,
-                              .k_error = NAN,
-                              .intrinsic_permeability = NAN,
-                              .k_finest = NAN,
-                              .error = error_budget_none()};
-  const char *prefix = options_text(options, "output");
-  if (prefix == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
-  TRY(prepare(options, job));
+  *result = (struct run_result){.status = "failed",
+                                .k = NAN,
+                                .k_error = NAN,
+                                .intrinsic_permeability = NAN,
+                                .k_finest = NAN,
+                                .error = error_budget_none()};
   TRY(take_goal(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
   double started = clock_seconds();
   const struct method *method = job->plan.context.method;
-  status = method->run(&job->scene, &job->plan, &job->lattice, recorder, &result);
-  if (status == STATUS_OK && result.k > 0 && result.error.level_count < 2)
-    status = finish_error(job, &result);
-  result.wall_time = clock_seconds() - started;
+  status = method->run(&job->scene, &job->plan, &job->lattice, recorder, result);
+  if (status == STATUS_OK && result->k > 0 && result->error.level_count < 2)
+    status = finish_error(job, result);
+  result->wall_time = clock_seconds() - started;
+  if (status == STATUS_OK && tensor != NULL) {
+    tensor_take(&job->scene, result->darcy_velocity, &result->error, result->k_finest / result->k,
+                axis, prefix, tensor);
+    if (tensor_complete(tensor)) result->tensor = tensor;
+  }
   /* An interrupted run leaves its record too; its message is the method's. */
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
-    enum status written = recorder_finish(recorder, &result);
+    enum status written = recorder_finish(recorder, result);
     if (status == STATUS_OK) status = written;
   }
-  if (status == STATUS_RUN && isfinite(result.k)) { /* a full disk at the end: k is worth keeping */
+  if (status == STATUS_RUN &&
+      isfinite(result->k)) { /* a full disk at the end: k is worth keeping */
     error_context(status, "k = %.4g cm/s (%.4g m^2) was found, but not all of its record kept",
-                  100 * result.k, result.intrinsic_permeability);
-    if (options_json(options)) (void)print_json(&result);
+                  100 * result->k, result->intrinsic_permeability);
+    if (options_json(options)) (void)print_json(result);
   }
-  if (status != STATUS_OK) goto cleanup;
-  size_t length = strlen(prefix);
-  char shown[4096];
-  snprintf(shown, sizeof shown, "%.*s",
-           (int)(length > 4 && !strcmp(prefix + length - 4, ".hdf") ? length - 4 : length), prefix);
+cleanup:
+  recorder_close(recorder);
+  return status;
+}
+
+/* x, y and z in turn, by the strength of the scene's own force, which comes last: OUT.hdf is its
+ * record, with the tensor; OUT-x.hdf and the like are those of the others. */
+static enum status run_tensor(const struct options *options, struct job *job, const char *prefix,
+                              struct tensor *tensor, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct scene own = {0};
+  int last = 0;
+  double strength = 0, wanted = 0;
+  TRY(read_scene(options, NULL, &own));
+  for (int a = 0; a < 3; a++) {
+    strength = hypot(strength, own.driving[a]);
+    if (fabs(own.driving[a]) >= fabs(own.driving[last])) last = a;
+  }
+  if (own.dimensions != 3)
+    TRY_FAIL(STATUS_USAGE, "--tensor: this scene has two dimensions; three directions are wanted");
+  if (!(strength > 0))
+    TRY_FAIL(STATUS_USAGE, "--tensor: nothing drives the flow; give force.body_acceleration, whose "
+                           "strength is taken along x, y and z");
+  /* What may not be written is found before the first direction is paid for. */
+  char path[4104];
+  output_protect(own.path);
+  if (*own.model_path) output_protect(own.model_path);
+  snprintf(path, sizeof path, "%s.hdf", prefix);
+  TRY(output_allow(path));
+  for (int turn = 1; turn <= 3; turn++) {
+    const int axis = (last + turn) % 3;
+    char force[200], part[3][40] = {"\"0\"", "\"0\"", "\"0\""};
+    bool found = false;
+    snprintf(part[axis], sizeof part[axis], "\"%.10g m/s^2\"",
+             axis == last ? copysign(strength, own.driving[axis]) : strength);
+    snprintf(force, sizeof force, "force={body_acceleration=[%s,%s,%s];}", part[0], part[1],
+             part[2]);
+    snprintf(path, sizeof path, axis == last ? "%s" : "%s-%c", prefix, "xyz"[axis]);
+    lattice_free(&job->lattice);
+    scene_free(&job->scene);
+    *job = (struct job){0};
+    TRY(prepare(options, force, job));
+    if (!job->plan.context.method->resolves_pores)
+      TRY_FAIL(STATUS_USAGE,
+               "--tensor is of flow through pores (methods stokes and wcsph), and "
+               "this scene runs by %s: leave it out",
+               job->plan.context.method->name);
+    if (turn == 1) tensor_look(&job->lattice, tensor);
+    job->directions = 3;
+    if (options_given(options, "error")) TRY(parse_error(options_text(options, "error"), &wanted));
+    if (options_given(options, "resume"))
+      found = tensor_find(&job->scene, &job->lattice, wanted, path, axis, tensor);
+    log_info("direction %c%s", "xyz"[axis], found ? ": its record is there already" : "");
+    if (!found || turn == 3) TRY(run_scene(options, job, path, tensor, axis, result));
+  }
+cleanup:
+  scene_free(&own);
+  return status;
+}
+
+static enum status run(const struct options *options, struct job *job) {
+  enum status status = STATUS_OK;
+  struct run_result result;
+  static struct tensor tensor;
+  char prefix[4096];
+  const char *given = options_text(options, "output");
+  if (given == NULL) return FAIL(STATUS_USAGE, "run: -o OUT is missing: where the results go");
+  /* "-o out.hdf" means the same as "-o out". */
+  const size_t length = strlen(given);
+  const bool ending = length > 4 && !strcmp(given + length - 4, ".hdf");
+  if (length >= sizeof prefix)
+    return FAIL(STATUS_USAGE, "-o: the name of the output files is too long");
+  snprintf(prefix, sizeof prefix, "%.*s", (int)(ending ? length - 4 : length), given);
+  if (options_given(options, "tensor")) {
+    TRY(run_tensor(options, job, prefix, &tensor, &result));
+  } else {
+    TRY(prepare(options, NULL, job));
+    TRY(run_scene(options, job, prefix, NULL, 0, &result));
+  }
   if (options_json(options))
     TRY(print_json(&result));
   else if (log_level() > LOG_QUIET)
-    print_result(&result, shown);
+    print_result(&result, prefix);
 cleanup:
-  recorder_close(recorder);
   return status;
 }
 
@@ -330,7 +427,7 @@ static enum status explain(const struct options *options, struct job *job) {
   long long count = 0;
   bool wanted = options_given(options, "error");
   if (wanted) TRY(parse_error(options_text(options, "error"), &cheapest.wanted));
-  TRY(prepare(options, job));
+  TRY(prepare(options, NULL, job));
   if (options_given(options, "ranks")) {
     TRY(options_integers(options, "ranks", ',', 1, &count));
     if (count < 1 || count > RANKS_MOST)

@@ -115,11 +115,14 @@ static enum status write_body(struct page *page) {
   enum status status = STATUS_OK;
   FILE *out = page->out;
   json_t *calibration = NULL;
-  bool ledger;
+  struct tensor tensor;
+  bool ledger, has_tensor = false;
   TRY(page_has_ledger(page->runs, page->n, &ledger));
+  for (size_t i = 0; i < page->n && !has_tensor; i++)
+    TRY(tensor_read(&page->runs[i], &tensor, &has_tensor));
   write_head(page);
   write_contents(page, ledger);
-  verdict_write(json_object_get(page->data, "verdict"), out);
+  verdict_write(json_object_get(page->data, "verdict"), has_tensor ? &tensor : NULL, out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   page_figure(page, PART_CONVERGE, "Accuracy and its cost",

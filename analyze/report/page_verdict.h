@@ -8,6 +8,7 @@
 
 #include "analyze/report/page_model.h"
 #include "analyze/run_file.h"
+#include "analyze/tensor.h"
 
 /* The results of the runs, one for each body, fluid, method and wall: runs that differ in spacing
  * alone are one result. `darcy` and `converge` are those analyses' JSON, NULL where they are not.
@@ -21,7 +22,8 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
  * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* The card, and a table of further results. */
-void verdict_write(const json_t *results, FILE *stream);
+/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results.
+ */
+void verdict_write(const json_t *results, const struct tensor *tensor, FILE *stream);
 
 #endif

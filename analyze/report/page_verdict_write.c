@@ -124,7 +124,7 @@ static void write_others(const json_t *results, FILE *out) {
   fputs("</tbody></table></div>\n", out);
 }
 
-void verdict_write(const json_t *results, FILE *out) {
+void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out) {
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
   if (result == NULL) {
@@ -158,6 +158,7 @@ void verdict_write(const json_t *results, FILE *out) {
   fputs("</div><div>", out);
   write_orientation(result, out);
   fputs("</div></div>\n", out);
+  if (tensor != NULL) tensor_html(tensor, out);
   write_others(results, out);
   fputs("</article></section>\n", out);
 }

@@ -19,6 +19,7 @@
 #include "sphsolve/output/step_log.h"
 
 struct recorder;
+struct tensor;
 
 struct history_row {
   double time;
@@ -48,6 +49,7 @@ struct run_result {
   double pair_interactions;            /* directed pairs, once for each equation they enter */
   double pair_interactions_per_second; /* over the time in pair loops */
   struct ledger ledger;
+  const struct tensor *tensor; /* of the run that completes it; NULL */
 };
 
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,

@@ -11,6 +11,7 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/units.h"
+#include "sphsolve/output/tensor.h"
 #include "sphsolve/plan/method.h"
 
 static enum status write_history(struct recorder *recorder, struct h5_file *file) {
@@ -209,6 +210,7 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   TRY(write_run(recorder, result, file));
   TRY(error_budget_write(&result->error, result->k / result->intrinsic_permeability, file));
   TRY(ledger_write(&result->ledger, file));
+  if (result->tensor != NULL) TRY(tensor_write(result->tensor, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
                        hashes));

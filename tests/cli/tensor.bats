@@ -1,0 +1,117 @@
+#!/usr/bin/env bats
+# The permeability tensor: sphsolve run --tensor, and what analyze shows of it.
+
+bats_require_minimum_version 1.5.0
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  cd "$BATS_FILE_TMPDIR"
+  if /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null; then
+    export HDF=1
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/tensor_models.py"
+  fi
+  scene turned.hdf > turned.cfg
+  scene mirrored.hdf > mirrored.cfg
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+scene() { # MODEL
+  cat <<END
+scene = { name = "tensor"; method = "stokes"; };
+model = { file = "$1"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+}
+
+@test "slits across a diagonal: the tensor, its principal axes and its units are those of theory" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  sphsolve run turned.cfg -o tu --tensor --json > turned.json
+  analyze darcy tu.hdf --json > darcy.json
+  analyze darcy tu.hdf > darcy.txt
+  grep -q "principal value" darcy.txt
+  [ -e tu-x.hdf ] && [ -e tu-y.hdf ] && [ ! -e tu-z.hdf ]
+  /usr/bin/python3 - <<'P'
+import json
+import math
+
+import h5py
+
+run, shown = json.load(open("turned.json"))["tensor"], json.load(open("darcy.json"))["tensor"]
+# Slits of width b between plates, a period of 2 b across them: K = b^2 / 12 * 1/2 along them, 0 across.
+h = 10e-6
+b = 16 * h / math.sqrt(2) / 2
+K = b * b / 24
+t = run["permeability_m2"]
+truth = [[K / 2, -K / 2, 0], [-K / 2, K / 2, 0], [0, 0, K]]
+assert all(abs(t[i][j] - truth[i][j]) < 0.02 * K for i in range(3) for j in range(3)), (t, truth)
+assert run["asymmetry"] < 1e-3, run["asymmetry"]
+assert run["mirrored"] == ["z"], run["mirrored"]
+assert t[0][2] == t[2][0] == t[1][2] == t[2][1] == 0
+least = run["principal"][2]
+assert abs(least["permeability_m2"]) < 0.01 * K and all(abs(abs(a) - math.sqrt(0.5)) < 0.01 for a in least["axis"][:2])
+for one in run["principal"][:2]:
+    assert abs(one["permeability_m2"] / K - 1) < 0.02
+    assert one["k_low_m_per_s"] <= one["k_m_per_s"] <= one["k_high_m_per_s"]
+    assert abs(one["k_m_per_s"] * 1e-6 / 9.80665 / one["permeability_m2"] - 1) < 1e-9
+    assert abs(one["k_cm_per_s"] / one["k_m_per_s"] / 100 - 1) < 1e-9
+    assert abs(one["permeability_darcy"] * 9.869233e-13 / one["permeability_m2"] - 1) < 1e-9
+    assert abs(one["permeability_voxel2"] * h * h / one["permeability_m2"] - 1) < 1e-6
+for key in ("k_m_per_s", "permeability_m2", "permeability_darcy", "permeability_voxel2"):  # analyze shows the same
+    assert all(abs(run[key][i][j] - shown[key][i][j]) <= 1e-9 * abs(run[key][2][2]) for i in range(3) for j in range(3)), key
+with h5py.File("tu.hdf") as file:
+    assert abs(file["run/tensor/k"][2, 2] / file["run"].attrs["k"] - 1) < 1e-12
+    assert [n.decode() if isinstance(n, bytes) else n for n in file["run/tensor/file"][()]] == ["tu-x.hdf", "tu-y.hdf", "tu.hdf"]
+P
+}
+
+@test "a mirrored model has no terms off the diagonal, and it is said" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  sphsolve run mirrored.cfg -o mi --tensor > mirrored.txt
+  grep -q "its own mirror image along x, y, z: all terms off the diagonal are zero by symmetry" mirrored.txt
+  sphsolve run mirrored.cfg -o mi --tensor --json |
+    /usr/bin/python3 -c 'import json, sys; t = json.load(sys.stdin)["tensor"]
+assert t["asymmetry"] is None and t["mirrored"] == list("xyz"), t
+assert all(t["k_m_per_s"][i][j] == 0 for i in range(3) for j in range(3) if i != j)
+d = [t["k_m_per_s"][i][i] for i in range(3)]
+assert max(d) / min(d) < 1 + 1e-3, d  # a cubic array: the same along all axes
+assert t["isotropic_within_error"]'
+}
+
+@test "the tensor to an asked error, each direction by its own lattices; --resume takes what is there" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  sphsolve run mirrored.cfg -o open --tensor --error 20% --json > open.json
+  before=$(md5sum < open-x.hdf)
+  run --separate-stderr sphsolve run mirrored.cfg -o open --tensor --error 20% --resume --json
+  [ "$status" -eq 0 ] && [[ "$stderr" == *"direction x: its record is there already"* ]]
+  [ "$before" = "$(md5sum < open-x.hdf)" ]
+  [ "$(/usr/bin/python3 -c 'import json, sys; print(json.load(sys.stdin)["tensor"])' <<< "$output")" = \
+    "$(/usr/bin/python3 -c 'import json; print(json.load(open("open.json"))["tensor"])')" ]
+  /usr/bin/python3 -c 'import json; r = json.load(open("open.json")); t = r["tensor"]
+assert len(r["levels"]) >= 3 and abs(t["k_m_per_s"][2][2] / r["k"] - 1) < 1e-9
+assert abs(t["k_high_m_per_s"][2][2] / r["k_high"] - 1) < 1e-9
+assert all((t["k_high_m_per_s"][i][i] / t["k_m_per_s"][i][i] - 1) <= 0.2 for i in range(3))'
+  # Another scene's records are not taken.
+  run --separate-stderr sphsolve run mirrored.cfg -o open --tensor --error 20% --resume --set fluids.[0].viscosity='"2e-3 Pa s"'
+  [[ "$stderr" != *"already"* ]]
+}
+
+@test "the page shows the tensor" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  [ -e tu.hdf ] || sphsolve run turned.cfg -o tu --tensor --quiet
+  analyze report tu.hdf -o turned.html --quiet
+  grep -q "Permeability tensor" turned.html && grep -q "mirror image along z" turned.html
+}
+
+@test "an output that may not be is refused before the first direction" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  run --separate-stderr sphsolve run mirrored.cfg -o mirrored --tensor
+  [ "$status" -eq 2 ] && [[ "$stderr" == *"mirrored.hdf"*"input"* ]] && [ ! -e mirrored-x.hdf ]
+}
+
+@test "--tensor where there is none is refused" {
+  run --separate-stderr sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" -o dam --tensor
+  [ "$status" -eq 2 ] && [[ "$stderr" == *"--tensor"* ]] && [ ! -e dam.hdf ]
+}

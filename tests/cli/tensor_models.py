@@ -1,0 +1,26 @@
+"""tensor_models.py: two bodies whose tensor is known: turned.hdf, slits across the diagonal of x and y; mirrored.hdf, a
+cubic array of spheres."""
+import math
+
+import h5py
+import numpy as np
+
+H = 10e-6
+
+
+def write(path, distance):
+    with h5py.File(path, "w") as file:
+        file["model/solid"] = (distance <= 0).astype("u1")
+        file["model"].attrs["spacing"] = [H, H, H]
+        file["model/wall_distance"] = distance.astype("f4")
+
+
+n = 16
+z, y, x = np.meshgrid(np.arange(4), np.arange(n), np.arange(n), indexing="ij")
+period = n * H / math.sqrt(2)  # across the plates
+across = ((x + y + 0.3) * H / math.sqrt(2)) % period  # from the middle of a plate
+write("turned.hdf", np.where(across < period / 2, across, period - across) - period / 4)
+
+m = 32
+z, y, x = (c - (m - 1) / 2 for c in np.meshgrid(*3 * [np.arange(m)], indexing="ij"))
+write("mirrored.hdf", (np.sqrt(x * x + y * y + z * z) - 0.4 * m) * H)
