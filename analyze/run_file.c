@@ -282,7 +282,7 @@ bool run_is_companion(const char *path) {
   bool companion = false;
   if (h5_open(path, &file) == STATUS_OK)
     companion = !h5_exists(file, "/run") &&
-                (h5_exists(file, "/VTKHDF/Points") || h5_exists(file, "/recorder"));
+                (h5_attribute_exists(file, "/", "step") || h5_exists(file, "/recorder"));
   else
     error_clear();
   h5_close(file);

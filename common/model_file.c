@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/image_file.h"
 #include "common/memory.h"
 #include "common/provenance.h"
 
@@ -149,19 +150,9 @@ enum status model_write(struct h5_file *file, const struct voxel_model *model) {
                          &model->void_ratio_measured));
   TRY(h5_write_attribute(file, "/model", "threshold", H5_F64, 1, &model->threshold));
 
-  /* ParaView: ImageData with a point at each voxel centre. */
-  int version[2] = {1, 0};
-  int extent[6] = {0, (int)model->size[0] - 1, 0, (int)model->size[1] - 1,
-                   0, (int)model->size[2] - 1};
+  /* A point at each voxel centre. */
   double origin[3] = {model->spacing[0] / 2, model->spacing[1] / 2, model->spacing[2] / 2};
-  double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  TRY(h5_make_group(file, "/VTKHDF"));
-  TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
-  TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "ImageData"));
-  TRY(h5_write_attribute(file, "/VTKHDF", "WholeExtent", H5_I32, 6, extent));
-  TRY(h5_write_attribute(file, "/VTKHDF", "Origin", H5_F64, 3, origin));
-  TRY(h5_write_attribute(file, "/VTKHDF", "Spacing", H5_F64, 3, model->spacing));
-  TRY(h5_write_attribute(file, "/VTKHDF", "Direction", H5_F64, 9, direction));
+  TRY(image_file_begin(file, model->size, model->spacing, origin));
   TRY(h5_soft_link(file, "/model/solid", "/VTKHDF/PointData/solid"));
   if (model->wall_distance != NULL)
     TRY(h5_soft_link(file, "/model/wall_distance", "/VTKHDF/PointData/wall_distance"));

@@ -12,6 +12,7 @@
 #include "common/provenance.h"
 #include "common/ranks.h"
 #include "sphsolve/output/checkpoint_file.h"
+#include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_internal.h"
 
 static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
@@ -40,7 +41,8 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
 /* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
 static enum status refuse_overwriting(const struct recorder *recorder) {
   enum status status = STATUS_OK;
-  static const char *const endings[] = {".hdf", ".ckpt.hdf", ".history.csv", ".hdf.series"};
+  static const char *const endings[] = {".hdf", ".ckpt.hdf", ".history.csv", ".hdf.series",
+                                        "-image.hdf"};
   char path[4096];
   output_protect(recorder->scene->path);
   if (*recorder->scene->model_path) output_protect(recorder->scene->model_path);
@@ -244,6 +246,13 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
     while (recorder->next_snapshot <= time * (1 + 1e-12)) recorder->next_snapshot += interval;
 cleanup:
   return status;
+}
+
+enum status recorder_image(struct recorder *recorder, const struct lattice *lattice, double time,
+                           int64_t step, size_t count, const uint64_t *site, const float *velocity,
+                           const float *pressure) {
+  if (ranks_count() > 1 || recorder->scene->no_image) return STATUS_OK;
+  return image_write(recorder->prefix, lattice, time, step, count, site, velocity, pressure);
 }
 
 enum status recorder_go_back(struct recorder *recorder, double time) {

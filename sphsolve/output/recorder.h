@@ -78,6 +78,12 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
                               const struct snapshot_field *points, size_t field_count,
                               const struct snapshot_field *fields);
 
+/* PREFIX-image.hdf: the fluid sites' fields on the whole lattice (image.h); nothing on several
+ * ranks, or with output.image = false. */
+enum status recorder_image(struct recorder *recorder, const struct lattice *lattice, double time,
+                           int64_t step, size_t count, const uint64_t *site, const float *velocity,
+                           const float *pressure);
+
 /* Forgets rows and snapshots after `time`: the march goes back to it. */
 enum status recorder_go_back(struct recorder *recorder, double time);
 struct step_log *recorder_step_log(struct recorder *recorder);

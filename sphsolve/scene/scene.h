@@ -142,6 +142,7 @@ struct scene {
 
   double output_interval;    /* s; NAN: only the last snapshot */
   double history_interval;   /* s; NAN: auto */
+  bool no_image;             /* output.image = false */
   size_t output_field_count; /* output.fields; 0: all */
   char (*output_fields)[32];
   double checkpoint_interval; /* s of wall time; NAN: on a signal only */

@@ -116,6 +116,9 @@ static enum status read_output(struct config *config, struct scene *scene) {
   config_node *root = config_root(config), *group = config_child(config, root, "output");
   TRY(scene_positive(config, group, "interval", DIM_TIME, &scene->output_interval));
   TRY(scene_positive(config, group, "history_interval", DIM_TIME, &scene->history_interval));
+  bool image = true;
+  TRY(config_bool(config, group, "image", &image, NULL));
+  scene->no_image = !image;
   config_node *fields = config_child(config, group, "fields");
   if (fields != NULL && !config_is_list(fields))
     TRY(config_error(config, fields, "a list is wanted, like [\"velocity\", \"pressure\"]"));

@@ -65,6 +65,8 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
   const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
   TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, sizeof list / sizeof *list,
                         list));
+  memory_free(&f.points);
+  TRY(recorder_image(recorder, lattice, 0.0, s->iterations, count, f.id, f.velocity, f.pressure));
 cleanup:
   fields_free(&f);
   return status;

@@ -48,3 +48,93 @@ for name in wanted:
 END
   done
 }
+
+@test "pore flow is an image too: velocity, pressure and wall distance of the snapshot's sites, on the whole lattice" {
+  see pore-image.hdf
+  /usr/bin/python3 - << 'END'
+import h5py, json
+import numpy as np
+seen, image, points = json.load(open("seen.json")), h5py.File("pore-image.hdf")["VTKHDF"], h5py.File("pore-0000.hdf")["VTKHDF"]
+run = h5py.File("pore.hdf")["run"]
+nx, ny, nz = (int(n) for n in run.attrs["size"])
+assert seen["kind"] == "vtkImageData" and seen["points"] == nx * ny * nz, seen
+assert [seen["bounds"][i] for i in (0, 2, 4)] == list(run.attrs["origin"])
+assert np.allclose([seen["bounds"][2 * a + 1] - seen["bounds"][2 * a] for a in range(3)],
+                   run.attrs["spacing"] * (run.attrs["size"] - 1.0), rtol=1e-9)
+velocity, data = image["PointData/velocity"][()], points["PointData"]
+assert velocity.shape == (nz, ny, nx, 3) and image["PointData/velocity"].attrs["unit"] == b"m/s"
+at = np.rint((points["Points"][()] - run.attrs["origin"]) / run.attrs["spacing"]).astype(int)
+assert np.array_equal(velocity[at[:, 2], at[:, 1], at[:, 0]], data["velocity"][()])
+assert np.array_equal(image["PointData/pressure"][()][at[:, 2], at[:, 1], at[:, 0]], data["pressure"][()])
+assert not velocity[run["solid"][()] == 1].any()
+assert ((image["PointData/wall_distance"][()] < 0) == (run["solid"][()] == 1)).all()
+for name in ("velocity", "pressure", "wall_distance"):  # as ParaView's reader sees them
+    mean = image["PointData"][name][()].astype(float).reshape(nx * ny * nz, -1).mean(axis=0)
+    assert np.allclose(np.ravel(seen["mean"][name]), mean, rtol=1e-5, atol=1e-12), name
+# The mean of the velocity over the whole lattice is the Darcy velocity of the finest lattice, but for walls within a site.
+assert abs(seen["mean"]["velocity"][2] / (run.attrs["darcy_velocity"][2] * run.attrs["k_finest"] / run.attrs["k"]) - 1) < 0.1
+END
+}
+
+@test "output.image = false leaves the image out, and what stands beside a run is no run" {
+  "$BIN/sphsolve" run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=model.hdf --set output.image=false -o bare --quiet
+  [ -e bare-0000.hdf ] && [ ! -e bare-image.hdf ]
+  run --separate-stderr "$BIN/analyze" darcy pore*.hdf --json
+  [ "$status" -eq 0 ] && [[ "$stderr" == *"pore-image.hdf: no run"* ]] && [[ "$output" == *'"runs_in_fit": 1'* ]]
+}
+
+# What the state file asks of the reader, slices, walls and streamlines, by VTK alone; with pvpython (PVPYTHON) the file.
+@test "the image gives walls, a slice and streamlines that follow the flow; the state file draws them" {
+  /usr/bin/python3 - << 'END'
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPlane, vtkDataObject
+from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkCutter
+from vtkmodules.vtkFiltersFlowPaths import vtkStreamTracer
+from vtkmodules.vtkFiltersSources import vtkPointSource
+from vtkmodules.vtkIOHDF import vtkHDFReader
+import numpy as np
+
+reader = vtkHDFReader()
+reader.SetFileName("pore-image.hdf")
+reader.Update()
+bounds = reader.GetOutputDataObject(0).GetBounds()
+middle, size = [(bounds[2 * a] + bounds[2 * a + 1]) / 2 for a in range(3)], bounds[5] - bounds[4]
+walls = vtkContourFilter()
+walls.SetInputConnection(reader.GetOutputPort())
+walls.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "wall_distance")
+walls.SetValue(0, 0.0)
+walls.Update()
+assert walls.GetOutput().GetNumberOfCells() > 1000
+plane, cut = vtkPlane(), vtkCutter()
+plane.SetOrigin(middle)
+plane.SetNormal(1, 0, 0)
+cut.SetInputConnection(reader.GetOutputPort())
+cut.SetCutFunction(plane)
+cut.Update()
+assert cut.GetOutput().GetNumberOfPoints() > 100
+seeds, tracer = vtkPointSource(), vtkStreamTracer()
+seeds.SetCenter(middle)
+seeds.SetRadius(size / 2)
+seeds.SetNumberOfPoints(200)
+tracer.SetInputConnection(reader.GetOutputPort())
+tracer.SetSourceConnection(seeds.GetOutputPort())
+tracer.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "velocity")
+tracer.SetMaximumPropagation(4 * size)
+tracer.SetIntegrationDirectionToForward()
+tracer.Update()
+lines = tracer.GetOutput()
+assert lines.GetNumberOfLines() > 20
+fallen = []
+for i in range(lines.GetNumberOfCells()):
+    points = vtk_to_numpy(lines.GetCell(i).GetPoints().GetData())
+    if len(points) > 5:
+        fallen.append(points[-1, 2] - points[0, 2])
+assert np.mean(fallen) < -0.1 * size, np.mean(fallen)  # along the force, down
+END
+  /usr/bin/python3 -m py_compile "$ROOT/examples/paraview/flow.py"
+  pv=${PVPYTHON:-$(command -v pvpython)} || pv=
+  if [ -n "$pv" ]; then
+    $pv "$ROOT/examples/paraview/flow.py" pore-image.hdf flow.png
+    [ "$(stat -c %s flow.png)" -gt 50000 ]
+  fi
+}

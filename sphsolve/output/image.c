@@ -1,0 +1,61 @@
+#include "sphsolve/output/image.h"
+
+#include <stdio.h>
+
+#include "common/image_file.h"
+#include "common/memory.h"
+#include "common/output_guard.h"
+
+struct field {
+  const char *name, *unit, *description;
+  size_t components;
+};
+
+static enum status write_field(struct h5_file *file, const struct lattice *lattice,
+                               const struct field *field, const float *values) {
+  enum status status = STATUS_OK;
+  char path[64];
+  const size_t dims[4] = {lattice->size[2], lattice->size[1], lattice->size[0], field->components};
+  snprintf(path, sizeof path, "/VTKHDF/PointData/%s", field->name);
+  TRY(h5_write(file, path, H5_F32, field->components > 1 ? 4 : 3, dims, values, true));
+  TRY(h5_write_attribute_text(file, path, "unit", field->unit));
+  TRY(h5_write_attribute_text(file, path, "description", field->description));
+cleanup:
+  return status;
+}
+
+enum status image_write(const char *prefix, const struct lattice *lattice, double time,
+                        int64_t step, size_t count, const uint64_t *site, const float *velocity,
+                        const float *pressure) {
+  enum status status = STATUS_OK;
+  static const struct field fields[] = {
+      {"velocity", "m/s", "velocity; walls are at rest", 3},
+      {"pressure", "Pa", "pressure without the part that drives the flow; 0 in walls", 1},
+      {"wall_distance", "m", "signed distance to the wall, positive in the pore", 1}};
+  const float *sources[] = {velocity, pressure};
+  struct h5_file *file = NULL;
+  float *values = NULL;
+  char path[4096];
+  snprintf(path, sizeof path, "%s-image.hdf", prefix);
+  TRY(output_allow(path));
+  TRY(h5_create(path, &file));
+  TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
+  TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
+  TRY(image_file_begin(file, lattice->size, lattice->spacing, lattice->origin));
+  for (size_t f = 0; f < 2; f++) {
+    const size_t n = fields[f].components;
+    TRY(memory_allocate(&values, n * lattice->count, sizeof *values, "the flow as an image"));
+    for (size_t i = 0; i < count; i++)
+      for (size_t c = 0; c < n; c++) values[n * site[i] + c] = sources[f][n * i + c];
+    TRY(write_field(file, lattice, &fields[f], values));
+    memory_free(&values);
+  }
+  if (lattice->wall_distance != NULL)
+    TRY(write_field(file, lattice, &fields[2], lattice->wall_distance));
+  status = h5_commit(file);
+  file = NULL;
+cleanup:
+  h5_close(file);
+  memory_free(&values);
+  return status;
+}

@@ -1,0 +1,17 @@
+/* The flow on its whole lattice, for slices, volumes and streamlines: PREFIX-image.hdf. */
+#ifndef TOSUI_SPHSOLVE_OUTPUT_IMAGE_H
+#define TOSUI_SPHSOLVE_OUTPUT_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+#include "sphsolve/geometry/lattice.h"
+
+/* `count` fluid sites with velocity (m/s, 3 each) and pressure (Pa); walls are at rest. The
+ * distance to the wall (m) is the lattice's. In one process. */
+enum status image_write(const char *prefix, const struct lattice *lattice, double time,
+                        int64_t step, size_t count, const uint64_t *site, const float *velocity,
+                        const float *pressure);
+
+#endif
