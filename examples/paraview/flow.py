@@ -21,13 +21,15 @@ if not path:
     path = found[-1]
 
 flow = VTKHDFReader(registrationName=os.path.basename(path), FileName=os.path.abspath(path))
+flow.UpdatePipeline()
 view = GetActiveViewOrCreate("RenderView")
 view.ViewSize = [1200, 900]
 view.Background = [1, 1, 1]
 view.UseColorPaletteForBackground = 0
 view.OrientationAxesVisibility = 1
 
-low, high = flow.GetDataInformation().GetBounds()[::2], flow.GetDataInformation().GetBounds()[1::2]
+bounds = flow.GetDataInformation().GetBounds()
+low, high = bounds[::2], bounds[1::2]
 middle = [(a + b) / 2 for a, b in zip(low, high)]
 size = max(b - a for a, b in zip(low, high))
 fastest = flow.PointData["velocity"].GetRange(-1)[1]
@@ -35,7 +37,7 @@ fastest = flow.PointData["velocity"].GetRange(-1)[1]
 speed = GetColorTransferFunction("velocity")
 speed.VectorMode = "Magnitude"
 speed.ApplyPreset("Viridis (matplotlib)", True)
-speed.RescaleTransferFunction(0, 0.5 * fastest)
+speed.RescaleTransferFunction(0, 0.25 * fastest)
 
 
 def show(source, colours=True, opacity=1.0):
@@ -53,7 +55,7 @@ def show(source, colours=True, opacity=1.0):
 walls = Contour(registrationName="walls", Input=flow)
 walls.ContourBy = ["POINTS", "wall_distance"]
 walls.Isosurfaces = [0.0]
-show(walls, colours=False, opacity=0.25)
+show(walls, colours=False, opacity=0.12)
 
 plane = Slice(registrationName="speed in the middle", Input=flow)
 plane.SliceType.Origin = middle
@@ -73,7 +75,8 @@ bar = GetScalarBar(speed, view)
 bar.Title, bar.ComponentTitle = "speed, m/s", ""
 bar.TitleColor = bar.LabelColor = [0, 0, 0]
 
-view.CameraPosition = [middle[0] + 1.6 * size, middle[1] - 1.6 * size, middle[2] + 1.0 * size]
+Render(view)  # the first sets the camera
+view.CameraPosition = [middle[0] + 2.0 * size, middle[1] - 2.0 * size, middle[2] + 1.2 * size]
 view.CameraFocalPoint = middle
 view.CameraViewUp = [0, 0, 1]
 view.CameraViewAngle = 32
