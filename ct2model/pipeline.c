@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/side_distance.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/output_file.h"

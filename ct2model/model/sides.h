@@ -14,9 +14,4 @@ enum status sides_mirror(const size_t n[3], const struct voxel_model *model, voi
 /* The same of data that are spread already, where they stand. */
 void sides_repeat(const size_t n[3], const struct voxel_model *model, void *data, size_t bytes);
 
-/* Distances that were found with the opposite side for a neighbour: those that reach beyond a side
- * (x or y) become unknown, INFINITY, or where the other phase is next to a voxel, what is left of
- * the way between the two. distance[z][y][x] of n. */
-void sides_forget(const size_t n[3], const double spacing[3], float *distance);
-
 #endif

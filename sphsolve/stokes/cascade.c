@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/start.h"
@@ -171,6 +172,43 @@ static void add_calibration(const char *path, struct error_budget *budget) {
   h5_close(file);
 }
 
+/* Where the effect of the sides is solved: with few sites across a pore, as a cascade's second. */
+static double sides_spacing(const struct cascade *c) {
+  return fmax(c->plan->context.spacing, first_spacing(c) / SHRINKS);
+}
+
+/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
+static bool sides_are_wrapped(const char *path) {
+  struct h5_file *file = NULL;
+  char *sides = NULL;
+  bool wrapped = false;
+  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
+      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
+    wrapped = !strcmp(sides, "periodic");
+  error_clear();
+  h5_close(file);
+  memory_free(&sides);
+  return wrapped;
+}
+
+/* The change of k when pores that end at a side go on into their own image there, not into whatever
+ * lies at the opposite side; both on one coarse lattice. */
+static enum status add_sides(struct cascade *c) {
+  enum status status = STATUS_OK;
+  struct lattice wrapped = {0}, mirrored = {0};
+  const struct stokes_solver none = {0};
+  if (!sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
+  TRY(lattice_resample(c->base, sides_spacing(c), 0.0, &wrapped));
+  TRY(lattice_mirror_sides(&wrapped, &mirrored));
+  const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, false);
+  const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, false);
+  if (k > 0.0 && other > 0.0) c->budget.sides = fabs(other / k - 1.0);
+cleanup:
+  lattice_free(&wrapped);
+  lattice_free(&mirrored);
+  return status;
+}
+
 /* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
 static enum status add_side_shares(struct cascade *c, const struct lattice *lattice, double spacing,
                                    double k, const struct stokes_solver *from) {
@@ -188,6 +226,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   const double other = solve(c, &moved, WALL_SUBVOXEL, from, false);
   if (other > 0.0) c->budget.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
+  TRY(add_sides(c));
 cleanup:
   lattice_free(&moved);
   lattice_free(&coarser);
@@ -302,14 +341,15 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 8
+#define CASCADE_NUMBERS 9
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
   const struct error_budget *b = &c->budget;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
       c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
-      b->void_ratio, b->threshold,   b->model,       b->slope_threshold};
+      b->void_ratio, b->threshold,   b->model,       b->slope_threshold,
+      b->sides};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < b->level_count; i++) {
     const struct error_level *l = &b->levels[i];
@@ -336,7 +376,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   c->tried = (int)numbers[0];
   c->side_shares = numbers[2] != 0.0;
   b->slope_void_ratio = numbers[3], b->void_ratio = numbers[4], b->threshold = numbers[5];
-  b->model = numbers[6], b->slope_threshold = numbers[7];
+  b->model = numbers[6], b->slope_threshold = numbers[7], b->sides = numbers[8];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -360,6 +400,11 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
     seconds +=
         solves * stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], WALL_SUBVOXEL);
+  }
+  if (*scene->model_path && sides_are_wrapped(scene->model_path)) {
+    const struct cascade c = {.plan = plan, .base = l};
+    const double refined = plan->context.spacing / sides_spacing(&c);
+    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, WALL_SUBVOXEL);
   }
   return seconds;
 }

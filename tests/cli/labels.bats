@@ -162,6 +162,16 @@ for name in ("solid", "wall_distance", "grain_fraction"):
     field = h5py.File("mirrored.hdf")["model/" + name][:]
     assert all((field == field[s]).all() for s in ((slice(None, None, -1),), (slice(None), slice(None, None, -1)), (..., slice(None, None, -1)))), name
 END
+  # What the run of the wrapped octant says of its sides, on a coarse lattice, is what mirroring them did.
+  /usr/bin/python3 - <<'END'
+import json
+k, said = {s: json.load(open(f"run-{s}.json")) for s in ("mirrored", "periodic", "closed")}, None
+said = k["periodic"]["error"]["sides"]
+true = abs(k["mirrored"]["k_finest"] / k["periodic"]["k_finest"] - 1)
+assert true > 0.02 and 0.5 * true < said < 2 * true, (said, true)
+assert k["mirrored"]["error"]["sides"] is None and k["closed"]["error"]["sides"] is None
+assert k["periodic"]["error"]["total"] >= said
+END
   run --separate-stderr ct2model build $eighth --sides closed --mirror x -o wrong.hdf
   [ "$status" -eq 2 ] && [[ "$stderr" == *"--sides closed"* ]]
   run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf

@@ -1,0 +1,12 @@
+/* The same sample with other sides: what its k owes to them. */
+#ifndef TOSUI_SPHSOLVE_GEOMETRY_OTHER_SIDES_H
+#define TOSUI_SPHSOLVE_GEOMETRY_OTHER_SIDES_H
+
+#include "common/error.h"
+#include "sphsolve/geometry/lattice.h"
+
+/* A lattice whose x and y wrap round, mirrored at those sides instead: twice the sites along each.
+ * Distances that reach beyond a side are found anew from what is inside. Free with lattice_free. */
+enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *mirrored);
+
+#endif
