@@ -165,7 +165,7 @@ END
   # What the run of the wrapped octant says of its sides, on a coarse lattice, is what mirroring them did.
   /usr/bin/python3 - <<'END'
 import json
-k, said = {s: json.load(open(f"run-{s}.json")) for s in ("mirrored", "periodic", "closed")}, None
+k = {s: json.load(open(f"run-{s}.json")) for s in ("mirrored", "periodic", "closed")}
 said = k["periodic"]["error"]["sides"]
 true = abs(k["mirrored"]["k_finest"] / k["periodic"]["k_finest"] - 1)
 assert true > 0.02 and 0.5 * true < said < 2 * true, (said, true)
