@@ -69,7 +69,8 @@ cleanup:
 }
 
 /* What the scanner did, and the edge response it is read from. */
-static enum status write_scanner(struct h5_file *file, const struct scanner *scanner) {
+static enum status write_scanner(struct h5_file *file, const struct scanner *scanner,
+                                 bool removed) {
   enum status status = STATUS_OK;
   const size_t bins = EDGE_BINS;
   double distance[EDGE_BINS], response[EDGE_BINS];
@@ -85,6 +86,7 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
   TRY(write_number(file, "/scanner", "contrast_to_noise", scanner->contrast_to_noise));
   TRY(write_number(file, "/scanner", "noise_correlation", scanner->noise_correlation));
   TRY(write_number(file, "/scanner", "resolution", scanner->resolution));
+  TRY(write_number(file, "/scanner", "removed", removed ? 1.0 : 0.0));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:
@@ -184,7 +186,7 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
-  TRY(write_scanner(file, &pipeline->scanner));
+  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
   file = NULL; /* commit frees it */

@@ -434,7 +434,8 @@ static enum status restore(struct pipeline *pipeline) {
   const size_t *size = pipeline->size;
   TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e,
                     &pipeline->restored));
-  if (pipeline->restored.scan.levels == NULL) return STATUS_OK;
+  pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
+  if (!pipeline->blur_removed) return STATUS_OK;
   TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
   TRY(volume_threshold(pipeline->volume, size[2], size[0] * size[1], pipeline->weight,
                        e / (1.0 + e), &pipeline->solid_threshold));

@@ -57,6 +57,7 @@ struct pipeline {
   struct coarse coarse;         /* likewise, of a build; until the walls are measured */
   struct restored restored;     /* the scan without blur and noise */
   bool restoring;               /* whether that is tried */
+  bool blur_removed;            /* and whether it was done */
   struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
   double solid_threshold;                           /* of `volume`, which may be restored */

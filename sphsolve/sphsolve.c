@@ -112,7 +112,7 @@ static json_t *number_or_null(double value) {
 
 static json_t *error_json(const struct error_budget *b) {
   return json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "resolution",
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "resolution",
       number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
       number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
       number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
@@ -120,7 +120,8 @@ static json_t *error_json(const struct error_budget *b) {
       "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
       "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
       number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
-      "dlnk_dthreshold", number_or_null(b->slope_threshold));
+      "dlnk_blurred_again", number_or_null(b->slope_blur), "dlnk_dthreshold",
+      number_or_null(b->slope_threshold));
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */

@@ -10,15 +10,16 @@
 
 /* Minimised over 0 <= u <= 1, A the grey of the grain at a place, H the scanner:
  *
- *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2
+ *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P (s^2 - 1))
  *
  * by accelerated projected gradients (FISTA, Beck and Teboulle 2009, with total variation smoothed
  * by ROUNDING; Rudin, Osher and Fatemi 1992 for the penalty). The noise has the power P = variance
  * times the volume it is correlated over, so that -log likelihood is |g - H A u|^2 / (2 P), and a
  * surface of s^2, the square of the blur (a voxel at least), costs SURFACE: grains have no relief
- * much finer than the scanner can see. SURFACE and ROUNDS are from generated sands of blur 1 to 3
+ * much finer than the scanner can see. Sharpening a wide blur raises the noise besides, which costs
+ * more: NOISE, P and s in voxels. All three and ROUNDS are from generated sands of blur 0.5 to 3
  * voxels and contrast 4 to 30 times the noise (docs/notes/2026-11-22-scanner.md). */
-static const double SURFACE = 0.1, ROUNDING = 0.1;
+static const double SURFACE = 0.1, NOISE = 1.2, ROUNDING = 0.1;
 enum { ROUNDS = 30, LEVELS = 255 };
 
 /* Voxels worked on at a time, and in memory as levels, at most; above FULL those under the blur are
@@ -282,8 +283,9 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   for (int d = 0; d < 3; d++) slab.stretch[d] = region->voxel[d] * (double)step / least;
   const double power =
       pow(scanner->noise / contrast, 2.0) * scanner_noise_volume(scanner, region->voxel) / volume;
-  const double seen = fmax(width, least); /* finer than a voxel nothing is */
-  slab.lambda = SURFACE * power * least * least / (seen * seen);
+  const double seen = fmax(width, least);            /* finer than a voxel nothing is */
+  const double wide = seen * seen / (least * least); /* of the blur, voxels^2 */
+  slab.lambda = SURFACE * power / wide * (1.0 + NOISE * power * (wide - 1.0));
   slab.step = 1.0 / (1.05 * largest_transfer(scanner->fringe) + 12.0 * slab.lambda / ROUNDING);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
   const size_t margin = (size_t)ceil(MARGIN * fmax(slab.sigma[2], 1.0));

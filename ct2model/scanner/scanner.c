@@ -60,12 +60,15 @@ static enum status windows_read(const struct region *region, const struct grey_p
   *all = (struct windows){.region = region, .pore = phases->pore_peak, .grain = phases->grain_peak};
   all->unit = fmin(region->voxel[0], fmin(region->voxel[1], region->voxel[2]));
   for (int d = 0; d < 3; d++) all->stretch[d] = region->voxel[d] / all->unit;
-  size_t wanted = 1;
+  /* No more than would see all of the region twice. */
+  double times = 1.0;
   for (int d = 0; d < 3; d++)
-    if (region->size[d] > (d < 2 ? SIDE : DEPTH)) wanted = WINDOWS;
+    times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? SIDE : DEPTH));
+  const size_t wanted = times > 1.0 ? (size_t)fmin(fmax(ceil(2.0 * times), 3.0), WINDOWS) : 1;
   for (size_t i = 0; i < wanted; i++) {
     struct window *window = &all->window[i];
-    const size_t part[3] = {3 * i % WINDOWS + i / 2 % 2, 5 * i % WINDOWS, i};
+    const size_t last = wanted - 1, spread = i * (WINDOWS - 1) / (last > 0 ? last : 1);
+    const size_t part[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
     size_t n = 1;
     all->count++;
     for (int d = 0; d < 3; d++) {

@@ -121,8 +121,7 @@ cleanup:
   return status;
 }
 
-/* Rounding may make the two halves of a mirrored lattice unlike in the last bit. */
-static void mirror_distances(struct lattice *l) {
+void lattice_mirror_distances(struct lattice *l) {
   const size_t plane = l->size[0] * l->size[1], nz = l->size[2];
   for (size_t k = 0; k < nz / 2; k++)
     memcpy(l->wall_distance + (nz - 1 - k) * plane, l->wall_distance + k * plane,
@@ -164,7 +163,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   if (fine->region)
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
   TRY(resample_distances(fine, out));
-  if (mirrored) mirror_distances(out);
+  if (mirrored) lattice_mirror_distances(out);
   const float least = (float)(1e-3 * spacing);
   for (size_t s = 0; s < out->count; s++) {
     const float d = out->wall_distance[s] + (float)offset;

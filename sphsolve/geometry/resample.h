@@ -23,6 +23,8 @@ enum status lattice_resampled_size(const struct lattice *fine, double spacing, s
 /* Whether layer k is that of size[2] - 1 - k, kinds and distances alike: the lattice is mirrored
  * about its middle, and about its ends. */
 bool lattice_is_mirrored(const struct lattice *lattice);
+/* Rounding may make the two halves of a mirrored lattice unlike in the last bit. */
+void lattice_mirror_distances(struct lattice *lattice);
 
 /* Pore volume over grain volume, sites on the surface counted in part. */
 double lattice_void_ratio(const struct lattice *lattice);

@@ -18,6 +18,7 @@ struct error_budget error_budget_none(void) {
                                .extrapolated = NAN,
                                .finest = NAN,
                                .slope_void_ratio = NAN,
+                               .slope_blur = NAN,
                                .slope_threshold = NAN};
 }
 
@@ -99,6 +100,7 @@ enum status error_budget_write(const struct error_budget *b, double to_speed,
                {"extrapolated_permeability", b->extrapolated},
                {"finest_permeability", b->finest},
                {"dlnk_dvoid_ratio", b->slope_void_ratio},
+               {"dlnk_blurred_again", b->slope_blur},
                {"dlnk_dthreshold", b->slope_threshold}};
   TRY(h5_make_group(file, "/run/error"));
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)

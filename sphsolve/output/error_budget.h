@@ -36,6 +36,7 @@ struct error_budget {
   double extrapolated;     /* intrinsic permeability, best estimate, m^2 */
   double finest;           /* and that of the finest lattice */
   double slope_void_ratio; /* d ln k / d e, solved; NAN: not tried */
+  double slope_blur;       /* ln k of the surface blurred once more, less ln k; NAN: not tried */
   double slope_threshold;  /* d ln k / d T per grey level: the same over dT/de of the sweep */
   int level_count;         /* lattices that gave a flow; 0: not tried */
   struct error_level levels[ERROR_LEVELS_MAX]; /* coarsest first */

@@ -97,6 +97,9 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
            e->why);
   else
     printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
+  if (isfinite(plan->expected_scan))
+    printf("           and about %.2g %% by the scan's own blur and noise\n",
+           100 * plan->expected_scan);
 }
 
 static json_t *number_or_null(double value) {
@@ -125,7 +128,7 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
   }
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
-      "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o}",
+      "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o, s:o}",
       "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
@@ -139,7 +142,8 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
       plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
       number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),
       "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
-      plan->expected.why, "pores", plan_pores_json(plan));
+      plan->expected.why, "expected_error_scan", number_or_null(plan->expected_scan), "pores",
+      plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));

@@ -6,6 +6,7 @@
 
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/scan_error.h"
 
 /* No run takes so many: a scene that needs them has a wrong number or unit. */
 #define STEPS_MOST 1e12
@@ -91,8 +92,11 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan) {
   enum status status = STATUS_OK;
-  *plan = (struct plan){
-      .threads = threads, .dt = NAN, .dt_limit = INFINITY, .expected = {NAN, NAN, ""}};
+  *plan = (struct plan){.threads = threads,
+                        .dt = NAN,
+                        .dt_limit = INFINITY,
+                        .expected = {NAN, NAN, ""},
+                        .expected_scan = NAN};
   snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
   struct effect_context *context = &plan->context;
   plan_context(scene, lattice, context);
@@ -108,6 +112,10 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
+    struct scan_quality scan;
+    const double width = plan->shape.width * context->spacing;
+    if (isfinite(width) && scan_quality_read(scene->model_path, &scan))
+      plan->expected_scan = scan_error(&scan, scan_change_expected(&scan, width), width);
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {

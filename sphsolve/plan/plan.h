@@ -70,6 +70,7 @@ struct plan {
   struct pore_shape shape;
   double steps, seconds;       /* predicted */
   struct expectation expected; /* error of the headline number */
+  double expected_scan;        /* what the scanner adds to it; NAN: not known */
   char method_why[EFFECT_WHY];
 };
 

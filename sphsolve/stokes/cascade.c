@@ -9,7 +9,9 @@
 #include "common/ranks.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
+#include "sphsolve/geometry/surface_blur.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/start.h"
 
 /* From one lattice to the next of an open cascade the spacing shrinks by this. */
@@ -69,6 +71,14 @@ static double first_spacing(const struct cascade *c) {
   return fmin(pore_spacing(c), shortest / FIRST_BODY);
 }
 
+/* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
+static bool finer_is_in_vain(const struct cascade *c) {
+  struct error_budget rest = c->budget;
+  rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
+  const double left = error_budget_largest(&rest);
+  return c->plan->goal.error > 0.0 && left > c->wanted && c->budget.resolution < 0.5 * left;
+}
+
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const double h = c->plan->context.spacing;
   *why = "converged";
@@ -80,6 +90,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   *spacing = first_spacing(c) / pow(SHRINKS, c->tried);
   if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
   *why = "budget";
+  if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
@@ -233,6 +244,26 @@ cleanup:
   return status;
 }
 
+/* What k owes to the scanner: the surface is blurred once more. */
+static enum status add_scan_share(struct cascade *c, const struct lattice *lattice, double k,
+                                  const struct stokes_solver *from) {
+  enum status status = STATUS_OK;
+  struct lattice blurred = {0};
+  struct scan_quality scan;
+  double scale, other = 0.0;
+  if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
+  TRY(lattice_blur_level(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
+  other = solve(c, &blurred, WALL_SUBVOXEL, from, false);
+  if (other > 0.0) {
+    c->budget.slope_blur = scale * log(other / k);
+    c->budget.scan =
+        scan_error(&scan, c->budget.slope_blur, c->plan->shape.width * c->plan->context.spacing);
+  }
+cleanup:
+  lattice_free(&blurred);
+  return status;
+}
+
 /* The estimate from all lattices so far. */
 static void estimate(struct cascade *c) {
   struct error_budget *b = &c->budget;
@@ -275,6 +306,9 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
     c->side_shares = true;
     TRY(add_side_shares(c, lattice, spacing, k, from));
   }
+  /* A little finer, where throats are seen; once more where the first look was a coarse one. */
+  if (b->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && b->level_count == 4))
+    TRY(add_scan_share(c, lattice, k, from));
   estimate(c);
 cleanup:
   return status;
@@ -341,7 +375,7 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 9
+#define CASCADE_NUMBERS 11
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
@@ -349,7 +383,7 @@ enum status cascade_write(const struct cascade *c, struct h5_file *file) {
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
       c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
       b->void_ratio, b->threshold,   b->model,       b->slope_threshold,
-      b->sides};
+      b->sides,      b->slope_blur,  b->scan};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < b->level_count; i++) {
     const struct error_level *l = &b->levels[i];
@@ -377,6 +411,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   c->side_shares = numbers[2] != 0.0;
   b->slope_void_ratio = numbers[3], b->void_ratio = numbers[4], b->threshold = numbers[5];
   b->model = numbers[6], b->slope_threshold = numbers[7], b->sides = numbers[8];
+  b->slope_blur = numbers[9], b->scan = numbers[10];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));

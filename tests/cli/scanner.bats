@@ -61,3 +61,34 @@ P
   "$CT" build "$WORK/flat.raw" --raw 32x32x64:u8 --voxel-size 1um --threshold 0.5 --quiet --json -o "$WORK/flat.hdf" |
     grep -q '"blur_m": null'
 }
+
+@test "run and explain say what the scan leaves in k; the bar holds the k of the true grains" {
+  sand scanned --seed 35 --blur 9um --noise-ratio 10 --truth "$WORK/scanned.raw" --truth-refine 3
+  "$CT" build "$WORK/scanned.raw" --raw 288x288x144:u8 --voxel-size 1.943333um --threshold 0.5 --size 48x48x24 --json \
+    --quiet -o "$WORK/grains.hdf" > "$WORK/grains.json"
+  e=$(python3 -c "import json; print(json.load(open('$WORK/grains.json'))['void_ratio_original'])")
+  for blur in remove keep; do
+    "$CT" build "$WORK/scanned" --void-ratio "$e" --size 48x48x24 --quiet --blur $blur -o "$WORK/$blur.hdf" > /dev/null
+  done
+  for model in grains remove keep; do
+    sed "s#dense.hdf#$WORK/$model.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/$model.cfg"
+    "$BUILD/bin/sphsolve" run "$WORK/$model.cfg" -o "$WORK/$model-run" --error 5% --json --quiet > "$WORK/$model-run.json"
+    "$BUILD/bin/sphsolve" explain "$WORK/$model.cfg" --json > "$WORK/$model-plan.json"
+  done
+  "$BUILD/bin/analyze" darcy "$WORK/remove-run.hdf" | grep -q ', scan '
+  /usr/bin/python3 - "$WORK" << 'P'
+import h5py, json, math, sys
+run = {n: json.load(open(f"{sys.argv[1]}/{n}-run.json")) for n in ("grains", "remove", "keep")}
+plan = {n: json.load(open(f"{sys.argv[1]}/{n}-plan.json")) for n in run}
+for n, r in run.items(): print(n, r["k"], r["k_low"], r["k_high"], r["error"], plan[n]["expected_error_scan"])
+assert run["grains"]["error"]["scan"] is None and plan["grains"]["expected_error_scan"] is None
+for n in "remove", "keep":
+    error = run[n]["error"]
+    assert 0 < error["scan"] < 0.5 and error["dlnk_blurred_again"] > 0.02
+    assert error["total"] >= math.hypot(error["scan"], error["resolution"]) - 1e-12
+    assert 0.4 < plan[n]["expected_error_scan"] / error["scan"] < 2.5
+    assert h5py.File(f"{sys.argv[1]}/{n}-run.hdf")["run/error"].attrs["scan"] == error["scan"]
+    assert run[n]["k_low"] < run["grains"]["k"] < run[n]["k_high"]
+assert run["keep"]["error"]["scan"] > 1.5 * run["remove"]["error"]["scan"]
+P
+}

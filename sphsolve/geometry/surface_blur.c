@@ -1,0 +1,139 @@
+#include "sphsolve/geometry/surface_blur.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/geometry/resample.h"
+
+/* Blurs around a site beyond which nothing matters; distances are read from greys up to so many
+ * from the surface. */
+#define REACH 4.0
+#define READ_TO 2.5
+#define READ_NO_MORE 3.0
+/* The narrowest blur that shares of sites hold, in spacings. */
+#define NARROWEST 0.9
+enum { TAPS_MOST = 64 };
+
+static double spacing_of(const struct lattice *l) {
+  return cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
+}
+
+/* Along the axis of `stride` values: out [outer][n][stride] from in, periodic. */
+static void blur_axis(const float *in, size_t n, size_t stride, size_t outer, const float *taps,
+                      size_t reach, float *out) {
+#pragma omp parallel for schedule(static) collapse(2)
+  for (size_t o = 0; o < outer; o++)
+    for (size_t i = 0; i < n; i++) {
+      const float *base = in + o * n * stride;
+      float *row = out + (o * n + i) * stride;
+      for (size_t s = 0; s < stride; s++) row[s] = 0.0f;
+      for (size_t t = 0; t <= 2 * reach; t++) {
+        const float *from = base + (i + t + n * (reach / n + 1) - reach) % n * stride;
+        for (size_t s = 0; s < stride; s++) row[s] += taps[t] * from[s];
+      }
+    }
+}
+
+static void blur(const struct lattice *l, double deviation, float *image, float *work) {
+  size_t stride = 1;
+  float taps[2 * TAPS_MOST + 1];
+  for (int a = 0; a < 3; a++) {
+    const double sigma = deviation / l->spacing[a];
+    const size_t n = l->size[a], wanted = (size_t)ceil(REACH * sigma);
+    const size_t reach = wanted < TAPS_MOST ? wanted : TAPS_MOST;
+    double sum = 0.0;
+    if (n == 1) continue;
+    for (size_t t = 0; t <= 2 * reach; t++)
+      sum += exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0));
+    for (size_t t = 0; t <= 2 * reach; t++)
+      taps[t] = (float)(exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0)) / sum);
+    blur_axis(image, n, stride, l->count / n / stride, taps, reach, work);
+    memcpy(image, work, l->count * sizeof *image);
+    stride *= n;
+  }
+}
+
+/* The t with share = Phi(t), 0 < share < 1: Newton's method on a first guess good to 5e-4 (Hastings
+ * 1955, sheet 67). */
+static double normal_quantile(double share) {
+  const double p = fmin(share, 1.0 - share), w = sqrt(-2.0 * log(p));
+  double t = (2.30753 + 0.27061 * w) / (1.0 + w * (0.99229 + 0.04481 * w)) - w;
+  for (int i = 0; i < 2; i++)
+    t -= (0.5 * erfc(-t / sqrt(2.0)) - p) * sqrt(2.0 * 3.14159265358979323846) * exp(0.5 * t * t);
+  return share < 0.5 ? t : -t;
+}
+
+/* The distance of the new surface from the share of pore around a site: a flat wall's own, as deep
+ * as greys tell, and further on at least the old one's amount. */
+static double distance_of(double share, double width, double old) {
+  const double far = copysign(fmax(fabs(old), READ_TO * width), share - 0.5);
+  if (fmin(share, 1.0 - share) < 0.5 * erfc(READ_NO_MORE / sqrt(2.0))) return far;
+  const double t = normal_quantile(share);
+  const double part = fmin(fmax((READ_NO_MORE - fabs(t)) / (READ_NO_MORE - READ_TO), 0.0), 1.0);
+  return part * t * width + (1.0 - part) * far;
+}
+
+/* Moves the walls so far that the void ratio is `wanted`. */
+static void match_void_ratio(struct lattice *l, double wanted, double most) {
+  double low = -most, high = most, moved = 0.0;
+  for (int round = 0; round < 16; round++) {
+    const float shift = (float)(0.5 * (low + high) - moved);
+    moved += (double)shift;
+    for (size_t s = 0; s < l->count; s++) l->wall_distance[s] += shift;
+    *(lattice_void_ratio(l) < wanted ? &low : &high) = moved;
+  }
+}
+
+enum status lattice_blur(const struct lattice *in, double deviation, struct lattice *out) {
+  enum status status = STATUS_OK;
+  float *image = NULL, *work = NULL;
+  const double h = spacing_of(in);
+  /* The share of a site is read off its distance, which blurs by a site's own width. */
+  const double width = sqrt(deviation * deviation + h * h / 12.0);
+  TRY(lattice_resample(in, h, 0.0, out));
+  TRY(memory_allocate(&image, out->count, sizeof *image, "a lattice"));
+  TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));
+  for (size_t s = 0; s < out->count; s++)
+    image[s] = fminf(fmaxf(0.5f + out->wall_distance[s] / (float)h, 0.0f), 1.0f);
+  const double wanted = lattice_void_ratio(out);
+  blur(out, deviation, image, work);
+#pragma omp parallel for schedule(static)
+  for (size_t s = 0; s < out->count; s++)
+    out->wall_distance[s] =
+        (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
+  if (lattice_is_mirrored(in)) lattice_mirror_distances(out);
+  match_void_ratio(out, wanted, width);
+  const float least = (float)(1e-3 * h);
+  out->fluid_count = out->wall_count = 0;
+  for (size_t s = 0; s < out->count; s++) {
+    const float d = out->wall_distance[s];
+    const bool fluid = d > 0.0f;
+    out->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
+    out->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
+    out->fluid_count += fluid;
+    out->wall_count += !fluid;
+  }
+cleanup:
+  memory_free(&image);
+  memory_free(&work);
+  if (status != STATUS_OK) lattice_free(out);
+  return status;
+}
+
+enum status lattice_blur_level(const struct lattice *fine, double deviation,
+                               const struct lattice *level, double *scale, struct lattice *out) {
+  enum status status = STATUS_OK;
+  struct lattice sites = {0}, blurred = {0};
+  /* As coarse as the blur allows: the sites need not be the model's own. */
+  const double spacing = fmax(spacing_of(fine), fmin(spacing_of(level), deviation));
+  const double taken = fmax(deviation, NARROWEST * spacing);
+  *scale = deviation * deviation / (taken * taken);
+  TRY(lattice_resample(fine, spacing, 0.0, &sites));
+  TRY(lattice_blur(&sites, taken, &blurred));
+  TRY(lattice_resample(&blurred, spacing_of(level), 0.0, out));
+cleanup:
+  lattice_free(&sites);
+  lattice_free(&blurred);
+  return status;
+}

@@ -1,0 +1,49 @@
+#include "sphsolve/plan/scan_error.h"
+
+#include <math.h>
+
+#include "common/hdf5_file.h"
+
+#define PI 3.14159265358979323846
+/* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
+#define RESOLUTION_DEVIATIONS 2.9278
+/* Shares of that change, of the roughness, and the change itself in squares of deviations per mean
+ * pore: from generated sands (docs/notes/2026-11-22-scanner.md). */
+static const double KEPT = 1.5, REMOVED = 0.3, ROUGH = 0.2, CHANGE = 9.5;
+
+bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
+  struct h5_file *file = NULL;
+  if (!*model_path) return false;
+  if (h5_open(model_path, &file) != STATUS_OK) {
+    error_clear();
+    return false;
+  }
+  const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
+  const double alike = 2.0 * sqrt(PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
+  const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
+  *scan =
+      (struct scan_quality){.blur = blur,
+                            .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
+                            .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
+                            .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
+                            .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0};
+  h5_close(file);
+  return scan->blur > 0.0 && scan->blur_error > 0.0 && scan->resolution > 0.0 && ratio > 0.0;
+}
+
+double scan_deviation(const struct scan_quality *scan) {
+  return scan->resolution / RESOLUTION_DEVIATIONS;
+}
+
+/* A scan whose blur was left in is off by about the change itself. Where it was taken out, a share
+ * of it is left, beside what the uncertainty of the blur makes (its variance twice, for 95 %), and
+ * walls are rough by a length that the noise power has. */
+double scan_error(const struct scan_quality *scan, double change, double width) {
+  const double blur = 4.0 * scan->blur_error / scan->blur;
+  const double share = scan->removed ? hypot(REMOVED, blur) : KEPT;
+  return hypot(share * change, ROUGH * cbrt(scan->noise_power) / width);
+}
+
+double scan_change_expected(const struct scan_quality *scan, double width) {
+  return CHANGE * pow(scan_deviation(scan) / width, 2.0);
+}

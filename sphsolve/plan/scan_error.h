@@ -1,0 +1,29 @@
+/* What the scanner's blur and noise leave in k, from what a model says of its scan and from how k
+ * moves when its surface is blurred once more. */
+#ifndef TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
+#define TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
+
+#include <stdbool.h>
+
+/* /scanner of a model, SI. */
+struct scan_quality {
+  double blur, blur_error; /* standard deviation as measured; 1 sigma of it */
+  double resolution;       /* period seen at a tenth of its contrast */
+  double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
+  bool removed;            /* the model's surface is that of the scan without its blur */
+};
+
+/* False where the model's file says nothing of its scanner, or there is no file. */
+bool scan_quality_read(const char *model_path, struct scan_quality *scan);
+
+/* The standard deviation (m) of a Gaussian that resolves as much as the scanner. */
+double scan_deviation(const struct scan_quality *scan);
+
+/* Relative 95 % half width of k in pores of a mean width (4 V / S, m), where the blur of
+ * scan_deviation once more changes ln k by `change`. */
+double scan_error(const struct scan_quality *scan, double change, double width);
+
+/* The change to expect in pores of that width, before anything is solved. */
+double scan_change_expected(const struct scan_quality *scan, double width);
+
+#endif

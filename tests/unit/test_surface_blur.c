@@ -1,0 +1,115 @@
+/* A surface blurred once more: flat walls stay, round grains shrink by sigma^2 / R as curvature
+ * flow says, narrow pores close, the void ratio stays. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "common/memory.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/geometry/surface_blur.h"
+
+#define H 2e-6 /* m */
+enum { NX = 64, NY = 32, NZ = 32 };
+
+static struct lattice lattice_of(double (*distance)(const double at[3])) {
+  struct lattice l = {.dimensions = 3,
+                      .size = {NX, NY, NZ},
+                      .spacing = {H, H, H},
+                      .count = (size_t)NX * NY * NZ,
+                      .bulk_count = (double)NX * NY * NZ};
+  assert_int_equal(memory_allocate(&l.kind, l.count, 1, "test"), STATUS_OK);
+  assert_int_equal(memory_allocate(&l.wall_distance, l.count, sizeof(float), "test"), STATUS_OK);
+  for (size_t s = 0; s < l.count; s++) {
+    const double at[3] = {(double)(s % NX) + 0.5, (double)(s / NX % NY) + 0.5,
+                          (double)(s / NX / NY) + 0.5};
+    const double d = distance(at);
+    l.wall_distance[s] = (float)(d * H);
+    l.kind[s] = d > 0.0 ? SITE_FLUID : SITE_WALL;
+    *(d > 0.0 ? &l.fluid_count : &l.wall_count) += 1;
+  }
+  return l;
+}
+
+static double ball(const double at[3], double x, double radius) {
+  return sqrt(pow(at[0] - x, 2.0) + pow(at[1] - 16.0, 2.0) + pow(at[2] - 16.0, 2.0)) - radius;
+}
+
+static double two_balls(const double at[3]) {
+  return fmin(ball(at, 16.0, 12.0), ball(at, 48.0, 6.0));
+}
+
+/* Pores 16 and 1 sites wide between flat grains. */
+static double slits(const double at[3]) {
+  return fmax(8.0 - fabs(at[0] - 16.0), 0.5 - fabs(at[0] - 48.5));
+}
+
+/* Mean displacement, in spacings, of the surface of sites within a spacing of it and x in [low,
+ * high]: positive where the pore grows. */
+static double moved(const struct lattice *from, const struct lattice *to, double low, double high) {
+  double sum = 0.0, n = 0.0;
+  for (size_t s = 0; s < from->count; s++) {
+    const double x = (double)(s % NX) + 0.5;
+    if (x < low || x > high || fabs((double)from->wall_distance[s]) > H) continue;
+    sum += (double)(to->wall_distance[s] - from->wall_distance[s]) / H;
+    n += 1.0;
+  }
+  return sum / n;
+}
+
+static void test_balls(void **state) {
+  (void)state;
+  struct lattice balls = lattice_of(two_balls), blurred;
+  assert_int_equal(lattice_blur(&balls, 1.5 * H, &blurred), STATUS_OK);
+  const double large = moved(&balls, &blurred, 3.0, 29.0);
+  const double small = moved(&balls, &blurred, 41.0, 55.0);
+  const double wanted = 1.5 * 1.5 * (1.0 / 6.0 - 1.0 / 12.0);
+  print_message("large ball %+.4f, small ball %+.4f spacings; difference %.4f, wanted %.4f\n",
+                large, small, small - large, wanted);
+  assert_true(small > 0.0 && large < 0.0);
+  assert_true(fabs((small - large) / wanted - 1.0) < 0.1);
+  assert_true(fabs(lattice_void_ratio(&blurred) / lattice_void_ratio(&balls) - 1.0) < 1e-3);
+  assert_int_equal(blurred.fluid_count + blurred.wall_count, balls.count);
+  lattice_free(&blurred);
+  lattice_free(&balls);
+}
+
+static void test_slits(void **state) {
+  (void)state;
+  struct lattice walls = lattice_of(slits), blurred;
+  assert_int_equal(lattice_blur(&walls, 1.5 * H, &blurred), STATUS_OK);
+  size_t narrow = 0, wide = 0;
+  for (size_t s = 0; s < blurred.count; s++)
+    *(s % NX < NX / 2 ? &wide : &narrow) += blurred.kind[s] == SITE_FLUID;
+  assert_int_equal(narrow, 0);
+  /* What the narrow one has lost the wide one has: half of it on each side. */
+  print_message("flat walls moved by %.4f spacings\n", moved(&walls, &blurred, 3.0, 29.0));
+  assert_true(fabs(moved(&walls, &blurred, 3.0, 29.0) - 0.5) < 0.05);
+  assert_int_equal(wide, 16 * NY * NZ); /* to the sites' next centres it is as far */
+  lattice_free(&blurred);
+  lattice_free(&walls);
+}
+
+static void test_level(void **state) {
+  (void)state;
+  struct lattice balls = lattice_of(two_balls), level, blurred;
+  double scale;
+  assert_int_equal(lattice_resample(&balls, 4.0 * H, 0.0, &level), STATUS_OK);
+  assert_int_equal(lattice_blur_level(&balls, 0.45 * H, &level, &scale, &blurred), STATUS_OK);
+  assert_memory_equal(blurred.size, level.size, sizeof level.size);
+  assert_true(fabs(scale - 0.25) < 1e-6); /* 0.9 spacings is the least the sites hold */
+  lattice_free(&blurred);
+  assert_int_equal(lattice_blur_level(&balls, 2.0 * H, &level, &scale, &blurred), STATUS_OK);
+  assert_true(scale == 1.0);
+  lattice_free(&blurred);
+  lattice_free(&level);
+  lattice_free(&balls);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_slits),
+                                     cmocka_unit_test(test_level)};
+  return cmocka_run_group_tests_name("surface_blur", tests, NULL, NULL);
+}
