@@ -17,14 +17,21 @@
  * times the volume it is correlated over, so that -log likelihood is |g - H A u|^2 / (2 P), and a
  * surface of s^2, the square of the blur (a voxel at least), costs SURFACE: grains have no relief
  * much finer than the scanner can see. Sharpening a wide blur raises the noise besides, which costs
- * more: NOISE, P and s in voxels. All three and ROUNDS are from generated sands of blur 0.5 to 3
- * voxels and contrast 4 to 30 times the noise (docs/notes/2026-11-22-scanner.md). */
-static const double SURFACE = 0.1, NOISE = 1.2, ROUNDING = 0.1;
+ * more (NOISE; P and s in voxels), as far as the scan is still explained as well: what is left over
+ * around surfaces may grow by MISFIT, beyond which small grains go. These and ROUNDS are from
+ * generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise
+ * (docs/notes/2026-11-22-scanner.md). */
+static const double SURFACE = 0.1, NOISE = 1.2, MISFIT = 1.15, ROUNDING = 0.1;
 enum { ROUNDS = 30, LEVELS = 255 };
+/* Less than so many times the cost is not worth a trial; slices of one, at least. */
+#define TIMES_LEAST 1.2
+enum { SLICES_TRIED = 24 };
 
 /* Voxels worked on at a time, and in memory as levels, at most; above FULL those under the blur are
  * averaged. */
 static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6;
+/* Voxels that the cost of surface is tried on. */
+static const double TRIED = 1e6;
 /* Blurs around a slab, beyond which nothing matters. */
 static const double MARGIN = 7.0;
 
@@ -170,6 +177,28 @@ TARGETS static void subtract(const float *restrict a, const float *restrict b, s
   for (size_t i = 0; i < n; i++) out[i] = a[i] - b[i];
 }
 
+static void set_surface(struct slab *slab, double lambda, double fringe) {
+  slab->lambda = lambda;
+  slab->step = 1.0 / (1.05 * largest_transfer(fringe) + 12.0 * lambda / ROUNDING);
+}
+
+/* Mean square of what the restored slab leaves unexplained, seen as blurred as the scanner sees,
+ * where its surfaces are. */
+static double slab_misfit(struct slab *slab) {
+  const size_t n = slab->size[0] * slab->size[1] * slab->size[2];
+  double sum = 0.0, count = 0.0;
+  multiply(slab->grain, slab->u, n, slab->a);
+  blur(slab, slab->a, slab->b);
+  subtract(slab->grey, slab->b, n, slab->a);
+  gaussian_filter(slab->a, slab->size, slab->sigma, slab->work, slab->a);
+  for (size_t i = 0; i < n; i++) {
+    if (!(slab->b[i] > 0.2f && slab->b[i] < 0.8f)) continue;
+    sum += (double)slab->a[i] * (double)slab->a[i];
+    count += 1.0;
+  }
+  return sum / fmax(count, 1.0);
+}
+
 static void slab_restore(struct slab *slab) {
   const size_t nx = slab->size[0], rows = slab->size[1] * slab->size[2], n = nx * rows;
   double t = 1.0;
@@ -259,6 +288,29 @@ static void slab_keep(const struct slab *slab, size_t skipped, size_t count, siz
   restored->histogram.total += count * plane;
 }
 
+/* How many times `lambda` surface may cost, up to `most`: tried on slices in the middle. */
+static enum status choose_surface(const struct region *region, const struct scanner *scanner,
+                                  const struct coarse *restored, size_t slices, double lambda,
+                                  double most, struct slab *slab) {
+  enum status status = STATUS_OK;
+  set_surface(slab, lambda, scanner->fringe);
+  if (most < TIMES_LEAST) return STATUS_OK;
+  const size_t wanted =
+      (size_t)(TRIED / (double)(restored->size[0] * restored->size[1])) + SLICES_TRIED;
+  slab->size[2] = wanted < slices ? wanted : slices;
+  TRY(slab_read(region, scanner, restored->step, (restored->size[2] - slab->size[2]) / 2, slab));
+  slab_restore(slab);
+  const double plain = slab_misfit(slab);
+  for (double times = most; times >= TIMES_LEAST; times = sqrt(times)) {
+    set_surface(slab, times * lambda, scanner->fringe);
+    slab_restore(slab);
+    if (slab_misfit(slab) <= MISFIT * plain) return STATUS_OK;
+  }
+  set_surface(slab, lambda, scanner->fringe);
+cleanup:
+  return status;
+}
+
 enum status restore_run(const struct region *region, const struct scanner *scanner, double width,
                         struct coarse *restored) {
   enum status status = STATUS_OK;
@@ -285,8 +337,6 @@ enum status restore_run(const struct region *region, const struct scanner *scann
       pow(scanner->noise / contrast, 2.0) * scanner_noise_volume(scanner, region->voxel) / volume;
   const double seen = fmax(width, least);            /* finer than a voxel nothing is */
   const double wide = seen * seen / (least * least); /* of the blur, voxels^2 */
-  slab.lambda = SURFACE * power / wide * (1.0 + NOISE * power * (wide - 1.0));
-  slab.step = 1.0 / (1.05 * largest_transfer(scanner->fringe) + 12.0 * slab.lambda / ROUNDING);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
   const size_t margin = (size_t)ceil(MARGIN * fmax(slab.sigma[2], 1.0));
   size_t depth = (size_t)(WORKED / (double)plane);
@@ -298,6 +348,8 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   TRY(memory_allocate(&restored->levels, plane * nz, 1, "the scan without its blur"));
   TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restored->histogram));
   TRY(slab_start(plane * most, &slab));
+  TRY(choose_surface(region, scanner, restored, most, SURFACE * power / wide,
+                     1.0 + NOISE * power * (wide - 1.0), &slab));
   progress_start(&progress, "restoring", "slices", (double)nz);
   for (size_t z = 0; z < nz; z += depth) {
     const size_t count = nz - z < depth ? nz - z : depth, first = z > margin ? z - margin : 0;
