@@ -131,6 +131,13 @@ static enum status read_runs(const struct options *options, struct run **runs, s
       continue;
     }
     TRY(run_read(path, &(*runs)[*n]));
+    size_t first = 0;
+    while (first < *n && !run_is_copy(&(*runs)[first], &(*runs)[*n])) first++;
+    if (first < *n) {
+      log_warning("%s: a copy of %s, counted once", path, (*runs)[first].path);
+      run_free(&(*runs)[*n]);
+      continue;
+    }
     (*n)++;
   }
   if (*n == 0)

@@ -289,6 +289,24 @@ bool run_is_companion(const char *path) {
   return companion;
 }
 
+static bool same_bits(const double *a, const double *b, size_t count) {
+  return memcmp(a, b, count * sizeof *a) == 0;
+}
+
+bool run_is_copy(const struct run *a, const struct run *b) {
+  if (!isfinite(a->wall_time) || a->wall_time != b->wall_time || a->identity != b->identity ||
+      a->column_count != b->column_count || !same_bits(&a->k, &b->k, 1) ||
+      !same_bits(a->darcy_velocity, b->darcy_velocity, 3) || !same_bits(a->driving, b->driving, 3))
+    return false;
+  for (size_t i = 0; i < a->column_count; i++) {
+    const struct history_column *c = &a->columns[i], *d = &b->columns[i];
+    if (c->rows != d->rows || c->components != d->components || strcmp(c->name, d->name) != 0 ||
+        !same_bits(c->values, d->values, c->rows * (size_t)c->components))
+      return false;
+  }
+  return true;
+}
+
 bool run_has_permeability(const struct run *run) {
   return run->hydraulic_gradient > 0.0 && !(strcmp(run->method, "isph") == 0 && isnan(run->k));
 }

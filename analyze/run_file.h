@@ -66,6 +66,9 @@ enum status run_read(const char *path, struct run *run);
 /* Runs of one scene name (a study that varied something else) are called by their files instead. */
 enum status runs_name_apart(struct run *runs, size_t n);
 void run_free(struct run *run);
+/* Whether one is a copy of the other's file: the same numbers to the last bit, the measured time
+ * included. */
+bool run_is_copy(const struct run *a, const struct run *b);
 
 /* Whether `path` is a snapshot or checkpoint that lies beside a run, as a shell's OUT*.hdf names
  * it. */

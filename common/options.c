@@ -63,7 +63,7 @@ static void print_entries(const struct options *options) {
     if (e->letter) snprintf(letter, sizeof letter, "-%c, ", e->letter);
     snprintf(left, sizeof left, "%s--%s%s%s", letter, e->name, e->metavar ? " " : "",
              e->metavar ? e->metavar : "");
-    printf("  %-34s %s\n", left, e->help);
+    printf(strlen(left) > 34 ? "  %s\n  %-34s %s\n" : "  %-34s%s %s\n", left, "", e->help);
   }
 }
 

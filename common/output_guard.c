@@ -20,6 +20,7 @@ void output_start(bool force) {
 
 static bool bears_mark(const char *text, size_t size) {
   static const char *const MARKS[] = {TOSUI_MARK, "threshold,void_ratio,",
+                                      "axis,position_m,porosity,",
                                       "\"file-series-version\"", ",xxh3 (scene ",
                                       "\"tosui_version\""};
   for (size_t i = 0; i < sizeof MARKS / sizeof *MARKS; i++)

@@ -12,6 +12,7 @@
 #include "common/output_file.h"
 #include "common/output_guard.h"
 #include "ct2model/describe.h"
+#include "ct2model/model/export_profile.h"
 #include "ct2model/model/export_tiff.h"
 #include "ct2model/model_output.h"
 #include "ct2model/pipeline.h"
@@ -38,7 +39,8 @@ static void coarsen(const struct pipeline *finest, int level, struct request *re
 }
 
 static enum status run_level(const struct options *options, const struct request *request,
-                             const char *const *paths, struct pipeline *pipeline, json_t **said) {
+                             const char *const *paths, const char *key, struct pipeline *pipeline,
+                             json_t **said) {
   enum status status = STATUS_OK;
   const bool build = strcmp(options_command(options), "build") == 0;
   TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
@@ -46,33 +48,73 @@ static enum status run_level(const struct options *options, const struct request
     TRY(model_output_write(pipeline, options));
   else if (request->output != NULL)
     TRY(sweep_table_write(&pipeline->table, request->output));
-  TRY(report_print(pipeline, options, said));
+  TRY(report_print(pipeline, options, key, said));
 cleanup:
   return status;
 }
 
-static enum status run_pipeline(const struct options *options, const struct request *request) {
+/* The model of a request and its coarser levels. `key` of JSON says what the model is to the first.
+ */
+static enum status run_levels(const struct options *options, const struct request *request,
+                              const char *const *paths, const char *key, json_t **said) {
   enum status status = STATUS_OK;
   struct pipeline finest = {0}, coarser = {0};
-  size_t n = options_operand_count(options);
+  char output[PATH_MAX];
+  json_t *own = NULL;
+  TRY(run_level(options, request, paths, key, &finest, *said == NULL ? said : &own));
+  for (int level = 1; level < request->levels; level++) {
+    struct request less = *request;
+    coarsen(&finest, level, &less, output);
+    TRY(run_level(options, &less, paths, "coarser", &coarser, own != NULL ? &own : said));
+    pipeline_end(&coarser);
+    coarser = (struct pipeline){0};
+  }
+  if (own != NULL) {
+    if (json_object_get(*said, key) == NULL) json_object_set_new(*said, key, json_array());
+    json_array_append(json_object_get(*said, key), own);
+  }
+cleanup:
+  json_decref(own);
+  pipeline_end(&finest);
+  pipeline_end(&coarser);
+  return status;
+}
+
+/* "model.hdf" of the i-th void ratio: "model-e0.75.hdf". */
+static void name_void_ratio(const char *path, double void_ratio, char output[PATH_MAX]) {
+  const char *dot = strrchr(path, '.');
+  if (dot == NULL || strchr(dot, '/') != NULL) dot = path + strlen(path);
+  snprintf(output, PATH_MAX, "%.*s-e%g%s", (int)(dot - path), path, void_ratio, dot);
+}
+
+static enum status run_pipeline(const struct options *options, const struct request *request) {
+  enum status status = STATUS_OK;
+  const bool build = strcmp(options_command(options), "build") == 0;
+  const size_t n = options_operand_count(options);
   const char **paths = NULL;
   char output[PATH_MAX];
   json_t *said = NULL;
   TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
   for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
-  TRY(run_level(options, request, paths, &finest, &said));
-  for (int level = 1; level < request->levels; level++) {
-    struct request less = *request;
-    coarsen(&finest, level, &less, output);
-    TRY(run_level(options, &less, paths, &coarser, &said));
-    pipeline_end(&coarser);
-    coarser = (struct pipeline){0};
+  struct request one = *request;
+  for (size_t i = 0; i == 0 || i < request->void_ratio_count; i++) {
+    if (request->void_ratio_count > 1) {
+      one.void_ratio = request->void_ratios[i];
+      one.void_ratio_error = request->void_ratio_errors[i];
+      if (build) {
+        name_void_ratio(request->output, one.void_ratio, output);
+        one.output = output;
+      } else if (i > 0) {
+        one.output = NULL; /* the curve is the same for all */
+      }
+      if (!options_json(options) && log_level() > LOG_QUIET)
+        printf("%svoid ratio %g\n", i > 0 ? "\n" : "", one.void_ratio);
+    }
+    TRY(run_levels(options, &one, paths, "void_ratios", &said));
   }
   TRY(report_end(&said));
 cleanup:
   json_decref(said);
-  pipeline_end(&finest);
-  pipeline_end(&coarser);
   memory_free(&paths);
   return status;
 }
@@ -82,9 +124,11 @@ static enum status run_export(const struct options *options) {
   struct voxel_model model = {0};
   const char *output = options_text(options, "output");
   if (output == NULL) return FAIL(STATUS_USAGE, "export: -o STACK.tif is wanted");
+  const char *ending = strrchr(output, '.');
+  const bool profile = ending != NULL && strcmp(ending, ".csv") == 0;
   TRY(model_read(options_operand(options, 0), &model));
   TRY(output_allow(output));
-  TRY(export_tiff(output, &model));
+  TRY(profile ? export_profile(output, &model) : export_tiff(output, &model));
   const size_t *n = model.size;
   if (options_json(options)) {
     json_t *said = json_pack("{s:s, s:[I,I,I]}", "output", output, "size", (json_int_t)n[0],
@@ -92,6 +136,10 @@ static enum status run_export(const struct options *options) {
     json_dumpf(said, stdout, JSON_INDENT(1));
     json_decref(said);
     putchar('\n');
+  } else if (profile) {
+    if (log_level() > LOG_QUIET)
+      printf("%s: porosity and pore width of %zu, %zu and %zu layers along x, y and z\n", output,
+             n[0], n[1], n[2]);
   } else {
     printf("%s: %zux%zux%zu, 8 bits, 255 grain, 0 pore\n", output, n[0], n[1], n[2]);
   }

@@ -23,6 +23,11 @@ static enum status choose_voxel(struct pipeline *pipeline) {
   double *voxel = pipeline->region.voxel;
   const bool unknown = isnan(given[0]);
   for (int d = 0; d < 3; d++) voxel[d] = unknown ? stack->voxel[d] : given[d];
+  if (isnan(voxel[0]) && !pipeline->distances) {
+    log_info("no voxel size given: the threshold needs none; lengths are left out");
+    voxel[0] = 1;
+    pipeline->unsized = true;
+  }
   if (isnan(voxel[0]))
     return FAIL(
         STATUS_INPUT,
@@ -30,11 +35,11 @@ static enum status choose_voxel(struct pipeline *pipeline) {
         stack->files[0].path);
   if (isnan(voxel[1])) voxel[1] = voxel[0];
   if (isnan(voxel[2])) {
-    if (unknown)
+    if (unknown && !pipeline->unsized)
       log_warning("%s give no slice distance; that of the pixels is taken", stack->voxel_source);
     voxel[2] = voxel[0];
   }
-  if (unknown) {
+  if (unknown && !pipeline->unsized) {
     char text[40];
     quantity_format(voxel[0], "m", text, sizeof text);
     log_info("voxel size %s from the %s", text, stack->voxel_source);

@@ -30,6 +30,12 @@ static void put(json_t *object, const char *key, double value) {
   json_object_set_new(object, key, number(value));
 }
 
+/* A length, or one over a length: unknown where the voxels' size is. */
+static void put_length(json_t *object, const char *key, double value,
+                       const struct pipeline *pipeline) {
+  put(object, key, pipeline->unsized ? NAN : value);
+}
+
 static void put_count(json_t *object, const char *key, size_t value) {
   json_object_set_new(object, key, json_integer((json_int_t)value));
 }
@@ -61,7 +67,8 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   const struct voxel_model *model = &pipeline->model;
   const struct quality *quality = &pipeline->quality;
   json_object_set_new(root, "size", sizes(model->size));
-  json_object_set_new(root, "spacing_m", numbers(model->spacing, 3));
+  json_object_set_new(root, "spacing_m",
+                      pipeline->unsized ? json_null() : numbers(model->spacing, 3));
   json_object_set_new(root, "mirror_plane", json_integer(model->mirror_plane));
   json_object_set_new(root, "mirror_axis",
                       pipeline->request->mirror ? json_string(mirror_axis(pipeline)) : json_null());
@@ -78,7 +85,7 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "percolates",
                       json_pack("{s:b,s:b,s:b}", "x", (int)quality->percolates[0], "y",
                                 (int)quality->percolates[1], "z", (int)quality->percolates[2]));
-  put(root, "specific_surface_model_per_m", quality->surface_model);
+  put_length(root, "specific_surface_model_per_m", quality->surface_model, pipeline);
 }
 
 static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
@@ -126,7 +133,7 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
     json_object_set_new(root, OF_GREYS[i], json_null());
 }
 
-static json_t *json_of_scanner(const struct scanner *scanner) {
+static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   json_t *object = json_object();
   static const struct scanner UNKNOWN = {.blur = NAN,
                                          .blur_error = NAN,
@@ -134,7 +141,7 @@ static json_t *json_of_scanner(const struct scanner *scanner) {
                                          .contrast_to_noise = NAN,
                                          .noise_correlation = NAN,
                                          .resolution = NAN};
-  if (!scanner->known) scanner = &UNKNOWN;
+  if (!scanner->known || unsized) scanner = &UNKNOWN;
   put(object, "blur_m", scanner->blur);
   put(object, "blur_uncertainty_m", scanner->blur_error);
   put(object, "fringe", scanner->fringe);
@@ -161,7 +168,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   put(root, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak));
   put(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
   put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
-  json_object_set_new(root, "scanner", json_of_scanner(&pipeline->scanner));
+  json_object_set_new(root, "scanner", json_of_scanner(&pipeline->scanner, pipeline->unsized));
   put(root, "beam_hardening", pipeline->survey.beam);
   put(root, "rings", pipeline->survey.rings);
   json_of_labels(pipeline, root);
@@ -169,8 +176,8 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
     put(root, "denoised_void_ratio", pipeline->denoised.void_ratio);
     put(root, "denoised_surface_ratio", pipeline->denoised.surface);
   }
-  put(root, "specific_surface_per_m", pipeline->quality.surface_original);
-  put(root, "specific_surface_error_per_m", pipeline->quality.surface_error);
+  put_length(root, "specific_surface_per_m", pipeline->quality.surface_original, pipeline);
+  put_length(root, "specific_surface_error_per_m", pipeline->quality.surface_error, pipeline);
   size_t original[3];
   double voxel[3];
   for (int a = 0; a < 3; a++) {
@@ -178,7 +185,7 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
     voxel[a] = pipeline->region.voxel[pipeline->place[a]];
   }
   json_object_set_new(root, "size_original", sizes(original));
-  json_object_set_new(root, "voxel_size_m", numbers(voxel, 3));
+  json_object_set_new(root, "voxel_size_m", pipeline->unsized ? json_null() : numbers(voxel, 3));
   if (pipeline->resampled) json_of_model(pipeline, root);
   if (build) {
     put_count(root, "sign_adjusted", pipeline->disagreeing);
@@ -195,8 +202,8 @@ static void print_model(const struct pipeline *pipeline) {
   const struct quality *quality = &pipeline->quality;
   char spacing[40];
   quantity_format(model->spacing[0], "m", spacing, sizeof spacing);
-  printf("model             %zux%zux%zu voxels of %s", model->size[0], model->size[1],
-         model->size[2], spacing);
+  printf("model             %zux%zux%zu voxels", model->size[0], model->size[1], model->size[2]);
+  if (!pipeline->unsized) printf(" of %s", spacing);
   if (model->mirror_plane >= 0)
     printf(", mirrored about layer %d of %s", model->mirror_plane + 1, mirror_axis(pipeline));
   if (pipeline->request->sides != SIDES_PERIODIC)
@@ -281,7 +288,7 @@ static void print_morphology(const struct pipeline *pipeline) {
 static void print_scan(const struct pipeline *pipeline) {
   const struct survey *survey = &pipeline->survey;
   const struct scanner *scanner = &pipeline->scanner;
-  if (scanner->known)
+  if (scanner->known && !pipeline->unsized)
     printf("scanner           blur %.3g +- %.2g um (%.2g voxels), fringe %.2g, contrast %.3g times "
            "the "
            "noise, noise correlated over %.2g um\n",
@@ -343,17 +350,19 @@ static void print_text(const struct pipeline *pipeline) {
       request->roi.kind != ROI_NONE)
     printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);
   if (pipeline->resampled) print_model(pipeline);
-  printf("specific surface  %.4g", quality->surface_original * 1e-3);
-  if (isfinite(quality->surface_error)) printf(" +- %.2g", quality->surface_error * 1e-3);
-  printf(" 1/mm of bulk volume");
-  if (pipeline->resampled) printf(" (model %.4g)", quality->surface_model * 1e-3);
-  printf(": grain surface, the larger the slower the flow\n");
+  if (!pipeline->unsized) {
+    printf("specific surface  %.4g", quality->surface_original * 1e-3);
+    if (isfinite(quality->surface_error)) printf(" +- %.2g", quality->surface_error * 1e-3);
+    printf(" 1/mm of bulk volume");
+    if (pipeline->resampled) printf(" (model %.4g)", quality->surface_model * 1e-3);
+    printf(": grain surface, the larger the slower the flow\n");
+  }
   if (pipeline->model.wall_distance != NULL) print_morphology(pipeline);
   if (request->output != NULL) printf("written           %s\n", request->output);
 }
 
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
-                         json_t **first) {
+                         const char *key, json_t **first) {
   if (!options_json(options)) {
     if (log_level() > LOG_QUIET) print_text(pipeline);
     return STATUS_OK;
@@ -363,9 +372,8 @@ enum status report_print(const struct pipeline *pipeline, const struct options *
     *first = object;
     return STATUS_OK;
   }
-  if (json_object_get(*first, "coarser") == NULL)
-    json_object_set_new(*first, "coarser", json_array());
-  json_array_append_new(json_object_get(*first, "coarser"), object);
+  if (json_object_get(*first, key) == NULL) json_object_set_new(*first, key, json_array());
+  json_array_append_new(json_object_get(*first, key), object);
   return STATUS_OK;
 }
 

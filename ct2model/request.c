@@ -19,14 +19,17 @@ static const struct option_command COMMANDS[] = {
      1, -1},
     {"info", "FILE...", "what a stack or a model holds, fast", "ct2model info slices/ model.hdf", 1,
      -1},
-    {"export", "MODEL.hdf -o STACK.tif", "a model as a TIFF stack, for Fiji (255 grain, 0 pore)",
-     "ct2model export model.hdf -o model.tif", 1, 1},
+    {"export", "MODEL.hdf -o STACK.tif|PROFILE.csv",
+     "a model as a TIFF stack, for Fiji (255 grain, 0 pore), or its porosity and pore widths by "
+     "layer as CSV",
+     "ct2model export model.hdf -o profile.csv", 1, 1},
     {0},
 };
 
 static const struct option_entry ENTRIES[] = {
     {"void-ratio", 'e', "E", SWEEP | BUILD,
-     "measured void ratio, pore volume / grain volume; 0.725 or 0.725+-0.005"},
+     "measured void ratio, pore volume / grain volume; 0.725 or 0.725+-0.005; several, 0.7,0.75: a "
+     "threshold, or a model (model-e0.75.hdf), for each"},
     {"output", 'o', "FILE", SWEEP | BUILD | EXPORT,
      "where the model (build), the table (sweep) or the stack (export) goes"},
     {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
@@ -35,7 +38,7 @@ static const struct option_entry ENTRIES[] = {
     {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
      "f64be"},
-    {"crop", 0, "BOX", SWEEP | BUILD,
+    {"crop", 0, "auto|BOX", SWEEP | BUILD,
      "X0,Y0,Z0,NX,NY,NZ: use these voxels only; auto: the largest box in the specimen"},
     {"roi", 0, "SHAPE", SWEEP | BUILD,
      "where the void ratio was measured: box:X0,Y0,Z0,NX,NY,NZ, cylinder:CX,CY,R or mask:PATH"},
@@ -44,17 +47,17 @@ static const struct option_entry ENTRIES[] = {
      "models in all, 1 to 5: that of --size, and coarser ones (1/1.5, 1/2, 1/3, 1/4 of the voxels "
      "a "
      "side), as model-NX.hdf"},
-    {"filter", 0, "NAME", SWEEP | BUILD,
-     "bicubic (antialiased, default), bicubic-point, area or none"},
+    {"filter", 0, "bicubic|bicubic-point|area|none", SWEEP | BUILD,
+     "how the voxels of --size are made (default bicubic, antialiased)"},
     {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
      "axis of the model along which n layers become 2n-1, so that it is periodic (default z)"},
-    {"sides", 0, "NAME", SWEEP | BUILD,
+    {"sides", 0, "periodic|closed|mirrored", SWEEP | BUILD,
      "the faces along the flow: periodic (default: the sample again), closed (walls, as in a tube) "
      "or "
      "mirrored (in all axes; pores fit, as in a larger sample)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
-    {"threshold", 0, "RULE", SWEEP | BUILD,
+    {"threshold", 0, "auto|otsu|VALUE", SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
     {"segmented", 0, "[0|1|LABEL=pore,LABEL=grain,...]", SWEEP | BUILD,
      "an image of labels: which is pore (the rest grain), or what each is; found out where it "
@@ -66,7 +69,7 @@ static const struct option_entry ENTRIES[] = {
      "means)"},
     {"blur", 0, "remove|keep", BUILD,
      "what the scanner did to the surface: remove (default, where it can be measured) or keep"},
-    {"correct", 0, "LIST", SWEEP | BUILD,
+    {"correct", 0, "beam|rings|beam,rings", SWEEP | BUILD,
      "level what the radius does to the greys: beam (hardening), rings, or beam,rings"},
     {"axis", 0, "X,Y", SWEEP | BUILD, "pixel about which rings lie (default the middle)"},
     {"islands", 0, "keep|fill", SWEEP | BUILD,
@@ -125,40 +128,65 @@ static enum status parse_voxel_size(const struct options *options, struct reques
 }
 
 /* "0.725", "0.725+-0.005", "0.725\u00b10.005" */
-static enum status parse_void_ratio(const struct options *options, struct request *request) {
-  const char *text = options_text(options, "void-ratio");
-  if (text == NULL) return STATUS_OK;
+static enum status parse_one_void_ratio(const char *text, double *value, double *error) {
   char *end;
-  request->void_ratio = strtod(text, &end);
-  bool good = end != text && request->void_ratio > 0.0 && isfinite(request->void_ratio);
-  if (good && request->void_ratio > 30.0) { /* fibres and peat reach 20 */
+  *error = NAN;
+  *value = strtod(text, &end);
+  bool good = end != text && *value > 0.0 && isfinite(*value);
+  if (good && *value > 30.0) { /* fibres and peat reach 20 */
     char percent[60] = "";
-    if (request->void_ratio < 100.0)
-      snprintf(percent, sizeof percent, ", so %g %% is e = %.4g", request->void_ratio,
-               request->void_ratio / (100.0 - request->void_ratio));
+    if (*value < 100.0)
+      snprintf(percent, sizeof percent, ", so %g %% is e = %.4g", *value,
+               *value / (100.0 - *value));
     return FAIL(STATUS_USAGE,
                 "--void-ratio %s: that would be a porosity of %.4g %%; a void ratio is pore volume "
                 "/ grain volume, a porosity n is e = n / (1 - n)%s",
-                text, 100.0 * request->void_ratio / (1.0 + request->void_ratio), percent);
+                text, 100.0 * *value / (1.0 + *value), percent);
   }
   size_t sign = strncmp(end, "+-", 2) == 0 || strncmp(end, "\xC2\xB1", 2) == 0 ? 2
                 : strncmp(end, "+/-", 3) == 0                                  ? 3
                                                                                : 0;
   if (good && sign > 0) {
-    const char *error = end + sign;
-    request->void_ratio_error = strtod(error, &end);
-    good = end != error && request->void_ratio_error >= 0.0;
-    if (good && *end == '\0' && !(request->void_ratio_error < request->void_ratio))
+    const char *after = end + sign;
+    *error = strtod(after, &end);
+    good = end != after && *error >= 0.0;
+    if (good && *end == '\0' && !(*error < *value))
       return FAIL(STATUS_USAGE,
                   "--void-ratio %s: an uncertainty of %g is as large as the void ratio itself; "
                   "it is absolute, e.g. 0.725+-0.005",
-                  text, request->void_ratio_error);
+                  text, *error);
   }
   if (good && *end == '\0') return STATUS_OK;
   return FAIL(STATUS_USAGE,
               "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 or 0.725+-0.005 "
-              "(porosity n is e = n / (1 - n))",
+              "(porosity n is e = n / (1 - n)), or several as 0.7,0.75",
               text);
+}
+
+/* One, or several with commas between. */
+static enum status parse_void_ratio(const struct options *options, struct request *request) {
+  enum status status = STATUS_OK;
+  const char *at = options_text(options, "void-ratio");
+  for (bool more = at != NULL; more;) {
+    char part[64];
+    const size_t length = strcspn(at, ","), n = request->void_ratio_count;
+    more = at[length] == ',';
+    if (n == VOID_RATIOS_MOST || length >= sizeof part)
+      TRY_FAIL(STATUS_USAGE, "--void-ratio %s: %d values are possible", at, VOID_RATIOS_MOST);
+    snprintf(part, sizeof part, "%.*s", (int)length, at);
+    TRY(parse_one_void_ratio(part, &request->void_ratios[n], &request->void_ratio_errors[n]));
+    for (size_t i = 0; i < n; i++)
+      if (request->void_ratios[i] == request->void_ratios[n])
+        TRY_FAIL(STATUS_USAGE, "--void-ratio: %s stands there twice; leave one out", part);
+    request->void_ratio_count++;
+    at += length + 1;
+  }
+  if (request->void_ratio_count > 0) {
+    request->void_ratio = request->void_ratios[0];
+    request->void_ratio_error = request->void_ratio_errors[0];
+  }
+cleanup:
+  return status;
 }
 
 static enum status parse_threshold(const struct options *options, struct request *request) {

@@ -18,6 +18,8 @@ enum threshold_rule { THRESHOLD_AUTO, THRESHOLD_VALUE, THRESHOLD_OTSU };
 /* What lies beyond the faces along the flow: the sample again, a wall, or its mirror image. */
 enum sides { SIDES_PERIODIC, SIDES_CLOSED, SIDES_MIRRORED };
 
+#define VOID_RATIOS_MOST 32
+
 struct request {
   struct raw_layout raw;
   double voxel[3]; /* m; x, y, z of the scan; NAN: the file's own */
@@ -33,6 +35,9 @@ struct request {
   bool correct_beam, correct_rings, keep_blur;
   double axis[2];                      /* of rotation, pixels; NAN: the middle */
   double void_ratio, void_ratio_error; /* NAN if not given */
+  /* All of --void-ratio, in the order given; the first is that above. */
+  size_t void_ratio_count;
+  double void_ratios[VOID_RATIOS_MOST], void_ratio_errors[VOID_RATIOS_MOST];
   enum threshold_rule rule;
   double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;

@@ -33,6 +33,7 @@ struct quality {
 struct pipeline {
   const struct request *request;
   bool distances; /* a model is wanted, not a sweep alone */
+  bool unsized;   /* a sweep of voxels of no known size: no length is told */
   struct stack stack;
   struct region region;
   struct labels labels;              /* of a segmented image: `region` reads them smoothed */

@@ -142,19 +142,28 @@ static void paint_layers(const struct voxel_model *model, size_t low, size_t hig
 }
 
 enum { SLAB = 16 };
+enum status morphology_widths(const struct voxel_model *model, size_t layers, uint8_t **width) {
+  float widest;
+  *width = NULL;
+  if (count_work(model, &widest) > 2000000000u) return STATUS_OK;
+  const enum status status =
+      memory_allocate(width, model->size[0] * model->size[1] * layers, 1, "pore widths");
+  if (status != STATUS_OK) return status;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t low = 0; low < layers; low += SLAB)
+    paint_layers(model, low, low + SLAB < layers ? low + SLAB : layers, widest, *width);
+  return STATUS_OK;
+}
+
 static enum status measure_thickness(const struct voxel_model *model, size_t layers,
                                      struct morphology *morphology) {
   enum status status = STATUS_OK;
   size_t pores = 0, used = model->size[0] * model->size[1] * layers;
   uint8_t *width = NULL;
-  float widest;
   double counts[4 * THICKNESS_BINS] = {0};
   morphology->thickness_median = morphology->expected_error = NAN;
-  if (count_work(model, &widest) > 2000000000u) return STATUS_OK;
-  TRY(memory_allocate(&width, used, sizeof *width, "pore widths"));
-#pragma omp parallel for schedule(dynamic)
-  for (size_t low = 0; low < layers; low += SLAB)
-    paint_layers(model, low, low + SLAB < layers ? low + SLAB : layers, widest, width);
+  TRY(morphology_widths(model, layers, &width));
+  if (width == NULL) return STATUS_OK;
   for (size_t i = 0; i < used; i++) {
     if (model->solid[i] != 0) continue;
     counts[width[i]] += 1.0;

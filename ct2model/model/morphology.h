@@ -3,6 +3,7 @@
 #define TOSUI_CT2MODEL_MODEL_MORPHOLOGY_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "common/error.h"
 #include "common/model_file.h"
@@ -23,6 +24,10 @@ struct morphology {
   size_t window[WINDOW_SIZES], window_places[WINDOW_SIZES]; /* voxels; how many windows */
   double window_mean[WINDOW_SIZES], window_deviation[WINDOW_SIZES];
 };
+
+/* Local thickness of the first `layers` of the model, in quarters of a voxel (of spacing[0]), in
+ * new memory; NULL where the model is too large for it. */
+enum status morphology_widths(const struct voxel_model *model, size_t layers, uint8_t **width);
 
 /* `layers` of the model are counted (those before mirroring). */
 enum status morphology_measure(const struct voxel_model *model, size_t layers,

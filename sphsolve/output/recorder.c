@@ -14,6 +14,7 @@
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_internal.h"
+#include "sphsolve/scene/scene_settled.h"
 
 static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
                               int components) {
@@ -301,6 +302,9 @@ enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file
   enum status status = STATUS_OK;
   size_t shape[2] = {recorder->row_count, (size_t)recorder->width};
   uint64_t hash = scene_hash(recorder);
+  char *settled = NULL;
+  TRY(scene_settled(recorder->scene, &settled));
+  TRY(h5_write_text(file, "/recorder/settings", settled));
   TRY(h5_write(file, "/recorder/rows", H5_F64, 2, shape, recorder->rows, true));
   TRY(h5_write_texts(file, "/recorder/snapshot_names", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
@@ -315,7 +319,26 @@ enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file
   file = NULL;
   recorder->last_checkpoint = clock_seconds();
 cleanup:
+  free(settled);
   h5_close(file);
+  return status;
+}
+
+/* A scene of another text: what it says otherwise is named, or refused. */
+static enum status compare_settings(const struct recorder *recorder, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  char *then = NULL, *now = NULL;
+  if (!h5_exists(file, "/recorder/settings")) {
+    log_warning("%s was written by a scene with another text; going on with the new one",
+                h5_path(file));
+    return STATUS_OK;
+  }
+  TRY(h5_read_text(file, "/recorder/settings", &then));
+  TRY(scene_settled(recorder->scene, &now));
+  TRY(scene_settled_compare(then, now, h5_path(file)));
+cleanup:
+  memory_free(&then);
+  free(now);
   return status;
 }
 
@@ -336,9 +359,7 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   TRY(h5_read_attribute(*file, "/recorder", "model_hash", H5_U64, 1, &model_hash));
   if (model_hash != recorder->lattice->model_hash)
     TRY_FAIL(STATUS_INPUT, "%s: belongs to another model; remove it to start anew", h5_path(*file));
-  if (hash != scene_hash(recorder))
-    log_warning("%s was written by a scene with another text; going on with the new one",
-                h5_path(*file));
+  if (hash != scene_hash(recorder)) TRY(compare_settings(recorder, *file));
   memory_free(&recorder->rows);
   TRY(h5_read(*file, "/recorder/rows", H5_F64, 2, shape, &recorder->rows));
   if (shape[1] != (size_t)recorder->width)

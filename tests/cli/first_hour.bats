@@ -145,6 +145,18 @@ END
   [ "$status" -eq 0 ] && [[ "$output" == *'"runs_in_fit": 1'* ]] && [[ "$stderr" == *"given twice"* ]]
 }
 
+@test "a copy of a run counts once too; the same scene run again is another run" {
+  mkdir -p copies
+  cp run.hdf run-0000.hdf copies
+  sphsolve run a.cfg -o again --quiet
+  run --separate-stderr analyze darcy run.hdf copies/run.hdf --json
+  [ "$status" -eq 0 ]
+  [[ "$output" == *'"runs_in_fit": 1'* ]]
+  [[ "$stderr" == *"copies/run.hdf: a copy of run.hdf"* ]]
+  run --separate-stderr analyze darcy run.hdf again.hdf --json
+  [[ "$output" == *'"runs_in_fit": 2'* ]]
+}
+
 @test "a disk that is full at the end does not take k with it" {
   code=0
   (ulimit -f 30; trap '' XFSZ; sphsolve run a.cfg -o limit --json --quiet > limit.json 2> said) || code=$?
@@ -157,6 +169,25 @@ END
   [ -e cut.ckpt.hdf ]
   run --separate-stderr sphsolve run a.cfg -o cut --resume
   [ "$status" -eq 3 ] && [[ "$stderr" == *"another method"*"--resume"* && "$stderr" != *column* ]]
+}
+
+@test "--resume after a changed scene names what changed: refused, or said" {
+  scene wcsph > c.cfg
+  sphsolve run c.cfg --set checkpoint.interval='"0.0001 s"' --set scene.end_time='"2e-5 s"' -o changed --quiet
+  [ -e changed.ckpt.hdf ]
+  changed() { # WORDS IN THE MESSAGE, then --set ...
+    local words=$1
+    shift
+    run --separate-stderr sphsolve run c.cfg -o changed --resume --set scene.end_time='"2e-5 s"' "$@"
+    [ "$status" -eq 3 ] || { echo "$*: $status $stderr"; false; }
+    [[ "$stderr" == *"$words"*"--resume"* ]] || { echo "$*: $stderr"; false; }
+  }
+  changed "fluids.viscosity (Pa s) was 0.001 and is 0.002" --set fluids.[0].viscosity='"2e-3 Pa s"'
+  changed "force.body_acceleration (m/s^2) was 0 0 -9.80665 and is 0 0 -1" --set 'force.body_acceleration=["0","0","-1 m/s^2"]'
+  changed "wcsph.wall was subvoxel and is frozen" --set wcsph.wall=frozen
+  run --separate-stderr sphsolve run c.cfg -o changed --resume --set scene.end_time='"4e-5 s"'
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"scene.end_time = 4e-05 (2e-05 before)"* ]]
 }
 
 @test "Ctrl-C says so at once, ends with 130, and --resume goes on" {

@@ -131,7 +131,7 @@ for i in range(lines.GetNumberOfCells()):
         fallen.append(points[-1, 2] - points[0, 2])
 assert np.mean(fallen) < -0.1 * size, np.mean(fallen)  # along the force, down
 END
-  /usr/bin/python3 -m py_compile "$ROOT/examples/paraview/flow.py"
+  /usr/bin/python3 -c 'import sys; compile(open(sys.argv[1]).read(), "flow.py", "exec")' "$ROOT/examples/paraview/flow.py"
   pv=${PVPYTHON:-$(command -v pvpython)} || pv=
   if [ -n "$pv" ]; then
     $pv "$ROOT/examples/paraview/flow.py" pore-image.hdf flow.png

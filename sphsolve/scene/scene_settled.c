@@ -1,0 +1,132 @@
+#include "sphsolve/scene/scene_settled.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+
+static void put(FILE *stream, const char *name, const double *values, int count) {
+  fprintf(stream, "%s =", name);
+  for (int i = 0; i < count; i++) fprintf(stream, " %.12g", values[i]);
+  fputc('\n', stream);
+}
+
+static void put_number(FILE *stream, const char *name, double value) {
+  put(stream, name, &value, 1);
+}
+
+static void put_region(FILE *stream, size_t number, const struct region *r) {
+  fprintf(stream, "regions.[%zu] = type %d,", number, (int)r->type);
+  const double values[] = {r->porosity,
+                           r->grain_size,
+                           r->alpha,
+                           r->beta,
+                           r->soil_velocity[0],
+                           r->soil_velocity[1],
+                           r->soil_velocity[2],
+                           r->velocity[0],
+                           r->velocity[1],
+                           r->velocity[2],
+                           r->head,
+                           r->flux};
+  for (int i = 0; i < 6; i++) fprintf(stream, " %.12g", r->box[i]);
+  for (size_t i = 0; i < sizeof values / sizeof *values; i++) fprintf(stream, " %.12g", values[i]);
+  fprintf(stream, " %d %d %d\n", r->saturated, r->slip, (int)r->boundary);
+}
+
+static void put_all(FILE *stream, const struct scene *s) {
+  put_number(stream, "~scene.end_time", s->end_time);
+  put_number(stream, "~scene.steady_tolerance", s->steady_tolerance);
+  put_number(stream, "~output.interval", s->output_interval);
+  put_number(stream, "~output.history_interval", s->history_interval);
+  put_number(stream, "~checkpoint.interval", s->checkpoint_interval);
+  put_number(stream, "~wcsph.dt", s->wcsph.dt);
+  put_number(stream, "~isph.dt", s->isph.dt);
+  put_number(stream, "~isph.tolerance", s->isph.tolerance);
+  put_number(stream, "~stokes.tolerance", s->stokes.tolerance);
+  put(stream, "domain.size (m)", s->domain_size, 3);
+  put_number(stream, "domain.spacing (m)", s->spacing);
+  put_number(stream, "lattice.spacing (m)", s->lattice_spacing);
+  fprintf(stream, "domain.periodic = %d %d %d\n", s->periodic[0], s->periodic[1], s->periodic[2]);
+  put_number(stream, "fluids.density (kg/m^3)", s->fluid.density);
+  put_number(stream, "fluids.viscosity (Pa s)", s->fluid.viscosity);
+  put_number(stream, "fluids.surface_tension (N/m)", s->fluid.surface_tension);
+  for (size_t i = 0; i < s->region_count; i++) put_region(stream, i, &s->regions[i]);
+  put(stream, "force.gravity (m/s^2)", s->gravity, 3);
+  put(stream, "force.body_acceleration (m/s^2)", s->body_acceleration, 3);
+  put(stream, "force.pressure_gradient (Pa/m)", s->pressure_gradient, 3);
+  put_number(stream, "force.hydraulic_gradient", s->hydraulic_gradient);
+  put_number(stream, "wcsph.sound_speed (m/s)", s->wcsph.sound_speed);
+  put_number(stream, "wcsph.support (m)", s->wcsph.support);
+  fprintf(stream, "wcsph.equation_of_state = %d\nwcsph.kernel = %d\nwcsph.wall = %s\n",
+          (int)s->wcsph.equation_of_state, (int)s->wcsph.kernel, wall_scheme_names[s->wcsph.wall]);
+  put_number(stream, "stokes.support (m)", s->stokes.support);
+  fprintf(stream, "stokes.kernel = %d\nstokes.wall = %s\n", (int)s->stokes.kernel,
+          wall_scheme_names[s->stokes.wall]);
+  put_number(stream, "isph.support_ratio", s->isph.support_ratio);
+  put_number(stream, "isph.tau (s)", s->isph.tau);
+  put_number(stream, "isph.alpha", s->isph.alpha);
+  put_number(stream, "isph.smagorinsky", s->isph.smagorinsky);
+  fprintf(stream, "isph.form = %d\nisph.kernel = %d\nisph.wall.slip = %d\nisph.porosity = %d\n",
+          (int)s->isph.form, (int)s->isph.kernel, s->isph.slip, s->isph.porosity_paper);
+  fprintf(stream, "effects.turbulence = %d\neffects.shifting = %d\n", (int)s->turbulence,
+          (int)s->shifting);
+}
+
+enum status scene_settled(const struct scene *scene, char **text) {
+  size_t size = 0;
+  FILE *stream = open_memstream(text, &size);
+  if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for the scene's settings");
+  put_all(stream, scene);
+  if (fclose(stream) != 0) return FAIL(STATUS_RUN, "out of memory for the scene's settings");
+  return STATUS_OK;
+}
+
+/* The value in the line of `text` that begins as `line` does, up to its " = "; NULL: none. */
+static const char *value_in(const char *text, const char *line, size_t *length) {
+  const char *equals = strstr(line, " = ");
+  const size_t name = equals != NULL ? (size_t)(equals - line) + 3 : strcspn(line, "\n");
+  for (const char *at = text; *at; at += strcspn(at, "\n"), at += *at == '\n')
+    if (strncmp(at, line, name) == 0) {
+      *length = strcspn(at + name, "\n");
+      return at + name;
+    }
+  *length = 0;
+  return NULL;
+}
+
+static enum status compare_line(const char *line, const char *other, const char *path,
+                                bool swapped) {
+  size_t length, before;
+  const bool may = *line == '~';
+  const char *value = value_in(line, line, &length), *was = value_in(other, line, &before);
+  if (was != NULL && (swapped || (length == before && strncmp(value, was, length) == 0)))
+    return STATUS_OK;
+  const int name = (int)strcspn(line + may, "=") - 1;
+  const char *then = swapped ? value : was != NULL ? was : "not there";
+  const char *now = swapped ? "not there" : value;
+  const int then_length = swapped ? (int)length : was != NULL ? (int)before : 9;
+  const int now_length = swapped ? 9 : (int)length;
+  if (may) {
+    log_info("--resume: goes on with %.*s = %.*s (%.*s before)", name, line + may, now_length, now,
+             then_length, then);
+    return STATUS_OK;
+  }
+  return FAIL(
+      STATUS_INPUT,
+      "%s: the scene has changed since: %.*s was %.*s and is %.*s; take that back, or leave "
+      "out --resume to start anew",
+      path, name, line, then_length, then, now_length, now);
+}
+
+enum status scene_settled_compare(const char *then, const char *now, const char *path) {
+  enum status status = STATUS_OK;
+  for (const char *at = now; *at; at += strcspn(at, "\n"), at += *at == '\n')
+    TRY(compare_line(at, then, path, false));
+  for (const char *at = then; *at; at += strcspn(at, "\n"), at += *at == '\n')
+    TRY(compare_line(at, now, path, true));
+cleanup:
+  return status;
+}
