@@ -47,7 +47,7 @@ _tosui() {
   fi
   if [[ $before == -* ]]; then
     # "  -x, --name a|b|c   help": lower-case words between bars are values.
-    values=$(sed -nE "s/^ +(-[a-z], )?$before ([^ ]+) .*/\2/p; s/^ +$before, --[a-z-]+ ([^ ]+) .*/\1/p" <<< "$help" | head -1)
+    values=$(sed -nE "s/^ +(-[a-z], )?$before ([^ ]+)( .*)?$/\2/p; s/^ +$before, --[a-z-]+ ([^ ]+)( .*)?$/\1/p" <<< "$help" | head -1)
     [[ $values == *'|'* ]] &&
       COMPREPLY=($(compgen -W "$(tr -d '[]' <<< "$values" | tr '|' '\n' | grep -E '^[a-z0-9-]+$')" -- "$word"))
     [ ${#COMPREPLY[@]} -gt 0 ] && return

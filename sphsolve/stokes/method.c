@@ -325,8 +325,9 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
                 scene->path, result->reynolds);
   recorder_count_traffic(recorder);
-  enum status left = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
-  if (status == STATUS_OK) status = left;
+  /* Who interrupts waits: the checkpoint has the solution, and --resume leaves the snapshot. */
+  if (status == STATUS_OK)
+    status = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
 cleanup:
   h5_close(job.checkpoint);
   cascade_end(&job.cascade);

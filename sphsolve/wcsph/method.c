@@ -295,8 +295,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     result->status = "blocked";
     result->k_error = 0;
   }
-  enum status left = wcsph_write_snapshot(&run);
-  if (status == STATUS_OK) status = left;
+  /* Who interrupts waits: the checkpoint has the particles, and --resume leaves the snapshot. */
+  if (status == STATUS_OK) status = wcsph_write_snapshot(&run);
   finish(&run, result);
 cleanup:
   monitor_free(&run.state.monitor);
