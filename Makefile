@@ -30,7 +30,10 @@ MODULES = ct2model sphsolve analyze
 PROGRAMS = $(foreach p,$(MODULES),$(if $(wildcard $(p)/$(p).c),$(p)))
 SOURCES_common = $(sort $(wildcard common/*.c))
 SOURCES_ct2model = $(sort $(foreach e,c cc,$(wildcard ct2model/*.$(e) ct2model/*/*.$(e))))
-SOURCES_sphsolve = $(sort $(wildcard sphsolve/*.c sphsolve/*/*.c sphsolve/*/*/*.c))
+# The pair loops of wcsph are one source, compiled for each kernel and each instruction set.
+PAIR_SOURCE = sphsolve/wcsph/engine/pair_loops.c
+PAIR_LOOPS = $(foreach k,$(wildcard sphsolve/wcsph/kernels/*.h),$(foreach i,baseline avx2 avx512,$(k:.h=.$(i).c)))
+SOURCES_sphsolve = $(sort $(filter-out $(PAIR_SOURCE),$(wildcard sphsolve/*.c sphsolve/*/*.c sphsolve/*/*/*.c)) $(PAIR_LOOPS))
 SOURCES_analyze = $(sort $(wildcard analyze/*.c analyze/*/*.c))
 SOURCES_generator = $(sort $(wildcard data-samples/*.c))
 SOURCES_unit = $(sort $(wildcard tests/unit/test_*.c))
@@ -78,10 +81,15 @@ FORCE:
 .PHONY: FORCE
 
 # ---- compile ----
-ISA_FLAGS = $(if $(filter %.avx512.c,$<),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(filter %.avx2.c,$<),-ffp-contract=fast -mavx2 -mfma)
-$(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
-	$(call say,CC,$<)
+ISA_FLAGS = $(if $(findstring .avx512.,$@),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$@),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$@),-include sphsolve/wcsph/kernels/$(basename $(notdir $*)).h)
+define compile
+	$(call say,CC,$*.c)
 	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(ISA_FLAGS) -MMD -MP -c $< -o $@
+endef
+$(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
+	$(compile)
+$(BUILD)/obj/sphsolve/wcsph/kernels/%.c.o: $(PAIR_SOURCE) $(BUILD)/flags
+	$(compile)
 $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
@@ -99,14 +107,14 @@ $(BUILD)/obj/analyze/report/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
 endef
 $(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
 
-# ---- MPI=1: sphsolve once more, from the same source, beside the other ----
+# ---- MPI=1: sphsolve once more, from the same source, beside the other; the pair loops know of no ranks ----
 mpi_object = $(patsubst %,$(BUILD)/obj-mpi/%.o,$(1))
 MPI_LIBRARY = $(BUILD)/lib/libsphsolve-mpi.a
 $(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/flags
 	$(call say,MPICC,$<)
 	$(Q)mkdir -p $(@D) && $(CC) $(filter-out $(DEP_CFLAGS),$(CFLAGS_ALL)) $(MPI_CFLAGS) -DTOSUI_MPI $(ISA_FLAGS) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/obj-mpi && find $(BUILD)/obj-mpi -name '*.d')
-$(MPI_LIBRARY): $(filter-out $(call mpi_object,sphsolve/sphsolve.c),$(call mpi_object,$(SOURCES_common) $(SOURCES_sphsolve)))
+$(MPI_LIBRARY): $(call mpi_object,$(filter-out sphsolve/sphsolve.c $(PAIR_LOOPS),$(SOURCES_common) $(SOURCES_sphsolve))) $(call object,$(PAIR_LOOPS))
 	$(call say,AR,$@)
 	$(Q)mkdir -p $(@D) && rm -f $@ && ar qcs $@ $^
 $(BUILD)/bin/sphsolve-mpi: $(call mpi_object,sphsolve/sphsolve.c) $(MPI_LIBRARY)
@@ -218,9 +226,14 @@ FUZZ_SECONDS ?= 1200
 FUZZ ?= $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_SOURCES = $(filter %.c,$(SOURCES_common) $(foreach p,ct2model sphsolve,$(filter-out $(p)/$(p).c,$(SOURCES_$(p)))))
 FUZZ_FLAGS = -std=gnu11 -g -O1 $(MATH) -fopenmp -fsanitize=address,undefined -fno-sanitize-recover=undefined
-$(BUILD)/fuzz/obj/%.o: %.c $(BUILD)/flags
-	$(call say,FUZZ,$<)
+define compile_fuzz
+	$(call say,FUZZ,$*.c)
 	$(Q)mkdir -p $(@D) && clang $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link $(ISA_FLAGS) -I. -I$(BUILD) -Itests/fuzz $(DEP_CFLAGS) -MMD -MP -c $< -o $@
+endef
+$(BUILD)/fuzz/obj/%.o: %.c $(BUILD)/flags
+	$(compile_fuzz)
+$(BUILD)/fuzz/obj/sphsolve/wcsph/kernels/%.o: $(PAIR_SOURCE) $(BUILD)/flags
+	$(compile_fuzz)
 -include $(shell test -d $(BUILD)/fuzz/obj && find $(BUILD)/fuzz/obj -name '*.d')
 $(BUILD)/fuzz/libtosui.a: $(FUZZ_SOURCES:%.c=$(BUILD)/fuzz/obj/%.o) $(call object,$(filter %.cc,$(SOURCES_ct2model)))
 	$(Q)rm -f $@ && ar qcs $@ $^

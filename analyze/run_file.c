@@ -44,6 +44,7 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_text_or_empty(file, "/run", "method", &run->method));
   TRY(read_text_or_empty(file, "/run", "status", &run->status));
   TRY(read_text_or_empty(file, "/run", "wall", &run->wall));
+  TRY(read_text_or_empty(file, "/run", "kernel", &run->kernel));
   TRY(read_text_or_empty(file, "/run", "model_path", &run->model_path));
   TRY(read_text_or_empty(file, "/run", "scene_name", &run->name));
   TRY(read_numbers(file, "driving", 3, run->driving));
@@ -343,6 +344,7 @@ void run_free(struct run *run) {
   memory_free(&run->method);
   memory_free(&run->status);
   memory_free(&run->wall);
+  memory_free(&run->kernel);
   memory_free(&run->model_path);
   memset(run, 0, sizeof *run);
 }

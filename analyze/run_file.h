@@ -28,7 +28,7 @@ struct run {
   char *folder; /* of `path`, "" or ending in '/'; snapshot names are relative to it */
   char *title;  /* scene name, else the file's name without its ending */
   char *name;   /* the title, or the file's where several runs share it (runs_name_apart) */
-  char *method, *status, *wall;
+  char *method, *status, *wall, *kernel;
   char *model_path;  /* "" without a model */
   uint64_t identity; /* equal for runs of the same geometry: model hash, else the sites' own hash */
 

@@ -1,6 +1,10 @@
 #include "common/kernel.h"
 
 #include <math.h>
+#include <stddef.h>
+
+const char *const kernel_names[] = {
+    [KERNEL_QUINTIC] = "quintic", [KERNEL_CUBIC] = "cubic", [KERNEL_WENDLAND] = "wendland", NULL};
 
 double kernel_support_ratio(enum kernel kernel) {
   return kernel == KERNEL_QUINTIC ? 3 : 2;

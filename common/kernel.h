@@ -10,8 +10,10 @@
 #ifndef TOSUI_COMMON_KERNEL_H
 #define TOSUI_COMMON_KERNEL_H
 
-enum kernel { KERNEL_QUINTIC, KERNEL_CUBIC, KERNEL_WENDLAND };
+enum kernel { KERNEL_QUINTIC, KERNEL_CUBIC, KERNEL_WENDLAND, KERNELS };
 
+/* "quintic", ..., ended by NULL. */
+extern const char *const kernel_names[KERNELS + 1];
 /* Support radius over smoothing length: 3 or 2. */
 double kernel_support_ratio(enum kernel kernel);
 double kernel_w(enum kernel kernel, int dimensions, double r, double h);

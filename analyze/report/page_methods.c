@@ -111,9 +111,9 @@ static void write_solver(const struct run *run, bool used[], FILE *stream) {
     cite(stream, "akbari", used);
     fputs(". ", stream);
   } else if (strcmp(run->method, "wcsph") == 0) {
-    fputs("Weakly compressible smoothed particle hydrodynamics with a quintic spline and the "
-          "viscosity of",
-          stream);
+    fprintf(stream,
+            "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
+            strcmp(run->kernel, "wendland") == 0 ? "Wendland C2 kernel" : "quintic spline");
     cite(stream, "morris", used);
     fputs(" was integrated in time. ", stream);
   }

@@ -9,6 +9,7 @@
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
+  context->kernel = scene->isph.kernel;
   context->support = scene->isph.support_ratio * context->spacing;
   context->smoothing_length = context->support / kernel_support_ratio(scene->isph.kernel);
   return STATUS_OK;

@@ -124,6 +124,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute_text(file, "/run", "status", result->status));
   TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
   TRY(h5_write_attribute_text(file, "/run", "wall", context->method->wall_name(scene)));
+  TRY(h5_write_attribute_text(file, "/run", "kernel", kernel_names[context->kernel]));
   TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
   TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
   double low, high;

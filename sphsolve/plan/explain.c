@@ -47,8 +47,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
          lattice->count - lattice->fluid_count - lattice->wall_count);
   quantity_format(context->spacing, "m", text, sizeof text);
   quantity_format(context->support, "m", more, sizeof more);
-  printf("spacing    %s, support %s (%.2f spacings)\n", text, more,
-         context->support / context->spacing);
+  printf("spacing    %s, support %s (%.2f spacings), kernel %s\n", text, more,
+         context->support / context->spacing, kernel_names[context->kernel]);
   if (context->sound_speed > 0)
     printf("sound      %.4g m/s: %s\n", context->sound_speed, context->sound_why);
   if (context->reynolds > 0)
@@ -127,15 +127,16 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
                            number_or_null(planned->dt_max)));
   }
   json_t *object = json_pack(
-      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
+      "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:s, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
       "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o, s:o}",
       "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
       (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
-      "sound_speed", number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN),
-      "sound_speed_reason", context->sound_why, "effects", effects, "bytes_per_fluid_site",
-      plan->bytes_fluid, "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total,
+      "kernel", kernel_names[context->kernel], "sound_speed",
+      number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN), "sound_speed_reason",
+      context->sound_why, "effects", effects, "bytes_per_fluid_site", plan->bytes_fluid,
+      "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total,
       "memory_method_bytes", plan->bytes_method, "memory_copy_bytes", plan->bytes_copy,
       "memory_error_split_bytes", plan->bytes_split, "disk_bytes", plan->bytes_disk, "dt",
       number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",

@@ -24,16 +24,17 @@ struct effect_context {
   const struct scene *scene;
   const struct lattice *lattice;
   const struct method *method; /* NULL while one is looked for */
-  double smoothing_length;     /* m */
-  double support;              /* m */
-  double spacing;              /* m, geometric mean */
-  double sound_speed;          /* m/s, wcsph */
-  double kinematic_viscosity;  /* m^2/s */
-  double driving;              /* |g + a - grad P / rho|, m/s^2 */
-  double velocity_scale;       /* m/s, estimated */
-  double reynolds;             /* estimated from Kozeny-Carman and Ergun; 0 unknown */
-  double inertia;              /* share of the force that inertia takes up, by the same */
-  char sound_why[EFFECT_WHY];  /* what decides the sound speed */
+  enum kernel kernel;
+  double smoothing_length;    /* m */
+  double support;             /* m */
+  double spacing;             /* m, geometric mean */
+  double sound_speed;         /* m/s, wcsph */
+  double kinematic_viscosity; /* m^2/s */
+  double driving;             /* |g + a - grad P / rho|, m/s^2 */
+  double velocity_scale;      /* m/s, estimated */
+  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
+  double inertia;             /* share of the force that inertia takes up, by the same */
+  char sound_why[EFFECT_WHY]; /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
 };
 

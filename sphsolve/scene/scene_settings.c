@@ -10,8 +10,7 @@
 
 const char *const wall_scheme_names[] = {"frozen", "adami", "subvoxel", NULL};
 static const char *const eos_names[] = {"gauge", "absolute", NULL};
-static const char *const kernel_names[] = {"quintic", "cubic", NULL};
-static const char *const stokes_kernel_names[] = {"quintic", "cubic", "wendland", NULL};
+static const char *const isph_kernel_names[] = {"quintic", "cubic", NULL};
 static const char *const form_names[] = {"akbari", "m15", NULL};
 static const char *const switch_names[] = {"auto", "on", "off", NULL};
 static const char *const solver_names[] = {"grid", "petsc", NULL};
@@ -39,7 +38,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   wall = WALL_SUBVOXEL;
   scene->stokes.tolerance = NAN;
   kernel = KERNEL_CUBIC;
-  TRY(config_choice(config, group, "kernel", stokes_kernel_names, &kernel, NULL));
+  TRY(config_choice(config, group, "kernel", kernel_names, &kernel, NULL));
   scene->stokes.kernel = (enum kernel)kernel;
   TRY(scene_positive(config, group, "support", DIM_LENGTH, &scene->stokes.support));
   TRY(config_choice(config, group, "wall", wall_scheme_names, &wall, NULL));
@@ -56,7 +55,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   scene->isph.tolerance = 1e-6;
   scene->isph.smagorinsky = 0.2;
   TRY(config_choice(config, group, "form", form_names, &form, NULL));
-  TRY(config_choice(config, group, "kernel", kernel_names, &kernel, NULL));
+  TRY(config_choice(config, group, "kernel", isph_kernel_names, &kernel, NULL));
   TRY(config_number(config, group, "support_ratio", &scene->isph.support_ratio, NULL));
   TRY(config_quantity(config, group, "tau", DIM_TIME, &scene->isph.tau, &tau_given));
   TRY(config_number(config, group, "alpha", &scene->isph.alpha, &alpha_given));

@@ -41,6 +41,7 @@ double stokes_solver_seconds(const struct pore_shape *pores, const struct lattic
 
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
+  context->kernel = context->scene->stokes.kernel;
   context->support = stokes_support(context->scene, context->spacing) * context->spacing;
   context->smoothing_length =
       context->support / kernel_support_ratio(context->scene->stokes.kernel);

@@ -22,8 +22,9 @@ static double largest_eigenvalue(double m[3][3]) {
   return mean + 2 * p * cos(acos(r) / 3);
 }
 
-struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3], double h) {
-  const double support = kernel_support_ratio(KERNEL_QUINTIC) * h, small = 1e-4 * h;
+struct lattice_modes lattice_modes_find(enum kernel kernel, int dimensions, const double spacing[3],
+                                        double h) {
+  const double support = kernel_support_ratio(kernel) * h, small = 1e-4 * h;
   struct lattice_modes modes = {0};
   double weights = 0;
   double moment = 0;
@@ -44,13 +45,13 @@ struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
         for (int i = -reach[0]; i <= reach[0]; i++) {
           double r[3] = {i * spacing[0], j * spacing[1], k * spacing[2]};
           double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-          sum += volume * kernel_w(KERNEL_QUINTIC, dimensions, length, h);
+          sum += volume * kernel_w(kernel, dimensions, length, h);
           if (length == 0 || length >= support) continue;
           double phase =
               M_PI * (i * index[0] + j * index[1] + k * index[2]) / (double)(MODE_WAVES - 1);
-          double slope = kernel_dw(KERNEL_QUINTIC, dimensions, length, h);
-          double curve = (kernel_dw(KERNEL_QUINTIC, dimensions, length + small, h) -
-                          kernel_dw(KERNEL_QUINTIC, dimensions, length - small, h)) /
+          double slope = kernel_dw(kernel, dimensions, length, h);
+          double curve = (kernel_dw(kernel, dimensions, length + small, h) -
+                          kernel_dw(kernel, dimensions, length - small, h)) /
                          (2 * small);
           moment -= w == 0 ? volume * slope * length / dimensions : 0;
           double still = 1 - cos(phase);

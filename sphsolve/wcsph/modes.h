@@ -5,6 +5,8 @@
 
 #include <stdbool.h>
 
+#include "common/kernel.h"
+
 #define MODE_WAVES 9 /* wave numbers per axis, 0 to pi over the spacing */
 
 struct lattice_modes {
@@ -20,8 +22,8 @@ struct lattice_modes {
   double wave[MODE_WAVES * MODE_WAVES * MODE_WAVES][3]; /* gradient, absolute, laplacian of each */
 };
 
-/* Quintic kernel; anisotropic spacing allowed; dimensions 2 (x, z) or 3. */
-struct lattice_modes lattice_modes_find(int dimensions, const double spacing[3],
+/* Anisotropic spacing allowed; dimensions 2 (x, z) or 3. */
+struct lattice_modes lattice_modes_find(enum kernel kernel, int dimensions, const double spacing[3],
                                         double smoothing_length);
 
 /* Largest stable step, s, for each wave by itself (the wave that sound moves fastest is not the one

@@ -48,15 +48,16 @@ enum status wcsph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
-  if (scene->wcsph.kernel != KERNEL_QUINTIC)
+  if (!pair_table_exists(scene->wcsph.kernel))
     return scene_error(scene, AT_WCSPH_KERNEL,
-                       "the engine has the quintic spline only; write kernel = \"quintic\"");
+                       "wcsph has no loops with this kernel; write \"quintic\" or \"wendland\"");
   for (size_t r = 0; r < scene->region_count; r++)
     if (scene->regions[r].type == REGION_WALL && scene->regions[r].slip)
       return FAIL(STATUS_INPUT,
                   "%s:%d: wcsph has no-slip walls only; leave slip out, or use "
                   "method = \"isph\"",
                   scene->path, scene->regions[r].line);
+  context->kernel = scene->wcsph.kernel;
   context->support =
       isnan(scene->wcsph.support) ? SUPPORT_DEFAULT * context->spacing : scene->wcsph.support;
   double widest = 0, least = INFINITY;
@@ -69,7 +70,7 @@ enum status wcsph_scales(struct plan *plan) {
     return scene_error(scene, AT_WCSPH_SUPPORT,
                        "%g m is %.2f spacings; 1.5 to 6 make sense, 2.9 is the default",
                        context->support, context->support / widest);
-  context->smoothing_length = context->support / kernel_support_ratio(KERNEL_QUINTIC);
+  context->smoothing_length = context->support / kernel_support_ratio(context->kernel);
 
   double porosity = (double)lattice->fluid_count / lattice->bulk_count;
   double peak = *scene->model_path ? PEAK_MODEL : 2;
@@ -157,14 +158,14 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   memset(settings, 0, sizeof *settings);
   settings->wall = wcsph_pass_wall(context);
   plan_switch(plan, settings);
+  settings->kernel = context->kernel;
   settings->smoothing_length = context->smoothing_length;
   settings->support = context->support;
   settings->sound_speed = context->sound_speed;
   settings->kinematic_viscosity = context->kinematic_viscosity;
   settings->dt = plan->dt;
   memcpy(settings->force, scene->driving, sizeof settings->force);
-  struct lattice_modes modes = lattice_modes_find(
-      context->lattice->dimensions, context->lattice->spacing, context->smoothing_length);
+  const struct lattice_modes modes = wcsph_modes_of(context);
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
   settings->moment = modes.moment;
   settings->crowding = modes.crowding;
@@ -208,8 +209,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
     if (!effect->dt_accuracy && planned->dt_max < stable)
       stable = planned->dt_max, plan->dt_limited_by = by, plan->dt_power = effect->dt_power;
   }
-  const struct lattice_modes modes =
-      lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
+  const struct lattice_modes modes = wcsph_modes_of(context);
   const bool absolute =
       scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
   plan->dt_limit = lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context),

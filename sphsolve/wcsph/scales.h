@@ -32,7 +32,8 @@ static inline bool wcsph_frozen(const struct effect_context *context) {
 
 static inline struct lattice_modes wcsph_modes_of(const struct effect_context *context) {
   const struct lattice *lattice = context->lattice;
-  return lattice_modes_find(lattice->dimensions, lattice->spacing, context->smoothing_length);
+  return lattice_modes_find(context->kernel, lattice->dimensions, lattice->spacing,
+                            context->smoothing_length);
 }
 
 static inline bool wcsph_frozen_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {

@@ -73,3 +73,19 @@ seepage-column.cfg
 gate.cfg
 END
 }
+
+@test "wcsph with Wendland's kernel: explain and the run file say so, and k of a slit is exact" {
+  cd "$BATS_FILE_TMPDIR"
+  scene=$ROOT/data-samples/scenes/poiseuille.cfg
+  sphsolve explain "$scene" --set wcsph.kernel=wendland | grep -q "^spacing .*, kernel wendland$"
+  sphsolve run "$scene" --set wcsph.kernel=wendland -o wendland --json > wendland.json
+  /usr/bin/python3 - <<'END'
+import h5py, json
+run = h5py.File("wendland.hdf", "r")["run"]
+assert run.attrs["kernel"] in (b"wendland", "wendland")
+exact = 1e-4 * 1e-3**2 / 12 / 1e-6  # force w^2 / (12 nu), over the slit
+assert abs(json.load(open("wendland.json"))["darcy_velocity"][0] / exact - 1) < 2e-3
+END
+  run sphsolve explain "$scene" --set wcsph.kernel=cubic
+  [ "$status" -eq 3 ]
+}

@@ -33,8 +33,8 @@ static void start_engine(const struct lattice *lattice, enum pass_wall wall, dou
                          struct engine *engine) {
   double dx = lattice->spacing[0], nu = 1e-6;
   struct engine_settings settings = test_settings(lattice, wall, 2.9 * dx);
-  struct lattice_modes modes =
-      lattice_modes_find(lattice->dimensions, lattice->spacing, settings.smoothing_length);
+  struct lattice_modes modes = lattice_modes_find(KERNEL_QUINTIC, lattice->dimensions,
+                                                  lattice->spacing, settings.smoothing_length);
   double sound = 2 / (c * modes.gradient), viscous = 2 / (nu * modes.laplacian);
   double q = sound / viscous;
   settings.kinematic_viscosity = nu;
@@ -159,7 +159,8 @@ static void vortex(void) {
   double dx = 1.0 / (double)n, nu = 1e-3, start = 0, energy = 0, most = 0;
   struct lattice lattice = test_lattice(2, n, 1, n, dx, dx, dx);
   struct engine_settings settings = test_settings(&lattice, PASS_OPEN, 2.9 * dx);
-  struct lattice_modes modes = lattice_modes_find(2, lattice.spacing, settings.smoothing_length);
+  struct lattice_modes modes =
+      lattice_modes_find(KERNEL_QUINTIC, 2, lattice.spacing, settings.smoothing_length);
   settings.kinematic_viscosity = nu;
   settings.sound_speed = 10;
   /* The automatic step of such a scene. */

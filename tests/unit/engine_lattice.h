@@ -71,21 +71,27 @@ static inline struct lattice test_grains(size_t n, double dx, double solid, uint
   return lattice;
 }
 
-static inline struct engine_settings test_settings(const struct lattice *lattice,
-                                                   enum pass_wall wall, double support) {
-  struct engine_settings settings = {.wall = wall,
+static inline struct engine_settings test_settings_of(enum kernel kernel,
+                                                      const struct lattice *lattice,
+                                                      enum pass_wall wall, double support) {
+  struct engine_settings settings = {.kernel = kernel,
+                                     .wall = wall,
                                      .viscosity = true,
                                      .shift = wall != PASS_FROZEN && wall != PASS_SITES,
                                      .diffusion = wall != PASS_FROZEN,
                                      .support = support,
-                                     .smoothing_length = support / 3};
+                                     .smoothing_length = support / kernel_support_ratio(kernel)};
   struct lattice_modes modes =
-      lattice_modes_find(lattice->dimensions, lattice->spacing, support / 3);
+      lattice_modes_find(kernel, lattice->dimensions, lattice->spacing, settings.smoothing_length);
   settings.rest_ratio = modes.sum;
   settings.moment = modes.moment;
   settings.crowding = modes.crowding;
   settings.weights = modes.weights;
   return settings;
+}
+static inline struct engine_settings test_settings(const struct lattice *lattice,
+                                                   enum pass_wall wall, double support) {
+  return test_settings_of(KERNEL_QUINTIC, lattice, wall, support);
 }
 
 #endif

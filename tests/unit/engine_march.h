@@ -30,6 +30,7 @@ static inline double test_turned_slit(const double at[3], const double p[4]) {
 }
 
 struct march {
+  enum kernel kernel; /* quintic, if not said */
   enum pass_wall wall;
   double nu, force[3], end; /* SI */
   double sound;             /* m/s; 0: 2 nu/h */
@@ -43,8 +44,9 @@ static inline double test_sound(const struct lattice *l, const struct march *m) 
 static inline struct engine_settings test_march_settings(const struct lattice *l,
                                                          const struct march *m) {
   double dx = l->spacing[0], c = test_sound(l, m);
-  struct engine_settings s = test_settings(l, m->wall, 2.9 * dx);
-  struct lattice_modes modes = lattice_modes_find(l->dimensions, l->spacing, s.smoothing_length);
+  struct engine_settings s = test_settings_of(m->kernel, l, m->wall, 2.9 * dx);
+  struct lattice_modes modes =
+      lattice_modes_find(s.kernel, l->dimensions, l->spacing, s.smoothing_length);
   const bool sites = m->wall == PASS_SITES; /* see wcsph_sound_for_dt */
   double viscous = 2 / (m->nu * modes.laplacian), sound = (sites ? 1 : 2) / (c * modes.gradient);
   double q = sound / viscous;

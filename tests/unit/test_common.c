@@ -69,12 +69,21 @@ static void test_kernels(void **state) {
   for (int kernel = KERNEL_QUINTIC; kernel <= KERNEL_WENDLAND; kernel++)
     for (int dimensions = kernel == KERNEL_WENDLAND ? 2 : 1; dimensions <= 3; dimensions++) {
       double h = 0.7, reach = h * kernel_support_ratio((enum kernel)kernel), integral = 0;
+      double slopes = 0, square = 0; /* of -r W' and of r^2 W */
       enum { N = 20000 };
       for (int i = 0; i < N; i++) {
         double r = (i + 0.5) * reach / N;
         double shell = dimensions == 1 ? 2 : dimensions == 2 ? 2 * M_PI * r : 4 * M_PI * r * r;
-        integral += kernel_w((enum kernel)kernel, dimensions, r, h) * shell * reach / N;
+        const double w = kernel_w((enum kernel)kernel, dimensions, r, h);
+        integral += w * shell * reach / N;
+        square += r * r / (h * h) * w * shell * reach / N;
+        slopes -= r * kernel_dw((enum kernel)kernel, dimensions, r, h) * shell * reach / N;
       }
+      assert_true(fabs(slopes - dimensions) < 1e-6); /* the first moment of grad W, by parts */
+      if (kernel == KERNEL_WENDLAND) /* beta functions: 1/5, 5/36 of the support squared */
+        assert_true(fabs(square - (dimensions == 3 ? 4.0 / 5 : 5.0 / 9)) < 1e-6);
+      if (kernel == KERNEL_QUINTIC && dimensions == 1) /* six boxes of width h, 1/12 each */
+        assert_true(fabs(square - 0.5) < 1e-6);
       if (fabs(integral - 1) > 1e-6)
         fail_msg("kernel %d in %d-D integrates to %.9f", kernel, dimensions, integral);
       for (double r = 0.01; r < reach; r += 0.037) {

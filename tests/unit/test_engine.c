@@ -10,7 +10,15 @@
 #include <cmocka.h>
 
 #include "common/kernel.h"
-#include "sphsolve/wcsph/engine/kernel_vector.h"
+#include "sphsolve/wcsph/kernels/quintic.h"
+/* The second kernel's forms have the same names. */
+#undef KERNEL_NAME
+#undef KERNEL_AT_0
+#define kernel_vector_w wendland_w
+#define kernel_vector_slope wendland_slope
+#include "sphsolve/wcsph/kernels/wendland.h"
+#undef kernel_vector_w
+#undef kernel_vector_slope
 #include "tests/unit/engine_lattice.h"
 
 static void test_kernel_matches(void **state) {
@@ -22,6 +30,12 @@ static void test_kernel_matches(void **state) {
     double alpha = 1 / (120 * M_PI);
     assert_true(fabs(alpha * (double)w[0] - kernel_w(KERNEL_QUINTIC, 3, (double)s, 1)) < 5e-7);
     assert_true(fabs(-5 * alpha * (double)slope[0] - kernel_dw(KERNEL_QUINTIC, 3, (double)s, 1)) <
+                1e-6);
+    vec_store(w, wendland_w(vec_set(s)));
+    vec_store(slope, wendland_slope(vec_set(s)));
+    alpha = 21 / (16 * M_PI);
+    assert_true(fabs(alpha * (double)w[0] - kernel_w(KERNEL_WENDLAND, 3, (double)s, 1)) < 5e-7);
+    assert_true(fabs(-5 * alpha * (double)slope[0] - kernel_dw(KERNEL_WENDLAND, 3, (double)s, 1)) <
                 1e-6);
   }
 }
@@ -58,16 +72,17 @@ static void brute_force(const struct engine *engine, size_t slot, double *sum, u
                          other[2] + k * length[2] - at[2]};
           double r = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
           if (r >= support) continue;
-          *sum +=
-              kernel_w(KERNEL_QUINTIC, lattice->dimensions, r, engine->settings.smoothing_length);
+          *sum += kernel_w(engine->settings.kernel, lattice->dimensions, r,
+                           engine->settings.smoothing_length);
           *pairs += 1;
         }
   }
   *pairs -= 1;
 }
 
-static void compare_densities(struct lattice *lattice, double support, double jitter) {
-  struct engine_settings settings = test_settings(lattice, PASS_FROZEN, support);
+static void compare_densities_of(enum kernel kernel, struct lattice *lattice, double support,
+                                 double jitter) {
+  struct engine_settings settings = test_settings_of(kernel, lattice, PASS_FROZEN, support);
   struct engine engine;
   uint64_t seed = 7, pairs_all = 0;
   settings.sound_speed = 1;
@@ -97,10 +112,15 @@ static void compare_densities(struct lattice *lattice, double support, double ji
   engine_free(&engine);
 }
 
+static void compare_densities(struct lattice *lattice, double support, double jitter) {
+  compare_densities_of(KERNEL_QUINTIC, lattice, support, jitter);
+}
+
 static void test_neighbours_wide(void **state) {
   (void)state;
   struct lattice lattice = test_grains(15, 1e-3, 0.45, 5);
   compare_densities(&lattice, 2.9e-3, 0.9);
+  compare_densities_of(KERNEL_WENDLAND, &lattice, 2.9e-3, 0.9);
   test_lattice_free(&lattice);
 }
 static void test_neighbours_narrow(void **state) {
@@ -180,8 +200,8 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
 #define SIDE 12
 #define SITES (SIDE * SIDE * (SIDE + 1))
 
-/* Marches of every wall on 1 to `threads` threads, with `value` where no particle stands, end as the
- * march on one thread does. */
+/* Marches of every wall on 1 to `threads` threads, with `value` where no particle stands, end as
+ * the march on one thread does. */
 static void march_as_one_thread(int threads, float value) {
   static float v[2][SITES][3];
   static uint32_t x[2][SITES][3];
@@ -217,7 +237,7 @@ static void test_instruction_sets_agree(void **state) {
   static uint32_t x[2][SITES][3];
   const char *names[] = {"avx2", "baseline"};
   const struct pair_table *widest;
-  assert_int_equal(pair_table_choose(&widest), STATUS_OK);
+  assert_int_equal(pair_table_choose(KERNEL_QUINTIC, &widest), STATUS_OK);
   enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL};
   for (int w = 0; w < 3; w++) {
     march(walls[w], 1, NULL, 20, SIDE, v[0], x[0]);

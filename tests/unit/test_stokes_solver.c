@@ -198,7 +198,8 @@ static void test_couette(void **state) {
       lattice.region[s] = lattice.kind[s] == SITE_WALL ? (s < lattice.count / 2 ? 1 : 2) : 0;
     assert_int_equal(stokes_solver_build(&lattice, &scene, 2.9, WALL_SUBVOXEL, 0.5, none, &solver),
                      STATUS_OK);
-    assert_int_equal(stokes_solver_run(&solver, &(struct stokes_goal){.residual = 1e-6}), STATUS_OK);
+    assert_int_equal(stokes_solver_run(&solver, &(struct stokes_goal){.residual = 1e-6}),
+                     STATUS_OK);
     const double gap = 11.0 - 2.0 * shift;
     assert_true(fabs(solver.mean[0] * solver.velocity_unit / (gap / 17.0) - 1.0) < 1e-4);
     assert_true(fabs(solver.mean[2] * solver.velocity_unit) < 1e-6);

@@ -16,7 +16,8 @@ static double energy_ratio(size_t n, double reynolds, double end, double *error)
   double dx = 1.0 / (double)n, nu = 1 / reynolds;
   struct lattice lattice = test_lattice(2, n, 1, n, dx, dx, dx);
   struct engine_settings settings = test_settings(&lattice, PASS_OPEN, 2.9 * dx);
-  struct lattice_modes modes = lattice_modes_find(2, lattice.spacing, settings.smoothing_length);
+  struct lattice_modes modes =
+      lattice_modes_find(KERNEL_QUINTIC, 2, lattice.spacing, settings.smoothing_length);
   settings.kinematic_viscosity = nu;
   settings.sound_speed = 10;
   settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),

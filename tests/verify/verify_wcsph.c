@@ -167,12 +167,14 @@ static double flow_rate(const struct flow *flow) {
 /* Start-up at n particles across. Centre velocities are judged over the steady one. Returns the
  * error that the order is seen in: of the steady flow rate (Poiseuille), where the centre velocity
  * has none left, or the rms of the centre velocities. */
-static double start_up(bool wall_moves, int n) {
+static double start_up(bool wall_moves, enum kernel kernel, int n) {
   static const double times[] = {0.0225, 0.045, 0.1125, 0.225, 1.0};
   const double dx = WIDTH / n, started = clock_seconds();
   struct flow flow;
   char *text = NULL;
-  const char *name = wall_moves ? "Couette" : "Poiseuille";
+  const char *name = wall_moves                  ? "Couette"
+                     : kernel == KERNEL_WENDLAND ? "Poiseuille, Wendland,"
+                                                 : "Poiseuille";
   const int length =
       wall_moves
           ? asprintf(
@@ -194,8 +196,9 @@ static double start_up(bool wall_moves, int n) {
                 "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%.17g m\", \"%.17g m\"]; "
                 "} );\n"
                 "force = { body_acceleration = [\"%.17g m/s^2\", \"0\"]; };\n"
-                "output = { history_interval = \"0.0225 s\"; };\n",
-                6 * dx, WIDTH, dx, fluid, 6 * dx, WIDTH, FORCE);
+                "output = { history_interval = \"0.0225 s\"; };\n"
+                "wcsph = { kernel = \"%s\"; };\n",
+                6 * dx, WIDTH, dx, fluid, 6 * dx, WIDTH, FORCE, kernel_names[kernel]);
   if (length < 0 || flow_start(text, &flow) != STATUS_OK) return NAN;
   const double height = 0.5 * WIDTH;
   double square = 0.0, last = 1.0;
@@ -220,16 +223,18 @@ static double start_up(bool wall_moves, int n) {
   return wall_moves ? sqrt(square) / last : fabs(rate);
 }
 
-static void start_ups(bool wall_moves) {
+static void start_ups(bool wall_moves, enum kernel kernel) {
   const double started = clock_seconds(),
-               error[3] = {start_up(wall_moves, 8), start_up(wall_moves, 16),
-                           start_up(wall_moves, 32)};
+               error[3] = {start_up(wall_moves, kernel, 8), start_up(wall_moves, kernel, 16),
+                           start_up(wall_moves, kernel, 32)};
   char title[96];
   const double order = 0.5 * log2(error[0] / error[2]);
   printf("  errors at 8, 16, 32 across: %.3g, %.3g, %.3g %%; order %.2f\n", 100 * error[0],
          100 * error[1], 100 * error[2], order);
   snprintf(title, sizeof title, "%s start-up, observed order (8 to 32)",
-           wall_moves ? "Couette" : "Poiseuille");
+           wall_moves                  ? "Couette"
+           : kernel == KERNEL_WENDLAND ? "Poiseuille, Wendland,"
+                                       : "Poiseuille");
   report(title, 2.0, order, 0.25, clock_seconds() - started);
 }
 
@@ -299,8 +304,9 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: verify_wcsph OUT.json\n");
     return 1;
   }
-  start_ups(false);
-  start_ups(true);
+  start_ups(false, KERNEL_QUINTIC);
+  start_ups(false, KERNEL_WENDLAND);
+  start_ups(true, KERNEL_QUINTIC);
   taylor_green();
   fprintf(json, "\n]\n");
   fclose(json);

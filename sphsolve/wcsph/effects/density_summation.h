@@ -7,11 +7,11 @@
 
 #include <stdio.h>
 
-#include "sphsolve/wcsph/engine/kernel_vector.h"
+#include "sphsolve/wcsph/engine/simd.h"
 #include "sphsolve/wcsph/scales.h"
 
-SIMD_INLINE void density_summation_pair(vec s, vec *sum) {
-  *sum += kernel_vector_w(s);
+SIMD_INLINE void density_summation_pair(vec w, vec *sum) {
+  *sum += w;
 }
 
 #endif

@@ -109,7 +109,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
     geometric = volume;
   }
   geometric = pow(geometric, 1.0 / lattice->dimensions);
-  TRY(pair_table_choose(&engine->table));
+  TRY(pair_table_choose(s->kernel, &engine->table));
   /* A cluster as it was cut, and what its members may have gone and may go on both sides. */
   double reach = REACH * widest, room = 2 * (1 + SWERVE) * PATH * geometric;
   TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
@@ -131,7 +131,8 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->fluid_fluid = &engine->fluid_fluid;
   pass->fluid_wall = &engine->fluid_wall;
   pass->wall_fluid = &engine->wall_fluid;
-  double h = s->smoothing_length, alpha = kernel_w(KERNEL_QUINTIC, lattice->dimensions, 0, h) / 66;
+  const double h = s->smoothing_length;
+  const double alpha = kernel_w(s->kernel, lattice->dimensions, 0, h) / engine->table->kernel_at_0;
   for (int a = 0; a < 3; a++) pass->scale[a] = (float)(frame->unit[a] / (2 * h));
   pass->radius = (float)(s->support / (2 * h));
   pass->dt = s->dt;

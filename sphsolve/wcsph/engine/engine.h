@@ -11,6 +11,7 @@
 #include "sphsolve/parallel/ghosts.h"
 
 struct engine_settings {
+  enum kernel kernel;
   enum pass_wall wall;
   bool viscosity, shift, diffusion;
   double smoothing_length, support; /* m */

@@ -34,7 +34,7 @@ enum status engine_sum_wall_base(struct engine *engine) {
                      (int)(t / (size_t)span[0] / (size_t)span[1]) - reach[2]};
     double square = 0;
     for (int a = 0; a < 3; a++) square += pow(offset[a] * lattice->spacing[a], 2);
-    weight[t] = kernel_w(KERNEL_QUINTIC, lattice->dimensions, sqrt(square), s->smoothing_length);
+    weight[t] = kernel_w(s->kernel, lattice->dimensions, sqrt(square), s->smoothing_length);
   }
   size_t slots = particles_wall_slots(p);
 #pragma omp parallel for schedule(static)

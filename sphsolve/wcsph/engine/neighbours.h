@@ -55,7 +55,7 @@ static inline size_t list_chunk_begin(const struct neighbour_list *list, size_t 
 }
 /* Words of a row. */
 static inline const uint16_t *list_row(const struct neighbour_list *list, size_t row, size_t *n) {
-  if (RANKS) row -= list->first;
+  row -= list->first;
   const struct list_chunk *chunk = &list->chunks[list_chunk_of(list, row)];
   size_t last = list_chunk_begin(list, list_chunk_of(list, row) + 1) - 1;
   *n = (row == last ? chunk->used : list->start[row + 1]) - list->start[row];

@@ -16,8 +16,26 @@ void collected_give_all(struct collected *from, uint32_t *sums) {
   for (size_t at = 0; at < COLLECTED; at++) collected_give(from, at, sums);
 }
 
-enum status pair_table_choose(const struct pair_table **table) {
-  const struct pair_table *known[] = {&pair_table_baseline, &pair_table_avx2, &pair_table_avx512};
+#define DECLARE(kernel)                                                                            \
+  extern const struct pair_table pair_table_##kernel##_baseline, pair_table_##kernel##_avx2,       \
+      pair_table_##kernel##_avx512;
+#define LIST(kernel)                                                                               \
+  { &pair_table_##kernel##_baseline, &pair_table_##kernel##_avx2, &pair_table_##kernel##_avx512 }
+
+/* The kernels of kernels/, two lines each. */
+DECLARE(quintic)
+DECLARE(wendland)
+static const struct pair_table *const tables[KERNELS][3] = {
+    [KERNEL_QUINTIC] = LIST(quintic),
+    [KERNEL_WENDLAND] = LIST(wendland),
+};
+
+bool pair_table_exists(enum kernel kernel) {
+  return tables[kernel][0] != NULL;
+}
+
+enum status pair_table_choose(enum kernel kernel, const struct pair_table **table) {
+  const struct pair_table *const *known = tables[kernel];
   bool runs[] = {
       true,
       __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"),

@@ -1,4 +1,4 @@
-/* The passes over pairs of particles, one table per instruction set.
+/* The passes over pairs of particles, one table for each kernel and instruction set.
  *
  * A pass walks row clusters [begin, end); rows are independent, so that threads change no bit.
  * Lengths inside are in units of 2 h; `scale` turns fixed-point differences into them. */
@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/kernel.h"
 #include "sphsolve/wcsph/engine/neighbours.h"
 #include "sphsolve/wcsph/engine/particles.h"
 
@@ -65,8 +66,9 @@ struct pass {
   float scale[3]; /* 2 h per fixed-point unit */
   float radius;   /* support in 2 h */
   double dt;      /* s */
-  /* W = w_scale * kernel_vector_w; grad_i W = g_scale * (4 slope/s) * (x_j - x_i)/(2 h); both times
-   * the particle volume. g_scale is per metre. -(1/r) dW/dr = l_scale * (4 slope/s). */
+  /* With the kernel's vector forms (kernels/): W = w_scale * kernel_vector_w; grad_i W = g_scale *
+   * (4 slope/s) * (x_j - x_i)/(2 h); both times the particle volume. g_scale is per metre. -(1/r)
+   * dW/dr = l_scale * (4 slope/s). */
   double w_scale, g_scale, l_scale;
   double smoothing_length; /* m */
   double sound_speed;      /* m/s */
@@ -88,7 +90,8 @@ struct pass {
 typedef void pass_function(const struct pass *pass, struct local *local, size_t begin, size_t end);
 
 struct pair_table {
-  const char *name;
+  const char *name;   /* of the instruction set */
+  double kernel_at_0; /* kernel_vector_w(0), exactly */
   /* state = rho_0/rho of fluid by summation over all columns; what walls have of it is added to
    * wall_sum. */
   pass_function *density;
@@ -110,9 +113,9 @@ struct pair_table {
                      uint64_t *pairs);
 };
 
-extern const struct pair_table pair_table_baseline, pair_table_avx2, pair_table_avx512;
-
+/* Whether there are pair loops with this kernel. */
+bool pair_table_exists(enum kernel kernel);
 /* The widest this machine runs; TOSUI_ISA=baseline|avx2|avx512 asks for a narrower one. */
-enum status pair_table_choose(const struct pair_table **table);
+enum status pair_table_choose(enum kernel kernel, const struct pair_table **table);
 
 #endif

@@ -1,4 +1,4 @@
-/* The pair loops, compiled once per instruction set by the thin files beside it. Each loop is
+/* The pair loops, for the kernel and instruction set of pair_loops.c. Each loop is
  * specialised at compile time for its set of effects: the flags of an `always_inline` function are
  * constants where it is instantiated, and what is off leaves no instruction behind.
  *
@@ -16,7 +16,6 @@
 #include "sphsolve/wcsph/effects/viscosity_morris.h"
 #include "sphsolve/wcsph/effects/wall_adami.h"
 #include "sphsolve/wcsph/effects/wall_subvoxel.h"
-#include "sphsolve/wcsph/engine/kernel_vector.h"
 #include "sphsolve/wcsph/engine/pairs_gather.h"
 
 #define MAX_SUMS 12
@@ -28,10 +27,11 @@ SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n
   for (int group = 0; group < SIMD_GROUPS; group++) {
     vec sum = vec_set(0.0f);
     size_t k = (size_t)group * SIMD_WIDTH;
-    for (; k < walls; k += SIMD_LANES) density_summation_pair(pair_geometry(local, k, at).s, &sum);
+    for (; k < walls; k += SIMD_LANES)
+      density_summation_pair(kernel_vector_w(pair_geometry(local, k, at).s), &sum);
     for (; k < n; k += SIMD_LANES) {
       vec own = vec_set(0.0f);
-      density_summation_pair(pair_geometry(local, k, at).s, &own);
+      density_summation_pair(kernel_vector_w(pair_geometry(local, k, at).s), &own);
       sum += own;
       vec_store(weight + k, vec_load(weight + k) + own);
     }
@@ -515,12 +515,13 @@ CONTINUITY_EXACT(1, 1)
       continuity_##walls##_1_0, continuity_##walls##_1_1                                           \
     }                                                                                              \
   }
-#define TABLE_NAME_(isa) pair_table_##isa
-#define TABLE_NAME(isa) TABLE_NAME_(isa)
+#define TABLE_NAME_(kernel, isa) pair_table_##kernel##_##isa
+#define TABLE_NAME(kernel, isa) TABLE_NAME_(kernel, isa)
 #define TEXT_(isa) #isa
 #define TEXT(isa) TEXT_(isa)
-const struct pair_table TABLE_NAME(SIMD_ISA) = {
+const struct pair_table TABLE_NAME(KERNEL_NAME, SIMD_ISA) = {
     .name = TEXT(SIMD_ISA),
+    .kernel_at_0 = KERNEL_AT_0,
     .density = density,
     .force = {TABLE_FORCE(FROZEN),
               TABLE_FORCE(OPEN),

@@ -1,10 +1,15 @@
-/* The quintic spline (common/kernel.h) on vectors, without its normalisation and in units of h:
- * s = r/h. Terms beyond their reach are cut by max(., 0), so that a pair out of range gives an
- * exact zero and needs no branch. The factors 6 and 15 of the powers go into their bases. */
-#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_KERNEL_VECTOR_H
-#define TOSUI_SPHSOLVE_WCSPH_ENGINE_KERNEL_VECTOR_H
+/* The quintic spline (Schoenberg 1946; Morris, Fox, Zhu 1997, eq. 22) on vectors, s = r/h, without
+ * its normalisation alpha (common/kernel.h):
+ *   W/alpha = (3 - s)^5 - 6 (2 - s)^5 + 15 (1 - s)^5,   each term only while positive.
+ * Terms beyond their reach are cut by max(., 0), so that a pair out of range gives an exact zero
+ * and needs no branch. The factors 6 and 15 of the powers go into their bases. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_KERNELS_QUINTIC_H
+#define TOSUI_SPHSOLVE_WCSPH_KERNELS_QUINTIC_H
 
 #include "sphsolve/wcsph/engine/simd.h"
+
+#define KERNEL_NAME quintic
+#define KERNEL_AT_0 66.0 /* W/alpha at s = 0 */
 
 /* W / alpha. */
 SIMD_INLINE vec kernel_vector_w(vec s) {
