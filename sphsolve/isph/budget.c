@@ -173,7 +173,7 @@ static void account_own(const struct isph *s, size_t i, double scale, const doub
     if (s->on.own[k]->surface_pressure == NULL) continue;
     double outside[3];
     for (int a = 0; a < 3; a++) {
-      outside[a] = -2 * s->surface[i] * s->surface_pressure[i] * s->imbalance[i][a] / s->density;
+      outside[a] = -2 * s->surface[i] * s->surface_pressure[i] * s->gradient_sum[i][a] / s->density;
       pressed[a] -= outside[a];
     }
     give(sums, LEDGER_OWN + k, scale, outside, u);

@@ -177,10 +177,10 @@ cleanup:
 
 /* Adds a neighbour at distance vector r with volume and slope to the sums of a particle. */
 static inline void add_sums(double volume, double w, double slope, const double r[3],
-                            double *filling, double imbalance[3], double moment[6]) {
+                            double *kernel_sum, double gradient_sum[3], double moment[6]) {
   double f = volume * slope;
-  *filling += volume * w;
-  for (int a = 0; a < 3; a++) imbalance[a] += f * r[a];
+  *kernel_sum += volume * w;
+  for (int a = 0; a < 3; a++) gradient_sum[a] += f * r[a];
   moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
   moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
 }
@@ -192,7 +192,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   chunk->pair_count = chunk->wall_count = 0;
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     const double *xi = s->position[i], hi = s->support[i];
-    double imbalance[3] = {0}, moment[6] = {0}, wall_moment[6] = {0}, w, slope;
+    double gradient_sum[3] = {0}, moment[6] = {0}, wall_moment[6] = {0}, w, slope;
     double reach = 0.5 * (hi + s->support_now);
     size_t n = collect(s, &s->cells, NULL, s->position, xi, reach, candidates);
     size_t n_wall = 0;
@@ -204,7 +204,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     enum status status = grow(chunk, chunk->pair_count + n, chunk->wall_count);
     if (status != STATUS_OK) return status;
     isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
-    double filling = s->volume[i] * w * s->kernel_w;
+    double kernel_sum = s->volume[i] * w * s->kernel_w;
     size_t count = chunk->pair_count;
     s->pair_first[i] = (uint32_t)count;
     for (size_t k = 0; k < n; k++) {
@@ -216,7 +216,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       if (r2 >= he * he) continue;
       isph_kernel(kernel, dimensions, sqrt(r2), he, &w, &slope);
       w *= s->kernel_w, slope *= s->kernel_slope;
-      add_sums(s->volume[j], w, slope, r, &filling, imbalance, moment);
+      add_sums(s->volume[j], w, slope, r, &kernel_sum, gradient_sum, moment);
       chunk->pair[count] = entry;
       chunk->slope[count] = (float)slope;
       count++;
@@ -224,7 +224,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     s->pair_number[i] = (uint16_t)(count - chunk->pair_count);
     chunk->pair_count = count;
 
-    double water = filling;
+    double water = kernel_sum;
     s->wall_first[i] = (uint32_t)chunk->wall_count;
     s->wall_number[i] = 0;
     if (s->boundary_count > 0)
@@ -238,7 +238,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
         isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
                     &slope);
         w *= s->kernel_w, slope *= s->kernel_slope;
-        add_sums(s->wall_volume, w, slope, r, &filling, imbalance, wall_moment);
+        add_sums(s->wall_volume, w, slope, r, &kernel_sum, gradient_sum, wall_moment);
         chunk->wall[chunk->wall_count + k] = candidates[k];
         chunk->wall_slope[chunk->wall_count + k] = (float)slope;
       }
@@ -246,11 +246,11 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       chunk->wall_count += n_wall;
     }
 
-    s->filling[i] = filling;
+    s->kernel_sum[i] = kernel_sum;
     if (s->on.surface)
       s->surface[i] =
-          surface_weight(s, hi, filling, filling - water, imbalance, moment, wall_moment);
-    memcpy(s->imbalance[i], imbalance, sizeof imbalance);
+          surface_weight(s, hi, kernel_sum, kernel_sum - water, gradient_sum, moment, wall_moment);
+    memcpy(s->gradient_sum[i], gradient_sum, sizeof gradient_sum);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -261,11 +261,11 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   return STATUS_OK;
 }
 
-enum status isph_probe(const struct isph *s, const double x[3], double *filling,
+enum status isph_probe(const struct isph *s, const double x[3], double *kernel_sum,
                        double velocity[3]) {
   uint32_t candidates[CANDIDATES];
   double he = s->scene->isph.support_ratio * s->spacing, w, slope;
-  *filling = 0;
+  *kernel_sum = 0;
   velocity[0] = velocity[1] = velocity[2] = 0;
   size_t n = collect(s, &s->cells, NULL, s->position, x, he, candidates);
   if (n > CANDIDATES)
@@ -278,11 +278,11 @@ enum status isph_probe(const struct isph *s, const double x[3], double *filling,
     isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
                 he, &w, &slope);
     w *= s->kernel_w * s->volume[j];
-    *filling += w;
+    *kernel_sum += w;
     for (int a = 0; a < 3; a++) velocity[a] += w * s->velocity[j][a];
   }
-  if (*filling > 0)
-    for (int a = 0; a < 3; a++) velocity[a] /= *filling;
+  if (*kernel_sum > 0)
+    for (int a = 0; a < 3; a++) velocity[a] /= *kernel_sum;
   return STATUS_OK;
 }
 
@@ -330,7 +330,7 @@ enum status isph_find_neighbours(struct isph *s) {
   TRY(ranks_agree(status));
   TRY(isph_find_ghosts(s));
   if (s->on.surface)
-    isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->imbalance)});
+    isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->near != NULL) find_near(s);
   if (s->on.soil) isph_moment_even(s);
   s->pairs_now = 0;

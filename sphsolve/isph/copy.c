@@ -37,7 +37,7 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
     used += bytes[i];
   }
   copy->count = s->share.end - s->share.begin;
-  copy->time = s->time, copy->thickest = s->thickest;
+  copy->time = s->time, copy->viscosity_most = s->viscosity_most;
   copy->step = s->step;
   copy->next_id = s->next_id;
   copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
@@ -61,7 +61,7 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
     if (array[i]) memcpy(array[i], copy->block + used, bytes[i]);
     used += bytes[i];
   }
-  s->time = copy->time, s->thickest = copy->thickest;
+  s->time = copy->time, s->viscosity_most = copy->viscosity_most;
   s->step = copy->step;
   s->next_id = copy->next_id;
   s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];

@@ -11,16 +11,17 @@
  *   E = sum m (v^2 / (2 eps^2) - f.x),
  * may only fall. Three things give it some nevertheless, and show near rest, when nothing else
  * takes energy any more. The relaxation of the density lets crowded water have its room again, R =
- * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it widens no more than the step's
- * friction and what it contracts elsewhere pay for, by the pressures of the step before: widening
- * <= (friction + contracting) / widening, unless the water as a whole is crowded by more than
- * CROWDED, when its volume matters more. The projection, whose gradient and divergence are each
- * other's adjoint but for sum V grad W, and the shift lift the water by 1e-7 to 1e-6 of its energy
- * in a step, by spreading its particles. What is lifted is let down again: all particles are drawn
- * along the force towards the lowest, by the one strain that makes E^{n+1} = E^n. The flow is left
- * alone: a factor on velocities would take from waves, whose energy is less than 1e-5 of the
- * water's, what the water as a whole has gained (it ended a wave of 3 cm/s on a metre of water
- * within two periods). Only what a new porosity adds to u = v/eps is taken from the velocities. */
+ * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it may expand the water by no
+ * more work than friction dissipates and contraction elsewhere gives back in the step, by the
+ * pressures of the step before: share <= (friction + contraction) / expansion, unless the water as
+ * a whole is denser by more than CROWDED, when its volume matters more. The projection, whose
+ * gradient and divergence are each other's adjoint but for sum V grad W, and the shift lift the
+ * water by 1e-7 to 1e-6 of its energy in a step, by spreading its particles. What is lifted is let
+ * down again: all particles are drawn along the force towards the lowest, by the one strain that
+ * makes E^{n+1} = E^n. The flow is left alone: a factor on velocities would take from waves, whose
+ * energy is less than 1e-5 of the water's, what the water as a whole has gained (it ended a wave of
+ * 3 cm/s on a metre of water within two periods). Only what a new porosity adds to u = v/eps is
+ * taken from the velocities. */
 
 #define CROWDED 0.0025 /* twice this: relaxation is free */
 
@@ -60,16 +61,16 @@ double isph_potential_energy(const struct isph *s) {
 }
 
 void isph_energy_relax(struct isph *s, double tau, double dt) {
-  enum { WIDENS, CONTRACTS, CROWD, VOLUME, COUNT };
+  enum { EXPANDS, CONTRACTS, CROWD, VOLUME, COUNT };
   double total[COUNT];
-  s->widening = 1;
+  s->relaxation_share = 1;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double asked = -s->volume[i] * relaxation_source(s, i, tau);
       double given = s->pressure[i] * asked * dt;
-      sum[given > 0 ? WIDENS : CONTRACTS] += fabs(given);
+      sum[given > 0 ? EXPANDS : CONTRACTS] += fabs(given);
       sum[CROWD] += asked * tau, sum[VOLUME] += s->volume[i];
     }
     memcpy(s->sums[c], sum, sizeof sum);
@@ -77,15 +78,15 @@ void isph_energy_relax(struct isph *s, double tau, double dt) {
   isph_add_up(s, COUNT, total);
   double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
   double free = fmin(1, total[CROWD] / total[VOLUME] / CROWDED - 1);
-  if (total[WIDENS] > 0)
-    s->widening = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[WIDENS]);
-  s->unpaid = free > s->widening ? 1 - s->widening / free : 0;
-  s->widening = fmax(s->widening, free);
+  if (total[EXPANDS] > 0)
+    s->relaxation_share = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
+  s->relaxation_excess = free > s->relaxation_share ? 1 - s->relaxation_share / free : 0;
+  s->relaxation_share = fmax(s->relaxation_share, free);
 }
 
 double isph_energy_given(const struct isph *s, double tau, double dt) {
   double total;
-  if (s->unpaid <= 0) return 0;
+  if (s->relaxation_excess <= 0) return 0;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
@@ -94,7 +95,7 @@ double isph_energy_given(const struct isph *s, double tau, double dt) {
     s->sums[c][0] = sum;
   }
   isph_add_up(s, 1, &total);
-  return s->unpaid * fmax(0, total * dt);
+  return s->relaxation_excess * fmax(0, total * dt);
 }
 
 #define STRAIN_MOST 1e-3 /* of a step */

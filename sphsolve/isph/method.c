@@ -70,7 +70,7 @@ static double given_speed(const struct isph *s) {
 
 /* A particle that leads: of a rank, then of all. */
 struct leader {
-  double value, position[3], filling, square;
+  double value, position[3], kernel_sum, square;
   uint64_t id;
 };
 
@@ -99,12 +99,12 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
       const double *v = s->velocity[i], *x = s->position[i];
       double eps = s->porosity != NULL ? s->porosity[i] : 1;
       double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
-      const double values[2] = {s->filling[i], square};
+      const double values[2] = {s->kernel_sum[i], square};
       sum += square;
       for (int k = 0; k < 2; k++)
         if (values[k] > leaders[k].value)
           leaders[k] =
-              (struct leader){values[k], {x[0], x[1], x[2]}, s->filling[i], square, s->id[i]};
+              (struct leader){values[k], {x[0], x[1], x[2]}, s->kernel_sum[i], square, s->id[i]};
     }
     s->sums[c][0] = sum;
   }
@@ -129,9 +129,10 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
   enum watch_bound worst = watchdog_worst(&reading, share);
   const struct leader *first = &leaders[worst == WATCH_DENSITY ? 0 : 1];
   if (s->total > 0)
-    snprintf(what, 160, "%s: particle %llu at (%.4g, %.4g, %.4g) m, filling %.3g, speed %.3g m/s",
+    snprintf(what, 160,
+             "%s: particle %llu at (%.4g, %.4g, %.4g) m, kernel sum %.3g, speed %.3g m/s",
              watchdog_name(worst), (unsigned long long)first->id, first->position[0],
-             first->position[1], first->position[2], first->filling, sqrt(fastest));
+             first->position[1], first->position[2], first->kernel_sum, sqrt(fastest));
 cleanup:
   return status;
 }

@@ -192,8 +192,8 @@ static double volume_in_region(const struct isph *s, size_t k) {
 
 /* Sums and extremes over all particles. */
 struct whole {
-  double mass, kinetic, potential, momentum[3], squares, filling; /* in this order in s->sums */
-  double extreme[7];                                              /* high, -low, filling */
+  double mass, kinetic, potential, momentum[3], squares, kernel_sum; /* in this order in s->sums */
+  double extreme[7];                                                 /* high, -low, kernel_sum */
 };
 
 static void sum_up(const struct isph *s, struct whole *whole) {
@@ -217,8 +217,8 @@ static void sum_up(const struct isph *s, struct whole *whole) {
       sum[0] += m;
       sum[1] += 0.5 * m * square;
       sum[6] += square;
-      sum[7] += s->filling[i];
-      most[6] = fmax(most[6], s->filling[i]);
+      sum[7] += s->kernel_sum[i];
+      most[6] = fmax(most[6], s->kernel_sum[i]);
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
@@ -242,7 +242,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   row.mass = whole.mass * scale, row.kinetic_energy = whole.kinetic * scale;
   for (int a = 0; a < 3; a++) row.momentum[a] = whole.momentum[a] * scale;
   row.density_max = s->density * fmax(0, whole.extreme[6]);
-  row.density_mean = s->density * whole.filling / count;
+  row.density_mean = s->density * whole.kernel_sum / count;
   isph_darcy_velocity(s, row.darcy_velocity);
   row.reynolds = isph_reynolds(s, row.darcy_velocity);
   extra[c++] = whole.potential * scale;
@@ -292,7 +292,7 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(h5_write(file, name, H5_F64, 1, &six, boxes, false));
   }
-  double numbers[] = {s->time, s->lost_mass, s->left_mass, s->entered_mass, s->thickest};
+  double numbers[] = {s->time, s->lost_mass, s->left_mass, s->entered_mass, s->viscosity_most};
   int64_t counts[] = {s->step, (int64_t)s->next_id, (int64_t)s->lost_count, (int64_t)s->left_count,
                       (int64_t)s->entered_count};
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 5, numbers));
@@ -380,7 +380,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->solve.iterations = (int)solve[0], s->solve.iterations_total = (int)solve[1];
   s->solve.solves = (int)solve[2], s->solve.residual = solve[3];
   s->time = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
-  s->entered_mass = numbers[3], s->thickest = numbers[4];
+  s->entered_mass = numbers[3], s->viscosity_most = numbers[4];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
   TRY(read_into(file, "/state/losses", H5_F64, LEDGER_LOSSES, 6, s->losses));

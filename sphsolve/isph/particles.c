@@ -29,7 +29,7 @@ static void normalise_kernel(struct isph *s) {
   s->kernel_w = 1 / sum_w;
   s->kernel_slope = 1 / sum_m;
   s->slope_sum = sum_s / sum_m;
-  s->lopsided_top = top * ratio / trace;
+  s->asymmetry_top = top * ratio / trace;
 }
 
 enum status isph_reserve(struct isph *s, size_t n) {
@@ -59,8 +59,8 @@ enum status isph_reserve(struct isph *s, size_t n) {
       TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
     }
   }
-  TRY(memory_resize(&s->filling, n, sizeof *s->filling, what));
-  TRY(memory_resize(&s->imbalance, n, sizeof *s->imbalance, what));
+  TRY(memory_resize(&s->kernel_sum, n, sizeof *s->kernel_sum, what));
+  TRY(memory_resize(&s->gradient_sum, n, sizeof *s->gradient_sum, what));
   TRY(memory_resize(&s->correction, n, sizeof *s->correction, what));
   if (s->on.surface) TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
   if (isph_is_free(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
@@ -211,7 +211,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   memset(s, 0, sizeof *s);
   s->scene = scene;
   s->on = *switches;
-  s->widening = 1;
+  s->relaxation_share = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
   s->viscosity = scene->fluid.viscosity / scene->fluid.density;
@@ -281,8 +281,8 @@ void isph_free(struct isph *s) {
                     &s->drag_left,
                     &s->soil_velocity,
                     &s->porosity_rate,
-                    &s->filling,
-                    &s->imbalance,
+                    &s->kernel_sum,
+                    &s->gradient_sum,
                     &s->correction,
                     &s->moment_lack,
                     &s->surface,

@@ -121,12 +121,12 @@ struct isph {
   double shift[27][3];           /* of the periodic images */
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
-  double lopsided_top;           /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
+  double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, viscosity;     /* rho_w, nu */
   double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double widening;               /* share of what the relaxation asks of crowded water */
-  double unpaid;                 /* share of that which friction does not pay for */
-  double time, thickest;         /* thickest: largest nu + nu_T of the last step */
+  double relaxation_share;       /* of the expansion that the density's error asks for; energy.c */
+  double relaxation_excess;      /* of it, whose work exceeds what friction dissipates */
+  double time, viscosity_most;   /* the largest nu + nu_T of the last step */
   double artificial_viscosity;   /* m^2/s, the floor under the eddies' */
   int64_t step;
 
@@ -147,8 +147,8 @@ struct isph {
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
   double (*soil_velocity)[3];        /* NULL unless soil moves */
   double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *filling;                   /* sum V W with walls: 1 in the bulk */
-  double (*imbalance)[3];            /* sum V W'/r r: 0 in the bulk, points into a void */
+  double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
+  double (*gradient_sum)[3];         /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];            /* L, gradient correction */
   float (*moment_lack)[6];           /* C of isph_moment.c; NULL without soil */
   double *surface;                   /* 0 bulk .. 1 surface; NULL without */
@@ -232,7 +232,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by);
 struct isph_copy {
   char *block;
   size_t count, counts[3];
-  double time, thickest, numbers[3];
+  double time, viscosity_most, numbers[3];
   struct ledger_account account;
   int64_t step;
   uint64_t next_id;
@@ -273,7 +273,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
 
 /* isph_cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
- * filling, imbalance, correction. */
+ * kernel_sum, gradient_sum, correction. */
 enum status isph_sort(struct isph *s);
 uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
 enum status isph_sort_walls(struct isph *s);
@@ -329,8 +329,8 @@ enum status isph_open_measure(struct isph *s);
 enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
-/* isph_cells.c: filling of a point by water, and the mean velocity of water there. */
-enum status isph_probe(const struct isph *s, const double x[3], double *filling,
+/* isph_cells.c: kernel sum of water at a point, and the mean velocity of water there. */
+enum status isph_probe(const struct isph *s, const double x[3], double *kernel_sum,
                        double velocity[3]);
 
 /* Whether nothing acts on water with a surface but itself and walls. */

@@ -87,14 +87,14 @@ static void find_viscosity(struct isph *s) {
     s->eddy[i] = (s->viscosity + fmax(eddies, least)) / eps;
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
-  s->thickest = 0;
+  s->viscosity_most = 0;
   for (size_t i = s->share.begin; i < s->share.end; i++)
-    s->thickest = fmax(s->thickest, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
-  s->thickest = ranks_max(s->thickest);
+    s->viscosity_most = fmax(s->viscosity_most, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
+  s->viscosity_most = ranks_max(s->viscosity_most);
 }
 
-/* With what viscosity wall particle j holds particle i, half a spacing away. */
-static double holding(const struct isph *s, size_t i, size_t j) {
+/* The viscosity of the friction between particle i and wall particle j, half a spacing away. */
+static double wall_friction_viscosity(const struct isph *s, size_t i, size_t j) {
   double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
   double square = 0, nu = s->viscosity;
   if (s->on.turbulence && soil < 1) {
@@ -120,7 +120,8 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
-    if (s->boundary_box[j] != last) last = s->boundary_box[j], hold = holding(s, i, j);
+    if (s->boundary_box[j] != last)
+      last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, j);
     double r[3], mirror[3], ratio,
         weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
@@ -175,13 +176,14 @@ static inline void add_drop(const double f[3], double rho, double weight, double
 
 /* v^{n+1} = v* - k grad q (and into v* the mean of v^n and v^{n+1}), q = P - rho f.x the pressure
  * without its hydrostatic part. The gradient is the adjoint of the divergence up to terms in the
- * imbalance sum V grad W, so that the pressure takes energy from the flow and never gives any: grad
- * q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s. The second
- * term is the surface's; walls have q_w = q_i. In soil the share of the moment along a wall that is
- * missing there is made up for: without it a column ten particles wide carries 2 % too little. (In
- * free water the same feeds a slow stirring at rest.) In water at rest q is the same everywhere and
- * nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds noise, and a
- * gradient corrected to be exact for linear fields is unstable beside walls and surfaces.) */
+ * sum V grad W, so that the pressure takes energy from the flow and never gives any:
+ * grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s. The
+ * second term is the surface's; walls have q_w = q_i. In soil the share of the moment along a wall
+ * that is missing there is made up for: without it a column ten particles wide carries 2 % too
+ * little. (In free water the same feeds a slow stirring at rest.) In water at rest q is the same
+ * everywhere and nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds
+ * noise, and a gradient corrected to be exact for linear fields is unstable beside walls and
+ * surfaces.) */
 static void correct(struct isph *s) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
@@ -264,11 +266,11 @@ static void wrap(const struct isph *s, double x[3]) {
 static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                            double normal[3]) {
   double near = s->surface[i], square = 0;
-  for (int a = 0; a < 3; a++) normal[a] = near * s->imbalance[i][a];
+  for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     near = fmax(near, s->surface[j]);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * s->imbalance[j][a];
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * s->gradient_sum[j][a];
   }
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
   for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
@@ -276,7 +278,7 @@ static double surface_near(const struct isph *s, const struct isph_chunk *chunk,
 }
 
 /* How far particle i stands before a gap between it and a wall, 0 .. 1: on the surface, or more
- * lopsided than disorder makes it, towards the wall. */
+ * asymmetric than disorder makes it, towards the wall. */
 static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
   const double *xi = s->position[i];
   double gap = 0, trace = 0, r[3];
@@ -295,8 +297,8 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
     trace += s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] *
              (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   }
-  double lopsided = surface_lopsided(s, s->support[i], s->imbalance[i], trace);
-  double more = (lopsided - SURFACE_DISORDER) / (SURFACE_FROM - SURFACE_DISORDER);
+  double asymmetry = surface_asymmetry(s, s->support[i], s->gradient_sum[i], trace);
+  double more = (asymmetry - SURFACE_DISORDER) / (SURFACE_FROM - SURFACE_DISORDER);
   return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
 }
 
@@ -311,7 +313,7 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
     near = surface_near(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
-  shift_of(s->imbalance[i], h, speed, dt, size_of(s, s->volume[i]), weight, step);
+  shift_of(s->gradient_sum[i], h, speed, dt, size_of(s, s->volume[i]), weight, step);
   if (near > 0) shift_along(normal, near, step);
   const float *g = s->gradient[i];
   for (int a = 0; a < 3; a++)
@@ -488,7 +490,7 @@ static double fastest_drive(const struct isph *s) {
 }
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = fastest_drive(s), thickest = fmax(s->viscosity, s->thickest);
+  double fastest = fastest_drive(s), viscosity_most = fmax(s->viscosity, s->viscosity_most);
   for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
@@ -501,7 +503,8 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   } limits[] = {
       {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
-      {"isph_viscosity", s->on.viscosity ? 0.1 * s->spacing * s->spacing / thickest : INFINITY},
+      {"isph_viscosity",
+       s->on.viscosity ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
       {s->on.dt_most_by, s->on.dt_most},
   };
   size_t least = 0;

@@ -305,11 +305,11 @@ static void patch(void) {
     double x = s->position[i][0] - CENTRE, z = s->position[i][2] - CENTRE;
     after += s->mass[i] * (z * s->velocity[i][0] - x * s->velocity[i][2]);
     if (x * x + z * z > 0.25) continue;
-    whole += s->filling[i], inside++;
+    whole += s->kernel_sum[i], inside++;
   }
   report("rotating square: angular momentum at omega t = 1 over that at the start", after / before,
          1, 0.02, "central forces keep it: first order in dt");
-  report("rotating square: filling of its inner part", whole / fmax(inside, 1), 1, 0.05,
+  report("rotating square: kernel sum of its inner part", whole / fmax(inside, 1), 1, 0.05,
          "incompressible: tau relaxes what is left; 5 %");
   end_patch(&patch);
 }

@@ -106,8 +106,8 @@ def each_bound_within_ten_steps():
         h = before.history
         if word == "density":
             bound = 1500 if "wcsph" in name else 2000
-            reached = float(re.search(r"is ([0-9.]+) times|filling ([0-9.]+)", run.message).group(1 if bound == 1500 else 2))
-            yield holds(f"{name}: within the bound a step before, beyond it then", "wcsph: half of that at rest; isph: filling 2", h["density_max"][-1] < bound <= 1000 * reached, f"{h['density_max'][-1]:.6g}, {1000 * reached:.6g} kg/m^3")
+            reached = float(re.search(r"is ([0-9.]+) times|kernel sum ([0-9.]+)", run.message).group(1 if bound == 1500 else 2))
+            yield holds(f"{name}: within the bound a step before, beyond it then", "wcsph: half of that at rest; isph: kernel sum 2", h["density_max"][-1] < bound <= 1000 * reached, f"{h['density_max'][-1]:.6g}, {1000 * reached:.6g} kg/m^3")
         if name == "isph, energy":
             speed = (2 * h["kinetic_energy"] / h["mass"]) ** 0.5
             yield row(f"{name}: share of its bound used a step before", "watchdog.h: 2 (rms speed a step earlier + the piston's), at least .02 spacings a step", speed[-1] / max(2 * (speed[-2] + 1), 0.2), 0.5, 0.5)

@@ -51,7 +51,7 @@ static const char tank[] =
     "force = { gravity = [\"0\", \"0\", \"-9.81 m/s^2\"]; };\nisph = { dt = \"1 ms\"; };\n";
 
 /* P = rho g (z_s - z) solves the discrete equations on the lattice, and nothing moves but for what
- * the filling does at the soil's edge. */
+ * the kernel sum does at the soil's edge. */
 static void rest_is_exact(void **state) {
   (void)state;
   struct run run;

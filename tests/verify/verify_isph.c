@@ -265,7 +265,7 @@ static void crushed_rock(void) {
       for (; points < 16 && table[k][points][1] > 0; points++) {
         double top = 0, x = fmin(.01 * table[k][points][0], .882);
         for (size_t i = 0; i < run.s.count; i++)
-          if (fabs(run.s.position[i][0] - x) < .012 && run.s.filling[i] > .6)
+          if (fabs(run.s.position[i][0] - x) < .012 && run.s.kernel_sum[i] > .6)
             top = fmax(top, run.s.position[i][2] + .5 * sqrt(run.s.volume[i]));
         squares += pow(100 * top - table[k][points][1], 2);
       }

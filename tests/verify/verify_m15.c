@@ -1,6 +1,6 @@
-/* Reads the runs of scripts/studies/m15 and holds them against the paper, the 1-D balance and the exact
- * state at rest; draws the paper's figures 6 and 7 and the histories. Usage: verify_m15 FOLDER;
- * writes FOLDER/results.json, figure-6, figure-7, histories. */
+/* Reads the runs of scripts/studies/m15 and holds them against the paper, the 1-D balance and the
+ * exact state at rest; draws the paper's figures 6 and 7 and the histories. Usage: verify_m15
+ * FOLDER; writes FOLDER/results.json, figure-6, figure-7, histories. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -183,7 +183,8 @@ static size_t read_snapshot(const struct run *run, double time, double (**points
 }
 
 /* At the end, a spacing and more below the surface: the rms distance of the pressure from rho g
- * (level - z), over rho g level, and the mean of 1 / filling, the bulk volume over the exact one.
+ * (level - z), over rho g level, and the mean of 1 / kernel sum, the bulk volume over the exact
+ * one.
  */
 static double at_rest(const struct run *run, double level, double *bulk) {
   double(*points)[3], *pressure, *density, sum = 0, space = 0;

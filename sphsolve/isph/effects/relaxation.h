@@ -1,14 +1,14 @@
 /* Density relaxation (Asai et al. 2012; M15 eqs. 26-31): the divergence is not 0 but such that an
- * error of the filling phi = sum V W (with V the bulk volume, 1 everywhere, in and out of soil)
+ * error of the kernel sum phi = sum V W (with V the bulk volume, 1 everywhere, in and out of soil)
  * fades with the time tau; M15's alpha is dt/tau.
  *   div v_D = - eps (1 - phi) B / tau
  * B, the share of a velocity that the drag of one step leaves, keeps the correction in stiff soil
  * from outrunning the water. |1 - phi| counts up to 0.05; at a surface only crowding counts, in
  * free water also beside it: neighbours are missing on one side there, and a strain that keeps the
  * volume changes phi by as much as the second moments along and across differ. In seepage without a
- * surface tau is no shorter than a particle takes to go its own size, for errors of the filling
+ * surface tau is no shorter than a particle takes to go its own size, for errors of the kernel sum
  * come by going: with tau alone water that creeps through soil of porosity .1 is stirred at its own
- * speed. `widening`: see isph_energy.c; else 1. */
+ * speed. `relaxation_share`: see isph_energy.c; else 1. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -19,7 +19,7 @@
 #include "sphsolve/plan/plan.h"
 
 static inline double relaxation_source(const struct isph *s, size_t i, double tau) {
-  double lack = 1 - s->filling[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
+  double lack = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
   lack = lack < -0.05 ? -0.05 : lack > 0.05 ? 0.05 : lack;
   if (lack > 0 && s->surface != NULL) lack *= 1 - (s->near != NULL ? s->near : s->surface)[i];
   if (s->porosity != NULL && s->surface == NULL) {
@@ -28,7 +28,7 @@ static inline double relaxation_source(const struct isph *s, size_t i, double ta
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     tau = fmax(tau, size / fmax(speed, 1e-30));
   }
-  if (lack < 0) lack *= s->widening;
+  if (lack < 0) lack *= s->relaxation_share;
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
   return eps * lack * left / tau;
 }

@@ -5,9 +5,9 @@
  * is what keeps shifting from diffusing momentum. A surface particle is not shifted, and one that
  * has the surface among its neighbours only along it (Khayyer, Gotoh, Shimizu 2017, eq. 13): C
  * falls towards the void whether or not particles are evenly spread, and a shift up that fall
- * lifts the water for ever: it stirred still tanks. Nor is one with a gap to a wall, more lopsided
- * than disorder makes it: water that came to a wall was drawn over the last half particle within
- * three steps. None where nothing moves. */
+ * lifts the water for ever: it stirred still tanks. Nor is one with a gap to a wall, more
+ * asymmetric than disorder makes it: water that came to a wall was drawn over the last half
+ * particle within three steps. None where nothing moves. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 
@@ -20,14 +20,15 @@
 #define SHIFT_STRENGTH 10.0 /* A */
 #define SHIFT_MOST 0.1      /* of the particle's size */
 
-/* `imbalance` = - grad C. */
-static inline void shift_of(const double imbalance[3], double h, double speed, double dt,
+/* `gradient_sum` = - grad C. */
+static inline void shift_of(const double gradient_sum[3], double h, double speed, double dt,
                             double size, double weight, double shift[3]) {
   double scale = fmin(SHIFT_STRENGTH * speed * dt, h) * h * weight;
-  double length = scale * sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] +
-                               imbalance[2] * imbalance[2]);
+  double length =
+      scale * sqrt(gradient_sum[0] * gradient_sum[0] + gradient_sum[1] * gradient_sum[1] +
+                   gradient_sum[2] * gradient_sum[2]);
   if (length > SHIFT_MOST * size) scale *= SHIFT_MOST * size / length;
-  for (int a = 0; a < 3; a++) shift[a] = scale * imbalance[a];
+  for (int a = 0; a < 3; a++) shift[a] = scale * gradient_sum[a];
 }
 
 /* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. */

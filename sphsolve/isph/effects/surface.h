@@ -20,32 +20,32 @@
 
 /* |sum V grad W| he / sum V slope r^2, the lopsidedness of a neighbourhood, as a share of that of a
  * level surface's outermost layer; `trace` is the sum below. */
-static inline double surface_lopsided(const struct isph *s, double support,
-                                      const double imbalance[3], double trace) {
-  double length =
-      sqrt(imbalance[0] * imbalance[0] + imbalance[1] * imbalance[1] + imbalance[2] * imbalance[2]);
-  return length * support / (trace * s->lopsided_top);
+static inline double surface_asymmetry(const struct isph *s, double support,
+                                       const double gradient_sum[3], double trace) {
+  double length = sqrt(gradient_sum[0] * gradient_sum[0] + gradient_sum[1] * gradient_sum[1] +
+                       gradient_sum[2] * gradient_sum[2]);
+  return length * support / (trace * s->asymmetry_top);
 }
 
-#define SURFACE_FROM 0.5      /* a particle more lopsided begins to be on the surface */
+#define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface */
 #define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
 
 /* How far a particle is on the surface, 0 .. 1, by the lopsidedness of its neighbourhood (walls are
  * neighbours), in which the volumes cancel: water that enters soil takes more volume before it has
- * spread, its filling is above 1, and a front that is no longer seen as one strikes the soil like a
- * wall (it lost half its speed). 1 from .8, 0 below .5: the second layer of a surface at 45 degrees
- * stands at .28, disorder of a tenth of a spacing below .33. Sheets one particle thick and drops
- * are told by their filling, below .8 to .72 (.79 in the outermost layer). Walls above the water
- * level even the neighbourhood out: in a tank's corner it is a quarter as lopsided and filled to
- * .87, of which `walls` is .45; what walls fill counts .35. */
-static inline double surface_weight(const struct isph *s, double support, double filling,
-                                    double walls, const double imbalance[3], const double moment[6],
-                                    const double wall_moment[6]) {
+ * spread, its kernel sum is above 1, and a front that is no longer seen as one strikes the soil
+ * like a wall (it lost half its speed). 1 from .8, 0 below .5: the second layer of a surface at 45
+ * degrees stands at .28, disorder of a tenth of a spacing below .33. Sheets one particle thick and
+ * drops are told by their kernel sum, below .8 to .72 (.79 in the outermost layer). Walls above the
+ * water level even the neighbourhood out: in a tank's corner it is a quarter as asymmetric and
+ * filled to .87, of which `walls` is .45; what walls fill counts .35. */
+static inline double surface_weight(const struct isph *s, double support, double kernel_sum,
+                                    double walls, const double gradient_sum[3],
+                                    const double moment[6], const double wall_moment[6]) {
   double trace =
       moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] + wall_moment[5];
   if (!(trace > 0)) return 1;
-  double lopsided = (surface_lopsided(s, support, imbalance, trace) - SURFACE_FROM) / 0.3;
-  double thin = (0.8 + 0.35 * walls - filling) / 0.08, w = lopsided > thin ? lopsided : thin;
+  double asymmetry = (surface_asymmetry(s, support, gradient_sum, trace) - SURFACE_FROM) / 0.3;
+  double thin = (0.8 + 0.35 * walls - kernel_sum) / 0.08, w = asymmetry > thin ? asymmetry : thin;
   return w < 0 ? 0 : w > 1 ? 1 : w;
 }
 
@@ -57,7 +57,7 @@ static inline double surface_weight(const struct isph *s, double support, double
  * to the wall at 1.3 times its speed. */
 static inline double surface_gap(const struct isph *s, size_t i, const double r[3],
                                  const double mirror[3]) {
-  const double *m = s->imbalance[i]; /* points into the void */
+  const double *m = s->gradient_sum[i]; /* points into the void */
   double length = 0, distance = 0, towards = 0;
   for (int a = 0; a < 3; a++) {
     length += m[a] * m[a], distance += mirror[a] * r[a] * r[a];
@@ -90,7 +90,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   if (w <= 0) return;
   double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
   double scale = 2 * s->volume[i] * s->mobility[i];
-  const double *m = s->imbalance[i], *f = s->force;
+  const double *m = s->gradient_sum[i], *f = s->force;
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
   *coefficient = w * fmax(moment / (0.5 * size), missing);
@@ -102,7 +102,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
  * it is carried. */
 static inline double surface_close(const struct isph *s, size_t i, double reduced[3],
                                    double own[3]) {
-  const double *m = s->imbalance[i], *f = s->force;
+  const double *m = s->gradient_sum[i], *f = s->force;
   double w = s->surface[i];
   double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);

@@ -57,11 +57,11 @@ static inline void surface_tension_normal(const struct isph *s, const struct isp
                                           size_t i, double normal[3]) {
   const double size = surface_tension_size(s, i);
   double square = 0;
-  for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->imbalance[i][a];
+  for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->gradient_sum[i][a];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const double w = surface_tension_weight(s, chunk, p, size);
     for (int a = 0; a < 3 && w > 0; a++)
-      normal[a] += w * s->imbalance[chunk->pair[p] & PAIR_MASK][a];
+      normal[a] += w * s->gradient_sum[chunk->pair[p] & PAIR_MASK][a];
   }
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
   for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
