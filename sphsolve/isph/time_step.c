@@ -1,0 +1,57 @@
+/* The largest stable time step. */
+#include <math.h>
+
+#include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/state.h"
+
+/* A wall that has left the domain drives nothing any more. */
+static bool wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
+  for (int a = 0; a < 3; a++)
+    if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
+  return true;
+}
+
+static double length(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* Fastest of the walls, soils and windows, m/s: what will move the water, when it is still at rest.
+ */
+static double fastest_drive(const struct isph *s) {
+  double fastest = 0;
+  for (size_t b = 1; b < s->wall_box_count; b++)
+    if (wall_is_inside(s, &s->wall_boxes[b]))
+      fastest = fmax(fastest, length(s->wall_boxes[b].velocity));
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *r = &s->scene->regions[k];
+    if (r->type == REGION_POROUS) fastest = fmax(fastest, length(r->soil_velocity));
+    if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
+      fastest = fmax(fastest, fabs(r->flux));
+  }
+  return fastest;
+}
+
+double isph_stable_dt(const struct isph *s, const char **limited_by) {
+  double fastest = fastest_drive(s), viscosity_most = fmax(s->viscosity, s->viscosity_most);
+  for (size_t i = s->share.begin; i < s->share.end; i++) {
+    double eps = s->on.soil ? s->porosity[i] : 1;
+    fastest = fmax(fastest, length(s->velocity[i]) / eps);
+  }
+  fastest = ranks_max(fastest);
+  double force = length(s->force);
+  const struct {
+    const char *name;
+    double dt;
+  } limits[] = {
+      {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
+      {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
+      {"isph_viscosity",
+       s->on.viscosity ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
+      {s->on.dt_most_by, s->on.dt_most},
+  };
+  size_t least = 0;
+  for (size_t k = 1; k < sizeof limits / sizeof *limits; k++)
+    if (limits[k].dt < limits[least].dt) least = k;
+  *limited_by = limits[least].name;
+  return limits[least].dt;
+}
