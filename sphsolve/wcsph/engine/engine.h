@@ -10,6 +10,13 @@
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/parallel/ghosts.h"
 
+/* Clusters are cut when wider than this; lists are made for paths of ENGINE_PATH, with so much
+ * around them (see cluster_boxes_fluid). All in spacings; measured on sand models,
+ * docs/performance.md. */
+#define ENGINE_REACH 4.0
+#define ENGINE_PATH 1.5
+#define ENGINE_SWERVE 0.4
+
 struct engine_settings {
   enum kernel kernel;
   enum pass_wall wall;
