@@ -10,6 +10,8 @@
 #include "analyze/history.h"
 #include "analyze/mixture.h"
 #include "analyze/report/page.h"
+#include "analyze/report/page_model.h"
+#include "analyze/report/page_verdict.h"
 #include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
@@ -148,6 +150,19 @@ cleanup:
   return status;
 }
 
+/* What k is good for, and what would make it better, as the head of the page says. */
+static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
+  struct page_model model;
+  json_t *results = verdict_results(runs, n, darcy, NULL);
+  const json_t *first = json_array_get(results, 0);
+  page_model_read(&runs[0], &model);
+  verdict_judge(results, &runs[0], &model);
+  if (first != NULL)
+    printf("Verdict: %s. %s\n", json_string_value(json_object_get(first, "good_for")),
+           json_string_value(json_object_get(first, "advice")));
+  json_decref(results);
+}
+
 /* Results: to stdout as text or JSON; with -o into files as well. */
 static enum status deliver(const struct options *options, struct product *product) {
   enum status status = STATUS_OK;
@@ -216,6 +231,8 @@ static enum status run_command(const struct options *options) {
       if (strcmp(command, many[i].name) == 0) TRY(many[i].analyze(runs, n, &product));
   }
   TRY(deliver(options, &product));
+  if (!strcmp(command, "darcy") && !options_json(options) && log_level() > LOG_QUIET)
+    print_verdict(runs, n, product.json);
 cleanup:
   for (size_t i = 0; i < n; i++) run_free(&runs[i]);
   memory_free(&runs);

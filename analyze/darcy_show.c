@@ -254,7 +254,7 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     fputc('\n', stream);
   }
   if (table->has_tensor) tensor_summary(&table->tensor, stream);
-  fprintf(stream, "%s\n", superficial);
+  if (log_level() >= LOG_VERBOSE) fprintf(stream, "%s\n", superficial);
 }
 
 static void write_plot(const struct darcy_table *table, FILE *stream) {

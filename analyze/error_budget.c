@@ -4,6 +4,7 @@
 
 #include "analyze/product.h"
 #include "common/hdf5_file.h"
+#include "common/log.h"
 
 void error_budget_read(const struct run *run, struct error_budget *budget) {
   char path[8200];
@@ -66,7 +67,7 @@ void error_budget_json(const struct error_budget *budget, json_t *object) {
 }
 
 static void write_part(FILE *stream, const char *what, double share) {
-  if (!isfinite(share)) return;
+  if (!isfinite(share) || share == 0) return;
   fputs(what, stream);
   write_percent(stream, share);
 }
@@ -85,11 +86,12 @@ void error_budget_write(const struct error_budget *budget, FILE *stream) {
   write_part(stream, ", void ratio ", budget->void_ratio);
   write_part(stream, ", threshold ", budget->threshold);
   write_part(stream, "; together ", error_budget_total(budget));
-  if (isfinite(budget->slope_void_ratio))
+  if (isfinite(budget->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * budget->slope_void_ratio);
-  write_part(stream,
-             budget->slope_solved ? " (solved), one grey level of the threshold by "
-                                  : " (Kozeny-Carman), one grey level of the threshold by ",
-             budget->slope_threshold);
+    write_part(stream,
+               budget->slope_solved ? " (solved), one grey level of the threshold by "
+                                    : " (Kozeny-Carman), one grey level of the threshold by ",
+               budget->slope_threshold);
+  }
   fputc('\n', stream);
 }

@@ -59,7 +59,8 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "fluid_count", 1, &run->fluid_count));
   TRY(read_numbers(file, "darcy_velocity", 3, run->darcy_velocity));
   TRY(read_numbers(file, "k", 1, &run->k));
-  TRY(read_numbers(file, "k_error", 1, &run->k_error));
+  TRY(read_numbers(file, "k_solver_error", 1, &run->k_error));
+  if (isnan(run->k_error)) TRY(read_numbers(file, "k_error", 1, &run->k_error)); /* before 0.2 */
   TRY(read_numbers(file, "k_low", 1, &run->k_low));
   TRY(read_numbers(file, "k_high", 1, &run->k_high));
   TRY(read_numbers(file, "k_finest", 1, &run->k_finest));

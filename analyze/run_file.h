@@ -41,7 +41,7 @@ struct run {
   int dimensions;
   double bulk_count, fluid_count;
   double darcy_velocity[3];         /* as sphsolve found it; NAN if not stored */
-  double k, k_error;                /* m/s, relative; NAN if not stored */
+  double k, k_error; /* m/s; relative, of solver or averaging alone; NAN if not stored */
   double k_low, k_high, k_finest;   /* m/s: 95 % interval, finest lattice; NAN if not stored */
   double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
   double wall_time, steps;          /* s; NAN if not stored */

@@ -256,8 +256,7 @@ static void print_pores(const struct pipeline *pipeline) {
   else
     printf(": too coarse for 5 %%; --size %zux%zux%zu %s\n", size[0], size[1], size[2],
            enough ? "would do" : "is the best this scan can give");
-  printf("median width      %.1f voxels: so few across a pore make k uncertain by about %.2g %%\n",
-         m->thickness_median, 100.0 * m->expected_error);
+  printf("median width      %.1f voxels across a pore\n", m->thickness_median);
   print_widths(m);
 }
 

@@ -158,8 +158,8 @@ static enum status parse_one_void_ratio(const char *text, double *value, double 
   }
   if (good && *end == '\0') return STATUS_OK;
   return FAIL(STATUS_USAGE,
-              "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 or 0.725+-0.005 "
-              "(porosity n is e = n / (1 - n)), or several as 0.7,0.75",
+              "--void-ratio %s: pore volume / grain volume is wanted, e.g. 0.725 (with a point) or "
+              "0.725+-0.005 (porosity n is e = n / (1 - n)), or several as 0.7,0.75",
               text);
 }
 

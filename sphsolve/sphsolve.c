@@ -205,11 +205,34 @@ static void print_error_budget(const struct error_budget *b) {
     print_part("; the model's voxels leave", b->model);
     putchar('\n');
   }
-  if (isfinite(b->slope_void_ratio)) {
+  if (isfinite(b->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
     print_part(", one grey level of the threshold by", b->slope_threshold);
     putchar('\n');
   }
+}
+
+/* What takes most of the error, and what lessens it. */
+static void print_verdict(const struct error_budget *b) {
+  const struct {
+    double share;
+    const char *what, *mend;
+  } parts[] = {{b->resolution, "resolution",
+                b->model > 0.7 * b->resolution ? "a model with smaller voxels lessens it"
+                                               : "a finer lattice lessens it (--error)"},
+               {b->scan, "the scan", "a sharper scan lessens it"},
+               {b->sides, "the sample's sides", "a larger sample lessens it"},
+               {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
+               {b->threshold, "the measured void ratio", "measure it more precisely"},
+               {b->averaging, "averaging", "a longer run lessens it"},
+               {b->steadiness, "what still changes", "a longer run lessens it"}};
+  size_t most = 0;
+  const double total = error_budget_largest(b);
+  for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
+    if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
+  if (!(parts[most].share > 0) || !(total > 0)) return;
+  printf("verdict    known to %.2g %%; most of it is %s: %s\n", 100 * total, parts[most].what,
+         parts[most].mend);
 }
 
 static void print_result(const struct run_result *result, const char *prefix) {
@@ -229,12 +252,15 @@ static void print_result(const struct run_result *result, const char *prefix) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
     print_error_budget(&result->error);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
+  }
+  if (isfinite(result->k) && log_level() >= LOG_VERBOSE) {
     printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
            result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
     printf("Reynolds   %.3g\n", result->reynolds);
   }
   if (result->tensor != NULL) tensor_print(result->tensor);
-  if (result->pair_interactions_per_second > 0)
+  if (isfinite(result->k)) print_verdict(&result->error);
+  if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
   ledger_print(&result->ledger);
   printf("files      %s.hdf", prefix);

@@ -114,7 +114,7 @@ enum status page_levels(struct page *page) {
             1e6 * levels->spacing[i]);
   fprintf(plot,
           "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
-          "time (s)'\nset ylabel 'k (cm/s)'\nset key bottom right\nset offsets graph 0.1, graph "
+          "time (s)'\nset ylabel 'k (cm/s)'\nset key bottom left\nset offsets graph 0.1, graph "
           "0.15, graph 0.1, graph 0.1\n"
           "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
           "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "

@@ -161,8 +161,9 @@ static void judge_advice(json_t *result) {
   else if (hypot(resolution, rest) <= wanted)
     text[0] = '\0';
   else if (rest >= 0.9 * wanted)
-    snprintf(text, sizeof text, "For 5 %%: %s (%.3g %% by the %s alone).", mends[largest].mend,
-             100.0 * most, largest == 3 ? "void ratio" : mends[largest].part);
+    snprintf(text, sizeof text, "For 5 %%: %s%s (%.2g %% by the %s alone).",
+             resolution > rest ? "a finer lattice, and " : "", mends[largest].mend, 100.0 * most,
+             largest == 3 ? "void ratio" : mends[largest].part);
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));

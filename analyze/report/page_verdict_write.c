@@ -67,7 +67,7 @@ static void write_budget(const json_t *budget, FILE *out) {
   fputs("<table class=\"budget\"><caption>What the error is made of</caption><tbody>\n", out);
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
     const double part = number(budget, parts[i].key);
-    if (!isfinite(part)) continue;
+    if (!isfinite(part) || part == 0) continue;
     const char *from = json_string_value(json_object_get(budget, "resolution_from"));
     fprintf(out, "<tr><th>%s%s</th><td class=\"number\">", parts[i].name,
             i == 0 && from != NULL && from[0] == 'e' ? " (expected)" : "");

@@ -190,6 +190,14 @@ double lattice_void_ratio(const struct lattice *l) {
 enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice) {
   struct lattice wanted = {0};
   if (!isfinite(scene->lattice_spacing)) return STATUS_OK;
+  for (int a = 0; a < 3; a++) {
+    const double length = (double)lattice->size[a] * lattice->spacing[a];
+    if (lattice->size[a] > 1 && scene->lattice_spacing > 0.5 * length)
+      return scene_error(scene, AT_LATTICE,
+                         "%g m is no lattice for a model that is %g m long in %c; voxels of it are "
+                         "%g m",
+                         scene->lattice_spacing, length, 'x' + a, lattice->spacing[a]);
+  }
   const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
   lattice_free(lattice);

@@ -133,7 +133,8 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "k_low", result->k * (1 - fmin(low, 1))));
   TRY(write_number(file, "k_high", result->k * (1 + high)));
   TRY(write_number(file, "k_finest", result->k_finest));
-  TRY(write_number(file, "k_error", result->k_error));
+  TRY(write_number(file, "k_error", fmax(low, high)));
+  TRY(write_number(file, "k_solver_error", result->k_error));
   TRY(write_number(file, "intrinsic_permeability", result->intrinsic_permeability));
   TRY(write_number(file, "reynolds", result->reynolds));
   TRY(write_number(file, "hydraulic_gradient", fall > 0 ? fall : scene_hydraulic_gradient(scene)));

@@ -120,6 +120,12 @@ END
   [ "$status" -eq 3 ] && [[ "$stderr" == *"one slice"* ]]
 }
 
+@test "a lattice wider than its model is named, not the model's threshold" {
+  run --separate-stderr sphsolve run a.cfg --set lattice.spacing='"1 km"' -o wide
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"lattice.spacing: 1000 m is no lattice for a model that is "* ]]
+}
+
 @test "what does not get out is an error" {
   for words in "ct2model info m.hdf" "ct2model info m.hdf --json" "ct2model --help" "sphsolve explain a.cfg --json" \
                "sphsolve run a.cfg -o full --json" "analyze darcy run.hdf --json" "ct2model sweep $SCAN --json"; do

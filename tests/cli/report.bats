@@ -76,9 +76,13 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   data levels.html 'len(page["verdict"]) == 1 and "Extrapolated" in page["verdict"][0]["name"]'
   [ "$(grep -c 'class="card"' levels.html)" -eq 1 ]
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
-  # 82 % is said to be its class at best, and the interval's classes are both named.
-  data matched.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"] and " to " in page["verdict"][0]["class_din"]'
-  data matched.html '"refine the lattice from 70 to" in page["verdict"][0]["advice"]'
+  # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
+  data matched.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
+  data matched.html '"finer lattice" in page["verdict"][0]["advice"] and "a larger sample is needed" in page["verdict"][0]["advice"]'
+  data plain.html '"lattice" in page["verdict"][0]["advice"]'
+  for page in matched given otsu plain labels levels; do
+    data $page.html '(lambda v: (" to " in v["class_din"]) == any(v["k_low_m_per_s"] < bound <= v["k_high_m_per_s"] for bound in (1e-8, 1e-6, 1e-4, 1e-2)))(page["verdict"][0])'
+  done
   # K = n^3 / (5 S^2) of the model's own numbers.
   /usr/bin/python3 - << 'END'
 import h5py, json, re

@@ -1,0 +1,60 @@
+#!/usr/bin/env bats
+# One error, one name, one number: from the run to the page; and what the terminal shows of it.
+
+bats_require_minimum_version 1.5.0
+setup_file() {
+  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$ROOT/$build ;; esac
+  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  cd "$BATS_FILE_TMPDIR"
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725+-0.01 --voxel-size 8.745um --size 32x32x14 -o m.hdf > model.txt
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o run --json > run.json
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o again > run.txt
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o again -v > verbose.txt
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+@test "run, its record, darcy and the page say the same error and the same shares" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  analyze darcy run.hdf --json > darcy.json
+  analyze report run.hdf -o run.html --json > page.json
+  /usr/bin/python3 - <<'END'
+import json
+import re
+
+import h5py
+run, darcy, page = (json.load(open(f)) for f in ("run.json", "darcy.json", "page.json"))
+record = h5py.File("run.hdf")["run"]
+total = run["k_relative_error"]
+verdict = page["verdict"][0]
+for name, value in (("/run k_error", record.attrs["k_error"]), ("/run/error total", record["error"].attrs["total"]),
+                    ("error.total", run["error"]["total"]), ("darcy", darcy["k_relative_error"]),
+                    ("darcy budget", darcy["error_budget"]["total"]), ("page", verdict["k_relative_error"])):
+    assert abs(value / total - 1) < 1e-6, (name, value, total)
+for k in (record.attrs["k"], darcy["k_m_per_s"], verdict["k_m_per_s"]):
+    assert abs(k / run["k"] - 1) < 1e-9
+shares = [s for s in ("resolution", "scan", "sides", "void_ratio", "threshold") if run["error"][s] is not None]
+assert len(shares) >= 4, shares
+for share in shares:
+    for said in (record["error"].attrs[share], darcy["error_budget"][share], verdict["error_budget"][share]):
+        assert abs(said - run["error"][share]) < 1e-9, (share, said, run["error"][share])
+text = open("run.txt").read()
+bar = float(re.search(r"^k +\S+ cm/s \+- (\S+) %", text, re.M)[1])
+assert abs(bar / (100 * total) - 1) < 0.06, (bar, total)
+assert "uncertain" not in open("model.txt").read()  # a model has no k, and no error of it
+END
+}
+
+@test "run and darcy: twelve lines and a verdict; the rest with -v" {
+  [ "$(wc -l < run.txt)" -le 12 ]
+  grep -q "^verdict  .*known to .* %" run.txt
+  [ "$(wc -l < verbose.txt)" -gt "$(wc -l < run.txt)" ]
+  grep -q "^Darcy " verbose.txt
+  run ! grep -q "^Darcy " run.txt
+  analyze darcy run.hdf > darcy.txt
+  [ "$(grep -c . darcy.txt)" -le 12 ]
+  grep -q "^Verdict: " darcy.txt
+  analyze darcy run.hdf -v | grep -q "superficial"
+  run ! grep -q "averaging 0" darcy.txt
+}
