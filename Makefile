@@ -48,7 +48,7 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
+.PHONY: scan-quality package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
@@ -184,6 +184,12 @@ m15: all $(BUILD)/tests/verify_m15
 scans: all
 	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/studies/scan-study --output $(BUILD)/scans
 	$(Q)BUILD=$(BUILD) /usr/bin/python3 scripts/studies/scan-study --output $(BUILD)/scans/other --seed 77 --void-ratio 0.942 --voxel-size 8.745um
+
+# How far blur and noise move k: new sands, and the picture of those in docs/.
+scan-quality: all
+	$(Q)BUILD=$(BUILD) scripts/studies/scan-quality --output $(BUILD)/scan-quality
+docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/scan-quality
+	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
 verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
 	$(Q)BUILD=$(BUILD) scripts/verify

@@ -1,17 +1,78 @@
 #include "ct2model/scanner/restored.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
 #include "ct2model/scanner/restore.h"
+#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 
 enum { BATCH = 32 };
 
 /* Levels of 255 between which the surface must lie: beyond, the void ratio asks for more or less
  * grain than there are edges. */
 static const double LEAST = 10.0, MOST = 245.0;
+
+/* Slices that are looked at for specks at a time, and beside them: a speck is no longer. */
+enum { CHUNK = 64, BESIDE = 12 };
+
+/* An island that is smaller than what the scanner resolves is noise: a grain that touches nothing
+ * is none. In voxels of the restored scan. */
+static size_t speck_limit(const struct region *region, const struct coarse *scan,
+                          const struct scanner *scanner) {
+  double volume = 3.14159265358979323846 / 6.0; /* of a ball as wide as the resolution */
+  for (int d = 0; d < 3; d++)
+    volume *= scanner->resolution / (region->voxel[d] * (double)scan->step);
+  return (size_t)fmin(fmax(volume, 8.0), SPECK_MOST);
+}
+
+/* Levels of specks change to the other side of `threshold`, by as much. */
+static enum status drop_specks(const struct region *region, const struct scanner *scanner,
+                               double threshold, struct coarse *scan) {
+  enum status status = STATUS_OK;
+  const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2], plane = nx * ny;
+  const size_t words = phase_words(nx), limit = speck_limit(region, scan, scanner);
+  const size_t most = nz < CHUNK + 2 * BESIDE ? nz : CHUNK + 2 * BESIDE;
+  int16_t *field = NULL;
+  uint64_t *bits = NULL, *scratch = NULL;
+  uint8_t *old = NULL; /* levels before the chunk, as they were */
+  TRY(memory_allocate(&field, most * plane, sizeof *field, "specks"));
+  TRY(memory_allocate(&bits, most * ny * words, sizeof *bits, "specks"));
+  TRY(memory_allocate(&scratch, 2 * most * ny * words, sizeof *scratch, "specks"));
+  TRY(memory_allocate(&old, BESIDE * plane, 1, "specks"));
+  for (size_t z = 0; z < nz; z += CHUNK) {
+    const size_t count = nz - z < CHUNK ? nz - z : CHUNK, first = z > BESIDE ? z - BESIDE : 0;
+    const size_t end = z + count + BESIDE < nz ? z + count + BESIDE : nz;
+    const size_t size[3] = {nx, ny, end - first};
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < size[2] * ny; row++) {
+      const uint8_t *levels =
+          row / ny < z - first ? old + row * nx : scan->levels + (first * ny + row) * nx;
+      for (size_t x = 0; x < nx; x++)
+        field[row * nx + x] = (int16_t)lrint(64.0 * ((double)levels[x] - threshold));
+      phase_row(field + row * nx, nx, bits + row * words);
+    }
+    specks_remove(field, bits, size, limit, scratch);
+    if (count >= BESIDE) memcpy(old, scan->levels + (z + count - BESIDE) * plane, BESIDE * plane);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < count * plane; i++) {
+      uint8_t *level = &scan->levels[z * plane + i];
+      if ((field[(z - first) * plane + i] > 0) == ((double)*level > threshold)) continue;
+      *level = (uint8_t)lrint(fmin(fmax(2.0 * threshold - (double)*level, 0.0), 255.0));
+    }
+  }
+  memset(scan->histogram.counts, 0, scan->histogram.bins * sizeof *scan->histogram.counts);
+  for (size_t i = 0; i < plane * nz; i++) scan->histogram.counts[scan->levels[i]]++;
+cleanup:
+  memory_free(&field);
+  memory_free(&bits);
+  memory_free(&scratch);
+  memory_free(&old);
+  return status;
+}
 
 void restored_end(struct restored *restored) {
   coarse_end(&restored->scan);
@@ -38,7 +99,10 @@ enum status restored_take(const struct region *region, const struct scanner *sca
                 "where the threshold says, with the scanner's blur and noise",
                 middle / (1.0 - middle), void_ratio);
     restored_end(restored);
+    return STATUS_OK;
   }
+  TRY(drop_specks(region, scanner, restored->threshold, scan));
+  restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
 cleanup:
   return status;
 }

@@ -25,6 +25,19 @@ assert 1e-11 < run["intrinsic_permeability"] < 3e-10, run
 END
 }
 
+@test "fiberform: blur, noise and resolution are measured, and its blur is a share of the error of k" {
+  ct2model build "$DATA/fiberform/100_fiberform.tif" --voxel-size 1.3um --void-ratio 5.67 --size 50x50x50 -o fiber.hdf --json > fiber.json
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=fiber.hdf -o run --json > run.json
+  python3 - <<'END'
+import json
+scanner, error = json.load(open("fiber.json"))["scanner"], json.load(open("run.json"))["error"]
+print(scanner, error)
+assert 1.3e-6 < scanner["blur_m"] < 4e-6 and 8 < scanner["contrast_to_noise"] < 30
+assert scanner["blur_m"] < scanner["resolution_m"] < 10e-6   # fibres are some 10 um thick
+assert 0 < error["scan"] < 0.2
+END
+}
+
 @test "berea, segmented, 400^3: porosity as published" {
   command -v unzip > /dev/null || python3 -c 'import zipfile' || skip "no unzip"
   python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"

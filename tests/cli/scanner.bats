@@ -48,6 +48,17 @@ assert kept / true < 0.85 and abs(without / true - 1) < 0.5 * abs(kept / true - 
 P
 }
 
+@test "noise leaves no grains that touch nothing, nor pores that lead nowhere" {
+  sand specks --seed 36 --blur 11.66um --noise-ratio 5
+  "$CT" build "$WORK/specks" --void-ratio 0.725 --size 96x96x48 --json --quiet -o "$WORK/specks.hdf" > "$WORK/specks.json"
+  python3 -c "
+import json
+model = json.load(open('$WORK/specks.json'))
+print(model['floating_grains'], model['isolated_pores'], model['void_ratio'])
+assert model['floating_grains'] <= 8 and model['isolated_pores'] <= 12
+assert abs(model['void_ratio'] / 0.725 - 1) < 1e-3"
+}
+
 @test "the same bytes on one thread and on two; a segmented image has no scanner" {
   sand threads --seed 34
   for n in 1 2; do
