@@ -328,16 +328,22 @@ cleanup:
   return status;
 }
 
+static size_t count_unlike(const uint8_t *a, const uint8_t *b, size_t n) {
+  uint32_t unlike = 0;
+  for (size_t i = 0; i < n; i++) unlike += a[i] != b[i];
+  return unlike;
+}
+
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
-  const size_t *n = lattice->size;
-  faces[0] = faces[1] = faces[2] = 0;
-  for (size_t k = 0; k < n[2]; k++)
-    for (size_t j = 0; j < n[1]; j++)
-      for (size_t i = 0; i < n[0]; i++) {
-        size_t at = (k * n[1] + j) * n[0] + i;
-        size_t next[3] = {(k * n[1] + j) * n[0] + (i + 1) % n[0],
-                          (k * n[1] + (j + 1) % n[1]) * n[0] + i,
-                          (((k + 1) % n[2]) * n[1] + j) * n[0] + i};
-        for (int a = 0; a < 3; a++) faces[a] += lattice->kind[at] != lattice->kind[next[a]];
-      }
+  const size_t *n = lattice->size, rows = n[1] * n[2];
+  size_t x = 0, y = 0, z = 0;
+#pragma omp parallel for schedule(static) reduction(+ : x, y, z)
+  for (size_t row = 0; row < rows; row++) {
+    const size_t j = row % n[1], k = row / n[1];
+    const uint8_t *own = lattice->kind + row * n[0];
+    x += count_unlike(own, own + 1, n[0] - 1) + (own[0] != own[n[0] - 1]);
+    y += count_unlike(own, lattice->kind + (k * n[1] + (j + 1) % n[1]) * n[0], n[0]);
+    z += count_unlike(own, lattice->kind + ((k + 1) % n[2] * n[1] + j) * n[0], n[0]);
+  }
+  faces[0] = x, faces[1] = y, faces[2] = z;
 }

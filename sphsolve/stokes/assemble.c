@@ -40,6 +40,21 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
 }
 
+static void add_pore(const struct stokes_operator *op, const struct stokes_offset *offset,
+                     struct site_sums *sums) {
+  const struct stokes_stencil *stencil = op->stencil;
+  sums->diagonal += offset->viscous;
+  sums->pore_sum += offset->viscous;
+  for (int a = 0; a < stencil->axis_count; a++) {
+    const double g = offset->gradient[stencil->axes[a]];
+    sums->pore_gradient[a] += g;
+    for (int c = 0; c < stencil->axis_count; c++) {
+      const int axis = stencil->axes[c];
+      sums->moment[a][c] += g * offset->step[axis] * stencil->spacing[axis];
+    }
+  }
+}
+
 static void sum_site(const struct stokes_operator *op, const size_t at[3], struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const struct stokes_grid *grid = op->grid;
@@ -52,16 +67,7 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     const long x = ((long)at[0] + offset->step[0]) % (long)nx;
     const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
     if (stokes_grid_is_active(grid, row, i)) {
-      sums->diagonal += offset->viscous;
-      sums->pore_sum += offset->viscous;
-      for (int a = 0; a < stencil->axis_count; a++) {
-        const double g = offset->gradient[stencil->axes[a]];
-        sums->pore_gradient[a] += g;
-        for (int c = 0; c < stencil->axis_count; c++) {
-          const int axis = stencil->axes[c];
-          sums->moment[a][c] += g * offset->step[axis] * stencil->spacing[axis];
-        }
-      }
+      add_pore(op, offset, sums);
     } else if (op->lattice->kind[other] == SITE_WALL) {
       const double before = sums->diagonal;
       add_wall(op, offset, site, other, sums);
@@ -82,32 +88,162 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
 }
 
-static void build_sites(struct stokes_operator *op) {
-  const struct stokes_grid *grid = op->grid;
+static void store(struct stokes_operator *op, size_t n, const struct site_sums *sums) {
   const int axes = op->stencil->axis_count;
-#pragma omp parallel for schedule(dynamic, 16)
+  double inverse[3][3], normal[3] = {0}, moment[3][3];
+  memcpy(moment, sums->moment, sizeof moment);
+  op->diagonal[n] = (float)sums->diagonal;
+  op->pore_sum[n] = (float)sums->pore_sum;
+  op->parabola[n] = (float)(1.0 - sums->parabola);
+  for (int a = 0; a < axes; a++) normal[a] = sums->wall.normal[op->stencil->axes[a]];
+  moment_free_normal(axes, normal, moment);
+  moment_invert_bounded(axes, moment, inverse);
+  for (int a = 0; a < axes; a++) {
+    for (int c = a; c < axes; c++)
+      op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
+    op->pore_gradient[(size_t)a * op->n + n] = (float)sums->pore_gradient[a];
+    if (op->drag) op->drag[(size_t)a * op->n + n] = (float)sums->drag[op->stencil->axes[a]];
+  }
+}
+
+/* For each site of a row, whether all its neighbours are pore sites. `line` [nx + 2 reach]. */
+static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *line,
+                       uint8_t *inner) {
+  const struct stokes_stencil *stencil = op->stencil;
+  const struct stokes_grid *grid = op->grid;
+  const size_t nx = grid->size[0];
+  memset(inner, 1, nx);
+  for (int o = 0; o < stencil->offset_count;) {
+    const int *step = stencil->offsets[o].step;
+    const size_t other =
+        stokes_grid_row(grid, row % grid->size[1], row / grid->size[1], step[1], step[2]);
+    uint8_t *at = line + STOKES_REACH;
+    for (size_t i = 0; i < nx; i++) at[i] = (uint8_t)stokes_grid_is_active(grid, other, i);
+    for (size_t i = 0; i < STOKES_REACH; i++) {
+      at[nx + i] = at[i % nx];
+      at[-1 - (long)i] = at[nx - 1 - i % nx];
+    }
+    /* offsets of one row follow each other */
+    for (; o < stencil->offset_count && stencil->offsets[o].step[1] == step[1] &&
+           stencil->offsets[o].step[2] == step[2];
+         o++) {
+      const uint8_t *shifted = at + stencil->offsets[o].step[0];
+      for (size_t i = 0; i < nx; i++) inner[i] &= shifted[i];
+    }
+  }
+}
+
+static enum status build_sites(struct stokes_operator *op) {
+  enum status status = STATUS_OK;
+  const struct stokes_grid *grid = op->grid;
+  const size_t nx = grid->size[0], length = 2 * nx + 2 * STOKES_REACH;
+  struct site_sums whole = {.smooth = true}; /* of a site with pore sites all around */
+  uint8_t *lines = NULL;
+  TRY(memory_allocate(&lines, (size_t)op->threads * length, 1, "row buffers"));
+  for (int o = 0; o < op->stencil->offset_count; o++)
+    add_pore(op, &op->stencil->offsets[o], &whole);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(op->threads)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
-    for (size_t i = 0; i < grid->size[0]; i++) {
+    uint8_t *inner = lines + (size_t)omp_get_thread_num() * length, *line = inner + nx;
+    if (n == grid->row_start[row + 1]) continue;
+    find_inner(op, row, line, inner);
+    for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
-      struct site_sums sums;
-      sum_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
-      op->diagonal[n] = (float)sums.diagonal;
-      op->pore_sum[n] = (float)sums.pore_sum;
-      op->parabola[n] = (float)(1.0 - sums.parabola);
-      double inverse[3][3], normal[3] = {0};
-      for (int a = 0; a < axes; a++) normal[a] = sums.wall.normal[op->stencil->axes[a]];
-      moment_free_normal(axes, normal, sums.moment);
-      moment_invert_bounded(axes, sums.moment, inverse);
-      for (int a = 0; a < axes; a++) {
-        for (int c = a; c < axes; c++)
-          op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
-        op->pore_gradient[(size_t)a * op->n + n] = (float)sums.pore_gradient[a];
-        if (op->drag) op->drag[(size_t)a * op->n + n] = (float)sums.drag[op->stencil->axes[a]];
+      struct site_sums sums = whole;
+      if (!inner[i])
+        sum_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
+      store(op, n++, &sums);
+    }
+  }
+cleanup:
+  memory_free(&lines);
+  return status;
+}
+
+/* A line of sites along an axis ends at a wall: the site beyond, or SIZE_MAX. */
+static size_t wall_beside(const struct lattice *l, const size_t at[3], size_t site, int axis,
+                          bool up) {
+  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  const size_t last = (l->size[axis] - 1) * step[axis];
+  const size_t other = up ? (at[axis] + 1 < l->size[axis] ? site + step[axis] : site - last)
+                          : (at[axis] > 0 ? site - step[axis] : site + last);
+  return l->kind[other] == SITE_WALL ? other : SIZE_MAX;
+}
+
+static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
+  for (int c = 0; c < op->stencil->axis_count; c++)
+    for (int up = 0; up < 2; up++)
+      if (wall_beside(op->lattice, at, site, op->stencil->axes[c], up) != SIZE_MAX) return true;
+  return false;
+}
+
+static struct stokes_edge find_edge(const struct stokes_operator *op, const size_t at[3],
+                                    size_t site, float moving[3]) {
+  const struct lattice *l = op->lattice;
+  const double d_a = distance(op, site);
+  double velocity = 0.0, force = 0.0, from_wall[3] = {0.0};
+  double shares = 0.0; /* of the axes; more than 1 in a corner */
+  for (int c = 0; c < op->stencil->axis_count; c++) {
+    double share = 0.0;
+    for (int up = 0; up < 2; up++) {
+      const int a = op->stencil->axes[c];
+      const size_t other = wall_beside(l, at, site, a, up);
+      if (other == SIZE_MAX) continue;
+      const struct stokes_wall_quadrature end =
+          stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
+      const struct region *region = stokes_wall_region(op, other);
+      velocity += end.velocity;
+      force += end.force;
+      for (int b = 0; region && b < 3; b++)
+        from_wall[b] += (end.wall - end.velocity) * region->velocity[b] / op->velocity_unit;
+      share = fmax(share, end.share);
+    }
+    shares += share;
+  }
+  struct wall_shape wall;
+  wall_shape_find(l, site, op->stencil->unit, &wall);
+  const double curvature = wall.curvature * op->stencil->unit;
+  const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
+  for (int a = 0; moving && a < 3; a++) moving[a] = (float)(from_wall[a] / fmax(shares, 1.0));
+  return (struct stokes_edge){.velocity = (float)(velocity * bend / fmax(shares, 1.0)),
+                              .force = (float)(force * bend / fmax(shares, 1.0))};
+}
+
+static enum status build_edges(struct stokes_operator *op) {
+  enum status status = STATUS_OK;
+  const struct stokes_grid *grid = op->grid;
+  const size_t nx = grid->size[0], begin = stokes_grid_begin(grid), end = stokes_grid_end(grid);
+  size_t *start = NULL;
+  TRY(memory_allocate(&op->edge_start, grid->rows + 1, sizeof *start, "edges of the pores"));
+  if (op->wall != WALL_SUBVOXEL) return STATUS_OK;
+  start = op->edge_start;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (size_t row = begin; row < end; row++)
+    for (size_t i = 0; i < nx; i++) {
+      const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
+      if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i)) start[row + 1]++;
+    }
+  for (size_t row = 0; row < grid->rows; row++) start[row + 1] += start[row];
+  const size_t count = start[grid->rows];
+  TRY(memory_allocate(&op->edges, count, sizeof *op->edges, "edges of the pores"));
+  if (op->drag)
+    TRY(memory_allocate(&op->edge_moving, count, sizeof *op->edge_moving, "edges of the pores"));
+#pragma omp parallel for schedule(dynamic, 16)
+  for (size_t row = begin; row < end; row++) {
+    size_t n = 0, e = start[row];
+    for (size_t i = 0; i < nx; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
+      if (is_edge(op, at, row * nx + i)) {
+        op->edges[e] = find_edge(op, at, row * nx + i, op->edge_moving ? op->edge_moving[e] : NULL);
+        op->edges[e++].at = (uint32_t)n;
       }
       n++;
     }
   }
+cleanup:
+  return status;
 }
 
 static bool walls_move(const struct scene *scene) {
@@ -156,7 +292,8 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                              "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
-  build_sites(op);
+  TRY(build_sites(op));
+  TRY(build_edges(op));
   return STATUS_OK;
 cleanup:
   stokes_operator_free(op);
@@ -170,53 +307,12 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->pore_gradient);
   memory_free(&op->correction);
   memory_free(&op->drag);
+  memory_free(&op->edges);
+  memory_free(&op->edge_start);
+  memory_free(&op->edge_moving);
   memory_free(&op->row_flux);
   memory_free(&op->field);
   memory_free(&op->scratch);
-}
-
-/* What the ends of lines at walls add to the value of one site in the volume integral: factors of v
- * and (f - G p), and the part of moving walls. */
-struct flux_weights {
-  double velocity, force, moving[3];
-};
-
-static struct flux_weights flux_of_site(const struct stokes_operator *op, const size_t at[3],
-                                        size_t site) {
-  const struct lattice *l = op->lattice;
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const double d_a = distance(op, site);
-  struct flux_weights w = {0.0, 0.0, {0.0}};
-  double shares = 0.0; /* of the axes; more than 1 in a corner */
-  for (int c = 0; c < op->stencil->axis_count; c++) {
-    double share = 0.0;
-    for (int up = 0; up < 2; up++) {
-      const int a = op->stencil->axes[c];
-      const size_t last = (l->size[a] - 1) * step[a];
-      const size_t other = up ? (at[a] + 1 < l->size[a] ? site + step[a] : site - last)
-                              : (at[a] > 0 ? site - step[a] : site + last);
-      if (l->kind[other] != SITE_WALL) continue;
-      const struct stokes_wall_quadrature end =
-          stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
-      const struct region *region = stokes_wall_region(op, other);
-      w.velocity += end.velocity;
-      w.force += end.force;
-      for (int b = 0; region && b < 3; b++)
-        w.moving[b] += (end.wall - end.velocity) * region->velocity[b] / op->velocity_unit;
-      share = fmax(share, end.share);
-    }
-    shares += share;
-  }
-  if (shares > 0.0) {
-    struct wall_shape wall;
-    wall_shape_find(l, site, op->stencil->unit, &wall);
-    const double curvature = wall.curvature * op->stencil->unit;
-    const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
-    w.velocity *= bend / fmax(shares, 1.0);
-    w.force *= bend / fmax(shares, 1.0);
-    for (int a = 0; a < 3; a++) w.moving[a] /= fmax(shares, 1.0);
-  }
-  return w;
 }
 
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
@@ -225,26 +321,24 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
   const int axes = op->stencil->axis_count;
 #pragma omp parallel for schedule(static) num_threads(op->threads)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    size_t n = grid->row_start[row];
     double *sum = op->row_flux + 3 * row;
     memset(sum, 0, 3 * sizeof *sum);
-    for (size_t i = 0; i < grid->size[0]; i++) {
-      if (!stokes_grid_is_active(grid, row, i)) continue;
-      struct flux_weights w = {0.0, 0.0, {0.0}};
-      if (op->wall == WALL_SUBVOXEL)
-        w = flux_of_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]},
-                         row * grid->size[0] + i);
-      for (int a = 0; a < axes; a++) {
-        const size_t at = (size_t)a * op->n + n;
-        const int axis = op->stencil->axes[a];
-        if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
+    for (int a = 0; a < axes; a++) {
+      const size_t begin = (size_t)a * op->n + grid->row_start[row];
+      const size_t end = (size_t)a * op->n + grid->row_start[row + 1];
+      const int axis = op->stencil->axes[a];
+      if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
+      for (size_t i = begin; i < end; i++) sum[a] += x[i];
+      for (size_t e = op->edge_start[row]; e < op->edge_start[row + 1]; e++) {
+        const size_t at = begin + op->edges[e].at;
         /* Between two walls the force bends the profile by no more than its slope is; in a corner
          * it would, as it is shared among the walls. */
-        const double slope = w.velocity * x[at] + w.moving[axis], most = fabs(slope);
-        const double bend = w.force * (force[axis] - (double)p_gradient[at]);
-        sum[a] += x[at] + slope + fmax(-most, fmin(bend, most));
+        double slope = (double)op->edges[e].velocity * x[at];
+        if (op->edge_moving) slope += (double)op->edge_moving[e][axis];
+        const double most = fabs(slope);
+        const double bend = (double)op->edges[e].force * (force[axis] - (double)p_gradient[at]);
+        sum[a] += slope + fmax(-most, fmin(bend, most));
       }
-      n++;
     }
   }
   memset(flux, 0, 3 * sizeof *flux);

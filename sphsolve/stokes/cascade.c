@@ -19,8 +19,15 @@
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
 #define FIRST_PORE 1.6
 #define FIRST_BODY 8.0
-/* Below the voxels of the model their interpolation is what a lattice resolves, not the walls. */
-#define FINEST_SHARE 0.98
+/* An open cascade has so many lattices at least, if it is not ended before. */
+#define LEVELS_LEAST 3
+/* Where neither the residual nor the velocity is said to be good enough. */
+#define RESIDUAL_DEFAULT 1e-6
+/* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
+ * to the limit makes some three times as much of it. */
+#define SOLVER_SHARE 0.02
+#define GOAL_FINEST 3e-4
+#define GOAL_COARSEST 1e-3
 /* A cascade that ends with the scene's own lattice. */
 #define FIXED_LEVELS 3
 static const double fixed_ratios[FIXED_LEVELS] = {2.0, 1.5, 1.0};
@@ -79,6 +86,13 @@ static bool finer_is_in_vain(const struct cascade *c) {
   return c->plan->goal.error > 0.0 && left > c->wanted && c->budget.resolution < 0.5 * left;
 }
 
+/* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model
+ * it is their interpolation that a lattice resolves, not the walls. */
+static int open_steps(const struct cascade *c) {
+  const double steps = log(first_spacing(c) / c->plan->context.spacing) / log(SHRINKS);
+  return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+}
+
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const double h = c->plan->context.spacing;
   *why = "converged";
@@ -87,15 +101,14 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     *spacing = h * fixed_ratios[FIXED_LEVELS - c->fixed + c->tried];
     return true;
   }
-  *spacing = first_spacing(c) / pow(SHRINKS, c->tried);
+  *spacing = h * pow(SHRINKS, open_steps(c) - c->tried);
   if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
   *why = "budget";
   if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
+  if (c->tried > open_steps(c)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
-  if (c->tried == ERROR_LEVELS_MAX) return false;
-  if (*spacing < FINEST_SHARE * h) return false;
   size_t size[3], count;
   if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
     error_clear();
@@ -103,6 +116,15 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   }
   const double share = (double)c->base->fluid_count / (double)c->base->count;
   return stokes_solver_bytes((double)count, share * (double)count) < memory_available();
+}
+
+struct stokes_goal cascade_goal(const struct cascade *c) {
+  struct stokes_goal goal = {.residual = c->scene->stokes.tolerance,
+                             .mean = c->scene->steady_tolerance};
+  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
+  if (goal.residual == 0.0 && c->fixed == 0)
+    goal.mean = fmax(goal.mean, fmin(fmax(SOLVER_SHARE * c->wanted, GOAL_FINEST), GOAL_COARSEST));
+  return goal;
 }
 
 enum status cascade_lattice(const struct cascade *c, double spacing, struct lattice *lattice,

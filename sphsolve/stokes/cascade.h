@@ -39,6 +39,9 @@ enum status cascade_lattice(const struct cascade *cascade, double spacing, struc
 /* Its solver, started from the lattice before. */
 enum status cascade_solver(struct cascade *cascade, const struct lattice *lattice,
                            struct stokes_solver *solver);
+/* When a solve is good enough: at stokes.tolerance where the scene gives one, else at
+ * scene.steady_tolerance, or at what the wanted error leaves to the solver. */
+struct stokes_goal cascade_goal(const struct cascade *cascade);
 /* Takes the solved k of a lattice into the estimate; `seconds` of processor time went into it. The
  * solver is only looked at. */
 enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,

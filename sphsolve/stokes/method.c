@@ -16,34 +16,14 @@
 
 /* Rounds without progress that a solve is given. */
 #define STALLED_MOST 20
-/* Where neither the residual nor the velocity is said to be good enough. */
-#define RESIDUAL_DEFAULT 1e-6
 
-/* Pore velocity times hydraulic diameter 4 V / S over nu; S counts voxel faces, which overstate a
- * smooth surface by 3/2. */
-static double reynolds_number(const struct lattice *l, double darcy, double nu) {
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+/* Hydraulic diameter 4 V / S, m; S counts voxel faces, which overstate a smooth surface by 3/2. */
+static double hydraulic_diameter(const struct lattice *l) {
+  size_t faces[3];
   double surface = 0.0;
-  for (size_t site = 0; site < l->count; site++)
-    for (int a = 0; a < 3; a++) {
-      const bool last = site / step[a] % l->size[a] + 1 == l->size[a];
-      const size_t next = last ? site - (l->size[a] - 1) * step[a] : site + step[a];
-      if (l->kind[site] != l->kind[next]) surface += 1.0 / l->spacing[a];
-    }
-  if (!(surface > 0.0)) return 0.0;
-  const double diameter = 4.0 * (double)l->fluid_count / (surface * 2.0 / 3.0);
-  return darcy * l->bulk_count / (double)l->fluid_count * diameter / nu;
-}
-
-/* Darcy velocity in m/s, and the Reynolds number with it. */
-static void scale_darcy(const struct lattice *lattice, const struct scene *scene,
-                        const struct stokes_solver *s, double darcy[3], double *reynolds) {
-  double length = 0.0;
-  for (int a = 0; a < 3; a++) {
-    darcy[a] = s->mean[a] * s->velocity_unit;
-    length = hypot(length, darcy[a]);
-  }
-  *reynolds = reynolds_number(lattice, length, scene->fluid.viscosity / scene->fluid.density);
+  lattice_count_faces(l, faces);
+  for (int a = 0; a < 3; a++) surface += (double)faces[a] / l->spacing[a];
+  return surface > 0.0 ? 4.0 * (double)l->fluid_count / (surface * 2.0 / 3.0) : 0.0;
 }
 
 /* A run between its parts. */
@@ -56,8 +36,22 @@ struct stokes_job {
   bool own;                   /* it is the run's own, not to be freed */
   struct h5_file *checkpoint; /* to go on from; NULL: none, or read */
   long iterations;            /* of the lattices before */
+  double diameter;            /* of its pores, m */
   double darcy[3], reynolds, solving, pairs;
 };
+
+/* Darcy velocity in m/s, and with it the Reynolds number: pore velocity times diameter over nu. */
+static void scale_darcy(struct stokes_job *job, const struct stokes_solver *s) {
+  const struct fluid *fluid = &job->scene->fluid;
+  const struct lattice *l = &job->lattice;
+  double length = 0.0;
+  for (int a = 0; a < 3; a++) {
+    job->darcy[a] = s->mean[a] * s->velocity_unit;
+    length = hypot(length, job->darcy[a]);
+  }
+  job->reynolds = length * l->bulk_count / (double)l->fluid_count * job->diameter * fluid->density /
+                  fluid->viscosity;
+}
 
 static enum status write_row(struct stokes_job *job, const struct stokes_solver *s) {
   const struct lattice *lattice = &job->lattice;
@@ -73,7 +67,7 @@ static enum status write_row(struct stokes_job *job, const struct stokes_solver 
         square += stokes_grid_weight(&s->grid, r) * s->x[a * n + i] * s->x[a * n + i];
   square = ranks_sum(square);
   row.mass = rho * volume * (double)lattice->fluid_count;
-  scale_darcy(lattice, job->scene, s, job->darcy, &job->reynolds);
+  scale_darcy(job, s);
   for (int a = 0; a < 3; a++) {
     row.darcy_velocity[a] = job->darcy[a];
     row.momentum[a] = job->darcy[a] * rho * volume * lattice->bulk_count;
@@ -164,12 +158,6 @@ cleanup:
   return status;
 }
 
-struct stokes_goal stokes_goal_of(const struct scene *scene) {
-  struct stokes_goal goal = {.residual = scene->stokes.tolerance, .mean = scene->steady_tolerance};
-  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
-  return goal;
-}
-
 static bool stop_asked(void *system) {
   (void)system;
   return interrupt_requested();
@@ -178,12 +166,12 @@ static bool stop_asked(void *system) {
 /* Rounds until converged, interrupted or stuck. */
 static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
   enum status status = STATUS_OK;
-  const struct stokes_goal goal = stokes_goal_of(job->scene);
+  const struct stokes_goal goal = cascade_goal(&job->cascade);
   struct progress_state state = {.best = INFINITY};
   if (ranks_count() == 1) s->krylov.stop = stop_asked;
   if (job->checkpoint != NULL) {
     TRY(read_checkpoint(job, s, &state));
-    scale_darcy(&job->lattice, job->scene, s, job->darcy, &job->reynolds);
+    scale_darcy(job, s);
   } else {
     TRY(write_row(job, s));
   }
@@ -243,6 +231,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   if (!job->own) lattice_free(&job->lattice);
   job->lattice = (struct lattice){0};
   TRY(cascade_lattice(c, spacing, &job->lattice, &job->own));
+  job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
   if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",

@@ -28,6 +28,13 @@ static inline size_t stokes_symmetric(int axes, int a, int b) {
   return (size_t)(a == b ? a : axes + a + b - 1);
 }
 
+/* What the ends of lines at walls add to the value of one site in the volume integral: factors of v
+ * and (f - G p). */
+struct stokes_edge {
+  uint32_t at; /* place in the packed row */
+  float velocity, force;
+};
+
 struct stokes_operator {
   const struct stokes_stencil *stencil;
   const struct stokes_grid *grid;
@@ -37,17 +44,20 @@ struct stokes_operator {
   const struct stokes_rows *rows;
   enum wall_scheme wall;
   double tau;
-  int components;       /* axis_count velocities, then the pressure */
-  size_t n;             /* active sites; vectors are [components][n] */
-  float *diagonal;      /* [n] of A */
-  float *parabola;      /* [n] D */
-  float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
-  float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
-  float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
-  float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
-  double *row_flux;     /* [rows][3] */
-  float *field;         /* [4][rows][stride] unpacked vectors; two in double precision */
-  float *scratch;       /* [threads][scratch_size] */
+  int components;            /* axis_count velocities, then the pressure */
+  size_t n;                  /* active sites; vectors are [components][n] */
+  float *diagonal;           /* [n] of A */
+  float *parabola;           /* [n] D */
+  float *pore_sum;           /* [n] sum of c_ab over pore sites: diagonal of L */
+  float *pore_gradient;      /* [axis_count][n] sum of g_ab over pore sites */
+  float *correction;         /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
+  float *drag;               /* [axis_count][n] of moving walls; NULL: none moves */
+  struct stokes_edge *edges; /* sites with a wall beside them, row by row */
+  size_t *edge_start;        /* [rows + 1] */
+  float (*edge_moving)[3];   /* and what moving walls add; NULL: none moves */
+  double *row_flux;          /* [rows][3] */
+  float *field;              /* [4][rows][stride] unpacked vectors; two in double precision */
+  float *scratch;            /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;
 };

@@ -1,4 +1,4 @@
-/* The operator of stokes_operator.c in double precision, for residuals; not in a hurry. */
+/* The operator of stokes_operator.c in double precision, for residuals. */
 #include "sphsolve/stokes/operator.h"
 
 #include <omp.h>
@@ -24,33 +24,18 @@ static const double *convolve_field(const struct stokes_operator *op,
                                     const struct stokes_convolution *convolution,
                                     const double *field, size_t row) {
   const struct stokes_grid *grid = op->grid;
-  const size_t nx = grid->size[0], pitch = grid->stride + 2 * STOKES_LANES;
+  const double *rows[STOKES_CLASS_MAX][4];
   double *out = (double *)(void *)(op->scratch + (size_t)omp_get_thread_num() * op->scratch_size);
-  double *packed = out + grid->stride, *partial = packed + grid->stride + STOKES_LANES;
-  for (int m = 0; m <= convolution->reach; m++)
-    memset(partial + (size_t)m * pitch, 0, nx * sizeof *partial);
+  double *packed = out + grid->stride, *scratch = packed + grid->stride + STOKES_LANES;
   for (int c = 0; c < convolution->class_count; c++) {
     const struct stokes_class *class = &convolution->classes[c];
-    for (int r = 0; r < class->row_count; r++) {
-      const double sign = r < class->plus_count ? 1.0 : -1.0;
-      const double *u =
+    for (int r = 0; r < class->row_count; r++)
+      rows[c][r] =
           field + grid->stride * stokes_grid_row(grid, row % grid->size[1], row / grid->size[1],
                                                  class->dj[r], class->dk[r]);
-      for (int m = 0; m <= convolution->reach; m++) {
-        const double f = sign * class->c_double[m];
-        double *sum = partial + (size_t)m * pitch;
-        for (size_t i = 0; i < nx; i++) sum[i] += f * u[i];
-      }
-    }
   }
-  for (size_t i = 0; i < nx; i++) {
-    out[i] = convolution->odd_x ? 0.0 : partial[i];
-    for (int m = 1; m <= convolution->reach; m++) {
-      const double *sum = partial + (size_t)m * pitch;
-      const double left = sum[(i + nx - (size_t)m % nx) % nx], right = sum[(i + (size_t)m) % nx];
-      out[i] += convolution->odd_x ? right - left : right + left;
-    }
-  }
+  op->rows->convolve_double(convolution, (const double *const(*)[4])rows, grid->size[0],
+                            grid->stride, scratch, out);
   double *p = packed;
   for (size_t c = 0; c < grid->chunks; c++)
     for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1)

@@ -36,6 +36,10 @@ struct stokes_rows {
    * start aligned and hold `stride` floats (a multiple of STOKES_LANES, >= nx), zero beyond nx. */
   void (*convolve)(const struct stokes_convolution *convolution, const float *const (*rows)[4],
                    size_t nx, size_t stride, float *scratch, float *out);
+  /* The same in double precision; scratch holds as many doubles, cleared by the callee. */
+  void (*convolve_double)(const struct stokes_convolution *convolution,
+                          const double *const (*rows)[4], size_t nx, size_t stride, double *scratch,
+                          double *out);
   /* Between a full row and the packed values of its active sites; bit b of mask[c] stands for site
    * STOKES_LANES * c + b. Returns the number of packed values; `packed` of pack has room for
    * `chunks` chunks, all of which it may overwrite. */

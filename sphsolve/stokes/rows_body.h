@@ -94,6 +94,35 @@ static void convolve(const struct stokes_convolution *convolution, const float *
   }
 }
 
+static void convolve_double(const struct stokes_convolution *convolution,
+                            const double *const (*rows)[4], size_t nx, size_t stride,
+                            double *scratch, double *out) {
+  const size_t pitch = stride + 2 * STOKES_LANES;
+  double *sum = scratch + STOKES_REACH;
+  const double sign = convolution->odd_x ? -1.0 : 1.0;
+  for (int m = 0; m <= convolution->reach; m++)
+    memset(sum + (size_t)m * pitch, 0, nx * sizeof *sum);
+  for (int c = 0; c < convolution->class_count; c++) {
+    const struct stokes_class *class = &convolution->classes[c];
+    for (int r = 0; r < class->row_count; r++)
+      for (int m = 0; m <= convolution->reach; m++) {
+        const double f = r < class->plus_count ? class->c_double[m] : -class->c_double[m];
+        const double *u = rows[c][r];
+        double *s = sum + (size_t)m * pitch;
+        for (size_t i = 0; i < nx; i++) s[i] += f * u[i];
+      }
+  }
+  for (size_t i = 0; i < nx; i++) out[i] = convolution->odd_x ? 0.0 : sum[i];
+  for (int m = 1; m <= convolution->reach; m++) {
+    double *s = sum + (size_t)m * pitch;
+    for (int i = 0; i < m; i++) {
+      s[nx + (size_t)i] = s[(size_t)i % nx];
+      s[-1 - i] = s[nx - 1 - (size_t)i % nx];
+    }
+    for (size_t i = 0; i < nx; i++) out[i] += s[i + (size_t)m] + sign * s[(long)i - m];
+  }
+}
+
 static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, float *row) {
   const float *p = packed;
   for (size_t c = 0; c < chunks; c++) {
@@ -127,4 +156,5 @@ static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float 
   return (size_t)(p - packed);
 }
 
-const struct stokes_rows STOKES_ROWS_TABLE = {STOKES_ROWS_NAME, convolve, unpack, pack};
+const struct stokes_rows STOKES_ROWS_TABLE = {STOKES_ROWS_NAME, convolve, convolve_double, unpack,
+                                              pack};

@@ -65,8 +65,6 @@ double stokes_solver_seconds(const struct pore_shape *pores, const struct lattic
 struct stokes_goal {
   double residual, mean;
 };
-/* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
-struct stokes_goal stokes_goal_of(const struct scene *scene);
 
 /* After x was changed from outside: residual, mean and divergence of it. */
 void stokes_solver_restart(struct stokes_solver *solver);
