@@ -80,7 +80,6 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
  * cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a side,
  * scanned with noise and without, whose errors are a factor 2 apart at the same q (make tradeoff);
  * held against other flows by `scripts/studies/tradeoff --predictions`. */
-#define NARROW 0.0115      /* q^3: pores and grains of few sites */
 #define CORNERS 0.0065     /* q^3: the same between walls of boxes; less flow, not more */
 #define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */
 #define EDGES 2.6          /* over the mean width: voxel faces with edges */
@@ -108,7 +107,7 @@ struct expectation expect_error(const struct pore_shape *shape, const struct met
     more = EDGES / width;
     how = "walls are voxel faces, full of edges: first order";
   } else {
-    more = NARROW * q * q * q;
+    more = method->error_narrow * pow(q, method->error_narrow_order);
     less = ANGLE * q + method->error_uneven * q * q;
   }
   if (wall == WALL_FROZEN) {

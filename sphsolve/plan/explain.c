@@ -36,6 +36,23 @@ static json_t *ranks_json(const struct ranks_forecast *f) {
                    f->seconds[RANKS_SUMS]);
 }
 
+/* What an error costs, before anything is solved. */
+static void print_levels(const struct plan *plan) {
+  struct foretold_level levels[FORETOLD_LEVELS_MAX];
+  const struct method *method = plan->context.method;
+  const int count = method->levels != NULL ? method->levels(plan, FORETOLD_LEVELS_MAX, levels) : 0;
+  char spacing[64], time[64];
+  if (count == 0) return;
+  printf("\nrun with --error or --time, %d %s\n", plan->threads,
+         plan->threads == 1 ? "thread" : "threads");
+  for (int i = 0; i < count; i++) {
+    quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);
+    duration_format(levels[i].seconds / plan->threads, time, sizeof time);
+    printf("  k to about %.2g %% after %s, lattices down to %s (%.3g M sites), %.0f MB\n",
+           100 * levels[i].error, time, spacing, 1e-6 * levels[i].sites, 1e-6 * levels[i].bytes);
+  }
+}
+
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
@@ -100,6 +117,20 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   if (isfinite(plan->expected_scan))
     printf("           and about %.2g %% by the scan's own blur and noise\n",
            100 * plan->expected_scan);
+  print_levels(plan);
+}
+
+static json_t *levels_json(const struct plan *plan) {
+  struct foretold_level levels[FORETOLD_LEVELS_MAX];
+  const struct method *method = plan->context.method;
+  const int count = method->levels != NULL ? method->levels(plan, FORETOLD_LEVELS_MAX, levels) : 0;
+  json_t *list = json_array();
+  for (int i = 0; i < count; i++)
+    json_array_append_new(
+        list, json_pack("{s:f, s:f, s:f, s:f, s:f}", "spacing", levels[i].spacing, "sites",
+                        levels[i].sites, "expected_error", levels[i].error, "seconds",
+                        levels[i].seconds / plan->threads, "memory_bytes", levels[i].bytes));
+  return list;
 }
 
 static json_t *number_or_null(double value) {
@@ -146,6 +177,7 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
       plan->expected.why, "expected_error_scan", number_or_null(plan->expected_scan), "pores",
       plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  json_object_set_new(object, "levels", levels_json(plan));
   if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
   if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
   json_dumpf(object, stdout, JSON_INDENT(2));

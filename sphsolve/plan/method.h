@@ -14,6 +14,8 @@ struct ranks_cost;
 struct recorder;
 struct run_result;
 
+struct foretold_level;
+
 struct method {
   const char *name;
   const struct effect *const *effects; /* in the order in which they are told, ended by NULL */
@@ -38,6 +40,9 @@ struct method {
   /* Fills dt, bytes, steps, seconds and error after them (dt_limit and dt_limited_by are the
    * effects' own by then). */
   enum status (*cost)(struct plan *plan, int threads);
+  /* The lattices that --error and --time would solve, coarsest first, `most` at most; their number.
+   * NULL: the method chooses none. */
+  int (*levels)(const struct plan *plan, int most, struct foretold_level *levels);
   /* What several ranks add to it. */
   void (*ranks_cost)(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
@@ -46,7 +51,9 @@ struct method {
   enum wall_scheme (*wall)(const struct scene *scene);
   double error_flat;          /* of k between parallel flat walls, where all else is exact */
   const char *error_flat_why; /* what is left there, in words */
-  double error_uneven;        /* less flow, times (slope of ln k per spacing)^2 */
+  /* More flow in pores and past grains of few sites: times (slope of ln k per spacing)^order. */
+  double error_narrow, error_narrow_order;
+  double error_uneven; /* less flow, times (slope of ln k per spacing)^2 */
 
   /* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
    * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */

@@ -51,6 +51,16 @@ struct accuracy_goal {
   double seconds; /* wall time */
 };
 
+/* A lattice that --error or --time would solve. */
+struct foretold_level {
+  double spacing; /* m */
+  double sites;
+  double error;   /* relative, of k from all lattices up to this */
+  double seconds; /* processor time of all up to this */
+  double bytes;   /* while it is solved */
+};
+#define FORETOLD_LEVELS_MAX 24
+
 struct plan {
   struct accuracy_goal goal; /* set after the plan is made */
   int threads;

@@ -21,8 +21,6 @@
 #define FIRST_BODY 8.0
 /* An open cascade has so many lattices at least, if it is not ended before. */
 #define LEVELS_LEAST 3
-/* Where neither the residual nor the velocity is said to be good enough. */
-#define RESIDUAL_DEFAULT 1e-6
 /* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
  * to the limit makes some three times as much of it. */
 #define SOLVER_SHARE 0.02
@@ -65,17 +63,12 @@ double cascade_next_seconds(const struct cascade *c) {
 }
 
 /* The spacing with few sites across a mean pore, where a cascade may begin. */
-static double pore_spacing(const struct cascade *c) {
-  const double h = c->plan->context.spacing, width = c->plan->shape.width;
-  return isfinite(width) ? h * width / FIRST_PORE : h;
-}
-
-static double first_spacing(const struct cascade *c) {
+static double first_spacing(const struct plan *plan, const struct lattice *base) {
+  const double h = plan->context.spacing, width = plan->shape.width;
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
-    if (c->base->size[a] > 1)
-      shortest = fmin(shortest, (double)c->base->size[a] * c->base->spacing[a]);
-  return fmin(pore_spacing(c), shortest / FIRST_BODY);
+    if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
+  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
 }
 
 /* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
@@ -88,8 +81,8 @@ static bool finer_is_in_vain(const struct cascade *c) {
 
 /* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model
  * it is their interpolation that a lattice resolves, not the walls. */
-static int open_steps(const struct cascade *c) {
-  const double steps = log(first_spacing(c) / c->plan->context.spacing) / log(SHRINKS);
+static int open_steps(const struct plan *plan, const struct lattice *base) {
+  const double steps = log(first_spacing(plan, base) / plan->context.spacing) / log(SHRINKS);
   return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
 }
 
@@ -101,11 +94,11 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     *spacing = h * fixed_ratios[FIXED_LEVELS - c->fixed + c->tried];
     return true;
   }
-  *spacing = h * pow(SHRINKS, open_steps(c) - c->tried);
+  *spacing = h * pow(SHRINKS, open_steps(c->plan, c->base) - c->tried);
   if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
   *why = "budget";
   if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
-  if (c->tried > open_steps(c)) return false;
+  if (c->tried > open_steps(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
@@ -119,9 +112,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
 }
 
 struct stokes_goal cascade_goal(const struct cascade *c) {
-  struct stokes_goal goal = {.residual = c->scene->stokes.tolerance,
-                             .mean = c->scene->steady_tolerance};
-  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
+  struct stokes_goal goal = stokes_goal_of(c->scene);
   if (goal.residual == 0.0 && c->fixed == 0)
     goal.mean = fmax(goal.mean, fmin(fmax(SOLVER_SHARE * c->wanted, GOAL_FINEST), GOAL_COARSEST));
   return goal;
@@ -296,7 +287,7 @@ static void estimate(struct cascade *c) {
     h[i] = b->levels[n - 1 - i].spacing;
     k[i] = b->levels[n - 1 - i].permeability;
   }
-  converge_limit(h, k, (size_t)n, first_spacing(c), &limit);
+  converge_limit(h, k, (size_t)n, first_spacing(c->plan, c->base), &limit);
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
@@ -451,12 +442,13 @@ cleanup:
 
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
   const struct lattice *l = plan->context.lattice;
+  const struct stokes_goal goal = stokes_goal_of(scene);
   double seconds = 0.0;
   if (!cascade_is_possible(scene, plan)) return 0.0;
   for (int i = 0; i < FIXED_LEVELS - (own ? 0 : 1); i++) {
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
-    seconds +=
-        solves * stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], WALL_SUBVOXEL);
+    seconds += solves *
+               stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], &goal, WALL_SUBVOXEL);
   }
   if (*scene->model_path && sides_are_wrapped(scene->model_path)) {
     const struct cascade c = {.plan = plan, .base = l};
@@ -464,4 +456,40 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
     seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, WALL_SUBVOXEL);
   }
   return seconds;
+}
+
+/* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
+ * the estimate as a share of what three lattices of nearly the same spacing leave. Set on sands of
+ * 1.6 to 15 sites across a mean pore. */
+#define ITERATIONS_WARM 24.0
+#define OPEN_SHARE 0.65
+
+int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels) {
+  const struct lattice *base = plan->context.lattice;
+  const struct scene *scene = plan->context.scene;
+  const double h = plan->context.spacing, phi = (double)base->fluid_count / (double)base->count;
+  double seconds = 0.0;
+  int count = 0;
+  if (!cascade_is_possible(scene, plan) || plan->context.method->wall(scene) != WALL_SUBVOXEL ||
+      plan->shape.sharp)
+    return 0;
+  const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
+  const int steps = open_steps(plan, base);
+  for (int i = 0; i <= steps && count < most; i++) {
+    const double refined = pow(SHRINKS, i - steps);
+    const double sites = (double)base->count * pow(refined, base->dimensions);
+    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
+    const double own = solves * stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
+    seconds += own;
+    const struct expectation e =
+        expect_error(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
+    if (i < LEVELS_LEAST - 1) continue; /* no estimate from fewer */
+    levels[count++] =
+        (struct foretold_level){.spacing = h / refined,
+                                .sites = sites,
+                                .error = fmin(1.0, OPEN_SHARE * e.error),
+                                .seconds = seconds,
+                                .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
+  }
+  return count;
 }

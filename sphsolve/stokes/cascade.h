@@ -61,6 +61,8 @@ void cascade_end(struct cascade *cascade);
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
                             const struct lattice *base, double found, struct error_budget *budget);
 
+/* What an open cascade of a planned scene will solve (struct method, levels). */
+int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels);
 /* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
 

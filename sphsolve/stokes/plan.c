@@ -9,34 +9,37 @@
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/stokes/solver.h"
 
-/* Iterations: about 10 between straight walls; else they grow slowly with the sites a side, and
- * with the pores across the model. Adami walls take 1.8 times as many. */
-#define ITERATIONS_STRAIGHT 10.0
-#define ITERATIONS 10.6
+/* Iterations until k is within e of its limit, from any size of lattice: 21 to 1e-3, 31 to 1e-4;
+ * half as many between straight walls. With Adami walls 1.8 times as many. k is wrong by the square
+ * of the residual. */
+#define ITERATIONS_DECADE 9.5
+#define ITERATIONS_FIRST -7.0
+#define STRAIGHT 0.5
 #define ADAMI 1.8
 /* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
 #define SECONDS_SITE 30e-9
 #define SECONDS_FLUID 140e-9
-#define SECONDS_BUILD 3e-6
+#define SECONDS_BUILD 1e-6
 
-static double iterations(const struct pore_shape *pores, double sites, int dimensions,
-                         double refined, enum wall_scheme wall) {
-  const double side = pow(sites, 1.0 / dimensions), width = pores->width * refined;
-  const double count = pores->straight
-                           ? ITERATIONS_STRAIGHT
-                           : ITERATIONS * pow(side, 0.45) * pow(fmax(1.0, side / width), 0.2);
-  return count * (wall == WALL_ADAMI ? ADAMI : 1.0);
+static double iterations(const struct pore_shape *pores, const struct stokes_goal *goal,
+                         enum wall_scheme wall) {
+  const double least = goal->residual > 0.0 ? goal->residual * goal->residual : goal->mean;
+  const double count = fmax(ITERATIONS_FIRST - ITERATIONS_DECADE * log10(least), 3.0);
+  return count * (pores->straight ? STRAIGHT : 1.0) * (wall == WALL_ADAMI ? ADAMI : 1.0);
+}
+
+double stokes_seconds(double iterations, double sites, double fluid) {
+  const char *rows = stokes_rows_best()->name;
+  const double slow = !strcmp(rows, "avx512") ? 1.0 : !strcmp(rows, "avx2") ? 1.3 : 2.5;
+  return iterations * (SECONDS_SITE * sites + SECONDS_FLUID * slow * fluid) + SECONDS_BUILD * fluid;
 }
 
 double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *l,
-                             double refined, enum wall_scheme wall) {
-  const char *rows = stokes_rows_best()->name;
-  const double slow = !strcmp(rows, "avx512") ? 1.0 : !strcmp(rows, "avx2") ? 1.3 : 2.5;
+                             double refined, const struct stokes_goal *goal,
+                             enum wall_scheme wall) {
   const double more = pow(refined, l->dimensions);
-  const double sites = more * (double)l->count, fluid = more * (double)l->fluid_count;
-  return iterations(pores, sites, l->dimensions, refined, wall) *
-             (SECONDS_SITE * sites + SECONDS_FLUID * slow * fluid) +
-         SECONDS_BUILD * fluid;
+  return stokes_seconds(iterations(pores, goal, wall), more * (double)l->count,
+                        more * (double)l->fluid_count);
 }
 
 enum status stokes_scales(struct plan *plan) {
@@ -65,8 +68,9 @@ enum status stokes_cost(struct plan *plan, int threads) {
   plan->bytes_wall = 31.0;
   plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_method - 31.0 * (sites - fluid)) / fluid : 31.0;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;
-  plan->steps = round(iterations(&plan->shape, sites, l->dimensions, 1.0, wall));
-  plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, wall) +
+  const struct stokes_goal goal = stokes_goal_of(plan->context.scene);
+  plan->steps = round(iterations(&plan->shape, &goal, wall));
+  plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, &goal, wall) +
                    cascade_seconds(plan->context.scene, plan, false)) /
                   threads;
   plan->expected = expect_error(&plan->shape, &method_stokes, wall, 1.0);

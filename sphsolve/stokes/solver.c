@@ -10,15 +10,24 @@
 #define ROUND_REDUCTION 0.25
 /* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
  * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
- * solution 32, Krylov work vector 16; and 16 for every vector of the basis, the first of which is
- * the residual. */
+ * solution 32, Krylov work vector 16, edges 4; and 16 for every vector of the basis, the first of
+ * which is the residual. */
 #define MEMORY_GOAL 125.0
 #define SITE_BYTES 31.0
-#define ACTIVE_BYTES 104.0
+#define ACTIVE_BYTES 108.0
 #define BASIS_MIN 3
 #define BASIS_MAX 24
 /* Of a flow that is solved but for rounding. */
 #define RESIDUAL_EXACT 1e-6
+
+/* Where neither the residual nor the velocity is said to be good enough. */
+#define RESIDUAL_DEFAULT 1e-6
+
+struct stokes_goal stokes_goal_of(const struct scene *scene) {
+  struct stokes_goal goal = {.residual = scene->stokes.tolerance, .mean = scene->steady_tolerance};
+  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
+  return goal;
+}
 
 int stokes_solver_basis(double sites, double active) {
   const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;

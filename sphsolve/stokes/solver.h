@@ -52,19 +52,23 @@ enum status stokes_solver_build_half(const struct lattice *lattice, const struct
                                      const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
 
-/* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
- * solved, takes. */
-int stokes_solver_basis(double sites, double active);
-double stokes_solver_bytes(double sites, double active);
-/* Processor seconds a solve takes, predicted, with the spacing divided by `refined`. */
-double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
-                             double refined, enum wall_scheme wall);
-
 /* When a solve ends: at this relative residual with a divergence under 1e-4; or, where `residual`
  * is 0, when the mean is within `mean` of what it converges to, relative. */
 struct stokes_goal {
   double residual, mean;
 };
+/* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
+struct stokes_goal stokes_goal_of(const struct scene *scene);
+
+/* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
+ * solved, takes. */
+int stokes_solver_basis(double sites, double active);
+double stokes_solver_bytes(double sites, double active);
+/* Processor seconds of so many iterations and what goes before, predicted. */
+double stokes_seconds(double iterations, double sites, double fluid);
+/* Of a solve, with the spacing divided by `refined`. */
+double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
+                             double refined, const struct stokes_goal *goal, enum wall_scheme wall);
 
 /* After x was changed from outside: residual, mean and divergence of it. */
 void stokes_solver_restart(struct stokes_solver *solver);

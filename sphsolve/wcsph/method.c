@@ -343,5 +343,7 @@ const struct method method_wcsph = {
     .wall = wall,
     .error_flat = 5e-4, /* what a march that is called steady leaves */
     .error_flat_why = "parallel flat walls: exact but for what is left of the start",
+    .error_narrow = 0.0115,
+    .error_narrow_order = 3.0,
     .error_uneven = 0.01, /* gradients are not exact beside walls */
     .run = run};
