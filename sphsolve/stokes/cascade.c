@@ -198,7 +198,7 @@ static void add_calibration(const char *path, struct error_budget *budget) {
 
 /* Where the effect of the sides is solved: with few sites across a pore, as a cascade's second. */
 static double sides_spacing(const struct cascade *c) {
-  return fmax(c->plan->context.spacing, first_spacing(c) / SHRINKS);
+  return fmax(c->plan->context.spacing, first_spacing(c->plan, c->base) / SHRINKS);
 }
 
 /* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
@@ -453,7 +453,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
   if (*scene->model_path && sides_are_wrapped(scene->model_path)) {
     const struct cascade c = {.plan = plan, .base = l};
     const double refined = plan->context.spacing / sides_spacing(&c);
-    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, WALL_SUBVOXEL);
+    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
   }
   return seconds;
 }
