@@ -53,10 +53,13 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
 @test "runs of different models are refused unless told, and which they are is said" {
   for command in darcy pdf history report; do
     run analyze $command d1.hdf l1.hdf d5.hdf -o mixed.html
-    [ "$status" -eq 3 ] && [ "${#lines[@]}" -eq 1 ] && [ ! -e mixed.html ]
+    [ "$status" -eq 3 ]
+    [ "${#lines[@]}" -eq 1 ]
+    [ ! -e mixed.html ]
     [[ "$output" == *"2 different models: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"*"--mix"* ]]
     run analyze $command d1.hdf l1.hdf d5.hdf --mix -o mixed.html
-    [ "$status" -eq 0 ] && [[ "$output" == *"2 models together: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"* ]]
+    [ "$status" -eq 0 ]
+    [[ "$output" == *"2 models together: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"* ]]
     rm -r mixed.html
   done
   # Two spacings of one body are a study of the resolution; another model at one of them is not part of it.
@@ -71,7 +74,8 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
   done
   for command in converge "report -o levels.html"; do
     run analyze $command m20.hdf m40.hdf other.hdf
-    [ "$status" -eq 3 ] && [[ "$output" == *"other.hdf (other.hdf)"* ]]
+    [ "$status" -eq 3 ]
+    [[ "$output" == *"other.hdf (other.hdf)"* ]]
   done
 }
 
@@ -152,26 +156,34 @@ PY
   run env PATH="$PWD/bin" analyze darcy d1.hdf -o plain
   [ "$status" -eq 0 ]
   [ "$(grep -c 'gnuplot is not installed' <<< "$output")" -eq 1 ]
-  [ -s plain/darcy.json ] && [ -s plain/darcy.csv ] && [ ! -e plain/darcy.png ]
+  [ -s plain/darcy.json ]
+  [ -s plain/darcy.csv ]
+  [ ! -e plain/darcy.png ]
 }
 
 @test "wrong input: message names the file and the mend" {
   run analyze darcy missing.hdf
-  [ "$status" -ne 0 ] && [[ "$output" == *"missing.hdf"* ]]
+  [ "$status" -ne 0 ]
+  [[ "$output" == *"missing.hdf"* ]]
   echo "no HDF5" > text.hdf
   run analyze darcy text.hdf
-  [ "$status" -eq 3 ] && [[ "$output" == *"text.hdf"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"text.hdf"* ]]
   run analyze darcy d1-0000.hdf
-  [ "$status" -eq 3 ] && [[ "$output" == *"snapshot"*"OUT.hdf"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"snapshot"*"OUT.hdf"* ]]
   /usr/bin/python3 "$MAKE_RUN" bare.hdf snapshots=0
   run analyze pdf bare.hdf
-  [ "$status" -eq 3 ] && [[ "$output" == *"bare.hdf"*"no snapshots"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"bare.hdf"*"no snapshots"* ]]
   cp d1.hdf lost.hdf; cp d1.hdf sub.hdf; mkdir -p far; cp d1.hdf far/
   run analyze pdf far/d1.hdf
-  [ "$status" -ne 0 ] && [[ "$output" == *"far/d1-0000.hdf"* ]]
+  [ "$status" -ne 0 ]
+  [[ "$output" == *"far/d1-0000.hdf"* ]]
   /usr/bin/python3 "$MAKE_RUN" still.hdf i=0 k=0 driving=0
   run analyze darcy still.hdf
-  [ "$status" -eq 3 ] && [[ "$output" == *"still.hdf"*"driving force"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"still.hdf"*"driving force"* ]]
 }
 
 @test "wrong use: exit 2" {
@@ -182,7 +194,8 @@ PY
   run analyze slice d1.hdf --zoom 1mm,2mm
   [ "$status" -eq 2 ]
   run analyze slice d1.hdf --plane x=5m
-  [ "$status" -eq 2 ] && [[ "$output" == *"spans"* ]]
+  [ "$status" -eq 2 ]
+  [[ "$output" == *"spans"* ]]
   run analyze darcy
   [ "$status" -eq 2 ]
 }
@@ -200,11 +213,13 @@ PY
   [ -s out/converge.png ]
   /usr/bin/python3 "$MAKE_RUN" c10.hdf n=10 spacing=8e-5 k=0.9e-3 method=stokes k_error=1e-6
   run analyze converge c80.hdf c20.hdf c10.hdf
-  [ "$status" -eq 0 ] && [[ "$output" == *"monoton"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"monoton"* ]]
   run analyze converge c20.hdf d1.hdf
   [ "$status" -eq 3 ]
   run analyze converge d1.hdf d5.hdf
-  [ "$status" -eq 3 ] && [[ "$output" == *"same spacing"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"same spacing"* ]]
 }
 
 # The page's own copy of the numbers, or its text.
@@ -281,7 +296,8 @@ PY
 @test "report: runs without snapshots, without a force and of several spacings" {
   /usr/bin/python3 "$MAKE_RUN" nosnap.hdf snapshots=0
   run analyze report nosnap.hdf -o nosnap.html
-  [ "$status" -eq 0 ] && [[ "$output" == *"no velocity distribution"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"no velocity distribution"* ]]
   /usr/bin/python3 "$MAKE_RUN" calm.hdf i=0 k=0 driving=0
   run analyze report calm.hdf -o calm.html
   [ "$status" -eq 0 ]

@@ -278,7 +278,8 @@ END
   run_ct export exported.hdf
   [ "$status" -eq 2 ]
   run_ct export spheres.raw -o no.tif
-  [ "$status" -eq 3 ] && [ ! -e no.tif ]
+  [ "$status" -eq 3 ]
+  [ ! -e no.tif ]
 }
 
 @test "dark grains are bright grains negated" {
@@ -417,7 +418,8 @@ assert [m["output"] for m in all] == ["lv.hdf", "lv-32.hdf", "lv-24.hdf"]
 for m in all:
     assert abs(m["void_ratio"] - 3.96) < 0.02, m["void_ratio"]
     assert abs(m["size"][2] * m["spacing_m"][2] / 4.8e-4 - 1) < 1e-9'
-  [ -s lv-32.hdf ] && [ -s lv-24.hdf ]
+  [ -s lv-32.hdf ]
+  [ -s lv-24.hdf ]
   run_ct build spheres.raw $RAW --void-ratio 3.96 --levels 9 -o lv.hdf
   [ "$status" -eq 2 ]
 }

@@ -39,7 +39,8 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
 
 @test "tutorial: from a scan to a number" {
   run_blocks "$ROOT/docs/tutorial.md"
-  [ -s tutorial/converge/converge.json ] && [ -s tutorial/report.html ]
+  [ -s tutorial/converge/converge.json ]
+  [ -s tutorial/report.html ]
 }
 
 @test "calibration: from a measured void ratio to its share in the error of k" {
@@ -64,14 +65,17 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   make -C calibration "${settings[@]}" SIZE=32x32x14 THRESHOLDS="58 66" > log 2>&1 || { cat log; false; }
   make -C gradients "${settings[@]}" SIZE=16x16x7 VOID_RATIOS=0.942 GRADIENTS="5 10" > log 2>&1 || { cat log; false; }
   make -C seepage "${settings[@]}" GRAIN_SIZES="5" > log 2>&1 || { cat log; false; }
-  [ -s specimen/out/report.html ] && [ -s specimen/out/converge/converge.json ] && [ -s gradients/out/darcy/darcy.json ]
+  [ -s specimen/out/report.html ]
+  [ -s specimen/out/converge/converge.json ]
+  [ -s gradients/out/darcy/darcy.json ]
   awk -F, 'NR > 1 { if ($2 <= e || $3 <= k) exit 1; e = $2; k = $3; n++ } END { exit n != 3 }' calibration/out/calibration.csv
   awk -F, 'NR == 2 { exit ($2 / $4 - 1) ^ 2 > 1e-6 }' seepage/out/seepage.csv
   run make -C specimen "${settings[@]}" SIZES="16x16x7 32x32x14"
   [[ "$output" == *"Nothing to be done"* ]]
   touch specimen/out/model-32x32x14.hdf
   run make -C specimen "${settings[@]}" SIZES="16x16x7 32x32x14"
-  [ "$status" -eq 0 ] && [[ "$output" == *"run-32x32x14"* && "$output" != *"model-16x16x7.hdf -o"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"run-32x32x14"* && "$output" != *"model-16x16x7.hdf -o"* ]]
 }
 
 @test "examples: a study made with another variable is made anew, each of them" {

@@ -67,7 +67,8 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
   mkdir -p own && cp notes.txt own/darcy.csv
   refused own/darcy.csv analyze darcy run.hdf -o own
   run ct2model build $SCAN -o /dev/null
-  [ "$status" -eq 2 ] && [ -c /dev/null ]
+  [ "$status" -eq 2 ]
+  [ -c /dev/null ]
   ct2model sweep $SCAN -o notes.txt --force
   grep -q "^threshold,void_ratio" notes.txt
   # What one of the programs made is replaced without a word.
@@ -83,11 +84,14 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
 
 @test "a folder that is absent or may not be written is named, before the work" {
   run --separate-stderr ct2model build $SCAN -o nowhere/m.hdf
-  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+  [ "$status" -eq 1 ]
+  [[ "$stderr" == *"folder nowhere"* ]]
   run --separate-stderr sphsolve run a.cfg -o nowhere/run
-  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+  [ "$status" -eq 1 ]
+  [[ "$stderr" == *"folder nowhere"* ]]
   run --separate-stderr analyze report run.hdf -o nowhere/run.html
-  [ "$status" -eq 1 ] && [[ "$stderr" == *"folder nowhere"* ]]
+  [ "$status" -eq 1 ]
+  [[ "$stderr" == *"folder nowhere"* ]]
 }
 
 @test "a void ratio that labels cannot meet is an error; a near one is said" {
@@ -98,9 +102,12 @@ open("labels.raw", "wb").write(bytes(255 if (x // 4 + y // 4 + z // 4) % 4 else 
 END
   local image="labels.raw --raw 16x16x16:u8 --voxel-size 5um"
   run --separate-stderr ct2model build $image --void-ratio 0.7 -o labels.hdf
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"0.3333"*"0.7"* ]] && [ ! -e labels.hdf ]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"0.3333"*"0.7"* ]]
+  [ ! -e labels.hdf ]
   run --separate-stderr ct2model build $image --void-ratio 0.32 -o labels.hdf
-  [ "$status" -eq 0 ] && [[ "$stderr" == *"0.3333"*"0.32"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"0.3333"*"0.32"* ]]
 }
 
 @test "wrong numbers are refused by name" {
@@ -117,7 +124,8 @@ END
   wrong "0.9" --void-ratio 0.725+-0.9 --voxel-size 5um
   [[ "$stderr" == *"as large as the void ratio"* ]]
   run --separate-stderr ct2model build scan/slice_0003.png --void-ratio 0.7 -o wrong.hdf
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"one slice"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"one slice"* ]]
 }
 
 @test "a lattice wider than its model is named, not the model's threshold" {
@@ -148,7 +156,9 @@ END
 @test "the same run given twice counts once" {
   ln -sf run.hdf other.hdf
   run --separate-stderr analyze darcy run.hdf ./run.hdf other.hdf --json
-  [ "$status" -eq 0 ] && [[ "$output" == *'"runs_in_fit": 1'* ]] && [[ "$stderr" == *"given twice"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *'"runs_in_fit": 1'* ]]
+  [[ "$stderr" == *"given twice"* ]]
 }
 
 @test "a copy of a run counts once too; the same scene run again is another run" {
@@ -174,7 +184,8 @@ END
   sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' -o cut --quiet
   [ -e cut.ckpt.hdf ]
   run --separate-stderr sphsolve run a.cfg -o cut --resume
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"another method"*"--resume"* && "$stderr" != *column* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"another method"*"--resume"* && "$stderr" != *column* ]]
 }
 
 @test "--resume after a changed scene names what changed: refused, or said" {
@@ -216,6 +227,7 @@ END
 @test "make package names what it needs, and make deps finds it" {
   mkdir -p fake && printf '#!/bin/sh\nexit 1\n' > fake/dpkg-query && chmod +x fake/dpkg-query
   PATH="$PWD/fake:$PATH" run "$ROOT/scripts/install-deps" --package --check
-  [ "$status" -eq 1 ] && [[ "$output" == *debhelper* && "$output" == *"--package"* ]]
+  [ "$status" -eq 1 ]
+  [[ "$output" == *debhelper* && "$output" == *"--package"* ]]
   grep -q "install-deps.* --package" "$ROOT/scripts/package"
 }

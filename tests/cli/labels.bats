@@ -88,7 +88,8 @@ END
   wrong 2 "--segmented 0=air" sphere.raw $CUBE --segmented 0=air
   wrong 3 "--segmented 1" sphere.raw $CUBE --void-ratio 0.273
   run --separate-stderr ct2model sweep sphere.raw $CUBE --segmented 0
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"no threshold to sweep"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"no threshold to sweep"* ]]
 }
 
 @test "a NumPy array and an HDF5 dataset are the volume that a raw file is" {
@@ -121,7 +122,8 @@ END
   done
   cp v.h5 before.h5
   run ct2model build v.h5:/packed --void-ratio 0.8 --voxel-size 5um -o v.h5 --force
-  [ "$status" -eq 2 ] && cmp v.h5 before.h5
+  [ "$status" -eq 2 ]
+  cmp v.h5 before.h5
 }
 
 @test "voxels that are no cubes become cubes" {
@@ -173,7 +175,8 @@ assert k["mirrored"]["error"]["sides"] is None and k["closed"]["error"]["sides"]
 assert k["periodic"]["error"]["total"] >= said
 END
   run --separate-stderr ct2model build $eighth --sides closed --mirror x -o wrong.hdf
-  [ "$status" -eq 2 ] && [[ "$stderr" == *"--sides closed"* ]]
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"--sides closed"* ]]
   run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf
   [ "$status" -eq 2 ]
 }

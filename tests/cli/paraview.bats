@@ -78,9 +78,12 @@ END
 
 @test "output.image = false leaves the image out, and what stands beside a run is no run" {
   "$BIN/sphsolve" run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=model.hdf --set output.image=false -o bare --quiet
-  [ -e bare-0000.hdf ] && [ ! -e bare-image.hdf ]
+  [ -e bare-0000.hdf ]
+  [ ! -e bare-image.hdf ]
   run --separate-stderr "$BIN/analyze" darcy pore*.hdf --json
-  [ "$status" -eq 0 ] && [[ "$stderr" == *"pore-image.hdf: no run"* ]] && [[ "$output" == *'"runs_in_fit": 1'* ]]
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"pore-image.hdf: no run"* ]]
+  [[ "$output" == *'"runs_in_fit": 1'* ]]
 }
 
 # What the state file asks of the reader, slices, walls and streamlines, by VTK alone; with pvpython (PVPYTHON) the file.

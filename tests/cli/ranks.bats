@@ -25,7 +25,9 @@ killed() { # NAME JOB: a rank of it, once the second checkpoint is there; the jo
   for _ in $(seq 400); do [ ! -e "$1.ckpt.1.hdf" ] || break; sleep 0.02; done
   kill -9 "$(pgrep -f -- "sphsolve-mpi.* -o $1 --quiet" | tail -1)"
   run wait "$2"
-  [ "$status" -ne 0 ] && [ -e "$1.ckpt.hdf" ] && [ ! -e "$1.hdf" ]
+  [ "$status" -ne 0 ]
+  [ -e "$1.ckpt.hdf" ]
+  [ ! -e "$1.hdf" ]
 }
 on() { local n=$1; shift; timeout 120 mpirun -np "$n" "$@"; }
 stokes() { # NAME [options]
@@ -119,7 +121,8 @@ one_line() {
     OMPI_MCA_btl=tcp,self PMIX_MCA_gds=hash on 2 -q bash -c 'ulimit -f 8; trap "" XFSZ; exec sphsolve-mpi "$@"' - $(small $method) > /dev/null 2> said || code=$?
     one_line said $code
     grep -q "full\|large" said
-    [ ! -e small.hdf ] && [ -z "$(ls small*.part small*.new.hdf 2> /dev/null)" ]
+    [ ! -e small.hdf ]
+    [ -z "$(ls small*.part small*.new.hdf 2> /dev/null)" ]
   done
 }
 

@@ -38,7 +38,8 @@ torn() {
     until [ -s lost.history.csv ] && [ "$(wc -l < lost.history.csv)" -gt 3 ]; do sleep 0.02; done
     kill -9 $!
     wait $! 2> /dev/null || true
-    [ ! -e lost.hdf ] && [ ! -e lost.ckpt.hdf ]
+    [ ! -e lost.hdf ]
+    [ ! -e lost.ckpt.hdf ]
     cp lost.history.csv seen.csv
     printf '0.5,7,1e-3,torn' >> lost.history.csv # what a crash of the machine leaves
     # Resumed with nothing to go on from, it starts anew, and does not forget what had been written.
@@ -60,7 +61,8 @@ for i, row in enumerate(rows[1:]):
 END
   done
   (CHECKPOINT='1 min' resumable_start isph lost --resume > /dev/null)
-  [ ! -e lost.history.csv ] && resumable_same whole-isph lost
+  [ ! -e lost.history.csv ]
+  resumable_same whole-isph lost
 }
 
 @test "SIGTERM writes a checkpoint and ends with exit code 130" {
@@ -69,7 +71,8 @@ END
   kill -TERM $!
   code=0
   wait $! || code=$?
-  [ $code -eq 130 ] && [ -s term.ckpt.hdf ]
+  [ $code -eq 130 ]
+  [ -s term.ckpt.hdf ]
   (resumable_start wcsph term --resume > /dev/null)
   resumable_same whole-wcsph term
 }
@@ -95,7 +98,8 @@ END
     done
     truncate -s 1000 bad.ckpt.hdf bad.ckpt.1.hdf
     CHECKPOINT="10 ms" run --separate-stderr resumable_start $method bad --resume
-    [ "$status" -eq 3 ] && [[ "$stderr" == *"remove both to start anew"* ]]
+    [ "$status" -eq 3 ]
+    [[ "$stderr" == *"remove both to start anew"* ]]
   done
 }
 
@@ -119,8 +123,10 @@ END
       (resumable_start $method full > out.log 2> err.log) || code=$?
       [ $code -eq 1 ] || { echo "exit code $code"; cat err.log; exit 1; }
     )
-    [ ! -e full.hdf ] && [ -z "$(ls full*.part full*.new.hdf 2> /dev/null)" ]
-    [ "$(wc -l < err.log)" -eq 1 ] && grep -q "full\|large" err.log
+    [ ! -e full.hdf ]
+    [ -z "$(ls full*.part full*.new.hdf 2> /dev/null)" ]
+    [ "$(wc -l < err.log)" -eq 1 ]
+    grep -q "full\|large" err.log
     # With room again the run goes on from what it could keep.
     (resumable_start $method full --resume > /dev/null 2>&1)
     resumable_same whole-$method full

@@ -17,12 +17,15 @@ END
 
 @test "help and version" {
   run "$SPH" --help
-  [ "$status" -eq 0 ] && [[ "$output" == *"explain"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"explain"* ]]
   run "$SPH" run --help
-  [ "$status" -eq 0 ] && [[ "$output" == *"Example:"* && "$output" == *"--resume"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"Example:"* && "$output" == *"--resume"* ]]
   [ "$(echo "$output" | wc -l)" -le 24 ]
   run "$SPH" --version
-  [ "$status" -eq 0 ] && [[ "$output" == "sphsolve 0."* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == "sphsolve 0."* ]]
 }
 
 @test "wrong usage ends with exit code 2 and one line" {
@@ -30,7 +33,8 @@ END
                "explain a.cfg --resume" "run a.cfg -o" "explain a.cfg --max-memory 3"; do
     run --separate-stderr "$SPH" $words
     [ "$status" -eq 2 ] || { echo "$words: $status $stderr"; false; }
-    [ "$(echo "$stderr" | wc -l)" -eq 1 ] && [[ "$stderr" == "sphsolve: "* ]]
+    [ "$(echo "$stderr" | wc -l)" -eq 1 ]
+    [[ "$stderr" == "sphsolve: "* ]]
   done
   run --separate-stderr "$SPH" explain --hlep
   [[ "$stderr" == *"did you mean '--help'"* ]]
@@ -38,10 +42,12 @@ END
 
 @test "missing and broken files end with exit code 3 and name the file" {
   run --separate-stderr "$SPH" explain nowhere.cfg
-  [ "$status" -eq 3 ] && [[ "$stderr" == "sphsolve: nowhere.cfg: "* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == "sphsolve: nowhere.cfg: "* ]]
   printf 'scene = { name = "x"\0 };' > zero.cfg
   run --separate-stderr "$SPH" explain zero.cfg
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"zero bytes"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"zero bytes"* ]]
   slit
   run --separate-stderr "$SPH" explain slit.cfg --set model.file=slit.cfg
   [ "$status" -eq 3 ]
@@ -49,20 +55,23 @@ END
     fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } ); force = { gravity = ["0", "0", "-9.8 m/s^2"]; };' > m.cfg
   head -c 4000 /dev/urandom > broken.hdf
   run --separate-stderr "$SPH" explain m.cfg
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"broken.hdf: is no HDF5 file"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"broken.hdf: is no HDF5 file"* ]]
 }
 
 @test "an unknown key is named with file, line and the nearest key" {
   slit
   sed -i 's/spacing/spacin/' slit.cfg
   run --separate-stderr "$SPH" explain slit.cfg
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"slit.cfg:2: "*"did you mean 'spacing'"* ]]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"slit.cfg:2: "*"did you mean 'spacing'"* ]]
 }
 
 @test "explain says what is on and why, also as JSON" {
   slit
   run "$SPH" explain slit.cfg
-  [ "$status" -eq 0 ] && [[ "$output" == *"effects"* && "$output" == *"memory"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"effects"* && "$output" == *"memory"* ]]
   run --separate-stderr "$SPH" explain slit.cfg --json
   [ "$status" -eq 0 ]
   echo "$output" | python3 -c 'import json, sys; d = json.load(sys.stdin); assert d["effects"] and d["memory_bytes"] > 0'
@@ -82,7 +91,9 @@ v, exact = d["darcy_velocity"][0], 1e-4 * 0.8e-3 ** 2 / 12e-6
 assert abs(v / exact - 1) < 0.01, (v, exact)
 assert abs(d["k"] / (v / (1e-4 / 9.80665)) - 1) < 1e-9
 assert abs(d["intrinsic_permeability"] / (0.8e-3 ** 2 / 12) - 1) < 0.01'
-  [ -s out.hdf ] && [ -s out-0000.hdf ] && [ -s out.hdf.series ]
+  [ -s out.hdf ]
+  [ -s out-0000.hdf ]
+  [ -s out.hdf.series ]
   [ -z "$(ls *.part 2>/dev/null)" ]
 }
 
@@ -104,7 +115,9 @@ import json
 heads, darcy = json.load(open("heads.json")), json.load(open("darcy/darcy.json"))
 assert abs(darcy["k_m_per_s"] / heads["k"] - 1) < 0.02 and darcy["groups"][0]["runs"][0]["hydraulic_gradient"] == 0.5, darcy'
   run --separate-stderr "$analyze" darcy tank.hdf -o tank-darcy
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"tank.hdf: the run has no permeability"* ]] && [ ! -e tank-darcy ]
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"tank.hdf: the run has no permeability"* ]]
+  [ ! -e tank-darcy ]
   "$analyze" history heads.hdf -o history > /dev/null
   grep -q pressure_a history/history.gp && ! grep -q work_ history/history.gp && grep -q work_force history/history.csv
 }
@@ -112,7 +125,8 @@ assert abs(darcy["k_m_per_s"] / heads["k"] - 1) < 0.02 and darcy["groups"][0]["r
 @test "an output folder that is not there is refused before the run" {
   slit
   run --separate-stderr "$SPH" run slit.cfg -o nowhere/out
-  [ "$status" -eq 1 ] && [[ "$stderr" == *"nowhere: "* ]]
+  [ "$status" -eq 1 ]
+  [[ "$stderr" == *"nowhere: "* ]]
 }
 
 @test "an independent reader, written from docs/formats.md alone, reads run and snapshot" {
@@ -139,7 +153,8 @@ g.attrs["spacing"] = [1e-5] * 3'
     fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } ); force = { gravity = ["0", "0", "-9.8 m/s^2"]; };' > m.cfg
   before=$(cksum dense.hdf)
   run --separate-stderr "$SPH" run m.cfg -o dense
-  [ "$status" -eq 2 ] && [[ "$stderr" == *"would be overwritten"* ]]
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"would be overwritten"* ]]
   [ "$(cksum dense.hdf)" = "$before" ]
   # A voxel model needs no more than solid and spacing: plane Poiseuille between voxel faces, w = 8 voxels.
   "$SPH" run m.cfg -o run --json > run.json
@@ -191,7 +206,8 @@ k = json.load(open("run.json"))["intrinsic_permeability"]
 assert abs(k / (0.421731e-6 / 12) - 1) < float(sys.argv[1]), k' $wanted
   done
   run --separate-stderr "$SPH" explain duct.cfg --error 120%
-  [ "$status" -eq 2 ] && [[ "$stderr" == *"--error 120%"* ]]
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"--error 120%"* ]]
 }
 
 @test "explain foretells memory within a factor of two, and the error" {

@@ -32,7 +32,9 @@ END
   analyze darcy tu.hdf --json > darcy.json
   analyze darcy tu.hdf > darcy.txt
   grep -q "principal value" darcy.txt
-  [ -e tu-x.hdf ] && [ -e tu-y.hdf ] && [ ! -e tu-z.hdf ]
+  [ -e tu-x.hdf ]
+  [ -e tu-y.hdf ]
+  [ ! -e tu-z.hdf ]
   /usr/bin/python3 - <<'P'
 import json
 import math
@@ -85,7 +87,8 @@ assert t["isotropic_within_error"]'
   sphsolve run mirrored.cfg -o open --tensor --error 20% --json > open.json
   before=$(md5sum < open-x.hdf)
   run --separate-stderr sphsolve run mirrored.cfg -o open --tensor --error 20% --resume --json
-  [ "$status" -eq 0 ] && [[ "$stderr" == *"direction x: its record is there already"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"direction x: its record is there already"* ]]
   [ "$before" = "$(md5sum < open-x.hdf)" ]
   [ "$(/usr/bin/python3 -c 'import json, sys; print(json.load(sys.stdin)["tensor"])' <<< "$output")" = \
     "$(/usr/bin/python3 -c 'import json; print(json.load(open("open.json"))["tensor"])')" ]
@@ -108,10 +111,14 @@ assert all((t["k_high_m_per_s"][i][i] / t["k_m_per_s"][i][i] - 1) <= 0.2 for i i
 @test "an output that may not be is refused before the first direction" {
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   run --separate-stderr sphsolve run mirrored.cfg -o mirrored --tensor
-  [ "$status" -eq 2 ] && [[ "$stderr" == *"mirrored.hdf"*"input"* ]] && [ ! -e mirrored-x.hdf ]
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"mirrored.hdf"*"input"* ]]
+  [ ! -e mirrored-x.hdf ]
 }
 
 @test "--tensor where there is none is refused" {
   run --separate-stderr sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" -o dam --tensor
-  [ "$status" -eq 2 ] && [[ "$stderr" == *"--tensor"* ]] && [ ! -e dam.hdf ]
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"--tensor"* ]]
+  [ ! -e dam.hdf ]
 }

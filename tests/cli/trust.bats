@@ -36,7 +36,9 @@ python() { /usr/bin/python3 "$@"; }
 
 @test "every run ends with a ledger that closes" {
   run --separate-stderr sphsolve run flow.cfg -o flow
-  [ "$status" -eq 0 ] && [[ "$output" == *"ledger     particles: 400 + "* ]] && [[ "$output" != *unaccounted* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"ledger     particles: 400 + "* ]]
+  [[ "$output" != *unaccounted* ]]
   [[ "$output" == *"momentum (kg m/s): "*"not accounted for"*"energy (J): "*"not accounted for"* ]]
   analyze report flow.hdf -o flow.html --quiet > /dev/null
   grep -q '<td>drag of soil, Forchheimer</td>' flow.html
@@ -49,7 +51,8 @@ regions = ( { type = "water"; box = ["0", "0", "6 cm", "6 cm"]; } );
 force = { body_acceleration = ["1 mm/s^2", "0"]; };
 END
   run --separate-stderr sphsolve run slit.cfg -o slit
-  [ "$status" -eq 0 ] && [[ "$output" == *"ledger     mass: the flux is the same through all planes"*"energy: friction takes"* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"ledger     mass: the flux is the same through all planes"*"energy: friction takes"* ]]
   # Water that only a wall drives has its balance too.
   cat > couette.cfg << 'END'
 scene = { method = "stokes"; };
@@ -59,7 +62,8 @@ regions = ( { type = "water"; box = ["0", "0", "6 cm", "6 cm"]; },
   { type = "wall"; box = ["0", "5 cm", "6 cm", "6 cm"]; velocity = ["1 mm/s", "0"]; } );
 END
   run --separate-stderr sphsolve run couette.cfg -o couette
-  [ "$status" -eq 0 ] && [[ "$output" == *"momentum: walls and pressure balance what drives the flow to "[1-9]*e-* ]]
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"momentum: walls and pressure balance what drives the flow to "[1-9]*e-* ]]
   sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.method=stokes --set stokes.tolerance=1e-6 -o creep --quiet > /dev/null
   python "$ROOT/tests/cli/budget_closes.py"
 }
