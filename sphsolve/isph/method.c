@@ -277,9 +277,17 @@ static bool spans(const struct isph *s, const double low[3], const double high[3
 }
 
 /* The column of a permeameter: two sides of given head face each other, whole sides, and soil lies
- * in layers across. i is the fall of head over the length of soil between; false if it is not so.
- */
-static bool head_gradient(const struct isph *s, int *axis, double *gradient) {
+ * in layers across. */
+struct column {
+  int axis;
+  double gradient; /* fall of head over the length of soil */
+  double fall;     /* of head, m, signed along the axis */
+  double inertia;  /* m: of the water set in motion, sum of length / porosity */
+};
+
+/* False if it is no such column. */
+static bool find_column(const struct isph *s, struct column *column) {
+  int *axis = &column->axis;
   const struct isph_open_side *sides = s->sides;
   if (s->side_count != 2 || s->wall_box_count > 1 || s->on.surface) return false;
   *axis = sides[0].axis;
@@ -289,47 +297,76 @@ static bool head_gradient(const struct isph *s, int *axis, double *gradient) {
              spans(s, sides[k].low, sides[k].high, *axis);
   if (!facing) return false;
   double length = 0, done = s->low[*axis];
+  column->inertia = s->high[*axis] - s->low[*axis];
   while (done < s->high[*axis]) { /* from soil to soil along the axis */
-    double from = s->high[*axis], to = from;
+    double from = s->high[*axis], to = from, porosity = 1;
     for (size_t k = 0; k < s->scene->region_count; k++) {
       const struct region *region = &s->scene->regions[k];
       if (region->type != REGION_POROUS || !(region->box[*axis + 3] > done)) continue;
       if (!spans(s, region->box, region->box + 3, *axis)) return false;
       if (fmax(region->box[*axis], done) < from)
-        from = fmax(region->box[*axis], done), to = region->box[*axis + 3];
+        from = fmax(region->box[*axis], done), to = region->box[*axis + 3],
+        porosity = region->porosity;
     }
     done = fmin(to, s->high[*axis]);
     length += done - from;
+    column->inertia += (done - from) * (1 / porosity - 1);
   }
-  *gradient = (sides[0].head - sides[1].head) * sides[0].inward / length;
-  return length > 0 && *gradient != 0;
+  column->fall = (sides[0].head - sides[1].head) * sides[0].inward;
+  column->gradient = column->fall / length;
+  return length > 0 && column->fall != 0;
+}
+
+/* A k is one after so many relaxation times; what is printed before is the water's acceleration. */
+#define RELAXATIONS_LEAST 4.0
+
+/* The momentum equation of the column, (dv/dt) sum of length / porosity = g fall (1 - v / v_inf),
+ * relaxes to v_inf with this time, s, for friction that is linear in v, and faster else. */
+static double relaxation_time(const struct column *column, double gravity, double v) {
+  return fabs(v) * column->inertia / (gravity * fabs(column->fall));
+}
+
+/* By how much the mean over the second half of a time t stays below what it relaxes to. */
+static double relaxation_deficit(double time, double relaxation) {
+  const double half = 0.5 * time / relaxation;
+  return (exp(-half) - exp(-2 * half)) / half;
 }
 
 /* A k only where the force drives water round a periodic box full of it, or heads drive it along a
  * column; in a tank v / i along gravity means nothing. Between heads v is the mean over the second
- * half of the run, and the error of k the change from its third quarter to its fourth. */
+ * half of the run, and the error of k the change from its third quarter to its fourth, and what it
+ * has still to grow by. */
 static void find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
                    struct run_result *result) {
   const struct scene *scene = plan->context.scene;
   bool round = !plan->context.has_surface && !plan->context.has_inflow;
-  int axis;
-  double gradient, third[3], fourth[3];
+  struct column column;
+  double third[3], fourth[3];
   for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
   if (round) return; /* v / i along the force stands */
   result->k = result->intrinsic_permeability = NAN;
-  if (!head_gradient(s, &axis, &gradient)) return;
+  if (!find_column(s, &column)) return;
+  const int axis = column.axis;
   const double *g = scene->gravity;
   double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  if (!(strength > 0)) strength = GRAVITY_STANDARD;
+  const double relaxation = relaxation_time(&column, strength, result->darcy_velocity[axis]);
+  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
+    log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
+                "as long",
+                scene->path, s->time);
+    return;
+  }
   recorder_mean_velocity(recorder, 0.5 * s->time, s->time, result->darcy_velocity);
   recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
   recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
-  result->k = result->darcy_velocity[axis] / gradient;
-  result->fall[axis] = gradient;
-  result->k_error = fabs((fourth[axis] - third[axis]) / result->darcy_velocity[axis]);
+  result->k = result->darcy_velocity[axis] / column.gradient;
+  result->fall[axis] = column.gradient;
+  const double drift = fabs((fourth[axis] - third[axis]) / result->darcy_velocity[axis]);
+  result->k_error = hypot(isfinite(drift) ? drift : 0, relaxation_deficit(s->time, relaxation));
   result->error.steadiness = result->k_error;
   result->error.resolution = plan->expected.error;
-  result->intrinsic_permeability =
-      result->k * s->viscosity / (strength > 0 ? strength : GRAVITY_STANDARD);
+  result->intrinsic_permeability = result->k * s->viscosity / strength;
 }
 
 /* Pairs of the busiest rank over the mean. */

@@ -231,3 +231,18 @@ END
   [[ "$output" == *debhelper* && "$output" == *"--package"* ]]
   grep -q "install-deps.* --package" "$ROOT/scripts/package"
 }
+
+@test "isph: a k that has not settled is none, or its error says so" {
+  heads=$ROOT/data-samples/scenes/seepage-heads.cfg
+  for end in 1e-4 0.05 0.2; do
+    sphsolve run "$heads" --set scene.end_time="$end s" -o "heads-$end" --json > "$end.json" 2> "$end.log"
+  done
+  grep -q "no k: the flow has not settled after 0.0001 s" 1e-4.log
+  # 3.687 cm/s +- 1.3 % after 4 s
+  python3 -c '
+import json
+assert json.load(open("1e-4.json"))["k"] is None
+for end in ("0.05", "0.2"):
+    run = json.load(open(end + ".json"))
+    assert run["k_low"] < 0.03687 < run["k_high"] < 0.03687 * 1.1, (end, run)'
+}
