@@ -239,13 +239,16 @@ static void print_result(const struct run_result *result, const char *prefix) {
   char error[120] = "";
   double low, high;
   error_budget_total(&result->error, &low, &high);
-  if (isfinite(result->k) && fmax(low, high) > 0)
-    snprintf(error, sizeof error, " +- %.*g %% (%.4g to %.4g)%s", fmax(low, high) < 1 ? 2 : 3,
-             100 * fmax(low, high), 100 * result->k * (1 - fmin(low, 1)),
-             100 * result->k * (1 + high),
-             result->error.level_count > 1        ? ""
-             : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
-                                                  : " (resolution not counted)");
+  const double largest = fmax(low, high);
+  const char *from = result->error.level_count > 1        ? ""
+                     : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
+                                                          : " (resolution not counted)";
+  if (isfinite(result->k) && largest > 1e-5)
+    snprintf(error, sizeof error, " +- %.*g %% (%.4g to %.4g)%s", largest < 1 ? 2 : 3,
+             100 * largest, 100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high),
+             from);
+  else if (isfinite(result->k) && largest > 0)
+    snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
          result->wall_time);
   if (isfinite(result->k)) {

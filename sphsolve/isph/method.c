@@ -317,54 +317,82 @@ static bool find_column(const struct isph *s, struct column *column) {
   return length > 0 && column->fall != 0;
 }
 
-/* A k is one after so many relaxation times; what is printed before is the water's acceleration. */
+/* A k is one after so many relaxation times; before, what is seen is the water's acceleration. */
 #define RELAXATIONS_LEAST 4.0
 
-/* The momentum equation of the column, (dv/dt) sum of length / porosity = g fall (1 - v / v_inf),
- * relaxes to v_inf with this time, s, for friction that is linear in v, and faster else. */
-static double relaxation_time(const struct column *column, double gravity, double v) {
-  return fabs(v) * column->inertia / (gravity * fabs(column->fall));
-}
-
-/* By how much the mean over the second half of a time t stays below what it relaxes to. */
+/* By how much the mean over the second half of a time stays below what it relaxes to. */
 static double relaxation_deficit(double time, double relaxation) {
   const double half = 0.5 * time / relaxation;
   return (exp(-half) - exp(-2 * half)) / half;
 }
 
+/* The water's momentum, inertia dv/dt = drive (1 - v / v_inf), relaxes with the time inertia v_inf
+ * / drive for friction that is linear in v, and faster else. False where it has not; else how far
+ * the mean of the second half along `direction` (a unit vector) is from where it goes: the change
+ * from its third quarter to its fourth, and what it has still to grow by. */
+static bool find_steadiness(const struct isph *s, const struct recorder *recorder,
+                            const double direction[3], double inertia, double drive,
+                            struct run_result *result) {
+  double third[3], fourth[3], v = 0, drift = 0;
+  recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
+  recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
+  for (int a = 0; a < 3; a++) {
+    v += direction[a] * result->darcy_velocity[a];
+    drift += direction[a] * (fourth[a] - third[a]);
+  }
+  const double relaxation = fabs(v) * inertia / drive;
+  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
+    log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
+                "as long",
+                s->scene->path, s->time);
+    return false;
+  }
+  result->k_error = hypot(isfinite(drift) ? drift / v : 0, relaxation_deficit(s->time, relaxation));
+  result->error.steadiness = result->k_error;
+  return true;
+}
+
+/* Mean of 1 / porosity over the water's volume. */
+static double mean_inertia(const struct isph *s) {
+  double sum[2] = {0};
+  for (size_t i = 0; i < s->count; i++) {
+    sum[0] += s->volume[i];
+    sum[1] += s->volume[i] / (s->porosity ? s->porosity[i] : 1);
+  }
+  ranks_sum_all(sum, 2);
+  return sum[0] > 0 ? sum[1] / sum[0] : 1;
+}
+
 /* A k only where the force drives water round a periodic box full of it, or heads drive it along a
  * column; in a tank v / i along gravity means nothing. Between heads v is the mean over the second
- * half of the run, and the error of k the change from its third quarter to its fourth, and what it
- * has still to grow by. */
+ * half of the run. */
 static void find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
                    struct run_result *result) {
   const struct scene *scene = plan->context.scene;
   bool round = !plan->context.has_surface && !plan->context.has_inflow;
+  const double *g = scene->gravity, *force = scene->driving;
+  double direction[3] = {0};
   struct column column;
-  double third[3], fourth[3];
-  for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
-  if (round) return; /* v / i along the force stands */
-  result->k = result->intrinsic_permeability = NAN;
-  if (!find_column(s, &column)) return;
-  const int axis = column.axis;
-  const double *g = scene->gravity;
-  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  if (!(strength > 0)) strength = GRAVITY_STANDARD;
-  const double relaxation = relaxation_time(&column, strength, result->darcy_velocity[axis]);
-  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
-    log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
-                "as long",
-                scene->path, s->time);
+  for (int a = 0; a < 3; a++) round = round && (force[a] == 0 || scene->periodic[a]);
+  if (round) { /* v / i along the force stands */
+    const double drive = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
+    if (!(drive > 0) || !s->porosity) return;
+    for (int a = 0; a < 3; a++) direction[a] = force[a] / drive;
+    if (!find_steadiness(s, recorder, direction, mean_inertia(s), drive, result))
+      result->k = result->intrinsic_permeability = NAN;
     return;
   }
+  result->k = result->intrinsic_permeability = NAN;
+  if (!find_column(s, &column)) return;
+  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  if (!(strength > 0)) strength = GRAVITY_STANDARD;
+  direction[column.axis] = 1;
+  if (!find_steadiness(s, recorder, direction, column.inertia, strength * fabs(column.fall),
+                       result))
+    return;
   recorder_mean_velocity(recorder, 0.5 * s->time, s->time, result->darcy_velocity);
-  recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
-  recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
-  result->k = result->darcy_velocity[axis] / column.gradient;
-  result->fall[axis] = column.gradient;
-  const double drift = fabs((fourth[axis] - third[axis]) / result->darcy_velocity[axis]);
-  result->k_error = hypot(isfinite(drift) ? drift : 0, relaxation_deficit(s->time, relaxation));
-  result->error.steadiness = result->k_error;
+  result->k = result->darcy_velocity[column.axis] / column.gradient;
+  result->fall[column.axis] = column.gradient;
   result->error.resolution = plan->expected.error;
   result->intrinsic_permeability = result->k * s->viscosity / strength;
 }
