@@ -85,13 +85,13 @@ static void match_void_ratio(struct lattice *l, double wanted, double most) {
   }
 }
 
-enum status lattice_blur(const struct lattice *in, double deviation, struct lattice *out) {
+static enum status blur_walls(struct lattice *out, double deviation) {
   enum status status = STATUS_OK;
   float *image = NULL, *work = NULL;
-  const double h = spacing_of(in);
+  const double h = spacing_of(out);
+  const bool mirrored = lattice_is_mirrored(out);
   /* The share of a site is read off its distance, which blurs by a site's own width. */
   const double width = sqrt(deviation * deviation + h * h / 12.0);
-  TRY(lattice_resample(in, h, 0.0, out));
   TRY(memory_allocate(&image, out->count, sizeof *image, "a lattice"));
   TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));
   for (size_t s = 0; s < out->count; s++)
@@ -102,7 +102,7 @@ enum status lattice_blur(const struct lattice *in, double deviation, struct latt
   for (size_t s = 0; s < out->count; s++)
     out->wall_distance[s] =
         (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
-  if (lattice_is_mirrored(in)) lattice_mirror_distances(out);
+  if (mirrored) lattice_mirror_distances(out);
   match_void_ratio(out, wanted, width);
   const float least = (float)(1e-3 * h);
   out->fluid_count = out->wall_count = 0;
@@ -117,6 +117,14 @@ enum status lattice_blur(const struct lattice *in, double deviation, struct latt
 cleanup:
   memory_free(&image);
   memory_free(&work);
+  return status;
+}
+
+enum status lattice_blur(const struct lattice *in, double deviation, struct lattice *out) {
+  enum status status = STATUS_OK;
+  TRY(lattice_resample(in, spacing_of(in), 0.0, out));
+  TRY(blur_walls(out, deviation));
+cleanup:
   if (status != STATUS_OK) lattice_free(out);
   return status;
 }
@@ -124,16 +132,15 @@ cleanup:
 enum status lattice_blur_level(const struct lattice *fine, double deviation,
                                const struct lattice *level, double *scale, struct lattice *out) {
   enum status status = STATUS_OK;
-  struct lattice sites = {0}, blurred = {0};
+  struct lattice blurred = {0};
   /* As coarse as the blur allows: the sites need not be the model's own. */
   const double spacing = fmax(spacing_of(fine), fmin(spacing_of(level), deviation));
   const double taken = fmax(deviation, NARROWEST * spacing);
   *scale = deviation * deviation / (taken * taken);
-  TRY(lattice_resample(fine, spacing, 0.0, &sites));
-  TRY(lattice_blur(&sites, taken, &blurred));
+  TRY(lattice_resample(fine, spacing, 0.0, &blurred));
+  TRY(blur_walls(&blurred, taken));
   TRY(lattice_resample(&blurred, spacing_of(level), 0.0, out));
 cleanup:
-  lattice_free(&sites);
   lattice_free(&blurred);
   return status;
 }

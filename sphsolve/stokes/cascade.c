@@ -440,6 +440,16 @@ cleanup:
   return status;
 }
 
+double cascade_sides_sites(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  const struct scene *scene = plan->context.scene;
+  const struct cascade c = {.plan = plan, .base = l};
+  if (!cascade_is_possible(scene, plan) || !*scene->model_path ||
+      !sides_are_wrapped(scene->model_path))
+    return 0.0;
+  return 4.0 * (double)l->count * pow(plan->context.spacing / sides_spacing(&c), l->dimensions);
+}
+
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
   const struct lattice *l = plan->context.lattice;
   const struct stokes_goal goal = stokes_goal_of(scene);
@@ -450,9 +460,9 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
     seconds += solves *
                stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], &goal, WALL_SUBVOXEL);
   }
-  if (*scene->model_path && sides_are_wrapped(scene->model_path)) {
-    const struct cascade c = {.plan = plan, .base = l};
-    const double refined = plan->context.spacing / sides_spacing(&c);
+  const double sides = cascade_sides_sites(plan);
+  if (sides > 0.0) {
+    const double refined = cbrt(sides / 4.0 / (double)l->count);
     seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
   }
   return seconds;

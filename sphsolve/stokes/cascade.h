@@ -63,6 +63,8 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
 
 /* What an open cascade of a planned scene will solve (struct method, levels). */
 int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels);
+/* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
+double cascade_sides_sites(const struct plan *plan);
 /* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
 

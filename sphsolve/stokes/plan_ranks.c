@@ -3,12 +3,27 @@
 
 #include <math.h>
 
+#include "sphsolve/stokes/cascade.h"
+
 /* Per iteration; slabs are at least four planes. */
 #define SLAB_LEAST 4.0
 #define COARSE_SECONDS 1.4e-9 /* a site: levels that every rank solves */
 #define GATHERINGS 4.0
 #define MESSAGES 69.0
 #define SUMS 3.8
+/* Bytes a site: kind and distance, and a quarter of both before they are mirrored; and while paths
+ * are followed. */
+#define SIDES_BYTES 6.25
+#define ROW_BYTES 60.0 /* tables of a lattice's rows, on every rank */
+#define SITE_BYTES 5.0
+#define SECOND_RATIO 1.5
+#define FLOOD_SITE 7.0
+#define FLOOD_FLUID 4.0
+
+/* Sites along x of the lattice that is mirrored to one of so many sites. */
+static double side_of(double sides, const struct lattice *l) {
+  return (double)l->size[0] * cbrt(sides / 4 / (double)l->count);
+}
 
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
   const struct lattice *l = plan->context.lattice;
@@ -23,5 +38,15 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   cost->held = r > 1 ? cost->ghosts : 0; /* each has its place */
   cost->messages = MESSAGES;
   cost->sums = SUMS;
+  /* A lattice with other sides is whole on every rank while its pores are followed, and solved
+   * beside the second of the cascade. */
+  const double sides = cascade_sides_sites(plan), phi = (double)l->fluid_count / sites;
+  const double second = sites / pow(SECOND_RATIO, l->dimensions);
+  if (sides > 0.0)
+    cost->start = SIDES_BYTES * sides + SITE_BYTES * (second + sites / r) + cost->held +
+                  fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
+                       stokes_solver_bytes(sides, phi * sides) / r) +
+                  stokes_solver_bytes(second, phi * second) / r +
+                  ROW_BYTES * (second / (nx / SECOND_RATIO) + sides / (2 * side_of(sides, l)));
   cost->shares_sites = true;
 }
