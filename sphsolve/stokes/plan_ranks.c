@@ -42,7 +42,7 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
    * beside the second of the cascade. */
   const double sides = cascade_sides_sites(plan), phi = (double)l->fluid_count / sites;
   const double second = sites / pow(SECOND_RATIO, l->dimensions);
-  if (sides > 0.0)
+  if (sides > 0.0 && r > 1)
     cost->start = SIDES_BYTES * sides + SITE_BYTES * (second + sites / r) + cost->held +
                   fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
                        stokes_solver_bytes(sides, phi * sides) / r) +
