@@ -86,6 +86,17 @@ static int open_steps(const struct plan *plan, const struct lattice *base) {
   return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
 }
 
+/* A scan's surface is rough from voxel to voxel by its noise, which lattices between the voxels
+ * smooth and the model's own sites do not: its cascade ends one step before them, if three are
+ * left.
+ */
+static int last_step(const struct plan *plan, const struct lattice *base) {
+  struct scan_quality scan;
+  const int steps = open_steps(plan, base);
+  const char *path = plan->context.scene->model_path;
+  return steps >= LEVELS_LEAST && *path && scan_quality_read(path, &scan) ? steps - 1 : steps;
+}
+
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const double h = c->plan->context.spacing;
   *why = "converged";
@@ -98,7 +109,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
   *why = "budget";
   if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
-  if (c->tried > open_steps(c->plan, c->base)) return false;
+  if (c->tried > last_step(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
@@ -484,8 +495,8 @@ int cascade_levels(const struct plan *plan, int most, struct foretold_level *lev
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  const int steps = open_steps(plan, base);
-  for (int i = 0; i <= steps && count < most; i++) {
+  const int steps = open_steps(plan, base), last = last_step(plan, base);
+  for (int i = 0; i <= last && count < most; i++) {
     const double refined = pow(SHRINKS, i - steps);
     const double sites = (double)base->count * pow(refined, base->dimensions);
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
