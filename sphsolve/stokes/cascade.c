@@ -14,32 +14,15 @@
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/start.h"
 
-/* From one lattice to the next of an open cascade the spacing shrinks by this. */
-#define SHRINKS 1.4142135623730951
-/* The first has so many sites across a mean pore, 4 V / S, and across the body. */
-#define FIRST_PORE 1.6
-#define FIRST_BODY 8.0
-/* An open cascade has so many lattices at least, if it is not ended before. */
-#define LEVELS_LEAST 3
 /* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
  * to the limit makes some three times as much of it. */
 #define SOLVER_SHARE 0.02
 #define GOAL_FINEST 3e-4
 #define GOAL_COARSEST 1e-3
-/* A cascade that ends with the scene's own lattice. */
-#define FIXED_LEVELS 3
-static const double fixed_ratios[FIXED_LEVELS] = {2.0, 1.5, 1.0};
 /* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
 static const struct stokes_goal side_goal = {.mean = 3e-4};
-
-bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
-  const struct effect_context *context = &plan->context;
-  return context->lattice->wall_distance != NULL && context->driving > 0.0 &&
-         context->method->resolves_pores && !context->has_moving_wall && !context->has_surface &&
-         scene->fluid.viscosity > 0.0;
-}
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
@@ -52,23 +35,14 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
     c->wanted = fmax(plan->goal.error, 1e-12);
     if (plan->goal.seconds > 0.0) c->seconds = plan->goal.seconds;
   } else {
-    c->fixed = possible ? FIXED_LEVELS : 1;
+    c->fixed = possible ? CASCADE_FIXED : 1;
   }
 }
 
 double cascade_next_seconds(const struct cascade *c) {
   const int n = c->budget.level_count;
   if (n == 0) return 0.0;
-  return c->budget.levels[n - 1].seconds * pow(SHRINKS, 3.2);
-}
-
-/* The spacing with few sites across a mean pore, where a cascade may begin. */
-static double first_spacing(const struct plan *plan, const struct lattice *base) {
-  const double h = plan->context.spacing, width = plan->shape.width;
-  double shortest = INFINITY;
-  for (int a = 0; a < 3; a++)
-    if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
+  return c->budget.levels[n - 1].seconds * pow(CASCADE_SHRINKS, 3.2);
 }
 
 /* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
@@ -79,37 +53,19 @@ static bool finer_is_in_vain(const struct cascade *c) {
   return c->plan->goal.error > 0.0 && left > c->wanted && c->budget.resolution < 0.5 * left;
 }
 
-/* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model
- * it is their interpolation that a lattice resolves, not the walls. */
-static int open_steps(const struct plan *plan, const struct lattice *base) {
-  const double steps = log(first_spacing(plan, base) / plan->context.spacing) / log(SHRINKS);
-  return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
-}
-
-/* A scan's surface is rough from voxel to voxel by its noise, which lattices between the voxels
- * smooth and the model's own sites do not: its cascade ends one step before them, if three are
- * left.
- */
-static int last_step(const struct plan *plan, const struct lattice *base) {
-  struct scan_quality scan;
-  const int steps = open_steps(plan, base);
-  const char *path = plan->context.scene->model_path;
-  return steps >= LEVELS_LEAST && *path && scan_quality_read(path, &scan) ? steps - 1 : steps;
-}
-
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const double h = c->plan->context.spacing;
   *why = "converged";
   if (c->fixed > 0) {
     if (c->tried == c->fixed) return false;
-    *spacing = h * fixed_ratios[FIXED_LEVELS - c->fixed + c->tried];
+    *spacing = h * cascade_fixed_ratios[CASCADE_FIXED - c->fixed + c->tried];
     return true;
   }
-  *spacing = h * pow(SHRINKS, open_steps(c->plan, c->base) - c->tried);
+  *spacing = h * pow(CASCADE_SHRINKS, cascade_open_steps(c->plan, c->base) - c->tried);
   if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
   *why = "budget";
   if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
-  if (c->tried > last_step(c->plan, c->base)) return false;
+  if (c->tried > cascade_last_step(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
@@ -207,33 +163,14 @@ static void add_calibration(const char *path, struct error_budget *budget) {
   h5_close(file);
 }
 
-/* Where the effect of the sides is solved: with few sites across a pore, as a cascade's second. */
-static double sides_spacing(const struct cascade *c) {
-  return fmax(c->plan->context.spacing, first_spacing(c->plan, c->base) / SHRINKS);
-}
-
-/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
-static bool sides_are_wrapped(const char *path) {
-  struct h5_file *file = NULL;
-  char *sides = NULL;
-  bool wrapped = false;
-  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
-      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
-    wrapped = !strcmp(sides, "periodic");
-  error_clear();
-  h5_close(file);
-  memory_free(&sides);
-  return wrapped;
-}
-
 /* The change of k when pores that end at a side go on into their own image there, not into whatever
  * lies at the opposite side; both on one coarse lattice. */
 static enum status add_sides(struct cascade *c) {
   enum status status = STATUS_OK;
   struct lattice wrapped = {0}, mirrored = {0};
   const struct stokes_solver none = {0};
-  if (!sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
-  TRY(lattice_resample(c->base, sides_spacing(c), 0.0, &wrapped));
+  if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
+  TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_mirror_sides(&wrapped, &mirrored));
   const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, false);
   const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, false);
@@ -298,7 +235,7 @@ static void estimate(struct cascade *c) {
     h[i] = b->levels[n - 1 - i].spacing;
     k[i] = b->levels[n - 1 - i].permeability;
   }
-  converge_limit(h, k, (size_t)n, first_spacing(c->plan, c->base), &limit);
+  converge_limit(h, k, (size_t)n, cascade_first_spacing(c->plan, c->base), &limit);
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
@@ -364,7 +301,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   const struct error_budget given = *budget;
   if (!cascade_is_possible(scene, plan)) return STATUS_OK;
   cascade_begin(scene, plan, base, &c);
-  c.fixed = FIXED_LEVELS;
+  c.fixed = CASCADE_FIXED;
   c.wanted = 0.0;
   while (cascade_next(&c, &spacing, &why)) {
     struct lattice lattice;
@@ -387,7 +324,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     budget->resolution_high = hypot(budget->resolution_high, fmax(0.0, -off));
     budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
   }
-  if (c.budget.level_count < FIXED_LEVELS || !(own > 0.0) ||
+  if (c.budget.level_count < CASCADE_FIXED || !(own > 0.0) ||
       plan->context.method->wall(scene) != WALL_SUBVOXEL) {
     budget->resolution_low = fmax(budget->resolution_low, plan->expected.error);
     budget->resolution_high = fmax(budget->resolution_high, plan->expected.error);
@@ -449,68 +386,4 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
 cleanup:
   memory_free(&numbers);
   return status;
-}
-
-double cascade_sides_sites(const struct plan *plan) {
-  const struct lattice *l = plan->context.lattice;
-  const struct scene *scene = plan->context.scene;
-  const struct cascade c = {.plan = plan, .base = l};
-  if (!cascade_is_possible(scene, plan) || !*scene->model_path ||
-      !sides_are_wrapped(scene->model_path))
-    return 0.0;
-  return 4.0 * (double)l->count * pow(plan->context.spacing / sides_spacing(&c), l->dimensions);
-}
-
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
-  const struct lattice *l = plan->context.lattice;
-  const struct stokes_goal goal = stokes_goal_of(scene);
-  double seconds = 0.0;
-  if (!cascade_is_possible(scene, plan)) return 0.0;
-  for (int i = 0; i < FIXED_LEVELS - (own ? 0 : 1); i++) {
-    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
-    seconds += solves *
-               stokes_solver_seconds(&plan->shape, l, 1.0 / fixed_ratios[i], &goal, WALL_SUBVOXEL);
-  }
-  const double sides = cascade_sides_sites(plan);
-  if (sides > 0.0) {
-    const double refined = cbrt(sides / 4.0 / (double)l->count);
-    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
-  }
-  return seconds;
-}
-
-/* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
- * the estimate as a share of what three lattices of nearly the same spacing leave. Set on sands of
- * 1.6 to 15 sites across a mean pore. */
-#define ITERATIONS_WARM 24.0
-#define OPEN_SHARE 0.65
-
-int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels) {
-  const struct lattice *base = plan->context.lattice;
-  const struct scene *scene = plan->context.scene;
-  const double h = plan->context.spacing, phi = (double)base->fluid_count / (double)base->count;
-  double seconds = 0.0;
-  int count = 0;
-  if (!cascade_is_possible(scene, plan) || plan->context.method->wall(scene) != WALL_SUBVOXEL ||
-      plan->shape.sharp)
-    return 0;
-  const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  const int steps = open_steps(plan, base), last = last_step(plan, base);
-  for (int i = 0; i <= last && count < most; i++) {
-    const double refined = pow(SHRINKS, i - steps);
-    const double sites = (double)base->count * pow(refined, base->dimensions);
-    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
-    const double own = solves * stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
-    seconds += own;
-    const struct expectation e =
-        expect_error(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
-    if (i < LEVELS_LEAST - 1) continue; /* no estimate from fewer */
-    levels[count++] =
-        (struct foretold_level){.spacing = h / refined,
-                                .sites = sites,
-                                .error = fmin(1.0, OPEN_SHARE * e.error),
-                                .seconds = seconds,
-                                .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
-  }
-  return count;
 }

@@ -8,6 +8,7 @@
 #include "sphsolve/output/error_budget.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
+#include "sphsolve/stokes/cascade_levels.h"
 #include "sphsolve/stokes/solver.h"
 
 struct cascade {
@@ -23,9 +24,6 @@ struct cascade {
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
   struct error_budget budget;
 };
-
-/* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
-bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
 
 /* A cascade that ends with `base`, or, with plan->goal, when that is reached. Free with
  * cascade_end. */
@@ -60,12 +58,5 @@ void cascade_end(struct cascade *cascade);
  */
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
                             const struct lattice *base, double found, struct error_budget *budget);
-
-/* What an open cascade of a planned scene will solve (struct method, levels). */
-int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels);
-/* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
-double cascade_sides_sites(const struct plan *plan);
-/* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
 
 #endif

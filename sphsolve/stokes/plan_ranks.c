@@ -14,9 +14,9 @@
 /* Bytes a site: kind and distance, and a quarter of both before they are mirrored; and while paths
  * are followed. */
 #define SIDES_BYTES 6.25
-#define ROW_BYTES 60.0 /* tables of a lattice's rows, on every rank */
+#define ROW_BYTES 48.0 /* of a row: its start twice, its flux, its mask; on every rank */
 #define SITE_BYTES 5.0
-#define SECOND_RATIO 1.5
+#define SOLUTION_BYTES 32.0 /* a fluid site of the first lattice: velocity, pressure */
 #define FLOOD_SITE 7.0
 #define FLOOD_FLUID 4.0
 
@@ -39,14 +39,16 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   cost->messages = MESSAGES;
   cost->sums = SUMS;
   /* A lattice with other sides is whole on every rank while its pores are followed, and solved
-   * beside the second of the cascade. */
+   * beside the second of the cascade and the solution of the first. */
   const double sides = cascade_sides_sites(plan), phi = (double)l->fluid_count / sites;
-  const double second = sites / pow(SECOND_RATIO, l->dimensions);
+  const double first = sites / pow(cascade_fixed_ratios[0], l->dimensions);
+  const double second = sites / pow(cascade_fixed_ratios[1], l->dimensions);
   if (sides > 0.0 && r > 1)
-    cost->start = SIDES_BYTES * sides + SITE_BYTES * (second + sites / r) + cost->held +
-                  fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
-                       stokes_solver_bytes(sides, phi * sides) / r) +
-                  stokes_solver_bytes(second, phi * second) / r +
-                  ROW_BYTES * (second / (nx / SECOND_RATIO) + sides / (2 * side_of(sides, l)));
+    cost->start =
+        SIDES_BYTES * sides + SITE_BYTES * (second + sites / r) + cost->held +
+        fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
+             stokes_solver_bytes(sides, phi * sides) / r) +
+        stokes_solver_bytes(second, phi * second) / r + SOLUTION_BYTES * phi * first / r +
+        ROW_BYTES * (second / (nx / cascade_fixed_ratios[1]) + sides / (2 * side_of(sides, l)));
   cost->shares_sites = true;
 }

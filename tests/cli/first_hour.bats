@@ -2,19 +2,15 @@
 # What goes wrong in the first hour with one's own scan: nothing is destroyed, no wrong input passes, nothing found is lost.
 
 bats_require_minimum_version 1.5.0
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   cp -r "$ROOT/data-samples/small" scan
   export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --quiet"
   ct2model build $SCAN -o m.hdf
   scene stokes > a.cfg
   sphsolve run a.cfg -o run --quiet
 }
-setup() { cd "$BATS_FILE_TMPDIR"; }
 
 scene() { # METHOD
   cat <<END

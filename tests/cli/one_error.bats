@@ -2,18 +2,14 @@
 # One error, one name, one number: from the run to the page; and what the terminal shows of it.
 
 bats_require_minimum_version 1.5.0
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725+-0.01 --voxel-size 8.745um --size 32x32x14 -o m.hdf > model.txt
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o run --json > run.json
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o again > run.txt
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o again -v > verbose.txt
 }
-setup() { cd "$BATS_FILE_TMPDIR"; }
 
 @test "run, its record, darcy and the page say the same error and the same shares" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"

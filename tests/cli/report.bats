@@ -3,12 +3,9 @@
 
 model() { ct2model build "$ROOT/data-samples/small" --voxel-size 8.745um -q --size "${@:2}" -o "$1.hdf" > /dev/null; }
 
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   cat > scene.cfg << END
 scene  = { name = "sand"; };
 model  = { file = "matched.hdf"; };
@@ -34,7 +31,6 @@ END
   done
 }
 
-setup() { cd "$BATS_FILE_TMPDIR"; }
 sentences() { /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" "$@"; }
 data() { /usr/bin/python3 -c 'import json, re, sys
 page = json.loads(re.search(r"id=\"data\">(.*?)</script>", open(sys.argv[1]).read(), re.S)[1])

@@ -2,12 +2,9 @@
 # The permeability tensor: sphsolve run --tensor, and what analyze shows of it.
 
 bats_require_minimum_version 1.5.0
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   if /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null; then
     export HDF=1
     /usr/bin/python3 "$BATS_TEST_DIRNAME/tensor_models.py"
@@ -15,7 +12,6 @@ setup_file() {
   scene turned.hdf > turned.cfg
   scene mirrored.hdf > mirrored.cfg
 }
-setup() { cd "$BATS_FILE_TMPDIR"; }
 
 scene() { # MODEL
   cat <<END

@@ -1,0 +1,137 @@
+#include "sphsolve/stokes/cascade_levels.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/output/error_budget.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/stokes/solver.h"
+
+/* The first has so many sites across a mean pore, 4 V / S, and across the body. */
+#define FIRST_PORE 1.6
+#define FIRST_BODY 8.0
+/* An open cascade has so many lattices at least, if it is not ended before. */
+#define LEVELS_LEAST 3
+const double cascade_fixed_ratios[CASCADE_FIXED] = {2.0, 1.5, 1.0};
+
+bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
+  const struct effect_context *context = &plan->context;
+  return context->lattice->wall_distance != NULL && context->driving > 0.0 &&
+         context->method->resolves_pores && !context->has_moving_wall && !context->has_surface &&
+         scene->fluid.viscosity > 0.0;
+}
+
+/* The spacing with few sites across a mean pore, where a cascade may begin. */
+double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
+  const double h = plan->context.spacing, width = plan->shape.width;
+  double shortest = INFINITY;
+  for (int a = 0; a < 3; a++)
+    if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
+  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
+}
+
+/* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model
+ * it is their interpolation that a lattice resolves, not the walls. */
+int cascade_open_steps(const struct plan *plan, const struct lattice *base) {
+  const double steps =
+      log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_SHRINKS);
+  return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+}
+
+/* A scan's surface is rough from voxel to voxel by its noise, which lattices between the voxels
+ * smooth and the model's own sites do not: its cascade ends one step before them, if three are
+ * left.
+ */
+int cascade_last_step(const struct plan *plan, const struct lattice *base) {
+  struct scan_quality scan;
+  const int steps = cascade_open_steps(plan, base);
+  const char *path = plan->context.scene->model_path;
+  return steps >= LEVELS_LEAST && *path && scan_quality_read(path, &scan) ? steps - 1 : steps;
+}
+
+/* Where the effect of the sides is solved: with few sites across a pore, as a cascade's second. */
+double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
+  return fmax(plan->context.spacing, cascade_first_spacing(plan, base) / CASCADE_SHRINKS);
+}
+
+/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
+bool cascade_sides_are_wrapped(const char *path) {
+  struct h5_file *file = NULL;
+  char *sides = NULL;
+  bool wrapped = false;
+  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
+      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
+    wrapped = !strcmp(sides, "periodic");
+  error_clear();
+  h5_close(file);
+  memory_free(&sides);
+  return wrapped;
+}
+
+double cascade_sides_sites(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  const struct scene *scene = plan->context.scene;
+  if (!cascade_is_possible(scene, plan) || !*scene->model_path ||
+      !cascade_sides_are_wrapped(scene->model_path))
+    return 0.0;
+  return 4.0 * (double)l->count *
+         pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
+}
+
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
+  const struct lattice *l = plan->context.lattice;
+  const struct stokes_goal goal = stokes_goal_of(scene);
+  double seconds = 0.0;
+  if (!cascade_is_possible(scene, plan)) return 0.0;
+  for (int i = 0; i < CASCADE_FIXED - (own ? 0 : 1); i++) {
+    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
+    seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / cascade_fixed_ratios[i], &goal,
+                                              WALL_SUBVOXEL);
+  }
+  const double sides = cascade_sides_sites(plan);
+  if (sides > 0.0) {
+    const double refined = cbrt(sides / 4.0 / (double)l->count);
+    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
+  }
+  return seconds;
+}
+
+/* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
+ * the estimate as a share of what three lattices of nearly the same spacing leave. Set on sands of
+ * 1.6 to 15 sites across a mean pore. */
+#define ITERATIONS_WARM 24.0
+#define OPEN_SHARE 0.65
+
+int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels) {
+  const struct lattice *base = plan->context.lattice;
+  const struct scene *scene = plan->context.scene;
+  const double h = plan->context.spacing, phi = (double)base->fluid_count / (double)base->count;
+  double seconds = 0.0;
+  int count = 0;
+  if (!cascade_is_possible(scene, plan) || plan->context.method->wall(scene) != WALL_SUBVOXEL ||
+      plan->shape.sharp)
+    return 0;
+  const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
+  const int steps = cascade_open_steps(plan, base), last = cascade_last_step(plan, base);
+  for (int i = 0; i <= last && count < most; i++) {
+    const double refined = pow(CASCADE_SHRINKS, i - steps);
+    const double sites = (double)base->count * pow(refined, base->dimensions);
+    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
+    const double own = solves * stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
+    seconds += own;
+    const struct expectation e =
+        expect_error(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
+    if (i < LEVELS_LEAST - 1) continue; /* no estimate from fewer */
+    levels[count++] =
+        (struct foretold_level){.spacing = h / refined,
+                                .sites = sites,
+                                .error = fmin(1.0, OPEN_SHARE * e.error),
+                                .seconds = seconds,
+                                .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
+  }
+  return count;
+}

@@ -1,0 +1,36 @@
+/* Which lattices a cascade solves, and what they will cost, before any is solved. Spacings in m. */
+#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
+#define TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
+
+#include <stdbool.h>
+
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/plan/plan.h"
+#include "sphsolve/scene/scene.h"
+
+/* From one lattice to the next of an open cascade the spacing shrinks by this. */
+#define CASCADE_SHRINKS 1.4142135623730951
+/* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
+#define CASCADE_FIXED 3
+extern const double cascade_fixed_ratios[CASCADE_FIXED];
+
+/* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
+bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
+
+/* The spacing with few sites across a mean pore, where an open cascade may begin. */
+double cascade_first_spacing(const struct plan *plan, const struct lattice *base);
+/* Steps from the first of its lattices to the scene's own sites, and to its last lattice. */
+int cascade_open_steps(const struct plan *plan, const struct lattice *base);
+int cascade_last_step(const struct plan *plan, const struct lattice *base);
+/* Where the effect of the sides is solved, and whether that of a model is. */
+double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
+bool cascade_sides_are_wrapped(const char *model_path);
+
+/* What an open cascade of a planned scene will solve (struct method, levels). */
+int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels);
+/* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
+double cascade_sides_sites(const struct plan *plan);
+/* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
+
+#endif
