@@ -8,7 +8,7 @@
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/history.h"
-#include "analyze/mixture.h"
+#include "analyze/compatible_runs.h"
 #include "analyze/report/page.h"
 #include "analyze/report/page_model.h"
 #include "analyze/report/page_verdict.h"
@@ -219,7 +219,7 @@ static enum status run_command(const struct options *options) {
   bool report = strcmp(command, "report") == 0;
   /* A study of the resolution has a model for each spacing. */
   bool levels = report || strcmp(command, "converge") == 0;
-  TRY(mixture_check(runs, n, levels, options_given(options, "mix")));
+  TRY(compatible_runs_check(runs, n, levels, options_given(options, "mix")));
   if (report) {
     TRY(report_command(options, runs, n));
     goto cleanup;

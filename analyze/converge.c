@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "analyze/error_budget.h"
-#include "analyze/mixture.h"
+#include "analyze/uncertainty.h"
+#include "analyze/compatible_runs.h"
 #include "analyze/plot.h"
 #include "analyze/steady.h"
 #include "common/convergence.h"
@@ -25,7 +25,7 @@ struct series {
   size_t first, count;
   double formal_order;
   struct convergence result;
-  struct error_budget budget; /* of the finest run, its resolution by the index */
+  struct uncertainty uncertainty; /* of the finest run, its resolution by the index */
 };
 
 static enum status measure(const struct run *run, struct level *level) {
@@ -58,7 +58,7 @@ static bool same_series(const struct run *a, const struct run *b) {
 
 static enum status check_body(const struct run *a, const struct run *b) {
   int d;
-  if (mixture_same_body(a, b, &d)) return STATUS_OK;
+  if (compatible_runs_same_body(a, b, &d)) return STATUS_OK;
   return FAIL(
       STATUS_INPUT,
       "%s and %s do not show the same body (%g and %g m along %c): give runs of one scan or "
@@ -117,8 +117,8 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   enum status status = STATUS_OK;
   double *h = NULL;
   const struct run *run = levels[s->first].run;
-  error_budget_read(run, &s->budget);
-  if (isnan(s->budget.averaging)) s->budget.averaging = levels[s->first].error;
+  uncertainty_read(run, &s->uncertainty);
+  if (isnan(s->uncertainty.averaging)) s->uncertainty.averaging = levels[s->first].error;
   /* Frozen walls widen every gap by a constant number of spacings: first order. */
   s->formal_order = strcmp(run->wall, "frozen") == 0 ? 1.0 : 2.0;
   if (s->count < 2) return STATUS_OK;
@@ -128,8 +128,8 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
     h[s->count + i] = levels[s->first + i].permeability;
   }
   converge_extrapolate(h, h + s->count, s->count, s->formal_order, &s->result);
-  s->budget.resolution = s->result.index;
-  s->budget.resolution_expected = false;
+  s->uncertainty.resolution = s->result.index;
+  s->uncertainty.resolution_expected = false;
   if (s->count > 2 && !s->result.monotone)
     log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
                 "three times the range as its error: add a finer run",
@@ -164,7 +164,7 @@ static void series_json(const struct level *levels, const struct series *s, json
   json_object_set_new(object, "k_m_per_s", json_number(k));
   json_object_set_new(object, "k_cm_per_s", json_number(100.0 * k));
   json_object_set_new(object, "k_relative_error",
-                      json_number(ok ? error_budget_total(&s->budget) : NAN));
+                      json_number(ok ? uncertainty_total(&s->uncertainty) : NAN));
   json_object_set_new(object, "intrinsic_permeability_m2", json_number(value));
   json_object_set_new(object, "observed_order", json_number(ok ? s->result.order : NAN));
   json_object_set_new(object, "fit",
@@ -178,7 +178,7 @@ static void series_json(const struct level *levels, const struct series *s, json
                       json_boolean(ok && s->result.monotone && !s->result.far));
   json_object_set_new(object, "grid_convergence_index", json_number(ok ? s->result.index : NAN));
   json_object_set_new(object, "safety_factor", json_number(ok ? s->result.safety : NAN));
-  error_budget_json(&s->budget, object);
+  uncertainty_json(&s->uncertainty, object);
   for (size_t i = s->first; i < s->first + s->count; i++) {
     const struct level *level = &levels[i];
     json_array_append_new(
@@ -219,7 +219,7 @@ static void write_summary(const struct level *levels, const struct series *serie
     fputs(s->result.far || !s->result.monotone ? "  not extrapolated, the finest: k = "
                                                : "  extrapolated to spacing 0: k = ",
           stream);
-    write_value_with_error(stream, 100.0 * k, 100.0 * k * error_budget_total(&s->budget), "+-",
+    write_value_with_error(stream, 100.0 * k, 100.0 * k * uncertainty_total(&s->uncertainty), "+-",
                            " cm/s");
     fprintf(stream, "\n    = %.5g m/s = %.5g m^2 = %.5g darcy\n", k, s->result.value,
             s->result.value / DARCY);
@@ -234,7 +234,7 @@ static void write_summary(const struct level *levels, const struct series *serie
       fprintf(stream, "  order %g assumed (two spacings do not show one), ", s->formal_order);
     fprintf(stream, "grid convergence index of the finest %.3g %% (safety factor %g)\n",
             100.0 * s->result.index, s->result.safety);
-    error_budget_write(&s->budget, stream);
+    uncertainty_write(&s->uncertainty, stream);
     fputc('\n', stream);
   }
 }
@@ -255,7 +255,8 @@ static void write_plot(const struct level *levels, const struct series *series, 
     fputs("EOD\n", stream);
     if (s->count < 2) continue;
     double k = 100.0 * s->result.value * conductivity(&levels[s->first]);
-    fprintf(stream, "k0_%zu = %.8g; e_%zu = %.6g\n", g, k, g, k * error_budget_total(&s->budget));
+    fprintf(stream, "k0_%zu = %.8g; e_%zu = %.6g\n", g, k, g,
+            k * uncertainty_total(&s->uncertainty));
     fprintf(stream, "fit%zu(h) = %.8g + %.8g*(h*1e-6)**%.6g\n", g, k,
             100.0 * s->result.slope * conductivity(&levels[s->first]), s->result.order_used);
   }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "analyze/error_budget.h"
+#include "analyze/uncertainty.h"
 #include "analyze/plot.h"
 #include "analyze/tensor.h"
 #include "common/log.h"
@@ -94,18 +94,18 @@ cleanup:
 }
 
 /* The parts of the error of the group's first run; the averaging of several runs is the fit's. */
-static struct error_budget budget_of(const struct run *run, const struct darcy_fit *fit) {
-  struct error_budget budget;
-  error_budget_read(run, &budget);
-  if (fit->count > 1 || isnan(budget.averaging))
-    budget.averaging = fit->count > 0 ? fit->k_error / fit->k : NAN;
-  return budget;
+static struct uncertainty uncertainty_of(const struct run *run, const struct darcy_fit *fit) {
+  struct uncertainty uncertainty;
+  uncertainty_read(run, &uncertainty);
+  if (fit->count > 1 || isnan(uncertainty.averaging))
+    uncertainty.averaging = fit->count > 0 ? fit->k_error / fit->k : NAN;
+  return uncertainty;
 }
 
 /* The whole error of the group's k, relative: what its headline carries. */
 static double whole_error(const struct run *run, const struct darcy_fit *fit) {
-  const struct error_budget budget = budget_of(run, fit);
-  return error_budget_total(&budget);
+  const struct uncertainty uncertainty = uncertainty_of(run, fit);
+  return uncertainty_total(&uncertainty);
 }
 
 static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
@@ -142,8 +142,8 @@ static void write_json(const struct darcy_table *table, json_t *json) {
   json_t *groups = json_array();
   if (table->groups == 1) {
     fit_json(table->first[0], &table->fits[0], json);
-    const struct error_budget budget = budget_of(table->first[0], &table->fits[0]);
-    error_budget_json(&budget, json);
+    const struct uncertainty uncertainty = uncertainty_of(table->first[0], &table->fits[0]);
+    uncertainty_json(&uncertainty, json);
   }
   for (size_t g = 0; g < table->groups; g++) {
     char name[400];
@@ -152,8 +152,8 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     run_group_name(first, name, sizeof name);
     json_object_set_new(group, "name", json_text(name));
     fit_json(table->first[g], &table->fits[g], group);
-    const struct error_budget budget = budget_of(first, &table->fits[g]);
-    error_budget_json(&budget, group);
+    const struct uncertainty uncertainty = uncertainty_of(first, &table->fits[g]);
+    uncertainty_json(&uncertainty, group);
     json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
     json_object_set_new(group, "density_kg_per_m3", json_number(first->density));
     for (size_t i = 0; i < table->n; i++) {
@@ -238,8 +238,8 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
                            " darcy");
     fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
             table->first[g]->viscosity, table->first[g]->density);
-    const struct error_budget budget = budget_of(table->first[g], fit);
-    error_budget_write(&budget, stream);
+    const struct uncertainty uncertainty = uncertainty_of(table->first[g], fit);
+    uncertainty_write(&uncertainty, stream);
     if (isfinite(fit->r_squared))
       fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
     if (isfinite(fit->free_slope))

@@ -79,7 +79,7 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   fputs("\nunset logscale y\nset format y\n", stream);
 }
 
-/* A panel of its own: what scenes and methods add. The works of the energy's account are a table
+/* A panel of its own: what scenes and methods add. The works of the energy budget are a table
  * (/run/ledger), twenty panels of which would hide the gauges. */
 static bool has_panel(const struct history_column *column) {
   return !history_is_standard(column->name) && strncmp(column->name, "work_", 5) != 0;

@@ -43,7 +43,8 @@ static void place_items(void *data, int global_size, int local_size, int count,
   *error = ZOLTAN_OK;
 }
 
-enum status balance_cut(size_t items, size_t first, size_t own, const double *work, size_t *cut) {
+enum status balance_partition(size_t items, size_t first, size_t own, const double *work,
+                              size_t *partition) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
   struct row row = {first, own, work};
@@ -74,9 +75,9 @@ enum status balance_cut(size_t items, size_t first, size_t own, const double *wo
   count[ranks_own()] = (double)own - out;
   for (int i = 0; i < out; i++) count[part[i]]++;
   ranks_sum_all(count, ranks);
-  cut[0] = 0;
-  for (size_t r = 0; r < ranks; r++) cut[r + 1] = cut[r] + (size_t)count[r];
-  cut[ranks] = items;
+  partition[0] = 0;
+  for (size_t r = 0; r < ranks; r++) partition[r + 1] = partition[r] + (size_t)count[r];
+  partition[ranks] = items;
 cleanup:
   Zoltan_LB_Free_Part(&global_in, &local_in, &rank_in, &part_in);
   Zoltan_LB_Free_Part(&global, &local, &rank, &part);

@@ -11,7 +11,7 @@ enum status {
   STATUS_OK = 0,
   STATUS_RUN = 1,          /* I/O, memory */
   STATUS_USAGE = 2,        /* wrong command line */
-  STATUS_INPUT = 3,        /* bad input: names the file, the line or slice, and the mend */
+  STATUS_INPUT = 3,        /* bad input: names the file, the line or slice, and what to do */
   STATUS_NUMERIC = 4,      /* numerical failure */
   STATUS_INTERRUPTED = 130 /* SIGINT, SIGTERM */
 };

@@ -18,11 +18,11 @@ size_t h5_type_size(enum h5_type type);
 
 enum status h5_create(const char *path, struct h5_file **file);
 /* Read only, as an input, which no output may replace. A process of its own looks at the file
- * first: see hdf5_trial.c. */
+ * first: see hdf5_probe.c. */
 enum status h5_open(const char *path, struct h5_file **file);
 /* The same of a file that may be replaced afterwards. */
 enum status h5_open_output(const char *path, struct h5_file **file);
-/* The same without the trial, for a file whose bytes are known to be ours by a checksum. */
+/* The same without the probe, for a file whose bytes are known to be ours by a checksum. */
 enum status h5_open_sealed(const char *path, struct h5_file **file);
 /* Flushes, syncs, renames to the final name, frees. On failure the part file is removed. */
 enum status h5_commit(struct h5_file *file);

@@ -12,22 +12,22 @@ enum status slabs_make(size_t planes, const double *work, size_t unit, struct sl
   const size_t units = planes / unit > 0 ? planes / unit : 1;
   const size_t first = units * own / ranks, end = units * (own + 1) / ranks;
   double *heavy = NULL, total = 0, heaviest = 0;
-  size_t *cut = NULL;
+  size_t *partition = NULL;
   *s = (struct slabs){.planes = planes};
   TRY(memory_allocate(&s->start, ranks + 1, sizeof *s->start, "slabs"));
-  TRY(memory_allocate(&cut, ranks + 1, sizeof *cut, "slabs"));
+  TRY(memory_allocate(&partition, ranks + 1, sizeof *partition, "slabs"));
   TRY(memory_allocate(&heavy, units, sizeof *heavy, "slabs"));
   for (size_t p = 0; p < planes; p++) {
     heavy[p / unit < units ? p / unit : units - 1] += work[p];
     total += work[p];
   }
   /* Each rank tells Zoltan of some. */
-  TRY(balance_cut(units, first, end - first, heavy + first, cut));
+  TRY(balance_partition(units, first, end - first, heavy + first, partition));
   for (size_t r = 0; r < ranks; r++) {
     double sum = 0;
-    for (size_t u = cut[r]; u < cut[r + 1]; u++) sum += heavy[u];
+    for (size_t u = partition[r]; u < partition[r + 1]; u++) sum += heavy[u];
     heaviest = fmax(heaviest, sum);
-    if (cut[r + 1] > cut[r]) s->start[s->count++] = cut[r] * unit;
+    if (partition[r + 1] > partition[r]) s->start[s->count++] = partition[r] * unit;
   }
   for (size_t r = (size_t)s->count; r <= ranks; r++) s->start[r] = planes;
   s->imbalance = total > 0 ? heaviest / (total / (double)ranks) : 1;
@@ -35,7 +35,7 @@ enum status slabs_make(size_t planes, const double *work, size_t unit, struct sl
   s->end = s->start[own + 1];
 cleanup:
   memory_free(&heavy);
-  memory_free(&cut);
+  memory_free(&partition);
   return status;
 }
 

@@ -110,13 +110,13 @@ static json_t *number_or_null(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *error_json(const struct error_budget *b) {
+static json_t *error_json(const struct uncertainty *b) {
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "resolution",
       number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
       number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
       number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
-      number_or_null(b->steadiness), "total", number_or_null(error_budget_largest(b)),
+      number_or_null(b->steadiness), "total", number_or_null(uncertainty_largest(b)),
       "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
       "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
       number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
@@ -125,7 +125,7 @@ static json_t *error_json(const struct error_budget *b) {
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
-static json_t *levels_json(const struct error_budget *b, double to_speed) {
+static json_t *levels_json(const struct uncertainty *b, double to_speed) {
   json_t *list = json_array();
   for (int i = 0; i < b->level_count; i++) {
     const struct error_level *l = &b->levels[i];
@@ -138,27 +138,27 @@ static json_t *levels_json(const struct error_budget *b, double to_speed) {
   return list;
 }
 
-/* What of the ledger does not close; null where a method keeps no such account. */
-static json_t *ledger_json(const struct ledger *ledger) {
+/* How far the conservation budget does not close; null where a method keeps no such budget. */
+static json_t *conservation_json(const struct conservation *conservation) {
   double open[3] = {0}, energy_open, momentum = NAN, energy = NAN;
-  if (ledger->account.on != 0) {
-    momentum = ledger_momentum_open(&ledger->account, open);
-    energy = ledger_energy_open(&ledger->account, &energy_open);
+  if (conservation->budget.on != 0) {
+    momentum = budget_momentum_open(&conservation->budget, open);
+    energy = budget_energy_open(&conservation->budget, &energy_open);
   }
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
-                   number_or_null(ledger->known ? (double)ledger->lost : NAN), "particles_open",
-                   number_or_null(ledger->known ? (double)ledger_particles_open(ledger) : NAN),
-                   "mass_open", number_or_null(ledger->known ? ledger_mass_open(ledger) : NAN),
-                   "momentum_open_share", number_or_null(momentum), "energy_open_share",
-                   number_or_null(energy), "force_open",
-                   number_or_null(ledger->steady ? ledger->force_open : NAN), "power_open",
-                   number_or_null(ledger->steady ? ledger->power_open : NAN), "flux_open",
-                   number_or_null(ledger->steady ? ledger->flux_open : NAN));
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
+      number_or_null(conservation->known ? (double)conservation->lost : NAN), "particles_open",
+      number_or_null(conservation->known ? (double)conservation_particles_open(conservation) : NAN),
+      "mass_open", number_or_null(conservation->known ? conservation_mass_open(conservation) : NAN),
+      "momentum_open_share", number_or_null(momentum), "energy_open_share", number_or_null(energy),
+      "force_open", number_or_null(conservation->steady ? conservation->force_open : NAN),
+      "power_open", number_or_null(conservation->steady ? conservation->power_open : NAN),
+      "flux_open", number_or_null(conservation->steady ? conservation->flux_open : NAN));
 }
 
 static enum status print_json(const struct run_result *result) {
   double low, high;
-  error_budget_total(&result->error, &low, &high);
+  uncertainty_total(&result->error, &low, &high);
   json_t *object = json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
       number_or_null(result->k), "k_low", number_or_null(result->k * (1 - fmin(low, 1))), "k_high",
@@ -171,7 +171,7 @@ static enum status print_json(const struct run_result *result) {
       "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
       number_or_null(result->pair_interactions), "pair_interactions_per_second",
       number_or_null(result->pair_interactions_per_second), "status", result->status, "ledger",
-      ledger_json(&result->ledger));
+      conservation_json(&result->conservation));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (result->tensor != NULL) json_object_set_new(object, "tensor", tensor_json(result->tensor));
   json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
@@ -185,7 +185,7 @@ static void print_part(const char *what, double share) {
 }
 
 /* The parts of the error, and how the resolution's was found. */
-static void print_error_budget(const struct error_budget *b) {
+static void print_uncertainty(const struct uncertainty *b) {
   printf("error     ");
   print_part(" resolution", b->resolution);
   if (!isfinite(b->resolution)) printf(" resolution not counted");
@@ -213,10 +213,10 @@ static void print_error_budget(const struct error_budget *b) {
 }
 
 /* What takes most of the error, and what lessens it. */
-static void print_verdict(const struct error_budget *b) {
+static void print_verdict(const struct uncertainty *b) {
   const struct {
     double share;
-    const char *what, *mend;
+    const char *what, *remedy;
   } parts[] = {{b->resolution, "resolution",
                 b->model > 0.7 * b->resolution ? "a model with smaller voxels lessens it"
                                                : "a finer lattice lessens it (--error)"},
@@ -227,18 +227,18 @@ static void print_verdict(const struct error_budget *b) {
                {b->averaging, "averaging", "a longer run lessens it"},
                {b->steadiness, "what still changes", "a longer run lessens it"}};
   size_t most = 0;
-  const double total = error_budget_largest(b);
+  const double total = uncertainty_largest(b);
   for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
     if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
   if (!(parts[most].share > 0) || !(total > 0)) return;
   printf("verdict    known to %.2g %%; most of it is %s: %s\n", 100 * total, parts[most].what,
-         parts[most].mend);
+         parts[most].remedy);
 }
 
 static void print_result(const struct run_result *result, const char *prefix) {
   char error[120] = "";
   double low, high;
-  error_budget_total(&result->error, &low, &high);
+  uncertainty_total(&result->error, &low, &high);
   const double largest = fmax(low, high);
   const char *from = result->error.level_count > 1        ? ""
                      : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
@@ -253,7 +253,7 @@ static void print_result(const struct run_result *result, const char *prefix) {
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
-    print_error_budget(&result->error);
+    print_uncertainty(&result->error);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
   }
   if (isfinite(result->k) && log_level() >= LOG_VERBOSE) {
@@ -265,7 +265,7 @@ static void print_result(const struct run_result *result, const char *prefix) {
   if (isfinite(result->k)) print_verdict(&result->error);
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
-  ledger_print(&result->ledger);
+  conservation_print(&result->conservation);
   printf("files      %s.hdf", prefix);
   for (int a = 0; a < 3 && result->tensor != NULL; a++) {
     const char *path = result->tensor->columns[a].path;
@@ -336,7 +336,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
                                 .k_error = NAN,
                                 .intrinsic_permeability = NAN,
                                 .k_finest = NAN,
-                                .error = error_budget_none()};
+                                .error = uncertainty_none()};
   TRY(take_goal(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
@@ -452,11 +452,11 @@ cleanup:
 
 static enum status explain(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
-  struct cheapest cheapest = {0};
+  struct recommendation recommended = {0};
   struct ranks_forecast forecast, *ranks = NULL;
   long long count = 0;
   bool wanted = options_given(options, "error");
-  if (wanted) TRY(parse_error(options_text(options, "error"), &cheapest.wanted));
+  if (wanted) TRY(parse_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
   if (options_given(options, "ranks")) {
     TRY(options_integers(options, "ranks", ',', 1, &count));
@@ -465,12 +465,13 @@ static enum status explain(const struct options *options, struct job *job) {
     ranks = &forecast;
     ranks_forecast(&job->plan, (int)count, thread_count(), ranks);
   }
-  if (wanted) TRY(cheapest_find(&job->scene, &job->lattice, &job->plan, thread_count(), &cheapest));
+  if (wanted)
+    TRY(recommend_find(&job->scene, &job->lattice, &job->plan, thread_count(), &recommended));
   if (options_json(options)) {
-    TRY(explain_print_json(&job->plan, ranks, wanted ? &cheapest : NULL));
+    TRY(explain_print_json(&job->plan, ranks, wanted ? &recommended : NULL));
   } else {
     explain_print(&job->plan, ranks);
-    if (wanted) cheapest_print(&job->plan, &cheapest);
+    if (wanted) recommend_print(&job->plan, &recommended);
   }
 cleanup:
   return status;

@@ -7,7 +7,7 @@
 #include "analyze/report/page_assets.h"
 #include "analyze/report/page_html.h"
 #include "analyze/report/page_internal.h"
-#include "analyze/report/page_ledger.h"
+#include "analyze/report/page_budget.h"
 #include "analyze/report/page_methods.h"
 #include "analyze/report/page_record.h"
 #include "analyze/report/page_specimen.h"
@@ -70,7 +70,7 @@ static void write_foot(struct page *page) {
         page->out);
 }
 
-static void write_contents(const struct page *page, bool ledger) {
+static void write_contents(const struct page *page, bool budget) {
   const struct {
     const char *id, *name;
     bool there;
@@ -84,7 +84,7 @@ static void write_contents(const struct page *page, bool ledger) {
               {"specimen", "Specimen", true},
               {"methods", "Methods", true},
               {"effects", "Effects", true},
-              {"ledger", "Budget", ledger},
+              {"ledger", "Budget", budget},
               {"provenance", "Provenance", true}};
   fputs("<nav>", page->out);
   for (size_t i = 0; i < sizeof list / sizeof *list; i++)
@@ -116,12 +116,12 @@ static enum status write_body(struct page *page) {
   FILE *out = page->out;
   json_t *calibration = NULL;
   struct tensor tensor;
-  bool ledger, has_tensor = false;
-  TRY(page_has_ledger(page->runs, page->n, &ledger));
+  bool budget, has_tensor = false;
+  TRY(page_has_budget(page->runs, page->n, &budget));
   for (size_t i = 0; i < page->n && !has_tensor; i++)
     TRY(tensor_read(&page->runs[i], &tensor, &has_tensor));
   write_head(page);
-  write_contents(page, ledger);
+  write_contents(page, budget);
   verdict_write(json_object_get(page->data, "verdict"), has_tensor ? &tensor : NULL, out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
@@ -151,11 +151,11 @@ static enum status write_body(struct page *page) {
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
   TRY(page_effects(&page->runs[0], out));
   fputs("</section>\n", out);
-  if (ledger) {
+  if (budget) {
     fputs("<section id=\"ledger\"><h2>Budget of momentum and energy</h2>\n<details><summary>What "
           "each effect gave the water</summary>\n",
           out);
-    TRY(page_ledger(page->runs, page->n, out));
+    TRY(page_budget(page->runs, page->n, out));
     fputs("</details></section>\n", out);
   }
   fputs("<section id=\"provenance\"><h2>Provenance</h2>\n", out);

@@ -139,7 +139,7 @@
       chart(parent, 'Density at the end', 'Above reference (%)', 'Probability density (1/%)',
             runs.map(r => ({name: r.name, step: true,
                             points: r.density_histogram ? steps(r.density_histogram, 100, 100, false) : []})), {includeZero: true});
-      // The works of the energy's account stand in the ledger's table.
+      // The works of the energy budget stand in its table.
       Object.keys(runs[0].columns).filter(name => !name.startsWith('work_')).forEach(name => {
         const column = runs[0].columns[name], list = [];
         runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d) => list.push({

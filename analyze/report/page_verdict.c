@@ -134,8 +134,8 @@ static const char *good_for(double relative) {
 
 /* The part that takes most, and what lessens it. */
 static const struct {
-  const char *part, *mend;
-} mends[] = {{"resolution", ""},
+  const char *part, *remedy;
+} remedies[] = {{"resolution", ""},
              {"scan", "a sharper scan is needed"},
              {"sides", "a larger sample is needed"},
              {"void_ratio", "build the model nearer to the measured void ratio"},
@@ -144,12 +144,12 @@ static const struct {
              {"steadiness", "run longer"}};
 
 static void judge_advice(json_t *result) {
-  const json_t *budget = json_object_get(result, "error_budget");
-  double resolution = number(budget, "resolution"), rest = 0.0, most = 0.0;
+  const json_t *parts = json_object_get(result, "error_budget");
+  double resolution = number(parts, "resolution"), rest = 0.0, most = 0.0;
   size_t largest = 0;
   char text[300] = "";
-  for (size_t i = 1; i < sizeof mends / sizeof *mends; i++) {
-    const double part = number(budget, mends[i].part);
+  for (size_t i = 1; i < sizeof remedies / sizeof *remedies; i++) {
+    const double part = number(parts, remedies[i].part);
     if (!isfinite(part)) continue;
     rest += part * part;
     if (part > most) most = part, largest = i;
@@ -162,8 +162,8 @@ static void judge_advice(json_t *result) {
     text[0] = '\0';
   else if (rest >= 0.9 * wanted)
     snprintf(text, sizeof text, "For 5 %%: %s%s (%.2g %% by the %s alone).",
-             resolution > rest ? "a finer lattice, and " : "", mends[largest].mend, 100.0 * most,
-             largest == 3 ? "void ratio" : mends[largest].part);
+             resolution > rest ? "a finer lattice, and " : "", remedies[largest].remedy, 100.0 * most,
+             largest == 3 ? "void ratio" : remedies[largest].part);
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));

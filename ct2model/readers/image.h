@@ -79,7 +79,7 @@ enum status image_data_beside(struct image *image, const char *name, int line);
 /* For readers: checks that the pixels promised by the header are there; with `compressed` they are
  * gzip or zlib data from data_offset on. */
 enum status image_claim_pixels(struct image *image, bool compressed);
-/* For readers: the mend of what cannot be decoded. */
+/* For readers: what to do about what cannot be decoded. */
 #define EXPORT_AGAIN "; the file is cut short or damaged: export it again"
 /* For readers: size of a file in bytes. */
 enum status image_file_size(const char *path, uint64_t *size);

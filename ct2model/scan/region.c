@@ -31,7 +31,7 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
         char name[160];
         stack_slice_name(stack, region->origin[2] + z, name, sizeof name);
         return FAIL(STATUS_INPUT,
-                    "%s: pixel %zu,%zu is not a number; crop it away (--crop) or mend the slice",
+                    "%s: pixel %zu,%zu is not a number; crop it away (--crop) or repair the slice",
                     name, region->origin[0] + x, region->origin[1] + y);
       }
       out[y * region->size[0] + x] = grey;

@@ -286,45 +286,45 @@ void lattice_free(struct lattice *lattice) {
 }
 
 /* Distances lie first in the file, then regions. */
-enum status lattice_distances_aside(struct lattice *l, const char *beside,
-                                    struct lattice_aside *aside) {
+enum status lattice_spill_distances(struct lattice *l, const char *beside,
+                                    struct lattice_spill *spill) {
   enum status status = STATUS_OK;
   /* What ranks hold once stays. */
   if (l->wall_distance == NULL || ranks_count() > 1) return STATUS_OK;
-  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
-  TRY(scratch_write(&aside->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
+  if (spill->file.file == NULL) TRY(scratch_open(beside, &spill->file));
+  TRY(scratch_write(&spill->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
   memory_free(&l->wall_distance);
-  aside->distances = true;
+  spill->distances = true;
 cleanup:
   return status;
 }
 
-enum status lattice_regions_aside(struct lattice *l, const char *beside,
-                                  struct lattice_aside *aside) {
+enum status lattice_spill_regions(struct lattice *l, const char *beside,
+                                  struct lattice_spill *spill) {
   enum status status = STATUS_OK;
   if (l->region == NULL || ranks_count() > 1) return STATUS_OK;
-  if (aside->file.file == NULL) TRY(scratch_open(beside, &aside->file));
-  TRY(scratch_write(&aside->file, l->count * sizeof *l->wall_distance, l->region,
+  if (spill->file.file == NULL) TRY(scratch_open(beside, &spill->file));
+  TRY(scratch_write(&spill->file, l->count * sizeof *l->wall_distance, l->region,
                     l->count * sizeof *l->region));
   memory_free(&l->region);
-  aside->regions = true;
+  spill->regions = true;
 cleanup:
   return status;
 }
 
-enum status lattice_take_back(struct lattice *l, struct lattice_aside *aside) {
+enum status lattice_restore(struct lattice *l, struct lattice_spill *spill) {
   enum status status = STATUS_OK;
   const size_t distances = l->count * sizeof *l->wall_distance;
-  if (aside->distances) {
+  if (spill->distances) {
     TRY(memory_allocate(&l->wall_distance, l->count, sizeof *l->wall_distance, "wall distances"));
-    TRY(scratch_read(&aside->file, 0, l->wall_distance, distances));
+    TRY(scratch_read(&spill->file, 0, l->wall_distance, distances));
   }
-  if (aside->regions) {
+  if (spill->regions) {
     TRY(memory_allocate(&l->region, l->count, sizeof *l->region, "the lattice"));
-    TRY(scratch_read(&aside->file, distances, l->region, l->count * sizeof *l->region));
+    TRY(scratch_read(&spill->file, distances, l->region, l->count * sizeof *l->region));
   }
 cleanup:
-  scratch_close(&aside->file);
+  scratch_close(&spill->file);
   return status;
 }
 

@@ -38,7 +38,7 @@ struct lattice {
   uint64_t model_hash; /* of the model file; 0 without */
 };
 
-struct lattice_aside {
+struct lattice_spill {
   struct scratch_file file;
   bool distances, regions;
 };
@@ -47,12 +47,12 @@ enum status lattice_build(const struct scene *scene, int wall_layers, struct lat
 void lattice_free(struct lattice *lattice);
 
 /* What a method does not look at while it runs lies on disk (`beside` its results) meanwhile.
- * Taking it back frees `aside`, also where it fails. */
-enum status lattice_distances_aside(struct lattice *lattice, const char *beside,
-                                    struct lattice_aside *aside);
-enum status lattice_regions_aside(struct lattice *lattice, const char *beside,
-                                  struct lattice_aside *aside);
-enum status lattice_take_back(struct lattice *lattice, struct lattice_aside *aside);
+ * Taking it back frees `spill`, also where it fails. */
+enum status lattice_spill_distances(struct lattice *lattice, const char *beside,
+                                    struct lattice_spill *spill);
+enum status lattice_spill_regions(struct lattice *lattice, const char *beside,
+                                  struct lattice_spill *spill);
+enum status lattice_restore(struct lattice *lattice, struct lattice_spill *spill);
 
 /* Faces between sites of different kind, by the axis they are normal to; periodic. */
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);

@@ -49,7 +49,7 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void give(struct ledger_sums *sums, enum ledger_term term, double scale,
+static void give(struct budget_sums *sums, enum budget_term term, double scale,
                  const double force[3], const double u[3]) {
   for (int a = 0; a < 3; a++) sums->impulse[term][a] += scale * force[a];
   sums->work[term] += scale * dot(force, u);
@@ -77,24 +77,24 @@ static void held(const struct isph *s, double momentum[3], double *energy) {
   *energy = total[3];
 }
 
-void isph_account_begin(struct isph *s) {
+void isph_budget_begin(struct isph *s) {
   const bool walls = s->boundary_count > 0;
-  uint32_t on = s->on.budget | 1u << LEDGER_TIME_STEP;
-  memset(&s->account, 0, sizeof s->account);
-  if (dot(s->force, s->force) > 0) on |= 1u << LEDGER_FORCE;
-  if (walls) on |= 1u << LEDGER_WALL_PRESSURE | 1u << LEDGER_LOST | 1u << LEDGER_WALL_GUARD;
-  if (walls && s->on.viscosity && s->on.no_slip) on |= 1u << LEDGER_WALL_FRICTION;
+  uint32_t on = s->on.budget | 1u << BUDGET_TIME_STEP;
+  memset(&s->budget, 0, sizeof s->budget);
+  if (dot(s->force, s->force) > 0) on |= 1u << BUDGET_FORCE;
+  if (walls) on |= 1u << BUDGET_WALL_PRESSURE | 1u << BUDGET_LOST | 1u << BUDGET_WALL_GUARD;
+  if (walls && s->on.viscous && s->on.no_slip) on |= 1u << BUDGET_WALL_FRICTION;
   for (size_t k = 0; k < s->on.own_count; k++) {
-    on |= 1u << (LEDGER_OWN + k);
-    snprintf(s->account.own[k], sizeof s->account.own[k], "%s", s->on.own[k]->name);
+    on |= 1u << (BUDGET_OWN + k);
+    snprintf(s->budget.own[k], sizeof s->budget.own[k], "%s", s->on.own[k]->name);
   }
-  s->account.on = on;
-  held(s, s->account.momentum[0], &s->account.energy[0]);
+  s->budget.on = on;
+  held(s, s->budget.momentum[0], &s->budget.energy[0]);
 }
 
 /* Walls and open sides on particle i; and the work of those that move. `scale`: m dt / rho. */
-static void account_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                          double scale, const double u[3], struct ledger_sums *sums) {
+static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                         double scale, const double u[3], struct budget_sums *sums) {
   const double *x = s->position[i];
   double f[3] = {0};
   for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
@@ -104,19 +104,19 @@ static void account_sides(const struct isph *s, const struct isph_chunk *chunk, 
     isph_separation(s, x, s->boundary_position, entry, r);
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
       const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);
-      give(sums, LEDGER_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
+      give(sums, BUDGET_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
     } else {
       const bool head = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
       const double pressure =
           head ? 2 * s->boundary_pressure[j] : 2 * s->pressure[i] - s->density * dot(f, r);
-      give(sums, LEDGER_OPEN_SIDES, weight * pressure, r, u);
+      give(sums, BUDGET_OPEN_SIDES, weight * pressure, r, u);
     }
   }
 }
 
 /* sum V P grad eps, at a face of soil. `scale`: m dt / (eps rho), V dt. */
-static void account_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                         double scale, struct ledger_sums *sums) {
+static void budget_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                        double scale, struct budget_sums *sums) {
   const double *x = s->position[i], still[3] = {0}, *soil = still;
   const float *l = s->correction[i];
   double g[3] = {0}, gradient[3] = {0};
@@ -130,11 +130,11 @@ static void account_soil(const struct isph *s, const struct isph_chunk *chunk, s
   }
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++) gradient[a] += (double)l[3 * b + a] * g[b];
-  give(sums, LEDGER_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
+  give(sums, BUDGET_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
 }
 
-static void account_drag(const struct isph *s, size_t i, double scale, const double before[3],
-                         const double u[3], struct ledger_sums *sums) {
+static void budget_drag(const struct isph *s, size_t i, double scale, const double before[3],
+                        const double u[3], struct budget_sums *sums) {
   const double *v = s->velocity[i], eps = s->porosity[i];
   double own[3] = {0}, linear[3] = {0}, forchheimer[3] = {0}, square = 0;
   for (int a = 0; a < 3; a++) {
@@ -146,45 +146,46 @@ static void account_drag(const struct isph *s, size_t i, double scale, const dou
     linear[a] = -s->drag_a[i] * (v[a] - own[a]);
     forchheimer[a] = -s->drag_b[i] * speed * (2 * (v[a] - own[a]) - (before[a] - own[a]));
   }
-  give(sums, LEDGER_DRAG_LINEAR, scale, linear, u);
-  give(sums, LEDGER_DRAG_FORCHHEIMER, scale, forchheimer, u);
+  give(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
+  give(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }
 
 /* The pairs' viscous force goes to what makes the larger part of nu + max(nu_T, nu_c). */
-static void account_viscosity(const struct isph *s, size_t i, double scale, const double u[3],
-                              struct ledger_sums *sums) {
+static void budget_viscosity(const struct isph *s, size_t i, double scale, const double u[3],
+                             struct budget_sums *sums) {
   const struct isph_applied *applied = &s->applied[i];
   const double eps = porosity_of(s, i), thick = s->eddy[i] * eps;
-  const double own = thick > 0 ? s->viscosity / thick : 1;
-  const bool artificial = s->on.artificial_viscosity &&
-                          (!s->on.turbulence || thick - s->viscosity <= s->artificial_viscosity);
-  const enum ledger_term more = artificial ? LEDGER_ARTIFICIAL_VISCOSITY : LEDGER_TURBULENCE;
-  give(sums, LEDGER_VISCOSITY, scale * own, applied->viscous, u);
+  const double own = thick > 0 ? s->kinematic_viscosity / thick : 1;
+  const bool artificial =
+      s->on.artificial_viscosity &&
+      (!s->on.turbulence || thick - s->kinematic_viscosity <= s->artificial_viscosity);
+  const enum budget_term more = artificial ? BUDGET_ARTIFICIAL_VISCOSITY : BUDGET_TURBULENCE;
+  give(sums, BUDGET_VISCOSITY, scale * own, applied->viscous, u);
   give(sums, more, scale * (1 - own), applied->viscous, u);
-  give(sums, LEDGER_WALL_FRICTION, scale, applied->friction, u);
+  give(sums, BUDGET_WALL_FRICTION, scale, applied->friction, u);
 }
 
 /* Effects that bring a force, or a pressure outside the surface, whose part of the corrector's
  * gradient (surface_close) is then not the projection's. */
-static void account_own(const struct isph *s, size_t i, double scale, const double u[3],
-                        double pressed[3], struct ledger_sums *sums) {
+static void budget_own(const struct isph *s, size_t i, double scale, const double u[3],
+                       double pressed[3], struct budget_sums *sums) {
   for (size_t k = 0; k < s->on.own_count; k++) {
-    if (s->own_force[k] != NULL) give(sums, LEDGER_OWN + k, scale, s->own_force[k][i], u);
+    if (s->own_force[k] != NULL) give(sums, BUDGET_OWN + k, scale, s->own_force[k][i], u);
     if (s->on.own[k]->surface_pressure == NULL) continue;
     double outside[3];
     for (int a = 0; a < 3; a++) {
       outside[a] = -2 * s->surface[i] * s->surface_pressure[i] * s->gradient_sum[i][a] / s->density;
       pressed[a] -= outside[a];
     }
-    give(sums, LEDGER_OWN + k, scale, outside, u);
+    give(sums, BUDGET_OWN + k, scale, outside, u);
   }
 }
 
-void isph_account_forces(struct isph *s, double tau, double dt) {
+void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
-    struct ledger_sums *sums = &chunk->account;
+    struct budget_sums *sums = &chunk->budget;
     memset(sums, 0, sizeof *sums);
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), *f = s->force;
@@ -196,79 +197,80 @@ void isph_account_forces(struct isph *s, double tau, double dt) {
         before[a] = 2 * s->predicted[i][a] - v[a]; /* see correct() */
         pressed[a] = -applied[a] / s->density - f[a];
         square += (v[a] - before[a]) * (v[a] - before[a]);
-        sums->impulse[LEDGER_FORCE][a] += m * dt * f[a];
+        sums->impulse[BUDGET_FORCE][a] += m * dt * f[a];
       }
-      account_own(s, i, m * dt, u, pressed, sums);
-      give(sums, LEDGER_PROJECTION, m * dt, pressed, u);
-      sums->work[LEDGER_TIME_STEP] -= 0.5 * m * inertia / eps * square;
-      if (s->on.viscosity) account_viscosity(s, i, m * dt, u, sums);
-      if (s->on.soil) account_drag(s, i, m * dt, before, u, sums);
+      budget_own(s, i, m * dt, u, pressed, sums);
+      give(sums, BUDGET_PROJECTION, m * dt, pressed, u);
+      sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
+      if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
+      if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
       if (s->on.soil && s->soil_share[i] > 0 && s->soil_share[i] < 1)
-        account_soil(s, chunk, i, m * dt / (eps * s->density), sums);
-      account_sides(s, chunk, i, m * dt / s->density, u, sums);
+        budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
+      budget_sides(s, chunk, i, m * dt / s->density, u, sums);
       if (s->on.open_sides) {
         const double left = s->on.soil ? s->drag_left[i] : 1;
-        give(sums, LEDGER_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
+        give(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
       }
       const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
-      if (s->on.relaxation) sums->work[LEDGER_RELAXATION] -= power * relaxation_source(s, i, tau);
-      if (s->on.moving_soil) sums->work[LEDGER_SOIL_PRESSURE] -= power * s->porosity_rate[i];
+      if (s->on.relaxation)
+        sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, relaxation_time);
+      if (s->on.moving_soil) sums->work[BUDGET_SOIL_PRESSURE] -= power * s->porosity_rate[i];
     }
-    const enum ledger_term does[] = {LEDGER_WALL_PRESSURE, LEDGER_OPEN_SIDES, LEDGER_RELAXATION,
-                                     LEDGER_SOIL_PRESSURE};
+    const enum budget_term does[] = {BUDGET_WALL_PRESSURE, BUDGET_OPEN_SIDES, BUDGET_RELAXATION,
+                                     BUDGET_SOIL_PRESSURE};
     for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
-      sums->work[LEDGER_PROJECTION] -= sums->work[does[t]];
-      for (int a = 0; a < 3; a++) sums->impulse[LEDGER_PROJECTION][a] -= sums->impulse[does[t]][a];
+      sums->work[BUDGET_PROJECTION] -= sums->work[does[t]];
+      for (int a = 0; a < 3; a++) sums->impulse[BUDGET_PROJECTION][a] -= sums->impulse[does[t]][a];
     }
   }
 }
 
-void isph_account_change(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
-                         size_t i, const double from[3]) {
+void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,
+                        size_t i, const double from[3]) {
   const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), in = inertia_of(s, i);
   hold(m, in, eps, s->velocity[i], 1, sums->impulse[term], &sums->work[term]);
   hold(m, in, eps, from, -1, sums->impulse[term], &sums->work[term]);
 }
 
-void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
-                      size_t i, const double way[3]) {
-  const double given = s->mass[i] * s->thickness * dot(s->force, way);
-  sums->work[LEDGER_FORCE] += given;
-  if (term != LEDGER_FORCE) sums->work[term] -= given;
+void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, enum budget_term term,
+                              size_t i, const double displacement[3]) {
+  const double given = s->mass[i] * s->thickness * dot(s->force, displacement);
+  sums->work[BUDGET_FORCE] += given;
+  if (term != BUDGET_FORCE) sums->work[term] -= given;
 }
 
-void isph_account_moved(struct isph *s) {
-  isph_add_accounts(s);
-  if (s->on.soil) held(s, s->account_held, &s->account_held[3]);
+void isph_budget_moved(struct isph *s) {
+  isph_add_budgets(s);
+  if (s->on.soil) held(s, s->budget_held, &s->budget_held[3]);
 }
 
-void isph_account_gone(struct isph *s, enum ledger_term term, const struct isph_gone *gone) {
+void isph_budget_gone(struct isph *s, enum budget_term term, const struct isph_gone *gone) {
   const double m = gone->mass * s->thickness, in = gone->inertia, eps = gone->porosity;
   const double *v = gone->velocity;
-  hold(m, in, eps, v, -1, s->account.sums.impulse[term], &s->account.sums.work[term]);
-  hold(m, in, eps, v, -1, s->account_held, &s->account_held[3]);
+  hold(m, in, eps, v, -1, s->budget.sums.impulse[term], &s->budget.sums.work[term]);
+  hold(m, in, eps, v, -1, s->budget_held, &s->budget_held[3]);
 }
 
-void isph_account_entered(struct isph *s, const double position[3], const double velocity[3],
-                          double mass) {
+void isph_budget_entered(struct isph *s, const double position[3], const double velocity[3],
+                         double mass) {
   struct soil_point soil = {.porosity = 1, .inertia = 1};
-  struct ledger_sums *sums = &s->account.sums;
+  struct budget_sums *sums = &s->budget.sums;
   if (s->on.soil) isph_soil_at(s, position, 0, &soil);
-  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, sums->impulse[LEDGER_ENTERED],
-       &sums->work[LEDGER_ENTERED]);
-  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, s->account_held,
-       &s->account_held[3]);
+  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, sums->impulse[BUDGET_ENTERED],
+       &sums->work[BUDGET_ENTERED]);
+  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, s->budget_held,
+       &s->budget_held[3]);
 }
 
-void isph_account_settled(struct isph *s) {
-  struct ledger_sums *sums = &s->account.sums;
+void isph_budget_settled(struct isph *s) {
+  struct budget_sums *sums = &s->budget.sums;
   double now[4];
   if (!s->on.soil) return;
   held(s, now, &now[3]);
-  for (int a = 0; a < 3; a++) sums->impulse[LEDGER_SOIL_ENTRY][a] += now[a] - s->account_held[a];
-  sums->work[LEDGER_SOIL_ENTRY] += now[3] - s->account_held[3];
+  for (int a = 0; a < 3; a++) sums->impulse[BUDGET_SOIL_ENTRY][a] += now[a] - s->budget_held[a];
+  sums->work[BUDGET_SOIL_ENTRY] += now[3] - s->budget_held[3];
 }
 
-void isph_account_end(struct isph *s) {
-  held(s, s->account.momentum[1], &s->account.energy[1]);
+void isph_budget_end(struct isph *s) {
+  held(s, s->budget.momentum[1], &s->budget.energy[1]);
 }

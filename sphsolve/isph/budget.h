@@ -1,35 +1,35 @@
-/* The account of momentum and energy that a run keeps (ledger.h): what each effect of a step gives
- * the water, summed in that step. */
+/* The budget of momentum and energy that a run keeps (conservation.h): what each effect of a step
+ * gives the water, summed in that step. */
 #ifndef TOSUI_SPHSOLVE_ISPH_BUDGET_H
 #define TOSUI_SPHSOLVE_ISPH_BUDGET_H
 
 #include "sphsolve/isph/state.h"
 
 /* Which terms the scene has, and what there is at the start; from a fresh state. */
-void isph_account_begin(struct isph *s);
+void isph_budget_begin(struct isph *s);
 /* After the correction, before particles move: all forces of the step. */
-void isph_account_forces(struct isph *s, double tau, double dt);
+void isph_budget_forces(struct isph *s, double relaxation_time, double dt);
 /* Velocity of particle i, in a chunk of its own, changed from `from` by an effect that is no force
  * of the equation. */
-void isph_account_change(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
-                         size_t i, const double from[3]);
-/* Particle i went `way` further by an effect than its velocity carries it. */
-void isph_account_way(const struct isph *s, struct ledger_sums *sums, enum ledger_term term,
-                      size_t i, const double way[3]);
+void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,
+                        size_t i, const double from[3]);
+/* Particle i went `displacement` further by an effect than its velocity carries it. */
+void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, enum budget_term term,
+                              size_t i, const double displacement[3]);
 /* Sums the chunks and, in soil, what there is before the particles' soil is found anew. */
-void isph_account_moved(struct isph *s);
+void isph_budget_moved(struct isph *s);
 /* A particle, still with the soil it had, leaves. */
 struct isph_gone {
   double position[3], velocity[3], mass, volume, inertia, porosity;
   uint64_t id;
 };
-void isph_account_gone(struct isph *s, enum ledger_term term, const struct isph_gone *gone);
+void isph_budget_gone(struct isph *s, enum budget_term term, const struct isph_gone *gone);
 /* A particle comes in. */
-void isph_account_entered(struct isph *s, const double position[3], const double velocity[3],
-                          double mass);
+void isph_budget_entered(struct isph *s, const double position[3], const double velocity[3],
+                         double mass);
 /* From a fresh state: the end of the step. */
-void isph_account_settled(struct isph *s);
-/* What there is now, as the account's end. */
-void isph_account_end(struct isph *s);
+void isph_budget_settled(struct isph *s);
+/* What there is now, as the budget's end. */
+void isph_budget_end(struct isph *s);
 
 #endif

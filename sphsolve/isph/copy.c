@@ -42,7 +42,7 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   copy->next_id = s->next_id;
   copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
   copy->numbers[2] = s->entered_mass;
-  copy->account = s->account;
+  copy->budget = s->budget;
   copy->counts[0] = s->lost_count, copy->counts[1] = s->left_count;
   copy->counts[2] = s->entered_count;
 cleanup:
@@ -66,7 +66,7 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   s->next_id = copy->next_id;
   s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];
   s->entered_mass = copy->numbers[2];
-  s->account = copy->account;
+  s->budget = copy->budget;
   s->lost_count = copy->counts[0], s->left_count = copy->counts[1];
   s->entered_count = copy->counts[2];
   isph_wall_move(s, 0);

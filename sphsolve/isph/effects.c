@@ -1,4 +1,4 @@
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/isph/method.h"
 
 #define EFFECTS isph_effects

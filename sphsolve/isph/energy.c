@@ -14,16 +14,16 @@
  * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it may expand the water by no
  * more work than friction dissipates and contraction elsewhere gives back in the step, by the
  * pressures of the step before: share <= (friction + contraction) / expansion, unless the water as
- * a whole is denser by more than CROWDED, when its volume matters more. The projection, whose
- * gradient and divergence are each other's adjoint but for sum V grad W, and the shift lift the
- * water by 1e-7 to 1e-6 of its energy in a step, by spreading its particles. What is lifted is let
- * down again: all particles are drawn along the force towards the lowest, by the one strain that
- * makes E^{n+1} = E^n. The flow is left alone: a factor on velocities would take from waves, whose
- * energy is less than 1e-5 of the water's, what the water as a whole has gained (it ended a wave of
- * 3 cm/s on a metre of water within two periods). Only what a new porosity adds to u = v/eps is
- * taken from the velocities. */
+ * a whole is denser by more than DENSITY_EXCESS, when its volume matters more. The projection,
+ * whose gradient and divergence are each other's adjoint but for sum V grad W, and the shift lift
+ * the water by 1e-7 to 1e-6 of its energy in a step, by spreading its particles. What is lifted is
+ * let down again: all particles are drawn along the force towards the lowest, by the one strain
+ * that makes E^{n+1} = E^n. The flow is left alone: a factor on velocities would take from waves,
+ * whose energy is less than 1e-5 of the water's, what the water as a whole has gained (it ended a
+ * wave of 3 cm/s on a metre of water within two periods). Only what a new porosity adds to u =
+ * v/eps is taken from the velocities. */
 
-#define CROWDED 0.0025 /* twice this: relaxation is free */
+#define DENSITY_EXCESS 0.0025 /* twice this: relaxation is free */
 
 static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
   double total;
@@ -60,38 +60,38 @@ double isph_potential_energy(const struct isph *s) {
   return total;
 }
 
-void isph_energy_relax(struct isph *s, double tau, double dt) {
-  enum { EXPANDS, CONTRACTS, CROWD, VOLUME, COUNT };
+void isph_energy_relax(struct isph *s, double relaxation_time, double dt) {
+  enum { EXPANDS, CONTRACTS, EXCESS, VOLUME, COUNT };
   double total[COUNT];
   s->relaxation_share = 1;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double asked = -s->volume[i] * relaxation_source(s, i, tau);
+      double asked = -s->volume[i] * relaxation_source(s, i, relaxation_time);
       double given = s->pressure[i] * asked * dt;
       sum[given > 0 ? EXPANDS : CONTRACTS] += fabs(given);
-      sum[CROWD] += asked * tau, sum[VOLUME] += s->volume[i];
+      sum[EXCESS] += asked * relaxation_time, sum[VOLUME] += s->volume[i];
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
   isph_add_up(s, COUNT, total);
   double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
-  double free = fmin(1, total[CROWD] / total[VOLUME] / CROWDED - 1);
+  double free = fmin(1, total[EXCESS] / total[VOLUME] / DENSITY_EXCESS - 1);
   if (total[EXPANDS] > 0)
     s->relaxation_share = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
   s->relaxation_excess = free > s->relaxation_share ? 1 - s->relaxation_share / free : 0;
   s->relaxation_share = fmax(s->relaxation_share, free);
 }
 
-double isph_energy_given(const struct isph *s, double tau, double dt) {
+double isph_energy_given(const struct isph *s, double relaxation_time, double dt) {
   double total;
   if (s->relaxation_excess <= 0) return 0;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
-      sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, tau);
+      sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, relaxation_time);
     s->sums[c][0] = sum;
   }
   isph_add_up(s, 1, &total);
@@ -101,7 +101,7 @@ double isph_energy_given(const struct isph *s, double tau, double dt) {
 #define STRAIN_MOST 1e-3 /* of a step */
 #define TRIM_MOST 0.01   /* of the kinetic energy, a step */
 
-void isph_energy_settle(struct isph *s, double (*way)[3], double budget) {
+void isph_energy_settle(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
   const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   double total[COUNT], lowest = -INFINITY;
@@ -111,7 +111,8 @@ void isph_energy_settle(struct isph *s, double (*way)[3], double budget) {
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *x = s->position[i];
       double depth = (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]) / force;
-      sum[WORK] -= s->mass[i] * (f[0] * way[i][0] + f[1] * way[i][1] + f[2] * way[i][2]);
+      sum[WORK] -= s->mass[i] * (f[0] * displacement[i][0] + f[1] * displacement[i][1] +
+                                 f[2] * displacement[i][2]);
       sum[WEIGHT] -= s->mass[i] * force * depth, sum[MASS] += s->mass[i];
       lowest = fmax(lowest, depth);
     }
@@ -120,7 +121,7 @@ void isph_energy_settle(struct isph *s, double (*way)[3], double budget) {
   isph_add_up(s, COUNT, total);
   lowest = ranks_max(lowest);
   const double weight = total[WEIGHT] + total[MASS] * force * lowest;
-  double excess = isph_kinetic_energy(s) + total[WORK] - budget;
+  double excess = isph_kinetic_energy(s) + total[WORK] - available;
   if (!(excess > 0 && weight > 0)) return;
   double strain = fmin(excess / weight, STRAIN_MOST) / force;
 #pragma omp parallel for schedule(static)
@@ -128,8 +129,9 @@ void isph_energy_settle(struct isph *s, double (*way)[3], double budget) {
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *x = s->position[i];
       double down[3], depth = (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]) / force;
-      for (int a = 0; a < 3; a++) down[a] = strain * (lowest - depth) * f[a], way[i][a] += down[a];
-      isph_account_way(s, &s->chunks[c].account, LEDGER_ENERGY_BOUND, i, down);
+      for (int a = 0; a < 3; a++)
+        down[a] = strain * (lowest - depth) * f[a], displacement[i][a] += down[a];
+      isph_budget_displacement(s, &s->chunks[c].budget, BUDGET_ENERGY_BOUND, i, down);
     }
 }
 
@@ -140,14 +142,14 @@ void isph_energy_trim(struct isph *s, double most) {
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
-    memset(&chunk->account, 0, sizeof chunk->account);
+    memset(&chunk->budget, 0, sizeof chunk->budget);
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       double from[3];
       memcpy(from, s->velocity[i], sizeof from);
       for (int a = 0; a < 3; a++) s->velocity[i][a] *= scale;
-      isph_account_change(s, &chunk->account, LEDGER_ENERGY_BOUND, i, from);
+      isph_budget_change(s, &chunk->budget, BUDGET_ENERGY_BOUND, i, from);
     }
   }
-  isph_add_accounts(s);
+  isph_add_budgets(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
 }

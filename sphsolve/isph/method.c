@@ -46,7 +46,7 @@ static bool settled(struct isph_settling *settling, double tolerance, double tim
 
 /* Filling (sum of V W, 1 in the bulk) up to twice, a spacing a step, and the pressure solve's own
  * bound on its residual, beyond which it fails. */
-#define FILLING_MOST 2.0
+#define KERNEL_SUM_MOST 2.0
 /* Energy beyond this speed in spacings a step: see watchdog.h. */
 #define ENERGY_FLOOR 0.02
 /* Good steps after which a step that the effects choose may double again. */
@@ -78,7 +78,7 @@ static enum status lead(struct leader leaders[2]) {
   enum status status = STATUS_OK;
   struct leader *all = NULL;
   size_t n = 0;
-  TRY(isph_join(leaders, 2, sizeof *leaders, &all, &n));
+  TRY(isph_gather(leaders, 2, sizeof *leaders, &all, &n));
   for (size_t k = 0; k < n; k++)
     if (k < 2 || all[k].value > leaders[k % 2].value) leaders[k % 2] = all[k];
 cleanup:
@@ -118,7 +118,7 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
                                  flung[0] * flung[0],
                                  (uint64_t)flung[4]};
   const double fastest = leaders[1].value;
-  reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (FILLING_MOST - 1);
+  reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
   reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;
   if (s->total > 0)
     reading.share[WATCH_ENERGY] =
@@ -394,7 +394,7 @@ static void find_k(const struct isph *s, const struct plan *plan, const struct r
   result->k = result->darcy_velocity[column.axis] / column.gradient;
   result->fall[column.axis] = column.gradient;
   result->error.resolution = plan->expected.error;
-  result->intrinsic_permeability = result->k * s->viscosity / strength;
+  result->intrinsic_permeability = result->k * s->kinematic_viscosity / strength;
 }
 
 /* Pairs of the busiest rank over the mean. */
@@ -441,18 +441,18 @@ cleanup:
     recorder_set_fact(recorder, "particles_lost", (double)s->lost_count);
     recorder_set_fact(recorder, "particles_left", (double)s->left_count);
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
-    result->ledger = (struct ledger){.known = true,
-                                     .start = lattice->fluid_count,
-                                     .entered = s->entered_count,
-                                     .left = s->left_count,
-                                     .lost = s->lost_count,
-                                     .end = s->total,
-                                     .entered_mass = s->entered_mass,
-                                     .left_mass = s->left_mass,
-                                     .lost_mass = s->lost_mass};
-    memcpy(result->ledger.losses, s->losses, sizeof s->losses);
-    isph_account_end(s);
-    result->ledger.account = s->account;
+    result->conservation = (struct conservation){.known = true,
+                                                 .start = lattice->fluid_count,
+                                                 .entered = s->entered_count,
+                                                 .left = s->left_count,
+                                                 .lost = s->lost_count,
+                                                 .end = s->total,
+                                                 .entered_mass = s->entered_mass,
+                                                 .left_mass = s->left_mass,
+                                                 .lost_mass = s->lost_mass};
+    memcpy(result->conservation.losses, s->losses, sizeof s->losses);
+    isph_budget_end(s);
+    result->conservation.budget = s->budget;
   }
   h5_close(file);
   isph_copy_free(&copy);

@@ -166,7 +166,7 @@ static bool is_outside(const struct isph *s, const double x[3]) {
 static void count_gone(struct isph *s, const struct isph_gone *gone) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
   int side = isph_open_side_behind(s, x);
-  isph_account_gone(s, side >= 0 ? LEDGER_LEFT : LEDGER_LOST, gone);
+  isph_budget_gone(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
   if (side >= 0) {
     s->left_count++, s->left_mass += mass;
     follow(s, side, x, gone->volume);
@@ -180,7 +180,7 @@ static void count_gone(struct isph *s, const struct isph_gone *gone) {
   double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
   if (!(speed <= s->flung[0]))
     memcpy(s->flung, (double[5]){speed, x[0], x[1], x[2], (double)gone->id}, sizeof s->flung);
-  if (s->lost_count < LEDGER_LOSSES) {
+  if (s->lost_count < CONSERVATION_LOSSES) {
     const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
     memcpy(s->losses[s->lost_count], loss, sizeof loss);
   }
@@ -215,7 +215,7 @@ enum status isph_remove_outside(struct isph *s) {
   }
   s->count = kept;
   if (!ranks_any(gone > 0)) goto cleanup;
-  TRY(isph_join(here, gone, sizeof *here, &all, &total));
+  TRY(isph_gather(here, gone, sizeof *here, &all, &total));
   for (size_t k = 0; k < total; k++) count_gone(s, &all[k]);
 cleanup:
   memory_free(&here);
@@ -336,7 +336,7 @@ static enum status admit(struct isph *s, size_t c) {
   } else {
     s->next_id++;
   }
-  isph_account_entered(s, x, velocity, mass);
+  isph_budget_entered(s, x, velocity, mass);
   s->entered_count++, s->entered_mass += mass * s->thickness;
   return STATUS_OK;
 }

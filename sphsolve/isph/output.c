@@ -29,9 +29,9 @@ double isph_reynolds(const struct isph *s, const double velocity[3]) {
   for (size_t k = 0; k < s->scene->region_count; k++)
     if (s->scene->regions[k].type == REGION_POROUS)
       grain = fmax(grain, s->scene->regions[k].grain_size);
-  if (!(grain > 0) || !(s->viscosity > 0)) return NAN;
+  if (!(grain > 0) || !(s->kinematic_viscosity > 0)) return NAN;
   return sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]) *
-         grain / s->viscosity;
+         grain / s->kinematic_viscosity;
 }
 
 /* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
@@ -140,9 +140,9 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
   TRY(recorder_add_column(recorder, "front_high", "m", 3));
   TRY(recorder_add_column(recorder, "iterations", "1", 1));
   TRY(recorder_add_column(recorder, "particles", "1", 1));
-  for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!ledger_is_on(&s->account, t)) continue;
-    snprintf(name, sizeof name, "work_%s", ledger_name(&s->account, t));
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    if (!budget_is_on(&s->budget, t)) continue;
+    snprintf(name, sizeof name, "work_%s", budget_name(&s->budget, t));
     TRY(recorder_add_column(recorder, name, "J", 1));
   }
   for (size_t k = 0; k < s->scene->region_count; k++) {
@@ -232,7 +232,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
   struct whole whole;
   double *extra = NULL;
-  size_t n = 12 + LEDGER_TERMS + s->scene->region_count + s->scene->gauge_count +
+  size_t n = 12 + BUDGET_TERMS + s->scene->region_count + s->scene->gauge_count +
              s->scene->plane_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
@@ -254,8 +254,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     extra[c++] = s->periodic[a] ? whole.extreme[a] : fmin(whole.extreme[a], s->high[a]);
   extra[c++] = s->solve.iterations;
   extra[c++] = (double)s->total;
-  for (int t = 0; t < LEDGER_TERMS; t++)
-    if (ledger_is_on(&s->account, t)) extra[c++] = s->account.sums.work[t];
+  for (int t = 0; t < BUDGET_TERMS; t++)
+    if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
   for (size_t k = 0; k < s->scene->gauge_count; k++)
     extra[c++] = isph_pressure_at(s, s->scene->gauges[k].at);
@@ -297,9 +297,9 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
                       (int64_t)s->entered_count};
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 5, numbers));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
-  size_t losses[2] = {LEDGER_LOSSES, 6};
+  size_t losses[2] = {CONSERVATION_LOSSES, 6};
   TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
-  TRY(ledger_account_write(&s->account, sizeof s->account, file, "/state/account"));
+  TRY(budget_write(&s->budget, sizeof s->budget, file, "/state/account"));
   double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->calm_from};
   double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
                     s->solve.residual};
@@ -383,11 +383,11 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->entered_mass = numbers[3], s->viscosity_most = numbers[4];
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
-  TRY(read_into(file, "/state/losses", H5_F64, LEDGER_LOSSES, 6, s->losses));
+  TRY(read_into(file, "/state/losses", H5_F64, CONSERVATION_LOSSES, 6, s->losses));
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));
-  TRY(ledger_account_read(&s->account, sizeof s->account, file, "/state/account"));
+  TRY(budget_read(&s->budget, sizeof s->budget, file, "/state/account"));
 cleanup:
   return status;
 }

@@ -192,7 +192,7 @@ static void level_out(const struct effect_context *context, const uint8_t *reach
   pace->lasts = 5 * sqrt(2 * fall / f);
 }
 
-enum status isph_pace_foresee(const struct effect_context *context, struct isph_pace *pace) {
+enum status isph_pace_predict(const struct effect_context *context, struct isph_pace *pace) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   const int axis = axis_of_force(scene);

@@ -12,6 +12,6 @@ struct isph_pace {
 };
 
 /* From the lattice and the regions alone, before a run; fails for want of memory. */
-enum status isph_pace_foresee(const struct effect_context *context, struct isph_pace *pace);
+enum status isph_pace_predict(const struct effect_context *context, struct isph_pace *pace);
 
 #endif

@@ -67,7 +67,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
-  if (s->on.viscosity) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
+  if (s->on.viscous) TRY(memory_resize(&s->eddy, n, sizeof *s->eddy, what));
   TRY(memory_resize(&s->predicted, n, sizeof *s->predicted, what));
   TRY(memory_resize(&s->applied, n, sizeof *s->applied, what));
   for (size_t k = 0; k < s->on.own_count; k++) {
@@ -214,7 +214,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->relaxation_share = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
-  s->viscosity = scene->fluid.viscosity / scene->fluid.density;
+  s->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;
   double product = 1;
   for (int a = 0; a < 3; a++) {
     bool used = s->dimensions == 3 || a != 1;
@@ -249,7 +249,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_wall_create(s));
   TRY(place_water(s, lattice));
   TRY(isph_refresh(s));
-  isph_account_begin(s);
+  isph_budget_begin(s);
 cleanup:
   return status;
 }
@@ -302,7 +302,7 @@ void isph_free(struct isph *s) {
                     &s->work[3],
                     &s->partial,
                     &s->sums,
-                    &s->chunk_cut,
+                    &s->chunk_partition,
                     &s->layer_start,
                     &s->pair_first,
                     &s->wall_first,

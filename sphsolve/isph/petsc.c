@@ -169,15 +169,16 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
   struct rows *rows = &p->rows;
   const size_t begin = s->share.begin, own = s->share.end - begin;
-  size_t node[27], first = 0, end = multigrid_nodes(s), ranks, *cut = NULL;
+  size_t node[27], first = 0, end = multigrid_nodes(s), ranks, *partition = NULL;
   double value[27];
   const size_t here = own > 0 ? multigrid_row_before(s, s->position[begin]) : end;
-  TRY(isph_join(&here, 1, sizeof here, &cut, &ranks));
+  TRY(isph_gather(&here, 1, sizeof here, &partition, &ranks));
   for (size_t r = ranks - 1; r > 0; r--) /* of a rank without particles: the next one's */
-    if (s->share.cut[r] == s->share.cut[r + 1]) cut[r] = r + 1 < ranks ? cut[r + 1] : end;
+    if (s->share.partition[r] == s->share.partition[r + 1])
+      partition[r] = r + 1 < ranks ? partition[r + 1] : end;
   for (size_t r = 1; r < ranks; r++) {
-    if (r <= (size_t)ranks_own() && cut[r] > first) first = cut[r];
-    if (r == (size_t)ranks_own() + 1) end = cut[r] > first ? cut[r] : first;
+    if (r <= (size_t)ranks_own() && partition[r] > first) first = partition[r];
+    if (r == (size_t)ranks_own() + 1) end = partition[r] > first ? partition[r] : first;
   }
   if (own == 0) first = end;
   const size_t nodes = end - first;
@@ -202,7 +203,7 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   TRY_PETSC(PCSetFromOptions(p->cycle));
   TRY_PETSC(PCSetUp(p->cycle));
 cleanup:
-  memory_free(&cut);
+  memory_free(&partition);
   return status;
 }
 

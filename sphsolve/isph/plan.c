@@ -26,10 +26,10 @@ static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
   const double force = context->driving > 0 ? 0.25 * sqrt(dx / context->driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
   if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
-  const double way = (context->has_surface ? 0.2 : 0.1) * dx;
+  const double displacement = (context->has_surface ? 0.2 : 0.1) * dx;
   const double fast = fmin(time, pace->lasts);
-  return fast / fmin(least, way / pace->speed) +
-         (time - fast) / fmin(least, way / pace->speed_after);
+  return fast / fmin(least, displacement / pace->speed) +
+         (time - fast) / fmin(least, displacement / pace->speed_after);
 }
 
 /* Spacings that the two smeared ends of a layer of soil are off, together: 20 and 40 spacings of
@@ -40,7 +40,7 @@ static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
  * Elsewhere no k is asked for, or no estimate is known. */
 static void expect_isph(struct plan *plan) {
   const struct scene *scene = plan->context.scene;
-  struct expectation *e = &plan->expected;
+  struct error_forecast *e = &plan->expected;
   double thinnest = INFINITY;
   int heads = 0, axis = 0;
   bool round = !plan->context.has_surface && !plan->context.has_inflow;
@@ -97,7 +97,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
   struct isph_pace pace;
-  enum status status = isph_pace_foresee(context, &pace);
+  enum status status = isph_pace_predict(context, &pace);
   if (status != STATUS_OK) return status;
   plan->steps = isnan(plan->dt) ? steps_at(plan, &pace) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;

@@ -35,7 +35,7 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
  * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
  * images reflect the velocity. */
-void isph_assemble(struct isph *s, double tau) {
+void isph_assemble(struct isph *s, double relaxation_time) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
@@ -89,7 +89,7 @@ void isph_assemble(struct isph *s, double tau) {
         diagonal += coefficient, tied += coefficient;
         source += load;
       }
-      if (s->on.relaxation) source -= vol * relaxation_source(s, i, tau);
+      if (s->on.relaxation) source -= vol * relaxation_source(s, i, relaxation_time);
       s->diagonal[i] = diagonal > 0 ? diagonal : 1;
       s->source[i] = source;
       s->tied[i] = tied;

@@ -35,7 +35,7 @@ static int layer_of(const struct isph *s, size_t number) {
 
 /* Layers that rank r answers for: those of its own particles, and empty ones beside them. */
 static bool layers_of(const struct isph *s, int r, int *low, int *high) {
-  const size_t from = s->share.cut[r], to = s->share.cut[r + 1];
+  const size_t from = s->share.partition[r], to = s->share.partition[r + 1];
   if (from == to) return false;
   *low = from == 0 ? 0 : layer_of(s, from);
   *high = layer_count(s) - 1;
@@ -71,13 +71,14 @@ static struct particle particle_at(const struct isph *s, size_t i) {
 }
 
 /* Cuts the order of all, from how many particles each layer of cells has. */
-static enum status cut(struct isph *s) {
+static enum status partition(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t layers = (size_t)layer_count(s), plane = layer_cells(s);
   double *work = NULL;
   if (s->layer_start == NULL) {
     TRY(memory_allocate(&s->layer_start, layers + 1, sizeof *s->layer_start, "shares"));
-    TRY(memory_allocate(&s->chunk_cut, (size_t)ranks_count() + 1, sizeof *s->chunk_cut, "shares"));
+    TRY(memory_allocate(&s->chunk_partition, (size_t)ranks_count() + 1, sizeof *s->chunk_partition,
+                        "shares"));
   }
   memset(s->layer_start, 0, (layers + 1) * sizeof *s->layer_start);
   for (size_t i = 0; i < s->count; i++) s->layer_start[s->cell_of[i] / plane + 1]++;
@@ -89,8 +90,9 @@ static enum status cut(struct isph *s) {
   TRY(memory_allocate(&work, s->chunk_count + 1, sizeof *work, "shares"));
   for (size_t c = 0; c < s->chunk_count; c++)
     work[c] = (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
-  TRY(ghosts_cut(&s->share, s->total, CHUNK, work));
-  for (int r = 0; r <= ranks_count(); r++) s->chunk_cut[r] = (s->share.cut[r] + CHUNK - 1) / CHUNK;
+  TRY(ghosts_partition(&s->share, s->total, CHUNK, work));
+  for (int r = 0; r <= ranks_count(); r++)
+    s->chunk_partition[r] = (s->share.partition[r] + CHUNK - 1) / CHUNK;
 cleanup:
   memory_free(&work);
   return status;
@@ -115,7 +117,7 @@ static void put_particle(struct isph *s, size_t i, const struct particle *p) {
 
 /* Each rank gets from all others what it is to hold: those of lower ranks before those that it
  * keeps, those of higher ones behind. */
-static enum status bring(struct isph *s) {
+static enum status migrate(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
   struct particle *out = NULL, *in = NULL;
@@ -161,8 +163,8 @@ enum status isph_share_out(struct isph *s) {
   s->total = s->count;
   if (ranks_count() > 1) {
     for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
-    TRY(cut(s));
-    TRY(bring(s));
+    TRY(partition(s));
+    TRY(migrate(s));
   }
   if (s->total / CHUNK + 1 > s->partial_room) {
     s->partial_room = s->total / CHUNK * 9 / 8 + 1;
@@ -176,7 +178,7 @@ void isph_find_own(struct isph *s) {
   struct ghosts *g = &s->share;
   g->begin = 0, g->end = s->count;
   if (!isph_is_shared(s)) return;
-  const size_t plane = layer_cells(s), from = g->cut[ranks_own()];
+  const size_t plane = layer_cells(s), from = g->partition[ranks_own()];
   int low, high;
   bool before = false;
   g->runs = 0, g->end = 0;
@@ -191,7 +193,7 @@ void isph_find_own(struct isph *s) {
   }
   const int first = layer_of(s, from);
   g->begin = s->cells.start[(size_t)first * plane] + (from - (size_t)s->layer_start[first]);
-  g->end = g->begin + (g->cut[ranks_own() + 1] - from);
+  g->end = g->begin + (g->partition[ranks_own() + 1] - from);
 }
 
 enum status isph_find_ghosts(struct isph *s) {
@@ -247,24 +249,25 @@ void isph_add_up(const struct isph *s, int width, double *total) {
   sums_go_on(total, (size_t)width);
 }
 
-void isph_add_accounts(struct isph *s) {
-  struct ledger_sums *sums = &s->account.sums;
+void isph_add_budgets(struct isph *s) {
+  struct budget_sums *sums = &s->budget.sums;
   double numbers[sizeof *sums / sizeof(double)];
   const size_t n = sizeof numbers / sizeof *numbers;
   memcpy(numbers, sums, sizeof numbers);
   sums_arrive(numbers, n);
   memcpy(sums, numbers, sizeof numbers);
-  for (size_t c = 0; c < s->chunk_count; c++) ledger_add(sums, &s->chunks[c].account);
+  for (size_t c = 0; c < s->chunk_count; c++) budget_add(sums, &s->chunks[c].budget);
   memcpy(numbers, sums, sizeof numbers);
   sums_go_on(numbers, n);
   memcpy(sums, numbers, sizeof numbers);
 }
 
 void isph_gather_chunks(struct isph *s, double *numbers) {
-  if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_cut, sizeof *numbers);
+  if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_partition, sizeof *numbers);
 }
 
-enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total) {
+enum status isph_gather(const void *list, size_t count, size_t size, void *gathered,
+                        size_t *total) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
   size_t *send = NULL, *start = NULL;
@@ -275,8 +278,8 @@ enum status isph_join(const void *list, size_t count, size_t size, void *joined,
   ranks_swap_counts(send, start + 1);
   for (size_t r = 0; r < ranks; r++) start[r + 1] += start[r];
   *total = start[ranks];
-  TRY(memory_allocate(joined, *total + 1, size, "messages from ranks"));
-  memcpy(&all, joined, sizeof all);
+  TRY(memory_allocate(gathered, *total + 1, size, "messages from ranks"));
+  memcpy(&all, gathered, sizeof all);
   if (count > 0) memcpy(all + start[own] * size, list, count * size);
   ranks_gather(all, start, size);
 cleanup:

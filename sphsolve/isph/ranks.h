@@ -9,7 +9,7 @@
 #include "sphsolve/isph/state.h"
 
 static inline bool isph_is_shared(const struct isph *s) {
-  return RANKS && s->share.cut != NULL;
+  return RANKS && s->share.partition != NULL;
 }
 /* Collective, before a sort: who computes what, by the pairs of the last step. Takes all particles
  * here as its own, and leaves its own and ghosts, unsorted. */
@@ -28,18 +28,18 @@ void isph_send(struct isph *s, int count, const struct ghost_field *fields);
 /* Collective: adds up s->sums, of which each chunk has `width`, of all chunks in their order: the
  * same bits on any number of ranks and threads. */
 void isph_add_up(const struct isph *s, int width, double *total);
-/* Collective: the same of the chunks' accounts, to that of the run. */
-void isph_add_accounts(struct isph *s);
+/* Collective: the same of the chunks' budgets, to that of the run. */
+void isph_add_budgets(struct isph *s);
 /* Place of the first own chunk among those of all. */
 static inline size_t isph_first_chunk(const struct isph *s) {
-  return isph_is_shared(s) ? s->chunk_cut[ranks_own()] : 0;
+  return isph_is_shared(s) ? s->chunk_partition[ranks_own()] : 0;
 }
 /* Collective: of a number for each chunk of all particles, each rank has those of its own; then all
  * have all. */
 void isph_gather_chunks(struct isph *s, double *numbers);
 
 /* Collective: the lists of all ranks, `count` items of `size` bytes here, one after another;
- * *joined, NULL before, is to be freed. */
-enum status isph_join(const void *list, size_t count, size_t size, void *joined, size_t *total);
+ * *gathered, NULL before, is to be freed. */
+enum status isph_gather(const void *list, size_t count, size_t size, void *gathered, size_t *total);
 
 #endif

@@ -87,7 +87,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     if (w <= 0) continue;
     solid += w * (1 - region->porosity);
     share += w;
-    a += w * scale * region->alpha * s->viscosity / (d * d) * linear_of(region->porosity);
+    a += w * scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(region->porosity);
     b += w * scale * region->beta / d * forchheimer_of(region->porosity);
     inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];

@@ -18,7 +18,7 @@
 #include "sphsolve/parallel/ghosts.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/plan/effect.h"
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/march/watchdog.h"
 
@@ -28,12 +28,12 @@
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */
 
-#define ISPH_OWN (LEDGER_TERMS - LEDGER_OWN)
+#define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
 
 /* What of the physics is on; each flag is an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer;
-  bool viscosity, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
+  bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides;
   uint32_t budget; /* terms of the effects on */
   size_t own_count;
@@ -83,8 +83,8 @@ struct isph_applied {
 
 struct isph_chunk {
   size_t begin, end;
-  struct ledger_sums account; /* of the step */
-  bool outer;                 /* reads particles of other ranks */
+  struct budget_sums budget; /* of the step */
+  bool outer;                /* reads particles of other ranks */
   size_t pair_count, pair_capacity;
   uint32_t *pair; /* neighbour | image << PAIR_BITS */
   float *slope;   /* -W'(r)/r of the pair, normalised */
@@ -122,20 +122,20 @@ struct isph {
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
   double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
-  double density, viscosity;     /* rho_w, nu */
-  double force[3];               /* g + a - grad P / rho, m/s^2 */
-  double relaxation_share;       /* of the expansion that the density's error asks for; energy.c */
-  double relaxation_excess;      /* of it, whose work exceeds what friction dissipates */
-  double time, viscosity_most;   /* the largest nu + nu_T of the last step */
-  double artificial_viscosity;   /* m^2/s, the floor under the eddies' */
+  double density, kinematic_viscosity; /* rho_w, nu */
+  double force[3];                     /* g + a - grad P / rho, m/s^2 */
+  double relaxation_share;     /* of the expansion that the density's error asks for; energy.c */
+  double relaxation_excess;    /* of it, whose work exceeds what friction dissipates */
+  double time, viscosity_most; /* the largest nu + nu_T of the last step */
+  double artificial_viscosity; /* m^2/s, the floor under the eddies' */
   int64_t step;
 
-  size_t count, capacity; /* of the particles here: the own ones, and ghosts before and after */
-  size_t total;           /* of all ranks */
-  struct ghosts share;    /* this rank computes [share.begin, share.end) */
-  size_t *chunk_cut;      /* [ranks + 1]: in chunks of all */
-  double *layer_start;    /* [layers of cells + 1]: particles of all before it; NULL on one rank */
-  double pairs_now;       /* of the own particles */
+  size_t count, capacity;  /* of the particles here: the own ones, and ghosts before and after */
+  size_t total;            /* of all ranks */
+  struct ghosts share;     /* this rank computes [share.begin, share.end) */
+  size_t *chunk_partition; /* [ranks + 1]: in chunks of all */
+  double *layer_start;     /* [layers of cells + 1]: particles of all before it; NULL on one rank */
+  double pairs_now;        /* of the own particles */
   uint64_t next_id;
   uint64_t *id;
   double (*position)[3], (*velocity)[3];
@@ -198,13 +198,13 @@ struct isph {
   size_t region_count;
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
-  /* ledger */
+  /* the conservation budget */
   double flung[5]; /* speed, place and number of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
-  double losses[LEDGER_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
+  double losses[CONSERVATION_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;
-  struct ledger_account account;
-  double account_held[4]; /* within a step: momentum and energy before soil is found anew */
+  struct budget budget;
+  double budget_held[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions, pair_seconds;
   struct watchdog dog;
   int64_t calm_from; /* step since which the watchdog has nothing to say */
@@ -233,7 +233,7 @@ struct isph_copy {
   char *block;
   size_t count, counts[3];
   double time, viscosity_most, numbers[3];
-  struct ledger_account account;
+  struct budget budget;
   int64_t step;
   uint64_t next_id;
 };
@@ -292,18 +292,18 @@ void isph_moment_even(struct isph *s);
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
 /* Between predictor and projection: how far crowded water may widen. */
-void isph_energy_relax(struct isph *s, double tau, double dt);
+void isph_energy_relax(struct isph *s, double relaxation_time, double dt);
 /* What relaxation added in a step where the water is crowded as a whole, J or J/m, beyond what
  * friction paid for; after the projection. */
-double isph_energy_given(const struct isph *s, double tau, double dt);
-/* Lets down by the ways ahead what they lift beyond the budget, kinetic energy before the step and
- * what relaxation gave. */
-void isph_energy_settle(struct isph *s, double (*way)[3], double budget);
+double isph_energy_given(const struct isph *s, double relaxation_time, double dt);
+/* Lets down by the displacements ahead what they lift beyond what is available, kinetic energy
+ * before the step and what relaxation gave. */
+void isph_energy_settle(struct isph *s, double (*displacement)[3], double available);
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
 
 /* isph_pressure.c */
-void isph_assemble(struct isph *s, double tau);
+void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
 /* Collective: the failure of a solve that stands at a relative error, with the particle whose row
  * is off most. */

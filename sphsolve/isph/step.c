@@ -84,7 +84,7 @@ static void find_viscosity(struct isph *s) {
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
-    s->eddy[i] = (s->viscosity + fmax(eddies, least)) / eps;
+    s->eddy[i] = (s->kinematic_viscosity + fmax(eddies, least)) / eps;
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
   s->viscosity_most = 0;
@@ -96,7 +96,7 @@ static void find_viscosity(struct isph *s) {
 /* The viscosity of the friction between particle i and wall particle j, half a spacing away. */
 static double wall_friction_viscosity(const struct isph *s, size_t i, size_t j) {
   double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
-  double square = 0, nu = s->viscosity;
+  double square = 0, nu = s->kinematic_viscosity;
   if (s->on.turbulence && soil < 1) {
     for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - isph_wall_velocity(s, j)[a], 2);
     nu += (1 - soil) * (wall_viscosity(nu, sqrt(square), 0.5 * s->spacing) - nu);
@@ -143,7 +143,7 @@ static void predict(struct isph *s, double dt) {
       double force[3] = {0}, t = dt, left = 1, own[3] = {0};
       struct isph_applied *applied = &s->applied[i];
       memset(applied, 0, sizeof *applied);
-      if (s->on.viscosity) viscous(s, chunk, i, applied->viscous, applied->friction);
+      if (s->on.viscous) viscous(s, chunk, i, applied->viscous, applied->friction);
       if (s->on.soil) {
         double eps = s->porosity[i], b = s->drag_b[i];
         t = dt / s->inertia[i];
@@ -324,41 +324,43 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
 /* dx/dt = v/eps and the shift, guarded at walls. Without a surface, and where there can
  * be no waves on it, v is the mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24);
  * else, where that would be an explicit scheme for the waves and make them grow, the new one.
- * `budget`: isph_energy_settle's. */
-static void move(struct isph *s, double dt, double budget) {
-  double(*way)[3] = s->predicted; /* v* is not needed any more */
+ * `available`: isph_energy_settle's. */
+static void move(struct isph *s, double dt, double available) {
+  double(*displacement)[3] = s->predicted; /* v* is not needed any more */
   const bool waves = s->on.surface && (!isph_is_free(s) || s->surface_pressure != NULL);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
       const double *carried = waves ? v : s->predicted[i];
-      struct ledger_sums *sums = &s->chunks[c].account;
+      struct budget_sums *sums = &s->chunks[c].budget;
       double step[3] = {0}, speed[3], beyond[3], held[3], guided[3];
       memcpy(held, v, sizeof held);
       isph_wall_guard(s, x, 1 / eps, dt, v);
-      isph_account_change(s, sums, LEDGER_WALL_GUARD, i, held);
+      isph_budget_change(s, sums, BUDGET_WALL_GUARD, i, held);
       memcpy(guided, v, sizeof guided);
       for (int a = 0; a < 3; a++) {
         speed[a] = carried[a] / eps;
         beyond[a] = speed[a] * dt - held[a] / eps * dt;
         held[a] *= dt / eps;
       }
-      isph_account_way(s, sums, LEDGER_FORCE, i, held);
-      isph_account_way(s, sums, s->on.surface ? LEDGER_WALL_GUARD : LEDGER_TIME_STEP, i, beyond);
+      isph_budget_displacement(s, sums, BUDGET_FORCE, i, held);
+      isph_budget_displacement(s, sums, s->on.surface ? BUDGET_WALL_GUARD : BUDGET_TIME_STEP, i,
+                               beyond);
       if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
-      isph_account_change(s, sums, LEDGER_SHIFTING, i, guided);
-      isph_account_way(s, sums, LEDGER_SHIFTING, i, step);
+      isph_budget_change(s, sums, BUDGET_SHIFTING, i, guided);
+      isph_budget_displacement(s, sums, BUDGET_SHIFTING, i, step);
       for (int a = 0; a < 3; a++) beyond[a] = speed[a] += step[a] / dt;
       isph_wall_guard(s, x, 1, dt, speed);
       for (int a = 0; a < 3; a++) beyond[a] = (speed[a] - beyond[a]) * dt;
-      isph_account_way(s, sums, LEDGER_WALL_GUARD, i, beyond);
-      for (int a = 0; a < 3; a++) way[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
+      isph_budget_displacement(s, sums, BUDGET_WALL_GUARD, i, beyond);
+      for (int a = 0; a < 3; a++)
+        displacement[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) isph_energy_settle(s, way, budget);
+  if (s->on.energy) isph_energy_settle(s, displacement, available);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->share.begin; i < s->share.end; i++) {
-    for (int a = 0; a < 3; a++) s->position[i][a] += way[i][a];
+    for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];
     wrap(s, s->position[i]);
   }
 }
@@ -366,14 +368,14 @@ static void move(struct isph *s, double dt, double budget) {
 /* Takes out what the projection, an approximate one, leaves of div v, where there is no surface.
  * Where the drag jumps it leaves so much in a step of full length that a layer four particles thick
  * lets 7 % too much through (1 % at a sixth of the step, or with this). */
-static enum status project_again(struct isph *s, double tau) {
+static enum status project_again(struct isph *s, double relaxation_time) {
   enum status status = STATUS_OK;
   double *first = s->scratch;
   memcpy(first, s->pressure, s->count * sizeof *first);
   memset(s->pressure, 0, s->count * sizeof *first);
   s->solve.again = true;
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
-  isph_assemble(s, tau);
+  isph_assemble(s, relaxation_time);
   double before = clock_seconds();
   TRY(isph_solve_pressure(s));
   before = clock_seconds() - before;
@@ -411,39 +413,39 @@ enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   /* alpha is that of the scene's dt, where it gives one, also for a shorter last step. */
-  double tau = scene->isph.tau;
+  double relaxation_time = scene->isph.relaxation_time;
   if (!isnan(scene->isph.alpha))
-    tau = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
-  tau = fmax(tau, dt); /* beyond, it would overshoot */
+    relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
+  relaxation_time = fmax(relaxation_time, dt); /* beyond, it would overshoot */
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
   const size_t total = s->total;
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
-  if (s->on.viscosity) find_viscosity(s);
+  if (s->on.viscous) find_viscosity(s);
   for (size_t k = 0; k < s->on.own_count; k++) {
     if (s->own_force[k] != NULL) s->on.own[k]->force(s, s->own_force[k]);
     if (s->on.own[k]->surface_pressure != NULL)
       s->on.own[k]->surface_pressure(s, s->surface_pressure);
   }
   predict(s, dt);
-  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, tau, dt);
+  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, relaxation_time, dt);
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
-  isph_assemble(s, tau);
+  isph_assemble(s, relaxation_time);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
   if (s->on.surface) part(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
-  if (s->on.soil && !s->on.surface) TRY(project_again(s, tau));
+  if (s->on.soil && !s->on.surface) TRY(project_again(s, relaxation_time));
   TRY(ranks_agree(check_finite(s)));
   if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   TRY(isph_open_measure(s));
-  if (s->on.energy) given = isph_energy_given(s, tau, dt);
-  isph_account_forces(s, tau, dt);
+  if (s->on.energy) given = isph_energy_given(s, relaxation_time, dt);
+  isph_budget_forces(s, relaxation_time, dt);
   move(s, dt, kinetic + given);
-  isph_account_moved(s);
+  isph_budget_moved(s);
   TRY(isph_remove_outside(s));
   TRY(isph_open_move(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);
@@ -455,7 +457,7 @@ enum status isph_advance(struct isph *s, double dt) {
   s->step++;
   s->seconds_correct += clock_seconds() - start;
   TRY(isph_refresh(s));
-  isph_account_settled(s);
+  isph_budget_settled(s);
   /* What the new porosity and the walls' guard made of it. */
   if (s->on.energy && s->total == total) isph_energy_trim(s, most + given);
 cleanup:

@@ -32,7 +32,8 @@ static double fastest_drive(const struct isph *s) {
 }
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = fastest_drive(s), viscosity_most = fmax(s->viscosity, s->viscosity_most);
+  double fastest = fastest_drive(s),
+         viscosity_most = fmax(s->kinematic_viscosity, s->viscosity_most);
   for (size_t i = s->share.begin; i < s->share.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
@@ -45,8 +46,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   } limits[] = {
       {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
-      {"isph_viscosity",
-       s->on.viscosity ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
+      {"isph_viscosity", s->on.viscous ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
       {s->on.dt_most_by, s->on.dt_most},
   };
   size_t least = 0;

@@ -108,7 +108,7 @@ void recorder_close(struct recorder *recorder) {
   progress_end(&recorder->progress);
   h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
   memory_free(&recorder->snapshot_times);
-  journal_close(&recorder->journal, false);
+  history_file_close(&recorder->history, false);
   memory_free(&recorder->rows);
   memory_free(&recorder->command_line);
   step_log_free(&recorder->step_log);
@@ -142,7 +142,7 @@ void recorder_mean_velocity(const struct recorder *recorder, double from, double
 }
 
 /* The columns' names, and last what scene and model the rows are of. */
-static enum status open_journal(struct recorder *recorder) {
+static enum status open_history(struct recorder *recorder) {
   enum status status = STATUS_OK;
   char path[4096], *header = NULL;
   size_t n = 0, room = (size_t)recorder->width * sizeof recorder->columns[0].name + 64;
@@ -156,8 +156,8 @@ static enum status open_journal(struct recorder *recorder) {
   snprintf(header + n, room - n, "xxh3 (scene %016llx)",
            (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model_hash));
   snprintf(path, sizeof path, "%s.history.csv", recorder->prefix);
-  TRY(journal_open(&recorder->journal, path, header, recorder->width, recorder->row_count,
-                   recorder->rows, recorder->resume));
+  TRY(history_file_open(&recorder->history, path, header, recorder->width, recorder->row_count,
+                        recorder->rows, recorder->resume));
 cleanup:
   memory_free(&header);
   return status;
@@ -166,7 +166,7 @@ cleanup:
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra) {
   enum status status = STATUS_OK;
-  if (recorder->journal.file == 0 && ranks_own() == 0) TRY(open_journal(recorder));
+  if (recorder->history.file == 0 && ranks_own() == 0) TRY(open_history(recorder));
   TRY(reserve_row(recorder, recorder->row_count + 1));
   double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
   double base[] = {row->time,
@@ -187,7 +187,7 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
   memcpy(to, base, sizeof base);
   if ((size_t)recorder->width > n)
     memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
-  if (ranks_own() == 0) TRY(journal_row(&recorder->journal, recorder->row_count - 1, to));
+  if (ranks_own() == 0) TRY(history_file_row(&recorder->history, recorder->row_count - 1, to));
 cleanup:
   return status;
 }
@@ -266,7 +266,7 @@ enum status recorder_go_back(struct recorder *recorder, double time) {
     memory_free(&recorder->snapshot_names[--recorder->snapshot_count]);
   while (!isnan(interval) && recorder->next_snapshot - interval > after)
     recorder->next_snapshot -= interval;
-  return journal_cut(&recorder->journal, recorder->row_count);
+  return history_file_truncate(&recorder->history, recorder->row_count);
 }
 
 struct step_log *recorder_step_log(struct recorder *recorder) {

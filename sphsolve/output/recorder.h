@@ -11,9 +11,9 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "common/snapshot_file.h"
-#include "sphsolve/output/error_budget.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/output/step_log.h"
@@ -39,7 +39,7 @@ struct run_result {
   double k;                      /* m/s, v/i along the force; NAN where there is none */
   double k_finest;               /* m/s, of the finest lattice alone; NAN: k itself */
   double k_error;                /* relative, of averaging, steadiness or residual; NAN unknown */
-  struct error_budget error;     /* what k_error and the rest is made of */
+  struct uncertainty error;      /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double fall[3]; /* between two heads: what falls over the length of soil; zero without */
@@ -48,7 +48,7 @@ struct run_result {
   double wall_time;
   double pair_interactions;            /* directed pairs, once for each equation they enter */
   double pair_interactions_per_second; /* over the time in pair loops */
-  struct ledger ledger;
+  struct conservation conservation;
   const struct tensor *tensor; /* of the run that completes it; NULL */
 };
 
@@ -116,7 +116,8 @@ void recorder_set_measured(struct recorder *recorder, const char *name, double v
 /* What the ranks have sent each other so far, as facts; nothing in a build without MPI. */
 void recorder_count_traffic(struct recorder *recorder);
 
-/* Completes the ledger from the history and writes the whole PREFIX.hdf (atomically). */
+/* Completes the conservation budget from the history and writes the whole PREFIX.hdf (atomically).
+ */
 enum status recorder_finish(struct recorder *recorder, struct run_result *result);
 
 /* Darcy velocity along the driving force -> k = v/i and intrinsic permeability v nu / driving. */

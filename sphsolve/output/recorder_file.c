@@ -128,7 +128,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
   TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
   double low, high;
-  error_budget_total(&result->error, &low, &high);
+  uncertainty_total(&result->error, &low, &high);
   TRY(write_number(file, "k", result->k));
   TRY(write_number(file, "k_low", result->k * (1 - fmin(low, 1))));
   TRY(write_number(file, "k_high", result->k * (1 + high)));
@@ -182,15 +182,16 @@ cleanup:
 }
 
 /* The columns of a row are as recorder_row writes them. */
-static enum status account(const struct recorder *recorder, struct ledger *ledger) {
+static enum status integrate_history(const struct recorder *recorder,
+                                     struct conservation *conservation) {
   enum status status = STATUS_OK;
-  struct ledger_row *rows = NULL;
-  TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the ledger"));
+  struct conservation_row *rows = NULL;
+  TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the conservation budget"));
   for (size_t i = 0; i < recorder->row_count; i++) {
     const double *row = recorder->rows + i * (size_t)recorder->width;
-    rows[i] = (struct ledger_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
+    rows[i] = (struct conservation_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
   }
-  ledger_account(ledger, recorder->row_count, rows, recorder->scene->driving);
+  conservation_integrate(conservation, recorder->row_count, rows, recorder->scene->driving);
 cleanup:
   memory_free(&rows);
   return status;
@@ -205,20 +206,20 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   progress_end(&recorder->progress);
   hashes[0] = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
   hashes[1] = recorder->lattice->model_hash;
-  TRY(account(recorder, &result->ledger));
+  TRY(integrate_history(recorder, &result->conservation));
   snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
   TRY(h5_create(path, &file));
   TRY(write_history(recorder, file));
   TRY(write_run(recorder, result, file));
-  TRY(error_budget_write(&result->error, result->k / result->intrinsic_permeability, file));
-  TRY(ledger_write(&result->ledger, file));
+  TRY(uncertainty_write(&result->error, result->k / result->intrinsic_permeability, file));
+  TRY(conservation_write(&result->conservation, file));
   if (result->tensor != NULL) TRY(tensor_write(result->tensor, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
                        hashes));
   status = h5_commit(file);
   file = NULL;
-  if (status == STATUS_OK) journal_close(&recorder->journal, true);
+  if (status == STATUS_OK) history_file_close(&recorder->history, true);
 cleanup:
   h5_close(file);
   return status;

@@ -4,7 +4,7 @@
 #define TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
 
 #include "common/log.h"
-#include "sphsolve/output/journal.h"
+#include "sphsolve/output/history_file.h"
 #include "sphsolve/output/recorder.h"
 
 #define COLUMN_MAX 256
@@ -32,8 +32,8 @@ struct recorder {
   struct column columns[COLUMN_MAX];
   int width; /* values in a row */
   size_t row_count, row_capacity;
-  double *rows;           /* [row_count][width] */
-  struct journal journal; /* of the rows, opened with the first */
+  double *rows;                /* [row_count][width] */
+  struct history_file history; /* of the rows, opened with the first */
 
   size_t snapshot_count, snapshot_capacity;
   char **snapshot_names;

@@ -129,12 +129,12 @@ static void finish_column(const char *prefix, struct tensor *tensor, struct tens
 }
 
 void tensor_take(const struct scene *scene, const double darcy_velocity[3],
-                 const struct error_budget *error, double finest, int axis, const char *prefix,
+                 const struct uncertainty *error, double finest, int axis, const char *prefix,
                  struct tensor *tensor) {
   struct tensor_column *column = &tensor->columns[axis];
   const double gradient = copysign(scene_hydraulic_gradient(scene), scene->driving[axis]);
   for (int a = 0; a < 3; a++) column->velocity[a] = darcy_velocity[a] / gradient;
-  error_budget_total(error, &column->low, &column->high);
+  uncertainty_total(error, &column->low, &column->high);
   if (isnan(column->low)) column->low = column->high = 0;
   column->finest = finest > 0 ? finest : 1;
   /* nu / g, of the scene's fluid. */
@@ -167,7 +167,7 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
 bool tensor_find(const struct scene *scene, const struct lattice *lattice, double wanted,
                  const char *prefix, int axis, struct tensor *tensor) {
   struct h5_file *file = NULL;
-  const struct error_budget unknown = error_budget_none();
+  const struct uncertainty unknown = uncertainty_none();
   double velocity[3];
   char path[4104];
   bool found = false;

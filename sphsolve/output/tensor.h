@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/error_budget.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/scene/scene.h"
 
 /* What one direction gave. */
@@ -40,7 +40,7 @@ void tensor_look(const struct lattice *lattice, struct tensor *tensor);
 /* The column of a run driven along `axis`: its Darcy velocity (m/s), its error, and k of the finest
  * lattice over its k (NAN: it is k). With the third the rest is found. */
 void tensor_take(const struct scene *scene, const double darcy_velocity[3],
-                 const struct error_budget *error, double finest, int axis, const char *prefix,
+                 const struct uncertainty *error, double finest, int axis, const char *prefix,
                  struct tensor *tensor);
 /* The same from a record that PREFIX.hdf holds already, if it is a finished one of just this scene
  * and lattice, and its k is known to the `wanted` error (0: of the lattice's own sites). */

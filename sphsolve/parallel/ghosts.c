@@ -14,40 +14,41 @@ static size_t units_of(size_t items, size_t unit) {
   return (items + unit - 1) / unit;
 }
 
-enum status ghosts_cut(struct ghosts *g, size_t items, size_t unit, const double *work) {
+enum status ghosts_partition(struct ghosts *g, size_t items, size_t unit, const double *work) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  size_t *cut = NULL;
+  size_t *partition = NULL;
   double sum = 0;
   if (ranks == 1) {
     g->end = items;
     return STATUS_OK;
   }
-  TRY(memory_allocate(&cut, ranks + 1, sizeof *cut, "shares of the ranks"));
-  const bool known = g->cut != NULL && work != NULL && g->cut[ranks] > 0;
-  const size_t units = known ? units_of(g->cut[ranks], unit) : ranks;
-  for (size_t r = 0; r <= ranks; r++) cut[r] = known ? units_of(g->cut[r], unit) : r;
-  const size_t here = known ? cut[own + 1] - cut[own] : 0;
+  TRY(memory_allocate(&partition, ranks + 1, sizeof *partition, "shares of the ranks"));
+  const bool known = g->partition != NULL && work != NULL && g->partition[ranks] > 0;
+  const size_t units = known ? units_of(g->partition[ranks], unit) : ranks;
+  for (size_t r = 0; r <= ranks; r++) partition[r] = known ? units_of(g->partition[r], unit) : r;
+  const size_t here = known ? partition[own + 1] - partition[own] : 0;
   for (size_t u = 0; u < here; u++) sum += work[u];
   const double most = ranks_max(sum), total = ranks_sum(sum);
   if (known) g->imbalance = total > 0 ? most * (double)ranks / total : 1;
-  if (known && g->imbalance > IMBALANCE_MOST) TRY(balance_cut(units, cut[own], here, work, cut));
-  if (g->cut == NULL)
-    TRY(memory_allocate(&g->cut, ranks + 1, sizeof *g->cut, "shares of the ranks"));
+  if (known && g->imbalance > IMBALANCE_MOST)
+    TRY(balance_partition(units, partition[own], here, work, partition));
+  if (g->partition == NULL)
+    TRY(memory_allocate(&g->partition, ranks + 1, sizeof *g->partition, "shares of the ranks"));
   for (size_t r = 0; r <= ranks; r++) {
-    const double place = (double)cut[r] / (double)units;
+    const double place = (double)partition[r] / (double)units;
     const size_t at = (size_t)lrint(place * (double)items / (double)unit) * unit;
-    g->cut[r] = at < items && r < ranks ? at : items;
+    g->partition[r] = at < items && r < ranks ? at : items;
   }
-  g->begin = g->cut[own];
-  g->end = g->cut[own + 1];
+  g->begin = g->partition[own];
+  g->end = g->partition[own + 1];
 cleanup:
-  memory_free(&cut);
+  memory_free(&partition);
   return status;
 }
 
 void ghosts_free(struct ghosts *g) {
-  memory_free(&g->cut);
+  memory_free(&g->partition);
   memory_free(&g->wanted);
   memory_free(&g->number);
   memory_free(&g->send);
@@ -83,9 +84,9 @@ enum status ghosts_agree(struct ghosts *g, size_t items) {
   for (size_t c = 0; c < items; c++) {
     if (!g->wanted[c]) continue;
     const size_t number = ghosts_number(g, c);
-    while (number >= g->cut[owner + 1]) g->receive_start[++owner] = n;
+    while (number >= g->partition[owner + 1]) g->receive_start[++owner] = n;
     g->receive[n] = (uint32_t)c;
-    asked[n++] = (uint32_t)(number - g->cut[owner]);
+    asked[n++] = (uint32_t)(number - g->partition[owner]);
     counts[owner]++;
   }
   while (owner < ranks) g->receive_start[++owner] = n;

@@ -20,14 +20,14 @@ struct ghost_field {
 struct ghosts {
   int tag;
   size_t bytes_most; /* of an item in one message */
-  size_t *cut;       /* [ranks + 1]: first item of each rank; NULL: there is one rank */
+  size_t *partition; /* [ranks + 1]: first item of each rank; NULL: there is one rank */
   size_t begin, end; /* of this rank, in its arrays */
   uint32_t *number;  /* [items here]: place in the order of all; NULL: they are here in runs */
   int runs;          /* held; 0: all items are */
   struct {
     size_t here, number; /* of the first: in the arrays, and in the order of all */
   } run[3];
-  double imbalance;         /* work of the busiest over the mean, when last cut */
+  double imbalance;         /* work of the busiest over the mean, when last partitioned */
   uint8_t *wanted;          /* [items here] */
   uint32_t *send, *receive; /* items, rank by rank */
   size_t *send_start, *receive_start;
@@ -37,10 +37,10 @@ struct ghosts {
   bool pending;
 };
 
-/* Collective: cuts `items` items at multiples of `unit`: evenly at first; then as the last time, or
- * by Zoltan where the busiest rank had too much more than the mean. `work`: of this rank's units of
- * the last cut, counted; NULL on all ranks where it is not known. */
-enum status ghosts_cut(struct ghosts *ghosts, size_t items, size_t unit, const double *work);
+/* Collective: partitions `items` items at multiples of `unit`: evenly at first; then as the last
+ * time, or by Zoltan where the busiest rank had too much more than the mean. `work`: of this rank's
+ * units of the last partition, counted; NULL on all ranks where it is not known. */
+enum status ghosts_partition(struct ghosts *ghosts, size_t items, size_t unit, const double *work);
 void ghosts_free(struct ghosts *ghosts);
 /* The place of item `here` in the order of all. */
 static inline size_t ghosts_number(const struct ghosts *g, size_t here) {

@@ -30,7 +30,7 @@ struct effect {
   int dt_power;       /* of the spacing, that it falls with */
   bool dt_accuracy;   /* it is one of accuracy: a dt that the scene gives may pass it */
   size_t switches_on; /* EFFECT_SWITCH(struct, member): a flag of its method's state; 0: none */
-  uint32_t budget;    /* its terms of the conservation budget, 1u << term (output/ledger.h) */
+  uint32_t budget;    /* its terms of the conservation budget, 1u << term (output/conservation.h) */
   double operations;  /* vector operations a pair in its method's force loop */
   bool at_walls;      /* of pairs with walls alone */
   /* The accelerations that it gives, m/s^2, from the method's state at the start of a step; NULL:

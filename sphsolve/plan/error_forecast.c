@@ -89,9 +89,9 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 #define FROZEN_SHARE                                                                               \
   0.8 /* of the mean shift: where walls are not flat, sites that stand out count more */
 
-struct expectation expect_error(const struct pore_shape *shape, const struct method *method,
-                                enum wall_scheme wall, double refined) {
-  struct expectation e = {NAN, NAN, "no walls"};
+struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
+                                        enum wall_scheme wall, double refined) {
+  struct error_forecast e = {NAN, NAN, "no walls"};
   const double q = shape->slope / refined, width = shape->width * refined;
   const char *how = "walls from the wall distance";
   double more = 0.0, less = 0.0, both;

@@ -26,13 +26,13 @@ void pore_shape_find(const struct scene *scene, const struct lattice *lattice,
 /* |k/k_exact - 1| to expect. Where two parts of unlike sign may cancel, `error` is the root of the
  * sum of their squares and `least` what may be left of them, 0 where they are of one size: the
  * error passes through zero there, and only the range says something. Else both are the same. */
-struct expectation {
+struct error_forecast {
   double error, least; /* NAN: no walls */
   char why[EFFECT_WHY];
 };
 
 /* With the spacing divided by `refined`. */
-struct expectation expect_error(const struct pore_shape *shape, const struct method *method,
-                                enum wall_scheme wall, double refined);
+struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
+                                        enum wall_scheme wall, double refined);
 
 #endif

@@ -38,9 +38,9 @@ static json_t *ranks_json(const struct ranks_forecast *f) {
 
 /* What an error costs, before anything is solved. */
 static void print_levels(const struct plan *plan) {
-  struct foretold_level levels[FORETOLD_LEVELS_MAX];
+  struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
-  const int count = method->levels != NULL ? method->levels(plan, FORETOLD_LEVELS_MAX, levels) : 0;
+  const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
   char spacing[64], time[64];
   if (count == 0) return;
   printf("\nrun with --error or --time, %d %s\n", plan->threads,
@@ -108,7 +108,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
          strncmp(text, "under", 5) ? "about " : "", text);
   if (ranks != NULL) print_ranks(ranks);
-  const struct expectation *e = &plan->expected;
+  const struct error_forecast *e = &plan->expected;
   if (isfinite(e->error))
     printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
            e->why);
@@ -121,9 +121,9 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
 }
 
 static json_t *levels_json(const struct plan *plan) {
-  struct foretold_level levels[FORETOLD_LEVELS_MAX];
+  struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
-  const int count = method->levels != NULL ? method->levels(plan, FORETOLD_LEVELS_MAX, levels) : 0;
+  const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
   json_t *list = json_array();
   for (int i = 0; i < count; i++)
     json_array_append_new(
@@ -145,7 +145,7 @@ static json_t *plan_pores_json(const struct plan *plan) {
 }
 
 enum status explain_print_json(const struct plan *plan, const struct ranks_forecast *ranks,
-                               const struct cheapest *cheapest) {
+                               const struct recommendation *recommended) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   json_t *effects = json_array();
@@ -179,7 +179,7 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
   if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
-  if (cheapest != NULL) json_object_set_new(object, "cheapest", cheapest_json(cheapest));
+  if (recommended != NULL) json_object_set_new(object, "cheapest", recommend_json(recommended));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');
   json_decref(object);

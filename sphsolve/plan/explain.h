@@ -6,9 +6,9 @@
 #include "sphsolve/plan/ranks_forecast.h"
 #include "sphsolve/plan/plan.h"
 
-/* `ranks`, what several of them take, and `cheapest` may be NULL. */
+/* `ranks`, what several of them take, and `recommended` may be NULL. */
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks);
 enum status explain_print_json(const struct plan *plan, const struct ranks_forecast *ranks,
-                               const struct cheapest *cheapest);
+                               const struct recommendation *recommended);
 
 #endif

@@ -14,7 +14,7 @@ struct ranks_cost;
 struct recorder;
 struct run_result;
 
-struct foretold_level;
+struct predicted_level;
 
 struct method {
   const char *name;
@@ -42,12 +42,13 @@ struct method {
   enum status (*cost)(struct plan *plan, int threads);
   /* The lattices that --error and --time would solve, coarsest first, `most` at most; their number.
    * NULL: the method chooses none. */
-  int (*levels)(const struct plan *plan, int most, struct foretold_level *levels);
+  int (*levels)(const struct plan *plan, int most, struct predicted_level *levels);
   /* What several ranks add to it. */
   void (*ranks_cost)(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
   const char *(*wall_name)(const struct scene *scene); /* for the record of a run */
-  /* Of one that resolves pores: its walls, and what its error has beside theirs (expect_error). */
+  /* Of one that resolves pores: its walls, and what its error has beside theirs (error_forecast.h).
+   */
   enum wall_scheme (*wall)(const struct scene *scene);
   double error_flat;          /* of k between parallel flat walls, where all else is exact */
   const char *error_flat_why; /* what is left there, in words */

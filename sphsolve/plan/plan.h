@@ -52,14 +52,14 @@ struct accuracy_goal {
 };
 
 /* A lattice that --error or --time would solve. */
-struct foretold_level {
+struct predicted_level {
   double spacing; /* m */
   double sites;
   double error;   /* relative, of k from all lattices up to this */
   double seconds; /* processor time of all up to this */
   double bytes;   /* while it is solved */
 };
-#define FORETOLD_LEVELS_MAX 24
+#define PREDICTED_LEVELS_MAX 24
 
 struct plan {
   struct accuracy_goal goal; /* set after the plan is made */
@@ -79,9 +79,9 @@ struct plan {
    * beside its results while it lasts. */
   double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
-  double steps, seconds;       /* predicted */
-  struct expectation expected; /* error of the headline number */
-  double expected_scan;        /* what the scanner adds to it; NAN: not known */
+  double steps, seconds;          /* predicted */
+  struct error_forecast expected; /* error of the headline number */
+  double expected_scan;           /* what the scanner adds to it; NAN: not known */
   char method_why[EFFECT_WHY];
 };
 

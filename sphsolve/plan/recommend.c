@@ -19,11 +19,11 @@
 static double refinement(const struct pore_shape *shape, const struct method *method,
                          enum wall_scheme wall, double wanted) {
   double low = REFINED_LEAST, high = REFINED_MOST;
-  if (!(expect_error(shape, method, wall, high).error <= wanted)) return NAN;
-  if (expect_error(shape, method, wall, low).error <= wanted) high = low;
+  if (!(error_forecast_of(shape, method, wall, high).error <= wanted)) return NAN;
+  if (error_forecast_of(shape, method, wall, low).error <= wanted) high = low;
   for (int i = 0; i < 60 && high > low; i++) {
     const double middle = sqrt(low * high);
-    if (expect_error(shape, method, wall, middle).error <= wanted)
+    if (error_forecast_of(shape, method, wall, middle).error <= wanted)
       high = middle;
     else
       low = middle;
@@ -53,17 +53,17 @@ static double whole_sites(const struct scene *scene, const size_t body[3], doubl
 
 static enum status add(const struct scene *scene, const struct lattice *lattice,
                        const struct method *method, enum wall_scheme wall, int threads,
-                       struct cheapest *cheapest) {
+                       struct recommendation *recommended) {
   enum status status = STATUS_OK;
   struct scene other = *scene;
   struct plan plan;
-  struct candidate *c = &cheapest->candidates[cheapest->count];
+  struct candidate *c = &recommended->candidates[recommended->count];
   other.wcsph.wall = other.stokes.wall = wall;
   if (plan_make(&other, lattice, method, "", threads, &plan) != STATUS_OK) {
     error_clear(); /* this method cannot run the scene */
     return STATUS_OK;
   }
-  double refined = refinement(&plan.shape, method, wall, cheapest->wanted / SURE);
+  double refined = refinement(&plan.shape, method, wall, recommended->wanted / SURE);
   if (isnan(refined)) return STATUS_OK;
   size_t body[3];
   for (int a = 0; a < 3; a++)
@@ -76,7 +76,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
     c->size[a] = body[a] == 1 ? 1 : (size_t)fmax(1.0, round(refined * (double)body[a]));
   c->spacing = plan.context.spacing / refined;
   c->support = plan.context.support / refined;
-  c->error = expect_error(&plan.shape, method, wall, refined).error;
+  c->error = error_forecast_of(&plan.shape, method, wall, refined).error;
   const double more = pow(refined, lattice->dimensions);
   /* Speed and steps of wcsph at that spacing: viscosity limits dt by the square of the spacing,
    * sound by the spacing itself; a pore takes as long to settle at any. */
@@ -90,14 +90,15 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
   }
   c->seconds = PROGRAM_SECONDS + (plan.seconds - PROGRAM_SECONDS) * more * steps;
   c->bytes = PROGRAM_BYTES + (plan.bytes_total - PROGRAM_BYTES) * more;
-  cheapest->count++;
+  recommended->count++;
   return status;
 }
 
-enum status cheapest_find(const struct scene *scene, const struct lattice *lattice,
-                          const struct plan *plan, int threads, struct cheapest *cheapest) {
+enum status recommend_find(const struct scene *scene, const struct lattice *lattice,
+                           const struct plan *plan, int threads,
+                           struct recommendation *recommended) {
   enum status status = STATUS_OK;
-  cheapest->count = 0;
+  recommended->count = 0;
   if (!plan->context.method->resolves_pores || !isfinite(plan->expected.error))
     TRY_FAIL(STATUS_INPUT, "%s: --error: the error of this scene cannot be predicted: %s",
              scene->path, *plan->expected.why ? plan->expected.why : "it has no permeability");
@@ -106,14 +107,14 @@ enum status cheapest_find(const struct scene *scene, const struct lattice *latti
     for (size_t m = 0; methods_all[m] != NULL; m++)
       if (methods_all[m]->resolves_pores &&
           (!methods_all[m]->solves_creeping || methods_all[m] == plan->context.method))
-        TRY(add(scene, lattice, methods_all[m], (enum wall_scheme)wall, threads, cheapest));
+        TRY(add(scene, lattice, methods_all[m], (enum wall_scheme)wall, threads, recommended));
   }
-  for (size_t i = 1; i < cheapest->count; i++) {
-    struct candidate moved = cheapest->candidates[i];
+  for (size_t i = 1; i < recommended->count; i++) {
+    struct candidate moved = recommended->candidates[i];
     size_t j = i;
-    for (; j > 0 && cheapest->candidates[j - 1].seconds > moved.seconds; j--)
-      cheapest->candidates[j] = cheapest->candidates[j - 1];
-    cheapest->candidates[j] = moved;
+    for (; j > 0 && recommended->candidates[j - 1].seconds > moved.seconds; j--)
+      recommended->candidates[j] = recommended->candidates[j - 1];
+    recommended->candidates[j] = moved;
   }
 cleanup:
   return status;
@@ -130,24 +131,24 @@ static void print_candidate(const struct candidate *c) {
   printf(": error about %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
 }
 
-void cheapest_print(const struct plan *plan, const struct cheapest *cheapest) {
+void recommend_print(const struct plan *plan, const struct recommendation *recommended) {
   const struct scene *scene = plan->context.scene;
   printf(
       "\nwanted     %.3g %%: by settings from which half of it is expected, for expectations are "
       "good to a factor %g\n",
-      100 * cheapest->wanted, SURE);
-  if (cheapest->count == 0) {
+      100 * recommended->wanted, SURE);
+  if (recommended->count == 0) {
     printf("cheapest   none: no setting up to %g times finer reaches it; extrapolate with analyze "
            "converge\n",
            REFINED_MOST);
     return;
   }
-  const struct candidate *best = &cheapest->candidates[0];
+  const struct candidate *best = &recommended->candidates[0];
   printf("cheapest   ");
   print_candidate(best);
-  for (size_t i = 1; i < cheapest->count; i++) {
+  for (size_t i = 1; i < recommended->count; i++) {
     printf("      then ");
-    print_candidate(&cheapest->candidates[i]);
+    print_candidate(&recommended->candidates[i]);
   }
   printf("write      --set scene.method=%s --set %s.wall=%s", best->method->name,
          best->method->name, wall_scheme_names[best->wall]);
@@ -159,10 +160,10 @@ void cheapest_print(const struct plan *plan, const struct cheapest *cheapest) {
     printf(" --set domain.spacing='%.6g m'\n", best->spacing);
 }
 
-json_t *cheapest_json(const struct cheapest *cheapest) {
+json_t *recommend_json(const struct recommendation *recommended) {
   json_t *list = json_array();
-  for (size_t i = 0; i < cheapest->count; i++) {
-    const struct candidate *c = &cheapest->candidates[i];
+  for (size_t i = 0; i < recommended->count; i++) {
+    const struct candidate *c = &recommended->candidates[i];
     json_array_append_new(list, json_pack("{s:s, s:s, s:f, s:f, s:[I,I,I], s:f, s:f, s:f, s:f}",
                                           "method", c->method->name, "wall",
                                           wall_scheme_names[c->wall], "spacing", c->spacing,
@@ -171,5 +172,5 @@ json_t *cheapest_json(const struct cheapest *cheapest) {
                                           "sound_speed", c->sound_speed, "expected_error", c->error,
                                           "seconds", c->seconds, "memory_bytes", c->bytes));
   }
-  return json_pack("{s:f, s:o}", "wanted", cheapest->wanted, "settings", list);
+  return json_pack("{s:f, s:o}", "wanted", recommended->wanted, "settings", list);
 }

@@ -19,7 +19,7 @@ struct candidate {
   double error, seconds, bytes;
 };
 
-struct cheapest {
+struct recommendation {
   double wanted;
   size_t count; /* candidates, the cheapest first */
   struct candidate candidates[6];
@@ -27,9 +27,10 @@ struct cheapest {
 
 /* `wanted` is set by the caller; `plan` is that of the scene as it is. An input error where no
  * error can be predicted (isph, no walls). */
-enum status cheapest_find(const struct scene *scene, const struct lattice *lattice,
-                          const struct plan *plan, int threads, struct cheapest *cheapest);
-void cheapest_print(const struct plan *plan, const struct cheapest *cheapest);
-json_t *cheapest_json(const struct cheapest *cheapest);
+enum status recommend_find(const struct scene *scene, const struct lattice *lattice,
+                           const struct plan *plan, int threads,
+                           struct recommendation *recommended);
+void recommend_print(const struct plan *plan, const struct recommendation *recommended);
+json_t *recommend_json(const struct recommendation *recommended);
 
 #endif

@@ -127,12 +127,12 @@ struct scene {
   struct {
     enum unified_form form;
     enum kernel kernel;
-    double support_ratio; /* he / dx */
-    double tau;           /* s; density relaxation time */
-    double alpha;         /* NAN; else tau = dt / alpha, 0: no relaxation */
-    double dt;            /* s; NAN: auto */
-    double tolerance;     /* of the pressure solve */
-    bool slip;            /* outer and default walls */
+    double support_ratio;   /* he / dx */
+    double relaxation_time; /* s; of the density relaxation time */
+    double alpha;           /* NAN; else tau = dt / alpha, 0: no relaxation */
+    double dt;              /* s; NAN: auto */
+    double tolerance;       /* of the pressure solve */
+    bool slip;              /* outer and default walls */
     enum pressure_solver solver;
     double smagorinsky;  /* C_s */
     bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
@@ -155,7 +155,7 @@ struct scene {
   int line_of[SCENE_PLACE_COUNT]; /* 0: not in the file */
 };
 
-/* Reads and validates. Errors name file, line and the mend. Free with scene_free. */
+/* Reads and validates. Errors name file, line and what to do. Free with scene_free. */
 enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
                        struct scene *scene);
 void scene_free(struct scene *scene);

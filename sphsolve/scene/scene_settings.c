@@ -50,14 +50,14 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   bool alpha_given, tau_given;
   kernel = KERNEL_CUBIC;
   scene->isph.support_ratio = 2.4;
-  scene->isph.tau = 0.1;
+  scene->isph.relaxation_time = 0.1;
   scene->isph.alpha = NAN;
   scene->isph.tolerance = 1e-6;
   scene->isph.smagorinsky = 0.2;
   TRY(config_choice(config, group, "form", form_names, &form, NULL));
   TRY(config_choice(config, group, "kernel", isph_kernel_names, &kernel, NULL));
   TRY(config_number(config, group, "support_ratio", &scene->isph.support_ratio, NULL));
-  TRY(config_quantity(config, group, "tau", DIM_TIME, &scene->isph.tau, &tau_given));
+  TRY(config_quantity(config, group, "tau", DIM_TIME, &scene->isph.relaxation_time, &tau_given));
   TRY(config_number(config, group, "alpha", &scene->isph.alpha, &alpha_given));
   TRY(scene_positive(config, group, "dt", DIM_TIME, &scene->isph.dt));
   TRY(config_number(config, group, "tolerance", &scene->isph.tolerance, NULL));
@@ -80,7 +80,7 @@ static enum status read_methods(struct config *config, struct scene *scene) {
   if (alpha_given && !(scene->isph.alpha >= 0 && scene->isph.alpha <= 1))
     TRY(config_error(config, config_child(config, group, "alpha"),
                      "a number from 0 to 1 is wanted"));
-  if (!(scene->isph.tau > 0))
+  if (!(scene->isph.relaxation_time > 0))
     TRY(config_error(config, config_child(config, group, "tau"),
                      "must be greater than 0; alpha = 0 switches the relaxation off"));
   if (!(scene->isph.support_ratio >= 1.5 && scene->isph.support_ratio <= 6))

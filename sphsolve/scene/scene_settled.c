@@ -66,7 +66,7 @@ static void put_all(FILE *stream, const struct scene *s) {
   fprintf(stream, "stokes.kernel = %d\nstokes.wall = %s\n", (int)s->stokes.kernel,
           wall_scheme_names[s->stokes.wall]);
   put_number(stream, "isph.support_ratio", s->isph.support_ratio);
-  put_number(stream, "isph.tau (s)", s->isph.tau);
+  put_number(stream, "isph.tau (s)", s->isph.relaxation_time);
   put_number(stream, "isph.alpha", s->isph.alpha);
   put_number(stream, "isph.smagorinsky", s->isph.smagorinsky);
   fprintf(stream, "isph.form = %d\nisph.kernel = %d\nisph.wall.slip = %d\nisph.porosity = %d\n",

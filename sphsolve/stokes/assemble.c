@@ -258,8 +258,9 @@ static bool walls_move(const struct scene *scene) {
 
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
-                                  const struct scene *scene, enum wall_scheme wall, double tau,
-                                  double velocity_unit, struct stokes_operator *op) {
+                                  const struct scene *scene, enum wall_scheme wall,
+                                  double stabilisation, double velocity_unit,
+                                  struct stokes_operator *op) {
   enum status status = STATUS_OK;
   memset(op, 0, sizeof *op);
   op->stencil = stencil;
@@ -269,7 +270,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   op->velocity_unit = velocity_unit;
   op->wall = wall;
   op->rows = stokes_rows_best();
-  op->tau = tau;
+  op->stabilisation = stabilisation;
   op->components = stencil->axis_count + 1;
   op->n = grid->active;
   op->threads = omp_get_max_threads();

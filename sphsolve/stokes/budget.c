@@ -8,7 +8,7 @@
  * each plane across the force is the same (plain sums over its sites, without the shares of walls
  * within a site), the sum of all that acts on the water, and that of its work. Moving walls may
  * drive it round and round: then across the largest velocities, over their sum without signs. */
-enum status stokes_balance(const struct stokes_solver *s, struct ledger *ledger) {
+enum status stokes_balance(const struct stokes_solver *s, struct conservation *conservation) {
   enum status status = STATUS_OK;
   const struct stokes_grid *grid = &s->grid;
   const size_t n = grid->active, first[3] = {0, grid->size[0], grid->size[0] + grid->size[1]};
@@ -18,7 +18,7 @@ enum status stokes_balance(const struct stokes_solver *s, struct ledger *ledger)
   } sum = {{0}, {0}, {0}, 0, 0};
   double *flux = NULL, open = 0, driving = 0, square = 0;
   int main_axis = 0;
-  TRY(memory_allocate(&flux, planes, sizeof *flux, "the ledger"));
+  TRY(memory_allocate(&flux, planes, sizeof *flux, "the conservation budget"));
   for (int c = 0; c < s->stencil.axis_count; c++) {
     const int a = s->stencil.axes[c];
     const double *u = s->x + (size_t)c * n;
@@ -57,10 +57,10 @@ enum status stokes_balance(const struct stokes_solver *s, struct ledger *ledger)
     open = hypot(open, sum.left[a]);
     driving = hypot(driving, sum.driving[a]);
   }
-  ledger->steady = true;
-  ledger->flux_open = sqrt(square);
-  ledger->force_open = open / driving;
-  ledger->power_open = fabs(sum.power_left / sum.power);
+  conservation->steady = true;
+  conservation->flux_open = sqrt(square);
+  conservation->force_open = open / driving;
+  conservation->power_open = fabs(sum.power_left / sum.power);
 cleanup:
   memory_free(&flux);
   return status;

@@ -2,9 +2,9 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_BUDGET_H
 #define TOSUI_SPHSOLVE_STOKES_BUDGET_H
 
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/stokes/solver.h"
 
-enum status stokes_balance(const struct stokes_solver *solver, struct ledger *ledger);
+enum status stokes_balance(const struct stokes_solver *solver, struct conservation *conservation);
 
 #endif

@@ -29,7 +29,7 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
   const bool possible =
       cascade_is_possible(scene, plan) && plan->context.method->wall(scene) == WALL_SUBVOXEL;
   *c = (struct cascade){.scene = scene, .plan = plan, .base = base, .seconds = INFINITY};
-  c->budget = error_budget_none();
+  c->uncertainty = uncertainty_none();
   c->started = clock_seconds();
   if (possible && (plan->goal.error > 0.0 || plan->goal.seconds > 0.0)) {
     c->wanted = fmax(plan->goal.error, 1e-12);
@@ -40,17 +40,17 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
 }
 
 double cascade_next_seconds(const struct cascade *c) {
-  const int n = c->budget.level_count;
+  const int n = c->uncertainty.level_count;
   if (n == 0) return 0.0;
-  return c->budget.levels[n - 1].seconds * pow(CASCADE_SHRINKS, 3.2);
+  return c->uncertainty.levels[n - 1].seconds * pow(CASCADE_SHRINKS, 3.2);
 }
 
 /* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
 static bool finer_is_in_vain(const struct cascade *c) {
-  struct error_budget rest = c->budget;
+  struct uncertainty rest = c->uncertainty;
   rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
-  const double left = error_budget_largest(&rest);
-  return c->plan->goal.error > 0.0 && left > c->wanted && c->budget.resolution < 0.5 * left;
+  const double left = uncertainty_largest(&rest);
+  return c->plan->goal.error > 0.0 && left > c->wanted && c->uncertainty.resolution < 0.5 * left;
 }
 
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
@@ -62,13 +62,15 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   *spacing = h * pow(CASCADE_SHRINKS, cascade_open_steps(c->plan, c->base) - c->tried);
-  if (c->budget.level_count >= 3 && error_budget_largest(&c->budget) <= c->wanted) return false;
+  if (c->uncertainty.level_count >= 3 && uncertainty_largest(&c->uncertainty) <= c->wanted)
+    return false;
   *why = "budget";
-  if (c->budget.level_count >= 3 && finer_is_in_vain(c)) return false;
+  if (c->uncertainty.level_count >= 3 && finer_is_in_vain(c)) return false;
   if (c->tried > cascade_last_step(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
-  if (c->budget.level_count > 0 && clock_seconds() - c->started + next > c->seconds) return false;
+  if (c->uncertainty.level_count > 0 && clock_seconds() - c->started + next > c->seconds)
+    return false;
   size_t size[3], count;
   if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
     error_clear();
@@ -146,20 +148,20 @@ static double solve(struct cascade *c, const struct lattice *lattice, enum wall_
 }
 
 /* What the model says of its own void ratio, times the measured slope. */
-static void add_calibration(const char *path, struct error_budget *budget) {
+static void add_calibration(const char *path, struct uncertainty *u) {
   struct h5_file *file = NULL;
-  if (!*path || !isfinite(budget->slope_void_ratio)) return;
+  if (!*path || !isfinite(u->slope_void_ratio)) return;
   if (h5_open(path, &file) != STATUS_OK) {
     error_clear();
     return;
   }
   const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
   const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
-  budget->void_ratio =
-      fabs(budget->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
-                                       h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
-  budget->slope_threshold = budget->slope_void_ratio / slope;
-  if (uncertainty > 0.0) budget->threshold = fabs(budget->slope_threshold) * uncertainty;
+  u->void_ratio =
+      fabs(u->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
+                                  h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
+  u->slope_threshold = u->slope_void_ratio / slope;
+  if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
   h5_close(file);
 }
 
@@ -174,7 +176,7 @@ static enum status add_sides(struct cascade *c) {
   TRY(lattice_mirror_sides(&wrapped, &mirrored));
   const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, false);
   const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, false);
-  if (k > 0.0 && other > 0.0) c->budget.sides = fabs(other / k - 1.0);
+  if (k > 0.0 && other > 0.0) c->uncertainty.sides = fabs(other / k - 1.0);
 cleanup:
   lattice_free(&wrapped);
   lattice_free(&mirrored);
@@ -190,14 +192,14 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
   const double more = solve(c, &moved, WALL_SUBVOXEL, from, false);
   const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
-  if (more > 0.0 && change > 0.0) c->budget.slope_void_ratio = log(more / k) / change;
-  add_calibration(c->scene->model_path, &c->budget);
+  if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
+  add_calibration(c->scene->model_path, &c->uncertainty);
   lattice_free(&moved);
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   const double other = solve(c, &moved, WALL_SUBVOXEL, from, false);
-  if (other > 0.0) c->budget.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
+  if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
   TRY(add_sides(c));
 cleanup:
   lattice_free(&moved);
@@ -216,9 +218,9 @@ static enum status add_scan_share(struct cascade *c, const struct lattice *latti
   TRY(lattice_blur_level(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
   other = solve(c, &blurred, WALL_SUBVOXEL, from, false);
   if (other > 0.0) {
-    c->budget.slope_blur = scale * log(other / k);
-    c->budget.scan =
-        scan_error(&scan, c->budget.slope_blur, c->plan->shape.width * c->plan->context.spacing);
+    c->uncertainty.slope_blur = scale * log(other / k);
+    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
+                                     c->plan->shape.width * c->plan->context.spacing);
   }
 cleanup:
   lattice_free(&blurred);
@@ -227,7 +229,7 @@ cleanup:
 
 /* The estimate from all lattices so far. */
 static void estimate(struct cascade *c) {
-  struct error_budget *b = &c->budget;
+  struct uncertainty *b = &c->uncertainty;
   struct limit_estimate limit;
   double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
   const int n = b->level_count;
@@ -255,7 +257,7 @@ static void estimate(struct cascade *c) {
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
                        const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
-  struct error_budget *b = &c->budget;
+  struct uncertainty *b = &c->uncertainty;
   c->tried++;
   if (!(k > 0.0)) return STATUS_OK;
   b->levels[b->level_count++] = (struct error_level){.spacing = spacing,
@@ -293,12 +295,12 @@ void cascade_end(struct cascade *c) {
 }
 
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
-                            const struct lattice *base, double found, struct error_budget *budget) {
+                            const struct lattice *base, double found, struct uncertainty *u) {
   enum status status = STATUS_OK;
   struct cascade c;
   const char *why;
   double spacing, own = NAN;
-  const struct error_budget given = *budget;
+  const struct uncertainty given = *u;
   if (!cascade_is_possible(scene, plan)) return STATUS_OK;
   cascade_begin(scene, plan, base, &c);
   c.fixed = CASCADE_FIXED;
@@ -314,21 +316,21 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     if (!is_own) lattice_free(&lattice);
     TRY(status);
   }
-  *budget = c.budget;
-  budget->averaging = given.averaging;
-  budget->steadiness = given.steadiness;
+  *u = c.uncertainty;
+  u->averaging = given.averaging;
+  u->steadiness = given.steadiness;
   /* What the run's own k differs by: its walls, or what its method leaves. */
-  if (c.budget.level_count > 0 && found > 0.0) {
-    const double off = found / c.budget.extrapolated - 1.0;
-    budget->resolution_low = hypot(budget->resolution_low, fmax(0.0, off));
-    budget->resolution_high = hypot(budget->resolution_high, fmax(0.0, -off));
-    budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
+  if (c.uncertainty.level_count > 0 && found > 0.0) {
+    const double off = found / c.uncertainty.extrapolated - 1.0;
+    u->resolution_low = hypot(u->resolution_low, fmax(0.0, off));
+    u->resolution_high = hypot(u->resolution_high, fmax(0.0, -off));
+    u->resolution = fmax(u->resolution_low, u->resolution_high);
   }
-  if (c.budget.level_count < CASCADE_FIXED || !(own > 0.0) ||
+  if (c.uncertainty.level_count < CASCADE_FIXED || !(own > 0.0) ||
       plan->context.method->wall(scene) != WALL_SUBVOXEL) {
-    budget->resolution_low = fmax(budget->resolution_low, plan->expected.error);
-    budget->resolution_high = fmax(budget->resolution_high, plan->expected.error);
-    budget->resolution = fmax(budget->resolution_low, budget->resolution_high);
+    u->resolution_low = fmax(u->resolution_low, plan->expected.error);
+    u->resolution_high = fmax(u->resolution_high, plan->expected.error);
+    u->resolution = fmax(u->resolution_low, u->resolution_high);
   }
 cleanup:
   cascade_end(&c);
@@ -340,7 +342,7 @@ cleanup:
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
-  const struct error_budget *b = &c->budget;
+  const struct uncertainty *b = &c->uncertainty;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
       c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
       b->void_ratio, b->threshold,   b->model,       b->slope_threshold,
@@ -359,7 +361,7 @@ enum status cascade_write(const struct cascade *c, struct h5_file *file) {
 
 enum status cascade_read(struct cascade *c, struct h5_file *file) {
   enum status status = STATUS_OK;
-  struct error_budget *b = &c->budget;
+  struct uncertainty *b = &c->uncertainty;
   double *numbers = NULL;
   size_t count = 0;
   TRY(h5_read(file, "/state/cascade", H5_F64, 1, &count, &numbers));

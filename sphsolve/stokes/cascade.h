@@ -5,7 +5,7 @@
 
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/error_budget.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/cascade_levels.h"
@@ -22,7 +22,7 @@ struct cascade {
   int tried;                   /* lattices so far, those without a flow included */
   bool side_shares;            /* void ratio and model voxels have been looked at */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
-  struct error_budget budget;
+  struct uncertainty uncertainty;
 };
 
 /* A cascade that ends with `base`, or, with plan->goal, when that is reached. Free with
@@ -57,6 +57,6 @@ void cascade_end(struct cascade *cascade);
  * lattices up to `base` are solved with subvoxel walls. `found`: its intrinsic permeability, m^2.
  */
 enum status cascade_measure(const struct scene *scene, const struct plan *plan,
-                            const struct lattice *base, double found, struct error_budget *budget);
+                            const struct lattice *base, double found, struct uncertainty *u);
 
 #endif

@@ -6,7 +6,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
-#include "sphsolve/output/error_budget.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/solver.h"
@@ -106,7 +106,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
 #define ITERATIONS_WARM 24.0
 #define OPEN_SHARE 0.65
 
-int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels) {
+int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels) {
   const struct lattice *base = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
   const double h = plan->context.spacing, phi = (double)base->fluid_count / (double)base->count;
@@ -123,15 +123,15 @@ int cascade_levels(const struct plan *plan, int most, struct foretold_level *lev
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
     const double own = solves * stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
-    const struct expectation e =
-        expect_error(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
+    const struct error_forecast e =
+        error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
     if (i < LEVELS_LEAST - 1) continue; /* no estimate from fewer */
     levels[count++] =
-        (struct foretold_level){.spacing = h / refined,
-                                .sites = sites,
-                                .error = fmin(1.0, OPEN_SHARE * e.error),
-                                .seconds = seconds,
-                                .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
+        (struct predicted_level){.spacing = h / refined,
+                                 .sites = sites,
+                                 .error = fmin(1.0, OPEN_SHARE * e.error),
+                                 .seconds = seconds,
+                                 .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
   }
   return count;
 }

@@ -27,7 +27,7 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
 bool cascade_sides_are_wrapped(const char *model_path);
 
 /* What an open cascade of a planned scene will solve (struct method, levels). */
-int cascade_levels(const struct plan *plan, int most, struct foretold_level *levels);
+int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels);
 /* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
 double cascade_sides_sites(const struct plan *plan);
 /* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */

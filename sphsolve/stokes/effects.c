@@ -1,4 +1,4 @@
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/stokes/method.h"
 
 #define EFFECTS stokes_effects

@@ -208,7 +208,7 @@ cleanup:
 }
 
 static void tell_level(const struct cascade *c) {
-  const struct error_budget *b = &c->budget;
+  const struct uncertainty *b = &c->uncertainty;
   if (c->fixed > 0 || b->level_count == 0) return;
   const struct error_level *l = &b->levels[b->level_count - 1];
   const struct effect_context *context = &c->plan->context;
@@ -240,7 +240,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
     status = solve(job, &s);
     /* Of an interrupted solve too; its message is the one to be told. */
     if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
-      const enum status told = stokes_balance(&s, &job->result->ledger);
+      const enum status told = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = told;
     }
     TRY(status);
@@ -270,7 +270,7 @@ cleanup:
 /* k is the estimate from all lattices where there is one, not the value of the finest. */
 static void set_result(struct stokes_job *job) {
   struct run_result *result = job->result;
-  const struct error_budget *b = &job->cascade.budget;
+  const struct uncertainty *b = &job->cascade.uncertainty;
   result_from_darcy(job->scene, job->darcy, result);
   result->error = *b;
   result->error.averaging = 0.0;

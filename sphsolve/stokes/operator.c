@@ -71,12 +71,12 @@ static void correct(const struct stokes_operator *op, size_t start, size_t end, 
   }
 }
 
-/* Unpacks the velocity B (v + tau g p) whose flux the continuity equation balances. */
+/* Unpacks the velocity B (v + gamma g p) whose flux the continuity equation balances. */
 static void unpack_corrected(struct stokes_operator *op, const float *x, const float *gradient) {
   const struct stokes_grid *grid = op->grid;
   const int axes = op->stencil->axis_count;
   float *corrected = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
-  const float tau = (float)op->tau;
+  const float gamma = (float)op->stabilisation;
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
@@ -85,7 +85,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
       for (int b = 0; b < axes; b++) {
         const float *c = op->correction + stokes_symmetric(axes, a, b) * op->n + start;
         const float *v = x + (size_t)b * op->n + start, *g = gradient + (size_t)b * op->n + start;
-        for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + tau * g[i]);
+        for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + gamma * g[i]);
       }
       op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, corrected,
                        field_of(op, a) + row * grid->stride);
@@ -95,13 +95,13 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
     stokes_grid_post(grid, op->stencil->axes[a], field_of(op, a), grid->stride * sizeof(float));
 }
 
-/* tau L p on one row. */
+/* gamma L p on one row. */
 static void stabilisation_row(const struct stokes_operator *op, size_t row, const float *p,
                               float *y) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  const float tau = (float)op->tau;
+  const float gamma = (float)op->stabilisation;
   const float *sum = convolve(op, &op->stencil->laplace, op->components - 1, row);
-  for (size_t i = start; i < end; i++) y[i] = tau * (op->pore_sum[i] * p[i] - sum[i - start]);
+  for (size_t i = start; i < end; i++) y[i] = gamma * (op->pore_sum[i] * p[i] - sum[i - start]);
 }
 
 /* Adds the divergence of the corrected velocity; own values are taken back from the field. */

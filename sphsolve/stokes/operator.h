@@ -1,6 +1,6 @@
 /* The steady SPH-Stokes system on the active sites, matrix-free, in lattice units (length: mean
  * spacing; kinematic viscosity and density 1):
- *   A v + D G p = D f,   div v + tau (L + div G) p = 0
+ *   A v + D G p = D f,   div v + gamma (L + div G) p = 0
  *   (A v)_a = sum_b c_ab (v_a - v_b), c_ab = -2 (1/r) dW/dr          Morris, Fox, Zhu 1997 eq. 22
  *   wall site b: v_b = v_w + (v_w - v_a) d_b / d_a, continued by the parabola of the momentum
  *   equation, - (f - G p)_a d_b (d_a + d_b) / 2                      after Basa et al. 2009
@@ -9,7 +9,7 @@
  *   (G p)_a = B_a sum over pore sites of (p_b - p_a) g_ab; div is minus its transpose. B inverts
  *   the moments sum of g_ab r_ab (Bonet, Lok 1999): without it a pressure gradient along a wall,
  *   and the flux along it, count for half in the sites next to the wall.
- *   L: the Laplacian with c_ab over pore pairs; tau keeps checkerboard pressures out. For
+ *   L: the Laplacian with c_ab over pore pairs; gamma keeps checkerboard pressures out. For
  *   smooth p the two Laplacians L and -div G cancel, and with them its error (Rhie, Chow 1983). */
 #ifndef TOSUI_SPHSOLVE_STOKES_OPERATOR_H
 #define TOSUI_SPHSOLVE_STOKES_OPERATOR_H
@@ -43,7 +43,7 @@ struct stokes_operator {
   double velocity_unit;      /* m/s */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
-  double tau;
+  double stabilisation;      /* s: gamma of the equations */
   int components;            /* axis_count velocities, then the pressure */
   size_t n;                  /* active sites; vectors are [components][n] */
   float *diagonal;           /* [n] of A */
@@ -67,8 +67,9 @@ struct stokes_operator {
  * units in m/s. */
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
-                                  const struct scene *scene, enum wall_scheme wall, double tau,
-                                  double velocity_unit, struct stokes_operator *op);
+                                  const struct scene *scene, enum wall_scheme wall,
+                                  double stabilisation, double velocity_unit,
+                                  struct stokes_operator *op);
 void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */

@@ -73,6 +73,6 @@ enum status stokes_cost(struct plan *plan, int threads) {
   plan->seconds = (stokes_solver_seconds(&plan->shape, l, 1.0, &goal, wall) +
                    cascade_seconds(plan->context.scene, plan, false)) /
                   threads;
-  plan->expected = expect_error(&plan->shape, &method_stokes, wall, 1.0);
+  plan->expected = error_forecast_of(&plan->shape, &method_stokes, wall, 1.0);
   return STATUS_OK;
 }

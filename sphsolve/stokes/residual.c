@@ -62,7 +62,7 @@ static void pressure_terms(const struct stokes_operator *op, size_t row, const d
   const double *sum = convolve_double(op, &op->stencil->laplace, row);
   for (size_t i = start; i < end; i++)
     residual[(size_t)axes * n + i] =
-        (float)(-op->tau * ((double)op->pore_sum[i] * p[i] - sum[i - start]));
+        (float)(-op->stabilisation * ((double)op->pore_sum[i] * p[i] - sum[i - start]));
 }
 
 static void divergence_terms(const struct stokes_operator *op, int axis, size_t row,
@@ -127,7 +127,7 @@ static void adami_terms(const struct stokes_operator *op, size_t row, const doub
   }
 }
 
-/* packed = component of B (v + tau g p). */
+/* packed = component of B (v + gamma g p). */
 static void correct(const struct stokes_operator *op, int axis, const double *x,
                     const float *gradient, double *packed) {
   const int axes = op->stencil->axis_count;
@@ -137,7 +137,7 @@ static void correct(const struct stokes_operator *op, int axis, const double *x,
     for (int a = 0; a < axes; a++) {
       const size_t at = (size_t)a * op->n + i;
       packed[i] += (double)op->correction[stokes_symmetric(axes, axis, a) * op->n + i] *
-                   (x[at] + op->tau * (double)gradient[at]);
+                   (x[at] + op->stabilisation * (double)gradient[at]);
     }
   }
 }

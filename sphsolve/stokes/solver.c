@@ -180,7 +180,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   omp_set_num_threads(threads_for(s->grid.active));
-  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_TAU,
+  TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
                             s->velocity_unit, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));

@@ -1,9 +1,9 @@
 /* At a sample every effect's force and power are those of the step that comes, exactly
- * (pairs_account.h). Steps between two samples are taken by the trapezium rule: of steps n .. m-1,
+ * (pairs_budget.h). Steps between two samples are taken by the trapezium rule: of steps n .. m-1,
  *   dt sum R_k = (t_m - t_n) (R_n + R_m)/2 + dt (R_n - R_m)/2,
  * the second since the step from t_m on is not among them. Each step is sampled at first, then one
  * in a quarter of the steps gone, to one in SPARSE: a start-up is seen from its first step on, and
- * the account, .7 of a step a sample, takes some per cent of a short run's time and one of a long
+ * the budget, .7 of a step a sample, takes some per cent of a short run's time and one of a long
  * one's. What samples may miss is told by what the integral changes by when every second one is
  * left out: three times too much where rates change smoothly. Where they are noise of variance s^2
  * a pair of intervals h changes by 3/2 h^2 s^2 in the square and misses 2 h^2 s^2, so that three
@@ -11,7 +11,7 @@
  *
  * Energy is kinetic and elastic. Pressure turns one into the other; its power on the particles is
  * summed, the elastic energy is that of their pressures, and what the two differ by is
- * LEDGER_PROJECTION: diffusion of pressure, what shifting carries, and how far gradient and
+ * BUDGET_PROJECTION: diffusion of pressure, what shifting carries, and how far gradient and
  * divergence are not each other's adjoint. Frozen grains' own compression is not in it. In momentum
  * it is what pressure gives the fluid beyond what walls take of it. */
 #include "sphsolve/wcsph/budget.h"
@@ -22,16 +22,15 @@
 #define SPARSE 64
 #define NOISE 3.5
 
-void wcsph_account_begin(const struct engine *engine, uint32_t terms,
-                         struct wcsph_account *account) {
+void wcsph_budget_begin(const struct engine *engine, uint32_t terms, struct wcsph_budget *budget) {
   const bool walls = engine_has_walls(engine);
-  memset(account, 0, sizeof *account);
-  account->ledger.on = terms | 1u << LEDGER_PROJECTION;
-  if (walls) account->ledger.on |= 1u << LEDGER_WALL_PRESSURE;
-  if (walls && engine->settings.viscosity) account->ledger.on |= 1u << LEDGER_WALL_FRICTION;
+  memset(budget, 0, sizeof *budget);
+  budget->total.on = terms | 1u << BUDGET_PROJECTION;
+  if (walls) budget->total.on |= 1u << BUDGET_WALL_PRESSURE;
+  if (walls && engine->settings.viscous) budget->total.on |= 1u << BUDGET_WALL_FRICTION;
 }
 
-bool wcsph_account_due(int64_t step) {
+bool wcsph_budget_due(int64_t step) {
   int64_t every = 1;
   while (every < SPARSE && 8 * every <= step) every *= 2;
   return step % every == 0;
@@ -44,73 +43,73 @@ static void integrate(size_t count, double *to, const double *from, const double
     to[k] += 0.5 * span * (from[k] + now[k]) + 0.5 * dt * (from[k] - now[k]);
 }
 
-static void take_rates(const struct pass_account *total, const double force[3], double mass,
-                       double particles, enum ledger_term carried, struct ledger_sums *rate) {
+static void take_rates(const struct pass_budget *step, const double force[3], double mass,
+                       double particles, enum budget_term carried, struct budget_sums *rate) {
   memset(rate, 0, sizeof *rate);
   for (int a = 0; a < 3; a++) {
-    rate->impulse[LEDGER_FORCE][a] = mass * particles * force[a];
-    rate->impulse[LEDGER_WALL_PRESSURE][a] = mass * total->wall_pressure[a];
-    rate->impulse[LEDGER_WALL_FRICTION][a] = mass * total->friction[a];
-    rate->impulse[carried][a] = mass * total->shift[a];
-    rate->impulse[LEDGER_VISCOSITY][a] = mass * total->viscosity[a];
-    rate->impulse[LEDGER_PROJECTION][a] = mass * (total->pressure[a] - total->wall_pressure[a]);
+    rate->impulse[BUDGET_FORCE][a] = mass * particles * force[a];
+    rate->impulse[BUDGET_WALL_PRESSURE][a] = mass * step->wall_pressure[a];
+    rate->impulse[BUDGET_WALL_FRICTION][a] = mass * step->friction[a];
+    rate->impulse[carried][a] = mass * step->shift[a];
+    rate->impulse[BUDGET_VISCOSITY][a] = mass * step->viscous[a];
+    rate->impulse[BUDGET_PROJECTION][a] = mass * (step->pressure[a] - step->wall_pressure[a]);
   }
-  rate->work[LEDGER_FORCE] = mass * total->force_work;
-  rate->work[LEDGER_WALL_FRICTION] = mass * total->friction_work;
-  rate->work[LEDGER_VISCOSITY] = mass * total->viscosity_work;
-  rate->work[LEDGER_PROJECTION] = mass * total->pressure_work;
-  rate->work[carried] = mass * total->shift_work;
+  rate->work[BUDGET_FORCE] = mass * step->force_work;
+  rate->work[BUDGET_WALL_FRICTION] = mass * step->friction_work;
+  rate->work[BUDGET_VISCOSITY] = mass * step->viscous_work;
+  rate->work[BUDGET_PROJECTION] = mass * step->pressure_work;
+  rate->work[carried] = mass * step->shift_work;
 }
 
-enum status wcsph_account_sample(struct engine *engine, double mass, double time,
-                                 struct wcsph_account *account) {
+enum status wcsph_budget_sample(struct engine *engine, double mass, double time,
+                                struct wcsph_budget *budget) {
   enum status status = STATUS_OK;
-  struct ledger_account *ledger = &account->ledger;
-  struct pass_account total;
-  struct ledger_sums rate;
+  struct budget *total = &budget->total;
+  struct pass_budget step;
+  struct budget_sums rate;
   double all[WCSPH_RATES] = {0}, elastic;
-  const double dt = account->dt; /* of the steps since the last sample */
-  if (account->samples > 0 && !(time > account->time)) return STATUS_OK;
-  TRY(engine_account(engine, &total));
-  elastic = mass * total.elastic;
-  take_rates(&total, engine->settings.force, mass, (double)engine->particles.count,
-             engine->settings.wall == PASS_SITES ? LEDGER_ADVECTION : LEDGER_SHIFTING, &rate);
-  for (int t = 0; t < LEDGER_TERMS; t++) {
+  const double dt = budget->dt; /* of the steps since the last sample */
+  if (budget->samples > 0 && !(time > budget->time)) return STATUS_OK;
+  TRY(engine_budget(engine, &step));
+  elastic = mass * step.elastic;
+  take_rates(&step, engine->settings.force, mass, (double)engine->particles.count,
+             engine->settings.wall == PASS_EULERIAN ? BUDGET_ADVECTION : BUDGET_SHIFTING, &rate);
+  for (int t = 0; t < BUDGET_TERMS; t++) {
     for (int a = 0; a < 3; a++) all[a] += rate.impulse[t][a];
     all[3] += rate.work[t];
   }
-  const bool first = account->samples == 0, second = fmod(account->samples, 2) == 0;
+  const bool first = budget->samples == 0, second = fmod(budget->samples, 2) == 0;
   if (!first) {
-    integrate(sizeof rate / sizeof(double), (double *)&ledger->sums, (const double *)&account->rate,
-              (const double *)&rate, time - account->time, dt);
-    integrate(WCSPH_RATES, account->every, account->rate_all, all, time - account->time, dt);
-    ledger->sums.work[LEDGER_PROJECTION] += elastic - account->elastic;
+    integrate(sizeof rate / sizeof(double), (double *)&total->sums, (const double *)&budget->rate,
+              (const double *)&rate, time - budget->time, dt);
+    integrate(WCSPH_RATES, budget->every, budget->rate_all, all, time - budget->time, dt);
+    total->sums.work[BUDGET_PROJECTION] += elastic - budget->elastic;
   }
   if (second) {
     double without[WCSPH_RATES] = {0};
     if (!first)
-      integrate(WCSPH_RATES, without, account->second_rate, all, time - account->second_time, dt);
+      integrate(WCSPH_RATES, without, budget->second_rate, all, time - budget->second_time, dt);
     for (int k = 0; k < WCSPH_RATES; k++) {
-      const double differs = without[k] - account->every[k];
-      account->defect[k] += differs, account->squares[k] += differs * differs;
-      account->every[k] = 0;
+      const double differs = without[k] - budget->every[k];
+      budget->defect[k] += differs, budget->squares[k] += differs * differs;
+      budget->every[k] = 0;
     }
-    memcpy(account->second_rate, all, sizeof all);
-    account->second_time = time;
+    memcpy(budget->second_rate, all, sizeof all);
+    budget->second_time = time;
   }
-  for (int a = 0; a < 3; a++) ledger->momentum[!first][a] = mass * total.momentum[a];
-  ledger->energy[!first] = mass * total.kinetic + elastic;
+  for (int a = 0; a < 3; a++) total->momentum[!first][a] = mass * step.momentum[a];
+  total->energy[!first] = mass * step.kinetic + elastic;
   double error[WCSPH_RATES];
   for (int k = 0; k < WCSPH_RATES; k++)
-    error[k] = fabs(account->defect[k]) + NOISE * sqrt(account->squares[k]);
-  ledger->momentum_error = sqrt(error[0] * error[0] + error[1] * error[1] + error[2] * error[2]);
-  ledger->energy_error = error[3];
-  account->rate = rate;
-  memcpy(account->rate_all, all, sizeof all);
-  account->elastic = elastic;
-  account->time = time;
-  account->dt = engine->settings.dt;
-  account->samples++;
+    error[k] = fabs(budget->defect[k]) + NOISE * sqrt(budget->squares[k]);
+  total->momentum_error = sqrt(error[0] * error[0] + error[1] * error[1] + error[2] * error[2]);
+  total->energy_error = error[3];
+  budget->rate = rate;
+  memcpy(budget->rate_all, all, sizeof all);
+  budget->elastic = elastic;
+  budget->time = time;
+  budget->dt = engine->settings.dt;
+  budget->samples++;
 cleanup:
   return status;
 }

@@ -1,4 +1,4 @@
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 #include "sphsolve/wcsph/plan.h"
 
 #define EFFECTS wcsph_effects

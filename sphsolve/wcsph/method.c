@@ -84,15 +84,16 @@ static bool locked(const struct wcsph_run *run) {
     return false;
   double pores = (double)run->lattice->fluid_count / run->lattice->bulk_count, sum = 0;
   for (size_t i = 0; i < state->monitor.count; i++) sum += state->monitor.rows[i][0];
-  double time = wcsph_run_time(run), way = sum / (double)state->monitor.count * time / pores;
+  double time = wcsph_run_time(run),
+         displacement = sum / (double)state->monitor.count * time / pores;
   return context->velocity_scale * time / pores > 4 * context->spacing &&
-         fabs(way) < 0.5 * context->spacing;
+         fabs(displacement) < 0.5 * context->spacing;
 }
 
-static enum status account_now(struct wcsph_run *run) {
+static enum status budget_now(struct wcsph_run *run) {
   const double *dx = run->lattice->spacing;
-  return wcsph_account_sample(&run->state.engine, run->scene->fluid.density * dx[0] * dx[1] * dx[2],
-                              wcsph_run_time(run), &run->state.account);
+  return wcsph_budget_sample(&run->state.engine, run->scene->fluid.density * dx[0] * dx[1] * dx[2],
+                             wcsph_run_time(run), &run->state.budget);
 }
 
 static enum status march(struct wcsph_run *run, struct run_result *result) {
@@ -114,7 +115,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
         break;
       }
     }
-    if (wcsph_account_due(state->step)) TRY(account_now(run));
+    if (wcsph_budget_due(state->step)) TRY(budget_now(run));
     bool again = false;
     step_log_limit(recorder_step_log(run->recorder), wcsph_limiting_effect(run));
     status = engine_step(&state->engine);
@@ -149,7 +150,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
       }
     }
   }
-  if (status == STATUS_OK) TRY(account_now(run));
+  if (status == STATUS_OK) TRY(budget_now(run));
   result_from_darcy(run->scene, verdict.mean + 1, result);
   result->k_error = isfinite(verdict.error) ? verdict.error : NAN;
   if (isfinite(verdict.error)) {
@@ -200,11 +201,11 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   const double *s = engine->seconds;
   double pair_time = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
   result->steps = run->state.step;
-  result->ledger = (struct ledger){.known = true, .start = run->lattice->fluid_count};
+  result->conservation = (struct conservation){.known = true, .start = run->lattice->fluid_count};
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++)
-    result->ledger.end += engine->particles.id[i] != NO_PARTICLE;
-  result->ledger.end = (uint64_t)ranks_sum((double)result->ledger.end);
-  if (run->state.account.samples > 0) result->ledger.account = run->state.account.ledger;
+    result->conservation.end += engine->particles.id[i] != NO_PARTICLE;
+  result->conservation.end = (uint64_t)ranks_sum((double)result->conservation.end);
+  if (run->state.budget.samples > 0) result->conservation.budget = run->state.budget.total;
   result->wall_time = clock_seconds() - run->started;
   result->pair_interactions = engine->pair_interactions;
   result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
@@ -223,7 +224,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   add_force_times(run, s[PHASE_FORCE]);
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
-  recorder_add_time(run->recorder, "ledger", s[PHASE_ACCOUNT]);
+  recorder_add_time(run->recorder, "ledger", s[PHASE_BUDGET]);
   recorder_count_traffic(run->recorder);
   if (RANKS) recorder_set_fact(run->recorder, "imbalance", imbalance_of(engine));
   recorder_set_fact(run->recorder, "list_rebuilds", (double)engine->rebuilds);
@@ -248,7 +249,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   double(*region_velocity)[3] = NULL;
   struct engine_settings settings;
   struct wcsph_totals totals;
-  struct lattice_aside aside = {0};
+  struct lattice_spill spill = {0};
   bool flows = true, resumed, again;
   run.started = clock_seconds();
   result->k = result->k_error = NAN;
@@ -256,16 +257,16 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                       "region velocities"));
   wcsph_settings(scene, plan, region_velocity, &settings);
   /* Before the engine is there: both take memory. */
-  if (settings.wall == PASS_SITES && plan->context.driving > 0)
+  if (settings.wall == PASS_EULERIAN && plan->context.driving > 0)
     TRY(close_pores(lattice, scene, &flows));
   else if (plan->context.driving > 0)
     TRY(percolation_find(lattice, scene->driving, true, NULL, &flows));
   run.copy.beside = recorder_checkpoint_name(recorder);
-  if (settings.wall != PASS_SUBVOXEL && settings.wall != PASS_SITES)
-    TRY(lattice_distances_aside(lattice, run.copy.beside, &aside));
+  if (settings.wall != PASS_SUBVOXEL && settings.wall != PASS_EULERIAN)
+    TRY(lattice_spill_distances(lattice, run.copy.beside, &spill));
   TRY(engine_make(lattice, &settings, &run.state.engine));
-  TRY(lattice_regions_aside(lattice, run.copy.beside, &aside));
-  wcsph_account_begin(&run.state.engine, plan_budget(plan), &run.state.account);
+  TRY(lattice_spill_regions(lattice, run.copy.beside, &spill));
+  wcsph_budget_begin(&run.state.engine, plan_budget(plan), &run.state.budget);
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
   run.pore_width = gap * plan->context.spacing;
@@ -301,7 +302,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
 cleanup:
   monitor_free(&run.state.monitor);
   engine_free(&run.state.engine);
-  const enum status back = lattice_take_back(lattice, &aside);
+  const enum status back = lattice_restore(lattice, &spill);
   if (status == STATUS_OK) status = back;
   wcsph_copy_free(&run.copy);
   memory_free(&region_velocity);

@@ -66,7 +66,7 @@ struct lattice_modes lattice_modes_find(enum kernel kernel, int dimensions, cons
                                   (curve - slope / length) * r[a] * r[b] / (length * length));
           }
         }
-    modes.crowding = fmax(modes.crowding, 0.5 * largest_eigenvalue(stiffness));
+    modes.shifting_stiffness = fmax(modes.shifting_stiffness, 0.5 * largest_eigenvalue(stiffness));
     double square = 0;
     for (int a = 0; a < 3; a++) {
       square += gradient[a] * gradient[a];
@@ -99,11 +99,11 @@ double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double
   }
   if (!(diffusion > 0)) return low > 0 ? low : INFINITY;
   for (high = fmin(high, 8 * low); high > 1.0001 * low;) {
-    const double dt = sqrt(low * high), gamma = 1 / (1 + dt * diffusion * modes->weights);
+    const double dt = sqrt(low * high), q = 1 / (1 + dt * diffusion * modes->weights);
     bool stable = true;
     for (int w = 0; w < modes->count && stable; w++) {
       const double s = dt * c * modes->wave[w][absolute], l = modes->wave[w][2];
-      stable = gamma * s * s < (2 - dt * nu * l) * (2 - gamma * dt * diffusion * l);
+      stable = q * s * s < (2 - dt * nu * l) * (2 - q * dt * diffusion * l);
     }
     if (stable)
       low = dt;

@@ -18,7 +18,7 @@
 #define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
 #define DELTA 0.1              /* Molteni, Colagrossi 2009 */
 #define SAMPLES_LEAST 80       /* of the Darcy velocity before a flow may be called steady */
-#define TAU_FAST 0.1           /* dx/u: the most of tau where inertia rules */
+#define STABILISATION_FAST 0.1 /* dx/u: the most of gamma where inertia rules */
 #define PEAK_MODEL 6           /* of pore velocity over its mean, in a sand; 2 in ducts */
 
 double wcsph_gap(const struct lattice *lattice) {
@@ -111,7 +111,7 @@ enum status wcsph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]) {
+bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]) {
   const double cell = context->velocity_scale * context->spacing / context->kinematic_viscosity;
   const struct scene *scene = context->scene;
   const char *moves = scene->wcsph.wall != WALL_SUBVOXEL    ? "wcsph.wall is another"
@@ -120,36 +120,38 @@ bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]) {
                       : scene->shifting != SWITCH_AUTO      ? "the scene chose about shifting"
                       : !(context->kinematic_viscosity > 0) ? "no viscosity"
                                                             : NULL;
-  const bool stays = moves == NULL && cell < ADVECTION_CELL_REYNOLDS;
-  if (why == NULL) return stays;
+  const bool eulerian = moves == NULL && cell < ADVECTION_CELL_REYNOLDS;
+  if (why == NULL) return eulerian;
   if (moves != NULL)
     snprintf(why, EFFECT_WHY, "particles move: %s", moves);
   else
     snprintf(why, EFFECT_WHY, "u dx/nu = %.2g with the largest velocity expected, %s %g: %s", cell,
-             stays ? "below" : "not below", ADVECTION_CELL_REYNOLDS,
-             stays ? "particles may stay on their sites" : "particles move");
-  return stays;
+             eulerian ? "below" : "not below", ADVECTION_CELL_REYNOLDS,
+             eulerian ? "particles may stay on their lattice points" : "particles move");
+  return eulerian;
 }
 
 enum pass_wall wcsph_pass_wall(const struct effect_context *context) {
   const enum wall_scheme wall = context->scene->wcsph.wall;
-  return wall == WALL_FROZEN          ? PASS_FROZEN
-         : !context->has_wall         ? PASS_OPEN
-         : wall == WALL_ADAMI         ? PASS_ADAMI
-         : wcsph_stays(context, NULL) ? PASS_SITES
-                                      : PASS_SUBVOXEL;
+  return wall == WALL_FROZEN             ? PASS_FROZEN
+         : !context->has_wall            ? PASS_OPEN
+         : wall == WALL_ADAMI            ? PASS_ADAMI
+         : wcsph_eulerian(context, NULL) ? PASS_EULERIAN
+                                         : PASS_SUBVOXEL;
 }
 
 double wcsph_sound_for_dt(const struct effect_context *context) {
-  return (wcsph_stays(context, NULL) ? 2 : 1) * context->sound_speed;
+  return (wcsph_eulerian(context, NULL) ? 2 : 1) * context->sound_speed;
 }
 
 double wcsph_diffusion(const struct effect_context *context) {
   const double c = context->sound_speed, dx = context->spacing, nu = context->kinematic_viscosity;
   if (context->scene->wcsph.wall == WALL_FROZEN) return 0;
   if (!(nu > 0 && context->has_wall)) return DELTA * context->smoothing_length * c;
-  if (wcsph_stays(context, NULL)) return c * c * WCSPH_TAU_SITES * dx * dx / nu;
-  return c * c * fmin(WCSPH_TAU * dx * dx / nu, TAU_FAST * dx / context->velocity_scale);
+  if (wcsph_eulerian(context, NULL)) return c * c * WCSPH_STABILISATION_EULERIAN * dx * dx / nu;
+  return c * c *
+         fmin(WCSPH_STABILISATION * dx * dx / nu,
+              STABILISATION_FAST * dx / context->velocity_scale);
 }
 
 void wcsph_settings(const struct scene *scene, const struct plan *plan,
@@ -168,7 +170,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
   const struct lattice_modes modes = wcsph_modes_of(context);
   settings->rest_ratio = scene->wcsph.equation_of_state == EOS_GAUGE ? modes.sum : 0;
   settings->moment = modes.moment;
-  settings->crowding = modes.crowding;
+  settings->shifting_stiffness = modes.shifting_stiffness;
   settings->weights = modes.weights;
   settings->pressure_diffusion = wcsph_diffusion(context);
   for (size_t r = 0; r < scene->region_count; r++)
@@ -230,8 +232,8 @@ enum status wcsph_cost(struct plan *plan, int threads) {
 
   struct engine_settings settings = {.wall = wcsph_pass_wall(context)};
   plan_switch(plan, &settings);
-  const bool sites = settings.wall == PASS_SITES;
-  const bool subvoxel = sites || settings.wall == PASS_SUBVOXEL;
+  const bool eulerian = settings.wall == PASS_EULERIAN;
+  const bool subvoxel = eulerian || settings.wall == PASS_SUBVOXEL;
   double site = 1 + (lattice->wall_distance != NULL && subvoxel ? sizeof(float) : 0);
   plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
@@ -248,7 +250,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   if (!(scene->steady_tolerance > 0) || !isfinite(time)) time = INFINITY;
   time = fmin(scene->end_time, 2 * time);
   plan->steps = ceil(time / plan->dt);
-  if (sites && isfinite(time) && scene->steady_tolerance > 0)
+  if (eulerian && isfinite(time) && scene->steady_tolerance > 0)
     plan->steps =
         ceil(fmin(plan->steps + pressure_steps(plan, &modes), scene->end_time / plan->dt));
   if (scene->steady_tolerance > 0)
@@ -260,6 +262,6 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   plan->seconds += split / threads;
   if (split > 0)
     plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
-  plan->expected = expect_error(&plan->shape, &method_wcsph, scene->wcsph.wall, 1);
+  plan->expected = error_forecast_of(&plan->shape, &method_wcsph, scene->wcsph.wall, 1);
   return STATUS_OK;
 }

@@ -11,7 +11,7 @@
 #define REACH 2.5
 #define HELD 25.0
 #define PATH 4.0
-#define CUT 2048.0 /* slots: cuts lie at multiples */
+#define PARTITION_UNIT 2048.0 /* slots: partitions lie at multiples */
 
 /* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest
  * side again and again. */
@@ -38,7 +38,7 @@ void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ra
   const double share = fluid / fmax(sites, 1);
   const double reach = plan->context.support / plan->context.spacing + REACH;
   const double beside = r > 1 ? around(l, r, reach) : 0;
-  cost->uneven = 1 + 0.5 * CUT * (r - 1) / fmax(fluid, 1);
+  cost->uneven = 1 + 0.5 * PARTITION_UNIT * (r - 1) / fmax(fluid, 1);
   cost->ghosts = GHOST * share * beside;
   cost->messages = 2 * fmin(r - 1, 12);
   cost->sums = 2;

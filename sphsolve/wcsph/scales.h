@@ -12,18 +12,19 @@
 /* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). Less locks
  * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
  * (+30 % at .02). */
-#define WCSPH_TAU 0.005
+#define WCSPH_STABILISATION 0.005
 /* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
  */
-#define WCSPH_TAU_SITES 0.05
+#define WCSPH_STABILISATION_EULERIAN 0.05
 
-/* Particles stay on their sites (effects/advection.h); `why` may be NULL. */
-bool wcsph_stays(const struct effect_context *context, char why[EFFECT_WHY]);
+/* Particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
+bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]);
 /* Sound that the time step has to follow, m/s: gradients corrected along narrow pores let it run
  * faster. Among spheres at random a run is quiet at the limit with twice the speed, and noisy
  * at 1.5 of it. */
 double wcsph_sound_for_dt(const struct effect_context *context);
-/* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls tau c^2; 0 with frozen walls. */
+/* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls gamma c^2; 0 with frozen walls.
+ */
 double wcsph_diffusion(const struct effect_context *context);
 
 static inline bool wcsph_frozen(const struct effect_context *context) {

@@ -46,7 +46,7 @@ static struct end_of_line end_of_line(const struct engine *engine, size_t slot) 
     }
     share += most;
   }
-  if (share > 0 && engine->settings.wall == PASS_SITES) { /* the wall bends the profile */
+  if (share > 0 && engine->settings.wall == PASS_EULERIAN) { /* the wall bends the profile */
     struct wall_shape wall;
     wall_shape_find(l, site, engine->pass.spacing, &wall);
     share = fmax(share, 1) * (1 - 0.5 * d * wall.curvature);
@@ -64,7 +64,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   struct wcsph_totals *part = NULL;
   const enum pass_wall wall = engine->settings.wall;
   const bool ends =
-      flux && (wall == PASS_SITES || wall == PASS_SUBVOXEL) && !engine->settings.wall_moves;
+      flux && (wall == PASS_EULERIAN || wall == PASS_SUBVOXEL) && !engine->settings.wall_moves;
   /* First, since it may make new lists, and with them another number of slots. */
   if (ends) TRY(engine_pull(engine));
   const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
@@ -211,7 +211,7 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   copy->moved = state->engine.moved;
   copy->speed_max = state->engine.speed_max;
   copy->next_row = state->next_row;
-  copy->account = state->account;
+  copy->budget = state->budget;
 cleanup:
   return status;
 }
@@ -232,7 +232,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   for (int t = 0; t < engine->threads; t++) engine->locals[t].overflow = false;
   state->monitor.count = copy->samples;
   state->next_row = copy->next_row;
-  state->account = copy->account;
+  state->budget = copy->budget;
   int64_t since = (copy->step - copy->sample_from) % (state->sample_steps << copy->halvings);
   if (state->halvings < copy->halvings) {
     engine_set_dt(engine, ldexp(engine->settings.dt, state->halvings - copy->halvings));
@@ -279,7 +279,7 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       engine->settings.wall};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
-  TRY(ledger_account_write(&state->account.ledger, sizeof state->account, file, "/state/account"));
+  TRY(budget_write(&state->budget.total, sizeof state->budget, file, "/state/account"));
   count = 1;
   TRY(h5_write(file, "/state/step", H5_I64, 1, &count, &state->step, false));
   size_t dims[2] = {state->monitor.count, MONITOR_COMPONENTS};
@@ -302,7 +302,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   if (slots[0] % CLUSTER != 0 || slots[0] < p->count)
     TRY_FAIL(STATUS_INPUT, "%s: /state/id has %zu slots for %zu particles: not of this scene",
              h5_path(file), slots[0], p->count);
-  TRY(engine_cut(engine, slots[0] / CLUSTER));
+  TRY(engine_partition(engine, slots[0] / CLUSTER));
   own = RANKS && ranks_count() > 1 ? engine_end_slot(engine) : slots[0];
   TRY(particles_resize(p, own / CLUSTER));
   struct stored list[16];
@@ -314,7 +314,7 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
     if (own > 0) memcpy(*list[i].array, array, own * sizeof(float));
     memory_free(&array);
   }
-  TRY(ledger_account_read(&state->account.ledger, sizeof state->account, file, "/state/account"));
+  TRY(budget_read(&state->budget.total, sizeof state->budget, file, "/state/account"));
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
   if (count != 16 || dims[0] != 1 || numbers[15] != (double)engine->settings.wall)

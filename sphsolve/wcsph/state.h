@@ -20,7 +20,7 @@ struct wcsph_state {
   double time_from;
   int64_t step_from, sample_from, sample_steps;
   struct watchdog dog;
-  struct wcsph_account account;
+  struct wcsph_budget budget;
 };
 double wcsph_time(const struct wcsph_state *state);
 bool wcsph_sample_due(const struct wcsph_state *state);
@@ -36,7 +36,7 @@ struct wcsph_copy {
   int64_t step, sample_from;
   double time, moved, speed_max, next_row;
   int halvings;
-  struct wcsph_account account;
+  struct wcsph_budget budget;
 };
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* The step stays as it is now, unless it was shorter then. */

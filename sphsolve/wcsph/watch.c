@@ -82,14 +82,15 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
   const struct engine_settings *settings = &state->engine.settings;
   const double cell =
       state->engine.speed_max * state->engine.pass.spacing / settings->kinematic_viscosity;
-  const char *cause = settings->wall == PASS_SITES && cell > ADVECTION_CELL_REYNOLDS
-                          ? "the flow is too fast for particles that stay on their sites; write "
-                            "effects.shifting = \"on\""
-                      : plan->dt > 0.9 * plan->dt_limit
-                          ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
-                      : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
-                          ? "the force is too strong for this sound speed; raise wcsph.sound_speed"
-                          : "the sound speed is too low for this force; raise wcsph.sound_speed";
+  const char *cause =
+      settings->wall == PASS_EULERIAN && cell > ADVECTION_CELL_REYNOLDS
+          ? "the flow is too fast for particles that stay on their lattice points; write "
+            "effects.shifting = \"on\""
+      : plan->dt > 0.9 * plan->dt_limit
+          ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
+      : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
+          ? "the force is too strong for this sound speed; raise wcsph.sound_speed"
+          : "the sound speed is too low for this force; raise wcsph.sound_speed";
   char saved[4200] = "";
   if (kept) {
     TRY(wcsph_write_checkpoint(run));

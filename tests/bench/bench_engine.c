@@ -31,7 +31,8 @@ static struct engine_settings settings_of(const struct lattice *lattice, enum pa
   settings.kinematic_viscosity = 1e-6;
   settings.force[2] = -9.8;
   settings.pressure_diffusion =
-      (wall == PASS_SITES ? WCSPH_TAU_SITES : WCSPH_TAU) * DX * DX / 1e-6 * 2.25;
+      (wall == PASS_EULERIAN ? WCSPH_STABILISATION_EULERIAN : WCSPH_STABILISATION) * DX * DX /
+      1e-6 * 2.25;
   return settings;
 }
 
@@ -62,8 +63,8 @@ static enum status measure_run(const struct lattice *lattice, enum pass_wall wal
     best_wall = fmin(best_wall, clock_seconds() - clock);
   }
   double start = cpu_seconds();
-  if (wall != PASS_SITES) {  /* whose lists are made once */
-    engine.moved = INFINITY; /* orders the particles anew, too */
+  if (wall != PASS_EULERIAN) { /* whose lists are made once */
+    engine.moved = INFINITY;   /* orders the particles anew, too */
     engine.listed = false;
     TRY(engine_step(&engine));
   }
@@ -177,7 +178,7 @@ static enum status suite(const char *path, double largest) {
   const struct pair_table *table;
   double first = NAN, worst = 1, start = clock_seconds(), shares[PHASE_COUNT];
   static const char *const phases[PHASE_COUNT] = {
-      "density", "wall distance", "forces", "continuity", "drift", "lists", "account"};
+      "density", "wall distance", "forces", "continuity", "drift", "lists", "budget"};
   omp_set_num_threads(1);
   TRY(pair_table_choose(KERNEL_QUINTIC, &table));
   double flops = peak_flops(table->name), bytes = peak_bytes();
@@ -213,11 +214,11 @@ static enum status suite(const char *path, double largest) {
   /* Arithmetic intensity: each pass reads the particles once from memory, the rest is cache. */
   add(results, "S06 size, subvoxel: operations per byte", "flop/B",
       m.flops * m.step / (2 * m.bytes * (double)m.fluid), NAN, true, 0);
-  TRY(measure_run(&lattice, PASS_SITES, 12, &two));
-  add(results, "S06 size, on sites: pairs per second and core", "1/s", two.pairs, NAN, true,
+  TRY(measure_run(&lattice, PASS_EULERIAN, 12, &two));
+  add(results, "S06 size, Eulerian: pairs per second and core", "1/s", two.pairs, NAN, true,
       two.step);
-  add(results, "S06 size, on sites: step on one core", "s", two.step, 0.055, false, two.step);
-  add(results, "S06 size, on sites: bytes per fluid particle", "B", two.bytes, 100, false, 0);
+  add(results, "S06 size, Eulerian: step on one core", "s", two.step, 0.055, false, two.step);
+  add(results, "S06 size, Eulerian: bytes per fluid particle", "B", two.bytes, 100, false, 0);
   omp_set_num_threads(2);
   TRY(measure_run(&lattice, PASS_SUBVOXEL, 12, &two));
   add(results, "two threads: efficiency by the clock", "1", m.wall / (2 * two.wall), 0.95, true, 0);
@@ -254,7 +255,7 @@ static enum status count(enum pass_wall wall, bool viscosity, bool diffusion, bo
   const double velocity[1][3] = {{1e-3, 0, 0}};
   lattice.region = calloc(lattice.count, sizeof *lattice.region);
   for (size_t i = 0; i < lattice.count; i++) lattice.region[i] = lattice.kind[i] == SITE_WALL;
-  settings.viscosity = viscosity;
+  settings.viscous = viscosity;
   settings.diffusion = diffusion;
   settings.shift = shift;
   settings.wall_moves = moving;

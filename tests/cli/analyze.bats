@@ -161,7 +161,7 @@ PY
   [ ! -e plain/darcy.png ]
 }
 
-@test "wrong input: message names the file and the mend" {
+@test "wrong input: message names the file and what to do" {
   run analyze darcy missing.hdf
   [ "$status" -ne 0 ]
   [[ "$output" == *"missing.hdf"* ]]

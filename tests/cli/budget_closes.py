@@ -2,9 +2,9 @@
 import h5py, numpy as np
 def of(name):
     file = h5py.File(name + ".hdf")
-    ledger = file["run/ledger"]
-    rows = dict(zip(ledger["term"].asstr()[:], zip(ledger["impulse"][:], ledger["work"][:]))) if "term" in ledger else {}
-    return file, ledger.attrs, rows
+    budget = file["run/ledger"]
+    rows = dict(zip(budget["term"].asstr()[:], zip(budget["impulse"][:], budget["work"][:]))) if "term" in budget else {}
+    return file, budget.attrs, rows
 for name in "flow", "pore":
     _, l, _ = of(name)
     n = {k: int(l["particles_" + k]) for k in ("start", "entered", "left", "lost", "end", "open")}

@@ -52,17 +52,17 @@ END
   [ "$status" -eq 2 ]
 }
 
-@test "method isph: steps as foretold, within a factor 2 of those a run takes" {
+@test "method isph: steps as predicted, within a factor 2 of those a run takes" {
   cd "$BATS_FILE_TMPDIR"
   scenes=$ROOT/data-samples/scenes
   while read -r scene sets; do
     set -- $sets
-    sphsolve explain "$scenes/$scene" "$@" --threads 1 --json > foretold.json
+    sphsolve explain "$scenes/$scene" "$@" --threads 1 --json > predicted.json
     sphsolve run "$scenes/$scene" "$@" --threads 1 -o pace --json > took.json
     /usr/bin/python3 - "$scene" <<'END'
 import json, sys
-foretold, took = json.load(open("foretold.json")), json.load(open("took.json"))
-assert 0.5 < foretold["steps"] / took["steps"] < 2, (sys.argv[1], foretold["steps"], took["steps"])
+predicted, took = json.load(open("predicted.json")), json.load(open("took.json"))
+assert 0.5 < predicted["steps"] / took["steps"] < 2, (sys.argv[1], predicted["steps"], took["steps"])
 END
   done <<'END'
 still-tank.cfg --set isph.dt=auto --set scene.end_time=1s

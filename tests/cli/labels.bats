@@ -73,7 +73,7 @@ END
   run ! grep -q "taken as pore" said
 }
 
-@test "what cannot be labels is refused, with the mend" {
+@test "what cannot be labels is refused, and what to do is said" {
   wrong() { # CODE WORD ARGUMENTS
     local code=$1 word=$2
     shift 2

@@ -92,7 +92,7 @@ assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method' --set wcsph.dt="$dt s" --set "$calm" --set "$moving"
 }
 
-@test "on sites: the same bounds" {
+@test "Eulerian particles: the same bounds" {
   march '"subvoxel"' '
 assert run["list_rebuilds"] <= 8 # only those that snapshots and rows gave back
 assert plan["bytes_per_fluid_site"] <= 100 and plan["bytes_per_wall_site"] <= 16

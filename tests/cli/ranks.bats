@@ -229,7 +229,7 @@ isph() { # SCENE END NAME [options]
   done
 }
 
-@test "the memory of a rank falls with their number, as explain --ranks foretells" {
+@test "the memory of a rank falls with their number, as explain --ranks predicts" {
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 -o middle.hdf --quiet > /dev/null
   cat > tank.cfg << 'END'
 scene = { name = "tank"; method = "isph"; end_time = "1 ms"; };
@@ -258,13 +258,13 @@ END
   done
   /usr/bin/python3 - << 'END'
 import h5py, json
-PROGRAM = 16e6  # foretold, not counted
+PROGRAM = 16e6  # predicted, not counted
 for name in "tank", "sand", "lid":
     said = {n: json.load(open(f"{name}{n}.json"))["ranks"]["memory_bytes"] - PROGRAM for n in (1, 2, 4)}
     clock = {n: h5py.File(f"{name}{n}.hdf")["run/timing"].attrs for n in (1, 2, 4)}
     peak = {n: max(clock[n]["memory_peak_bytes"], clock[n]["memory_peak_bytes_all"] / n) for n in clock}
     for n in peak:
-        print(f"{name} on {n}: {peak[n] / 1e6:.2f} MB, foretold {said[n] / 1e6:.2f}, of one process {peak[n] / peak[1]:.3f}")
+        print(f"{name} on {n}: {peak[n] / 1e6:.2f} MB, predicted {said[n] / 1e6:.2f}, of one process {peak[n] / peak[1]:.3f}")
         assert abs(peak[n] / said[n] - 1) < 0.1
         assert peak[n] < peak[1] * (1 / n + 1 / 8)
 END

@@ -210,7 +210,7 @@ assert abs(k / (0.421731e-6 / 12) - 1) < float(sys.argv[1]), k' $wanted
   [[ "$stderr" == *"--error 120%"* ]]
 }
 
-@test "explain foretells memory within a factor of two, and the error" {
+@test "explain predicts memory within a factor of two, and the error" {
   cat > duct.cfg << 'END'
 scene = { name = "duct"; method = "stokes"; };
 domain = { size = ["1 mm", "1 mm", "1 mm"]; spacing = "25 um"; periodic = [false, false, true]; };
@@ -234,9 +234,9 @@ plan, k = json.load(open("plan.json")), json.loads(text)["intrinsic_permeability
 pairs = [("error", plan["expected_error"], abs(k / (0.421731e-6 / 12) - 1))]
 if not any(s in os.environ.get("SANITIZE", "") for s in ("address", "thread")): # their shadows are not ours
     pairs.append(("memory", plan["memory_bytes"], 1024 * usage.ru_maxrss))
-for what, foretold, measured in pairs:
-    print(what, foretold, measured)
-    assert 0.5 < foretold / measured < 2, (what, foretold, measured)' "$SPH" run duct.cfg "${words[@]}" -o out --json --threads 1
+for what, predicted, measured in pairs:
+    print(what, predicted, measured)
+    assert 0.5 < predicted / measured < 2, (what, predicted, measured)' "$SPH" run duct.cfg "${words[@]}" -o out --json --threads 1
   done
 }
 

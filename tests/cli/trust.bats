@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# Nothing lost, nothing believed: ledgers, equal bytes, hostile files, bounds on memory.
+# Nothing lost, nothing believed: budgets, equal bytes, hostile files, bounds on memory.
 bats_require_minimum_version 1.5.0
 
 setup_file() {
@@ -34,10 +34,10 @@ refused() {
 }
 python() { /usr/bin/python3 "$@"; }
 
-@test "every run ends with a ledger that closes" {
+@test "every run ends with a budget that closes" {
   run --separate-stderr sphsolve run flow.cfg -o flow
   [ "$status" -eq 0 ]
-  [[ "$output" == *"ledger     particles: 400 + "* ]]
+  [[ "$output" == *"budget     particles: 400 + "* ]]
   [[ "$output" != *unaccounted* ]]
   [[ "$output" == *"momentum (kg m/s): "*"not accounted for"*"energy (J): "*"not accounted for"* ]]
   analyze report flow.hdf -o flow.html --quiet > /dev/null
@@ -52,7 +52,7 @@ force = { body_acceleration = ["1 mm/s^2", "0"]; };
 END
   run --separate-stderr sphsolve run slit.cfg -o slit
   [ "$status" -eq 0 ]
-  [[ "$output" == *"ledger     mass: the flux is the same through all planes"*"energy: friction takes"* ]]
+  [[ "$output" == *"budget     mass: the flux is the same through all planes"*"energy: friction takes"* ]]
   # Water that only a wall drives has its balance too.
   cat > couette.cfg << 'END'
 scene = { method = "stokes"; };

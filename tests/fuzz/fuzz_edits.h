@@ -11,7 +11,7 @@
 #include "common/hdf5_internal.h"
 #include "fuzz_input.h"
 
-/* In place of the trial by a process of its own (common/hdf5_trial.c). */
+/* In place of the probe by a process of its own (common/hdf5_probe.c). */
 enum status h5_try(const char *path) {
   (void)path;
   return STATUS_OK;

@@ -1,13 +1,13 @@
 /* libFuzzer: any bytes as a model, a run and a snapshot. HDF5 1.10 itself crashes on some; the
- * trial in a process of its own (common/hdf5_trial.c) has to find them first. */
+ * trial in a process of its own (common/hdf5_probe.c) has to find them first. */
 #include "common/model_file.h"
 #include "fuzz_reads.h"
 
 /* Each file is tried once, not by each of the readers: the sanitizer makes a new process slow.
  * Where the library hangs it is waited for a second, not for 20. */
-#define TRIAL_SECONDS 1
+#define PROBE_SECONDS 1
 #define h5_try h5_try_anew
-#include "common/hdf5_trial.c"
+#include "common/hdf5_probe.c"
 #undef h5_try
 enum status h5_try(const char *path);
 static enum status tried;

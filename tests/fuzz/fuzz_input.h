@@ -17,7 +17,7 @@ const char *__lsan_default_suppressions(void);
 const char *__asan_default_options(void);
 
 /* A refused allocation inside a library is its own to handle, as it is without the sanitizer. A
- * short quarantine keeps the process small: to fork one of 360 MB takes longer than the trial. */
+ * short quarantine keeps the process small: to fork one of 360 MB takes longer than the probe. */
 const char *__asan_default_options(void) {
   return "allocator_may_return_null=1:quarantine_size_mb=8";
 }

@@ -165,8 +165,8 @@ static void vortex(void) {
   settings.sound_speed = 10;
   /* The automatic step of such a scene. */
   settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE /
-                         (SHIFTING_STRENGTH_LEAST * settings.smoothing_length * modes.crowding));
+                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
+                                        modes.shifting_stiffness));
   settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
   struct engine engine;
   if (engine_make(&lattice, &settings, &engine)) give_up();
@@ -310,7 +310,7 @@ static void patch(void) {
   report("rotating square: angular momentum at omega t = 1 over that at the start", after / before,
          1, 0.02, "central forces keep it: first order in dt");
   report("rotating square: kernel sum of its inner part", whole / fmax(inside, 1), 1, 0.05,
-         "incompressible: tau relaxes what is left; 5 %");
+         "incompressible: relaxation takes what is left; 5 %");
   end_patch(&patch);
 }
 

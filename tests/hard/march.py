@@ -19,8 +19,8 @@ def step_taken_back():
     yield holds("/run/limits counts the watchdog's steps", "", run.limits.get("watchdog", 0) > 0, str(run.limits))
     # On sites the limit is that of narrow pores; a slit bears twice as much.
     sites = Run(slit(8), [f"wcsph.dt={4 * explain(slit(8))['dt_limit']:.17g} s", "wcsph.force_dt=true"])
-    yield holds("on sites, four times the limit: the same", "", sites.code == 0 and len(sites.backs) >= 1, "; ".join(sites.backs) or sites.message[-150:])
-    yield row("on sites: k over exact", "0.5/N^2 twice", sites.json["darcy_velocity"][0] / slit_velocity(8e-4, 1e-3, 0.1), 1, 1 / 64)
+    yield holds("Eulerian, four times the limit: the same", "", sites.code == 0 and len(sites.backs) >= 1, "; ".join(sites.backs) or sites.message[-150:])
+    yield row("Eulerian: k over exact", "0.5/N^2 twice", sites.json["darcy_velocity"][0] / slit_velocity(8e-4, 1e-3, 0.1), 1, 1 / 64)
     plain = Run(slit(8))
     yield holds("a run that is never out of bounds has no record of it", "", plain.backs == [] and len(plain.limits) == 1 and "watchdog" not in plain.limits, str(plain.limits))
 
@@ -42,7 +42,7 @@ def given_up_after_three():
     limit = explain(MOVING)["dt_limit"]
     run = Run(MOVING, [f"wcsph.dt={12 * limit:.17g} s", "wcsph.force_dt=true"])
     yield row("exit code", "interfaces.md", run.code, 4, 0)
-    for what, word in (("particle", "particle"), ("place", " m "), ("cause", "time step"), ("mend", 'wcsph.dt = "auto"'), ("checkpoint", "out.ckpt.hdf")):
+    for what, word in (("particle", "particle"), ("place", " m "), ("cause", "time step"), ("remedy", 'wcsph.dt = "auto"'), ("checkpoint", "out.ckpt.hdf")):
         yield holds(f"the message names the {what}", "", word in run.message, run.message.strip()[-250:])
     yield holds("the checkpoint is there", "", os.path.exists(run.prefix + ".ckpt.hdf"))
 
@@ -72,7 +72,7 @@ def seen(text, sets, dt):
     while True:
         before = Run(text, [*sets, f"scene.end_time={(left - 1) * dt:.17g} s"])
         if before.code == 0:
-            RUNS.mine.remove(before)  # about to leave its bounds: its account means nothing any more
+            RUNS.mine.remove(before)  # about to leave its bounds: its budget means nothing any more
         if before.code == 0 and not before.backs:
             return run, backs, acted, left, before
         left -= 1
@@ -123,7 +123,7 @@ def each_bound_within_ten_steps():
             continue
         yield row(f"{name}: steps back before the end", "three", len(backs), 3, 0)
         last = run.message.strip().split("\n")[-1]
-        yield holds(f"{name}: particle, place, cause and mend, checkpoint", "", bool(re.search(r"particle \d+ at \(.*\) m", last)) and any(w in last for w in ("raise wcsph.sound_speed", "isph.dt", "grain_size larger")) and "out.ckpt.hdf holds the last good state" in last
+        yield holds(f"{name}: particle, place, cause and remedy, checkpoint", "", bool(re.search(r"particle \d+ at \(.*\) m", last)) and any(w in last for w in ("raise wcsph.sound_speed", "isph.dt", "grain_size larger")) and "out.ckpt.hdf holds the last good state" in last
                     and os.path.exists(run.prefix + ".ckpt.hdf"), last[-250:])
 
 
@@ -134,7 +134,7 @@ def isph_step_taken_back():
     yield holds("steps are taken back until they are short enough, and recorded", "", run.code == 0 and run.backs, "; ".join(run.backs)[:150] or run.message[-150:])
     late = Run(scene((0.4, 0.3), 0.01, [("water", (0, 0, 0.15, 0.2), 'velocity = ["5 m/s", "0"];')], 0.4, isph='dt = "30 ms";'))
     yield row("beyond help: exit code", "interfaces.md", late.code, 4, 0)
-    yield holds("beyond help: particle, cause, mend, checkpoint", "", all(w in late.message for w in ("particle", "time step", 'isph.dt = "auto"', "ckpt")), late.message.strip()[-200:])
+    yield holds("beyond help: particle, cause, remedy, checkpoint", "", all(w in late.message for w in ("particle", "time step", 'isph.dt = "auto"', "ckpt")), late.message.strip()[-200:])
 
 
 @case("Which effect limits the step: gravity at first, then advection, and with much viscosity viscosity", fast=True)

@@ -107,7 +107,7 @@ def sound_speed_from_tenth_to_ten_times():
     for factor in (0.1, 0.3, 1, 3, 10):
         run = Run(slit(8), [f"wcsph.sound_speed={factor * auto:.17g} m/s"])
         if run.code == 4:
-            yield holds(f"c x {factor:g}: given up with cause and mend", "u/c beyond 1 is no weakly compressible flow",
+            yield holds(f"c x {factor:g}: given up with cause and remedy", "u/c beyond 1 is no weakly compressible flow",
                         factor < 1 and "sound speed" in run.message, run.message.strip()[-150:])
             continue
         yield from (r | {"check": f"c x {factor:g}: {r['check']}"} for r in whole(run, force_power([0.1, 0, 0])))

@@ -56,13 +56,13 @@ class Run:
         self.code, self.message = done.returncode, done.stderr
         self.json = json.loads(done.stdout) if done.returncode == 0 else {}
         self.history, self.facts, self.limits, self.backs = {}, {}, {}, []
-        self.ledger, self.work, self.impulse = {}, {}, {}
+        self.budget, self.work, self.impulse = {}, {}, {}
         if done.returncode == 0:
             RUNS.mine.append(self)
             with h5py.File(self.prefix + ".hdf", "r") as file:
                 self.history = {name: data[()] for name, data in file["history"].items()}
                 self.facts = dict(file["run"].attrs)
-                self.ledger = dict(file["run/ledger"].attrs) if "run/ledger" in file else {}
+                self.budget = dict(file["run/ledger"].attrs) if "run/ledger" in file else {}
                 if "run/ledger/term" in file:
                     names = [n.decode() for n in file["run/ledger/term"][()]]
                     self.work = dict(zip(names, file["run/ledger/work"][()]))
@@ -129,7 +129,7 @@ def whole(run, work=None, backs=False):
 
 
 def balances(run):
-    """The account of momentum and energy, of a run that ended (docs/physics/index.md).
+    """The budget of momentum and energy, of a run that ended (docs/physics/index.md).
 
     Both are identities of the steps, as long as no effect is forgotten. Each of S steps adds some ten numbers a
     particle, as large as the energy that is there, T + M f L, and as M f t, with a rounding of 2^-53 (isph), or keeps
@@ -142,27 +142,27 @@ def balances(run):
       particles, the share that stands within a support of a side or is on the surface (here: at the end). Across a face of soil
       the moment lacks up to .2 (isph_moment.c), which is made up for to the first order: .2^2 is left.
     - wcsph, frozen: action is reaction, pair by pair: rounding and samples.
-    - wcsph, others: they differ by 2 V P grad C (pairs_account.h). Shifting moves a particle by A U h grad C, A = 16, and by
+    - wcsph, others: they differ by 2 V P grad C (pairs_budget.h). Shifting moves a particle by A U h grad C, A = 16, and by
       U/4 where that is more: h |grad C| is about 1/64 where shifting keeps up. Against the force on the particle, V rho f, that
       is |P|/(32 h rho f), here with the mean of |P| at the end and as if all pointed one way."""
-    ledger, h = run.ledger, run.history
+    budget, h = run.budget, run.history
     RUNS.mine.remove(run)
-    if "force_open" in ledger and np.isfinite(ledger["force_open"]):
-        yield row("force that walls and pressure leave", "a sum of N residuals is at most N of their rms, the solver's own", ledger["force_open"], 0, run.facts["residual"])
-    if "energy_open" not in ledger:
+    if "force_open" in budget and np.isfinite(budget["force_open"]):
+        yield row("force that walls and pressure leave", "a sum of N residuals is at most N of their rms, the solver's own", budget["force_open"], 0, run.facts["residual"])
+    if "energy_open" not in budget:
         return
     acceleration = np.linalg.norm(run.facts["driving"])
     sides = run.facts["size"] * run.facts["spacing"]
     method, wall = (bytes(run.facts[name]).decode() for name in ("method", "wall"))
     isph = method == "isph"
-    size = max(h["kinetic_energy"].max(), abs(ledger["energy_start"]), abs(ledger["energy_end"])) + h["mass"].max() * acceleration * sides.max()
+    size = max(h["kinetic_energy"].max(), abs(budget["energy_start"]), abs(budget["energy_end"])) + h["mass"].max() * acceleration * sides.max()
     rounding = 10 * run.facts["steps"] * (2.0 ** -53 if isph else 2.0 ** -24) + run.facts["fluid_count"] * 2.0 ** -53
     yield row("energy not accounted for, of all there is", "10 roundings a particle and step, and one of each in the last sum" + ("" if isph else ", and what samples may miss"),
-              abs(ledger["energy_open"]) / max(size, 1e-300), 0, rounding + ledger["energy_sampling_error"] / max(size, 1e-300))
-    scale = max([np.linalg.norm(v) for v in run.impulse.values()] + [np.linalg.norm(ledger["account_momentum_start"]), np.linalg.norm(ledger["account_momentum_end"]), 1e-300])
-    sampled = ledger["momentum_sampling_error"] / scale
+              abs(budget["energy_open"]) / max(size, 1e-300), 0, rounding + budget["energy_sampling_error"] / max(size, 1e-300))
+    scale = max([np.linalg.norm(v) for v in run.impulse.values()] + [np.linalg.norm(budget["account_momentum_start"]), np.linalg.norm(budget["account_momentum_end"]), 1e-300])
+    sampled = budget["momentum_sampling_error"] / scale
     yield row("momentum not accounted for, of the largest term", "10 roundings a particle and step, and one of each in the last sum" + ("" if isph else ", and what samples may miss"),
-              np.linalg.norm(ledger["momentum_open"]) / scale, 0, rounding + sampled)
+              np.linalg.norm(budget["momentum_open"]) / scale, 0, rounding + sampled)
     share, what = np.linalg.norm(run.impulse["projection"]) / scale, "pressure that nothing returns, of the largest term"
     if isph:
         data = run.snapshot()

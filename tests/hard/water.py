@@ -190,7 +190,7 @@ def sloshing_for_100_periods():
         yield row("period over exact", "5 % as for the dam break, amplitude 0.05 of the depth", 2 * np.mean(np.diff(t[peaks])) / period, 1, 0.05)
     left = e[t > 99 * period].max() / e[t < period].max()
     calm = 0.08 * dx * np.sqrt(G * dx)  # of effect isph_artificial_viscosity
-    yield row("share of the energy left after 100 periods", f"exp(-4 nu k^2 t) = 0.995 within half; the viscosity of isph_artificial_viscosity alone (2.4 nu_c k^2 by the ledger) would leave {np.exp(-2.4 * calm * k * k * 100 * period):.1g}", left, np.exp(-4e-6 * k * k * 100 * period), 0.5)
+    yield row("share of the energy left after 100 periods", f"exp(-4 nu k^2 t) = 0.995 within half; the viscosity of isph_artificial_viscosity alone (2.4 nu_c k^2 by the budget) would leave {np.exp(-2.4 * calm * k * k * 100 * period):.1g}", left, np.exp(-4e-6 * k * k * 100 * period), 0.5)
 
 
 @case("A full closed box: the pressure equation is singular (Neumann on all sides), its constant free", fast=True)

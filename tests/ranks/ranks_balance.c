@@ -29,7 +29,7 @@ static enum status try_row(size_t items, int kind, int told, int *wrong) {
     largest = work[i] > largest ? work[i] : largest;
   }
   TRY(memory_allocate(&cut, ranks + 1, sizeof *cut, "cuts"));
-  TRY(balance_cut(items, first, end - first, work + first, cut));
+  TRY(balance_partition(items, first, end - first, work + first, cut));
   bool good = cut[0] == 0 && cut[ranks] == items;
   for (size_t r = 0; r < ranks; r++) {
     double sum = 0;

@@ -76,8 +76,8 @@ static inline struct engine_settings test_settings_of(enum kernel kernel,
                                                       enum pass_wall wall, double support) {
   struct engine_settings settings = {.kernel = kernel,
                                      .wall = wall,
-                                     .viscosity = true,
-                                     .shift = wall != PASS_FROZEN && wall != PASS_SITES,
+                                     .viscous = true,
+                                     .shift = wall != PASS_FROZEN && wall != PASS_EULERIAN,
                                      .diffusion = wall != PASS_FROZEN,
                                      .support = support,
                                      .smoothing_length = support / kernel_support_ratio(kernel)};
@@ -85,7 +85,7 @@ static inline struct engine_settings test_settings_of(enum kernel kernel,
       lattice_modes_find(kernel, lattice->dimensions, lattice->spacing, settings.smoothing_length);
   settings.rest_ratio = modes.sum;
   settings.moment = modes.moment;
-  settings.crowding = modes.crowding;
+  settings.shifting_stiffness = modes.shifting_stiffness;
   settings.weights = modes.weights;
   return settings;
 }

@@ -47,14 +47,15 @@ static inline struct engine_settings test_march_settings(const struct lattice *l
   struct engine_settings s = test_settings_of(m->kernel, l, m->wall, 2.9 * dx);
   struct lattice_modes modes =
       lattice_modes_find(s.kernel, l->dimensions, l->spacing, s.smoothing_length);
-  const bool sites = m->wall == PASS_SITES; /* see wcsph_sound_for_dt */
+  const bool sites = m->wall == PASS_EULERIAN; /* see wcsph_sound_for_dt */
   double viscous = 2 / (m->nu * modes.laplacian), sound = (sites ? 1 : 2) / (c * modes.gradient);
   double q = sound / viscous;
   s.kinematic_viscosity = m->nu;
   s.sound_speed = c;
   s.dt = 0.8 * sound * (sqrt(q * q / 4 + 1) - q / 2);
   memcpy(s.force, m->force, sizeof s.force);
-  s.pressure_diffusion = (sites ? WCSPH_TAU_SITES : WCSPH_TAU) * dx * dx / m->nu * c * c;
+  s.pressure_diffusion =
+      (sites ? WCSPH_STABILISATION_EULERIAN : WCSPH_STABILISATION) * dx * dx / m->nu * c * c;
   return s;
 }
 

@@ -171,7 +171,7 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
   settings.sound_speed = 1.5;
   settings.dt = 2e-5;
   settings.kinematic_viscosity = 1e-6;
-  settings.pressure_diffusion = WCSPH_TAU * 46e-6 * 46e-6 / 1e-6 * 2.25;
+  settings.pressure_diffusion = WCSPH_STABILISATION * 46e-6 * 46e-6 / 1e-6 * 2.25;
   settings.force[2] = -2000;
   if (isa != NULL) setenv("TOSUI_ISA", isa, 1);
   omp_set_num_threads(threads);

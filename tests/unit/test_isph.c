@@ -398,7 +398,7 @@ static void tension_presses(void **state) {
       "@surface_tension = \"0.07 N/m\";");
   struct isph *s = &run.s;
   double middle = 0, corner = 0, momentum[2] = {0}, radius = 2e-3 / sqrt(M_PI), end = 0;
-  s->viscosity = 1e-4;
+  s->kinematic_viscosity = 1e-4;
   assert_int_equal(s->on.own_count, 1);
   assert_int_equal(isph_advance(s, 1e-5), STATUS_OK);
   for (size_t i = 0; i < s->count; i++) {
@@ -417,9 +417,9 @@ static void tension_presses(void **state) {
   }
   assert_near(end / (0.07 / radius), 1, 0.05);
   assert_true(hypot(momentum[0], momentum[1]) < 1e-3 * 4e-6 * 1000 * 0.07);
-  const double *impulse = s->account.sums.impulse[LEDGER_OWN];
-  assert_string_equal(ledger_name(&s->account, LEDGER_OWN), "isph_surface_tension");
-  assert_true(s->account.sums.work[LEDGER_OWN] > 0 && isfinite(impulse[0]));
+  const double *impulse = s->budget.sums.impulse[BUDGET_OWN];
+  assert_string_equal(budget_name(&s->budget, BUDGET_OWN), "isph_surface_tension");
+  assert_true(s->budget.sums.work[BUDGET_OWN] > 0 && isfinite(impulse[0]));
   finish(&run);
 }
 

@@ -55,7 +55,7 @@ static void test_tank(void **state) {
   assert_int_equal(scene.region_count, 2);
   assert_true(scene.regions[1].porosity == 0.3 && scene.regions[1].alpha == 1000);
   assert_true(fabs(scene.regions[0].box[2] - 0.1) < 1e-15 && scene.driving[2] == -9.8);
-  assert_true(isnan(scene.isph.dt) && scene.isph.tau == 0.1);
+  assert_true(isnan(scene.isph.dt) && scene.isph.relaxation_time == 0.1);
   /* Dry soil below, water above, air on top. */
   assert_int_equal(lattice_build(&scene, 0, &lattice), STATUS_OK);
   assert_int_equal(lattice.count, 20 * 20 * 40);
@@ -127,7 +127,7 @@ static void test_overrides(void **state) {
   assert_int_equal(read_with(0, NULL, &scene), STATUS_OK);
   scene_free(&scene);
   assert_int_equal(scene_read(path, overrides, 4, &scene), STATUS_OK);
-  assert_true(scene.isph.tau == 0.05 && scene.regions[1].porosity == 0.5);
+  assert_true(scene.isph.relaxation_time == 0.05 && scene.regions[1].porosity == 0.5);
   assert_true(scene.method == &method_isph && scene.gravity[2] == -1.62);
   assert_non_null(strstr(scene.text, "# --set isph.tau=0.05 s"));
   scene_free(&scene);

@@ -21,8 +21,8 @@ static double energy_ratio(size_t n, double reynolds, double end, double *error)
   settings.kinematic_viscosity = nu;
   settings.sound_speed = 10;
   settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE /
-                         (SHIFTING_STRENGTH_LEAST * settings.smoothing_length * modes.crowding));
+                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
+                                        modes.shifting_stiffness));
   settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
   struct engine engine;
   assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);

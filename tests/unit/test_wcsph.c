@@ -24,8 +24,8 @@ static void test_eigenvalues(void **state) {
 }
 
 /* Sub-voxel walls: particles that move, and that stay. */
-static const enum pass_wall subvoxel[2] = {PASS_SUBVOXEL, PASS_SITES};
-static const char *const subvoxel_name[2] = {"moving", "on sites"};
+static const enum pass_wall subvoxel[2] = {PASS_SUBVOXEL, PASS_EULERIAN};
+static const char *const subvoxel_name[2] = {"moving", "Eulerian"};
 
 /* A cylinder of radius p0 in the middle of a box of p1. */
 static double test_cylinder(const double at[3], const double p[4]) {
@@ -153,14 +153,14 @@ static void test_pinning(void **state) {
 
 /* On sites the march ends where method stokes is at once, in pores two sites wide as in wide ones,
  * whatever the force while the flow creeps. */
-static void test_stokes_on_sites(void **state) {
+static void test_stokes_eulerian(void **state) {
   (void)state;
   const double dx = 5e-5, nu = 1e-5, g = 100, parameter[2][4] = {{16, 3.3, 24, 7}, {16, 5, 4, 3}};
   for (int i = 0; i < 2; i++) {
     struct lattice lattice =
         test_geometry(3, (const size_t[3]){16, 16, 16}, dx, test_balls, parameter[i]);
     struct march march = {
-        .wall = PASS_SITES, .nu = nu, .force = {0, 0, -g}, .end = 0.02, .sound = 1.2};
+        .wall = PASS_EULERIAN, .nu = nu, .force = {0, 0, -g}, .end = 0.02, .sound = 1.2};
     struct stokes_solver solver;
     bool flows;
     size_t closed;
@@ -175,7 +175,7 @@ static void test_stokes_on_sites(void **state) {
     const double k = test_march(&lattice, &march, NULL) / g;
     march.force[2] /= 10;
     const double k_slow = test_march(&lattice, &march, NULL) / (g / 10);
-    print_message("balls, pores %.1f wide, on sites: %+.2f %% of stokes; a tenth of the force "
+    print_message("balls, pores %.1f wide, Eulerian: %+.2f %% of stokes; a tenth of the force "
                   "%+.3f %%\n",
                   wcsph_gap(&lattice), 100 * (k / exact - 1), 100 * (k_slow / k - 1));
     test_lattice_free(&lattice);
@@ -197,15 +197,15 @@ static double inertial_array(enum pass_wall wall, size_t n, double force) {
   return u / force;
 }
 
-/* Inertia on sites: at Re 6 as with moving particles; at Re 17, where it takes a ninth of the flow,
- * the same on twice as fine a lattice. */
-static void test_inertia_on_sites(void **state) {
+/* Inertia of Eulerian particles: at Re 6 as with moving particles; at Re 17, where it takes a ninth
+ * of the flow, the same on twice as fine a lattice. */
+static void test_inertia_eulerian(void **state) {
   (void)state;
-  const double slow = inertial_array(PASS_SITES, 32, 0.0006);
+  const double slow = inertial_array(PASS_EULERIAN, 32, 0.0006);
   const double moving = inertial_array(PASS_SUBVOXEL, 32, 0.02);
-  const double sites = inertial_array(PASS_SITES, 32, 0.02);
-  const double coarse = inertial_array(PASS_SITES, 16, 0.06);
-  const double fine = inertial_array(PASS_SITES, 32, 0.06);
+  const double sites = inertial_array(PASS_EULERIAN, 32, 0.02);
+  const double coarse = inertial_array(PASS_EULERIAN, 16, 0.06);
+  const double fine = inertial_array(PASS_EULERIAN, 32, 0.06);
   print_message("cylinders, Re 6: inertia takes %.2f %%, moving %+.2f %% of on sites; Re 17: takes "
                 "%.2f %%, 16 a side %+.2f %% of 32\n",
                 100 * (1 - sites / slow), 100 * (moving / sites - 1), 100 * (1 - fine / slow),
@@ -238,8 +238,8 @@ int main(void) {
       cmocka_unit_test(test_slit_wendland),
       cmocka_unit_test(test_slit_subvoxel_turned),
       cmocka_unit_test(test_pinning),
-      cmocka_unit_test(test_stokes_on_sites),
-      cmocka_unit_test(test_inertia_on_sites),
+      cmocka_unit_test(test_stokes_eulerian),
+      cmocka_unit_test(test_inertia_eulerian),
       cmocka_unit_test(test_percolation),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

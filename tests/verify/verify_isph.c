@@ -64,7 +64,7 @@ static double taylor_green(int n, double re) {
         "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; } );\n",
         1.0 / n);
   struct isph *s = &run.s;
-  s->viscosity = 1 / re;
+  s->kinematic_viscosity = 1 / re;
   double before = 0, after = 0;
   for (size_t i = 0; i < s->count; i++) {
     const double *x = s->position[i];
@@ -401,7 +401,7 @@ static double drop_start(struct run *run, int dimensions, int across, double str
         size, dx, periodic, from, to);
   fluid_more = "";
   struct isph *s = &run->s;
-  s->viscosity = nu;
+  s->kinematic_viscosity = nu;
   const double c = 0.5 * (low + high) * dx, half = 0.5 * n * dx;
   const double radius = dimensions == 3 ? n * dx / cbrt(4 * M_PI / 3) : n * dx / sqrt(M_PI);
   for (size_t i = 0; i < s->count && stretch > 0; i++) {

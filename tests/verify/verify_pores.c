@@ -24,10 +24,10 @@
 
 static FILE *json, *data;
 static int count, failed;
-/* What sub-voxel walls have beside them: PASS_SITES, or PASS_SUBVOXEL: particles move. */
+/* What sub-voxel walls have beside them: PASS_EULERIAN, or PASS_SUBVOXEL: particles move. */
 static enum pass_wall fluid;
 static const char *moving(void) {
-  return fluid == PASS_SITES ? "" : ", moving";
+  return fluid == PASS_EULERIAN ? "" : ", moving";
 }
 
 /* `one_sided`: more than the reference is as good. */
@@ -52,7 +52,7 @@ static void report(const char *name, double reference, double measured, double b
 
 /* Drawn for particles on their sites. */
 static void point(double width, double error, double seconds) {
-  if (fluid != PASS_SITES) return;
+  if (fluid != PASS_EULERIAN) return;
   fprintf(data, "%g %.6g %.4g\n", width, fabs(error), seconds);
 }
 
@@ -103,7 +103,7 @@ static void slits(void) {
   else
     judge("slit, order from 4 to 16 wide", 2, log(fabs(error[1] / error[3])) / log(4), 0.1, 0,
           true);
-  if (fluid != PASS_SITES) return;
+  if (fluid != PASS_EULERIAN) return;
   /* numerics.md: exact lattice theory */
   static const struct {
     enum pass_wall wall;
@@ -250,7 +250,7 @@ static void pinning(const char *name, struct lattice *l, double gap) {
   char title[96];
   size_t closed = 0;
   bool flows;
-  if (fluid == PASS_SITES && percolation_close(l, m.force, &closed, &flows) != STATUS_OK)
+  if (fluid == PASS_EULERIAN && percolation_close(l, m.force, &closed, &flows) != STATUS_OK)
     log_pending_error();
   const double first = clock_seconds(), k = test_march(l, &m, &travel) / g * 9.80665;
   printf("  %s%s: the fluid has moved by %.2f spacings\n", name, moving(), travel);
@@ -322,7 +322,7 @@ int main(int argc, char **argv) {
     return 1;
   }
   for (int pass = 0; pass < 2; pass++) {
-    fluid = pass == 0 ? PASS_SITES : PASS_SUBVOXEL;
+    fluid = pass == 0 ? PASS_EULERIAN : PASS_SUBVOXEL;
     slits();
     turned_slits();
     ducts();

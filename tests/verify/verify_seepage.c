@@ -1,6 +1,6 @@
-/* Seepage, windows and moving bodies by method isph against exact solutions (docs/physics/isph.md names
- * each). Usage: verify_seepage RESULTS.json [CASE...]     all cases, or those whose names start
- * with CASE */
+/* Seepage, windows and moving bodies by method isph against exact solutions (docs/physics/isph.md
+ * names each). Usage: verify_seepage RESULTS.json [CASE...]     all cases, or those whose names
+ * start with CASE */
 #include "tests/verify/isph_rig.h"
 
 /* Fully saturated soil without walls: v_D = 2 G g / (a + sqrt(a^2 + 4 b G g)). The same flow for
@@ -275,7 +275,7 @@ static void walls_between_sites(void) {
         "force = { body_acceleration = [\"1 m/s^2\", \"0\"]; };\n",
         8 * dx, 1 + 8 * dx, dx, 8 * dx, 1 + 8 * dx, 8 * dx, 4.37 * dx, slip ? "true" : "false",
         1 + 4.37 * dx, 8 * dx, 1 + 8 * dx, slip ? "true" : "false");
-    run.s.viscosity = 1;
+    run.s.kinematic_viscosity = 1;
     run.plan.dt = .1 * dx * dx;
     advance(&run, .6);
     isph_darcy_velocity(&run.s, v);
@@ -304,7 +304,7 @@ static void half_porous(void) {
         "grain_size = \"1 m\"; alpha = 17.77777777; beta = 0.0; } );\n"
         "force = { body_acceleration = [\"1 m/s^2\", \"0\"]; };\n",
         4 * h, h, 4 * h, 4 * h);
-    run.s.viscosity = 1;
+    run.s.kinematic_viscosity = 1;
     run.plan.dt = .1 * h * h;
     advance(&run, 1);
     for (int k = 0; k < 9; k++) {

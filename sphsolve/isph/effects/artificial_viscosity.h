@@ -36,4 +36,4 @@ static inline bool isph_artificial_viscosity_wanted(const struct effect_context 
 EFFECT(isph_artificial_viscosity, .model = "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0)",
        .citation = "docs/physics/isph.md", .wanted = isph_artificial_viscosity_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, artificial_viscosity),
-       .budget = 1u << LEDGER_ARTIFICIAL_VISCOSITY)
+       .budget = 1u << BUDGET_ARTIFICIAL_VISCOSITY)

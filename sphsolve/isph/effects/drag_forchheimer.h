@@ -24,4 +24,4 @@ static inline bool isph_forchheimer_wanted(const struct effect_context *context,
 EFFECT(isph_drag_forchheimer, .model = "b = beta (1-eps) / (eps^3 D50), Newton-linearised",
        .citation = "Morimoto et al. 2015 (9d)", .wanted = isph_forchheimer_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, drag_forchheimer),
-       .budget = 1u << LEDGER_DRAG_FORCHHEIMER)
+       .budget = 1u << BUDGET_DRAG_FORCHHEIMER)

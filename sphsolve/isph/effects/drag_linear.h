@@ -39,4 +39,4 @@ static inline bool isph_linear_wanted(const struct effect_context *context, char
 EFFECT(isph_drag_linear, .model = "a = alpha nu (1-eps)^2 / (eps^3 D50^2), implicit",
        .citation = "Morimoto et al. 2015 (9c)", .wanted = isph_linear_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, drag_linear),
-       .budget = 1u << LEDGER_DRAG_LINEAR)
+       .budget = 1u << BUDGET_DRAG_LINEAR)

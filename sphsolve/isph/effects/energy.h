@@ -30,4 +30,4 @@ static inline bool isph_energy_wanted(const struct effect_context *context, char
 EFFECT(isph_energy, .model = "what a step lifts out of nothing is let down",
        .citation = "docs/physics/isph.md", .wanted = isph_energy_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, energy),
-       .budget = 1u << LEDGER_ENERGY_BOUND)
+       .budget = 1u << BUDGET_ENERGY_BOUND)

@@ -17,5 +17,5 @@ static inline bool isph_open_wanted(const struct effect_context *context, char w
 
 EFFECT(isph_open_side, .model = "fixed head or flux on a side", .citation = "docs/physics/isph.md",
        .wanted = isph_open_wanted, .switches_on = EFFECT_SWITCH(struct isph_switches, open_sides),
-       .budget = 1u << LEDGER_OPEN_SIDES | 1u << LEDGER_ENTERED | 1u << LEDGER_LEFT |
-                 1u << LEDGER_STRAIGHTENING)
+       .budget = 1u << BUDGET_OPEN_SIDES | 1u << BUDGET_ENTERED | 1u << BUDGET_LEFT |
+                 1u << BUDGET_STRAIGHTENING)

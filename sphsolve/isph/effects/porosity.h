@@ -46,4 +46,4 @@ static inline bool isph_porosity_wanted(const struct effect_context *context,
 EFFECT(isph_porosity, .model = "porosity of boxes smoothed over the support",
        .citation = "Morimoto et al. 2015 section 4", .wanted = isph_porosity_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, soil),
-       .budget = 1u << LEDGER_SOIL_PRESSURE | 1u << LEDGER_SOIL_ENTRY)
+       .budget = 1u << BUDGET_SOIL_PRESSURE | 1u << BUDGET_SOIL_ENTRY)

@@ -21,4 +21,4 @@ static inline bool isph_always(const struct effect_context *context, char why[EF
 
 EFFECT(isph_projection, .model = "projection onto div v = 0 by a symmetric pressure equation",
        .citation = "Morimoto et al. 2015 (18)-(25), as corrected in docs/physics/isph.md",
-       .wanted = isph_always, .budget = 1u << LEDGER_PROJECTION)
+       .wanted = isph_always, .budget = 1u << BUDGET_PROJECTION)

@@ -18,7 +18,7 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
-static inline double relaxation_source(const struct isph *s, size_t i, double tau) {
+static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double lack = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
   lack = lack < -0.05 ? -0.05 : lack > 0.05 ? 0.05 : lack;
   if (lack > 0 && s->surface != NULL) lack *= 1 - (s->near != NULL ? s->near : s->surface)[i];
@@ -26,18 +26,18 @@ static inline double relaxation_source(const struct isph *s, size_t i, double ta
     const double *v = s->velocity[i];
     double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
-    tau = fmax(tau, size / fmax(speed, 1e-30));
+    relaxation_time = fmax(relaxation_time, size / fmax(speed, 1e-30));
   }
   if (lack < 0) lack *= s->relaxation_share;
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
-  return eps * lack * left / tau;
+  return eps * lack * left / relaxation_time;
 }
 
 static inline bool isph_relaxation_wanted(const struct effect_context *context,
                                           char why[EFFECT_WHY]) {
   double alpha = context->scene->isph.alpha;
   if (isnan(alpha))
-    snprintf(why, EFFECT_WHY, "tau = %g s", context->scene->isph.tau);
+    snprintf(why, EFFECT_WHY, "tau = %g s", context->scene->isph.relaxation_time);
   else
     snprintf(why, EFFECT_WHY, "alpha = %g", alpha);
   return isnan(alpha) || alpha > 0;
@@ -49,4 +49,4 @@ EFFECT(isph_relaxation, .model = "density error fades with time tau",
        .citation = "Asai et al. 2012; Morimoto et al. 2015 (26)-(31)",
        .wanted = isph_relaxation_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, relaxation),
-       .budget = 1u << LEDGER_RELAXATION)
+       .budget = 1u << BUDGET_RELAXATION)

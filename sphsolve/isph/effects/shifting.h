@@ -55,4 +55,4 @@ static inline bool isph_shifting_wanted(const struct effect_context *context,
 EFFECT(isph_shifting, .model = "particles drift to where they are sparse",
        .citation = "Lind et al. 2012; Skillen et al. 2013", .wanted = isph_shifting_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, shifting),
-       .budget = 1u << LEDGER_SHIFTING)
+       .budget = 1u << BUDGET_SHIFTING)

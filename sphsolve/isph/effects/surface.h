@@ -18,7 +18,7 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
-/* |sum V grad W| he / sum V slope r^2, the lopsidedness of a neighbourhood, as a share of that of a
+/* |sum V grad W| he / sum V slope r^2, the asymmetry of a neighbourhood, as a share of that of a
  * level surface's outermost layer; `trace` is the sum below. */
 static inline double surface_asymmetry(const struct isph *s, double support,
                                        const double gradient_sum[3], double trace) {
@@ -30,7 +30,7 @@ static inline double surface_asymmetry(const struct isph *s, double support,
 #define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface */
 #define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
 
-/* How far a particle is on the surface, 0 .. 1, by the lopsidedness of its neighbourhood (walls are
+/* How far a particle is on the surface, 0 .. 1, by the asymmetry of its neighbourhood (walls are
  * neighbours), in which the volumes cancel: water that enters soil takes more volume before it has
  * spread, its kernel sum is above 1, and a front that is no longer seen as one strikes the soil
  * like a wall (it lost half its speed). 1 from .8, 0 below .5: the second layer of a surface at 45

@@ -54,4 +54,4 @@ static inline bool isph_turbulence_wanted(const struct effect_context *context,
 EFFECT(isph_turbulence, .model = "Smagorinsky, outside soil",
        .citation = "Smagorinsky 1963; Morimoto et al. 2015 (3)", .wanted = isph_turbulence_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, turbulence),
-       .budget = 1u << LEDGER_TURBULENCE)
+       .budget = 1u << BUDGET_TURBULENCE)

@@ -28,5 +28,5 @@ static inline double isph_viscosity_dt(const struct effect_context *context) {
 
 EFFECT(isph_viscosity, .model = "nu_E lap v, nu_E = (nu + nu_T)/eps",
        .citation = "Morimoto et al. 2015 (22)", .wanted = isph_viscosity_wanted,
-       .dt_max = isph_viscosity_dt, .switches_on = EFFECT_SWITCH(struct isph_switches, viscosity),
-       .budget = 1u << LEDGER_VISCOSITY)
+       .dt_max = isph_viscosity_dt, .switches_on = EFFECT_SWITCH(struct isph_switches, viscous),
+       .budget = 1u << BUDGET_VISCOSITY)

@@ -27,4 +27,4 @@ static inline double wcsph_body_force_dt(const struct effect_context *context) {
 EFFECT(body_force, .model = "gravity, acceleration and mean pressure gradient, the same everywhere",
        .citation = "Saomoto et al. 2006, eq. 7", .wanted = wcsph_body_force_wanted,
        .dt_max = wcsph_body_force_dt, .dt_power = 1, .dt_accuracy = true,
-       .budget = 1u << LEDGER_FORCE)
+       .budget = 1u << BUDGET_FORCE)

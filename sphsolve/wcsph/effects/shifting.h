@@ -43,17 +43,17 @@ static inline bool wcsph_shifting_wanted(const struct effect_context *context,
     snprintf(why, EFFECT_WHY, "the scene says %s", chosen == SWITCH_ON ? "on" : "off");
     return chosen == SWITCH_ON;
   }
-  const bool frozen = wcsph_frozen(context), stays = wcsph_stays(context, NULL);
+  const bool frozen = wcsph_frozen(context), eulerian = wcsph_eulerian(context, NULL);
   snprintf(why, EFFECT_WHY,
-           frozen  ? "summed densities keep particles apart as the paper has it"
-           : stays ? "particles stay on their sites"
-                   : "differences of pressure do not keep particles apart");
-  return !frozen && !stays;
+           frozen     ? "summed densities keep particles apart as the paper has it"
+           : eulerian ? "particles stay on their lattice points"
+                      : "differences of pressure do not keep particles apart");
+  return !frozen && !eulerian;
 }
 
 static inline double wcsph_shifting_dt(const struct effect_context *context) {
   return SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * context->velocity_scale *
-                            context->smoothing_length * wcsph_modes_of(context).crowding);
+                            context->smoothing_length * wcsph_modes_of(context).shifting_stiffness);
 }
 
 #endif
@@ -62,4 +62,4 @@ EFFECT(shifting, .model = "particles are nudged to where they are fewer",
        .citation = "Lind et al. 2012, eq. 15; Sun et al. 2019, eq. 2",
        .wanted = wcsph_shifting_wanted, .dt_max = wcsph_shifting_dt, .dt_power = 1,
        .dt_accuracy = true, .operations = 7,
-       .switches_on = EFFECT_SWITCH(struct engine_settings, shift), .budget = 1u << LEDGER_SHIFTING)
+       .switches_on = EFFECT_SWITCH(struct engine_settings, shift), .budget = 1u << BUDGET_SHIFTING)

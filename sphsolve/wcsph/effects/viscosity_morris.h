@@ -29,5 +29,5 @@ static inline double wcsph_viscosity_dt(const struct effect_context *context) {
 
 EFFECT(viscosity_morris, .model = "laminar viscosity", .citation = "Morris, Fox, Zhu 1997, eq. 22",
        .wanted = wcsph_viscosity_wanted, .dt_max = wcsph_viscosity_dt, .dt_power = 2,
-       .operations = 6, .switches_on = EFFECT_SWITCH(struct engine_settings, viscosity),
-       .budget = 1u << LEDGER_VISCOSITY)
+       .operations = 6, .switches_on = EFFECT_SWITCH(struct engine_settings, viscous),
+       .budget = 1u << BUDGET_VISCOSITY)

@@ -64,14 +64,14 @@ static enum status place(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   size_t first = 0, end = p->count;
-  if (RANKS) TRY(engine_cut(engine, (p->count + CLUSTER - 1) / CLUSTER));
+  if (RANKS) TRY(engine_partition(engine, (p->count + CLUSTER - 1) / CLUSTER));
   if (engine_is_shared(engine)) {
-    const size_t *cut = engine->ranks.fluid.cut + ranks_own();
-    first = cut[0] * CLUSTER < end ? cut[0] * CLUSTER : end;
-    end = cut[1] * CLUSTER < end ? cut[1] * CLUSTER : end;
+    const size_t *partition = engine->ranks.fluid.partition + ranks_own();
+    first = partition[0] * CLUSTER < end ? partition[0] * CLUSTER : end;
+    end = partition[1] * CLUSTER < end ? partition[1] * CLUSTER : end;
   }
   struct particle_fields now = engine->fields;
-  now.sites = false; /* not yet: particles_make_sites */
+  now.eulerian = false; /* not yet: particles_make_site_terms */
   TRY(particles_place(engine->lattice, &now, first, end - first, p));
 cleanup:
   return status;
@@ -131,7 +131,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->smoothing_length = h;
   pass->sound_speed = s->sound_speed;
   pass->rest_ratio = s->rest_ratio;
-  pass->viscosity = s->kinematic_viscosity;
+  pass->kinematic_viscosity = s->kinematic_viscosity;
   memcpy(pass->force, s->force, sizeof pass->force);
   pass->diffusion = s->pressure_diffusion;
   pass->weights = s->weights;

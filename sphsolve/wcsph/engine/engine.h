@@ -20,14 +20,14 @@
 struct engine_settings {
   enum kernel kernel;
   enum pass_wall wall;
-  bool viscosity, shift, diffusion;
+  bool viscous, shift, diffusion;
   double smoothing_length, support; /* m */
   double sound_speed, kinematic_viscosity, dt;
-  double force[3];                    /* m/s^2 */
-  double rest_ratio;                  /* see struct pass */
-  double pressure_diffusion;          /* m^2/s */
-  double moment, crowding, weights;   /* 1, 1/m^2, 1/m^2, see struct lattice_modes */
-  const double (*region_velocity)[3]; /* of lattice->region - 1; NULL: nothing moves */
+  double force[3];                            /* m/s^2 */
+  double rest_ratio;                          /* see struct pass */
+  double pressure_diffusion;                  /* m^2/s */
+  double moment, shifting_stiffness, weights; /* 1, 1/m^2, 1/m^2, see struct lattice_modes */
+  const double (*region_velocity)[3];         /* of lattice->region - 1; NULL: nothing moves */
   size_t region_count;
   bool wall_moves;
 };
@@ -40,7 +40,7 @@ enum engine_phase {
   PHASE_CONTINUITY,
   PHASE_DRIFT,
   PHASE_LISTS,
-  PHASE_ACCOUNT,
+  PHASE_BUDGET,
   PHASE_COUNT
 };
 
@@ -49,7 +49,7 @@ struct engine_ranks {
   struct ghosts fluid, walls;
   uint32_t *blocks; /* of own rows: first those that read no ghost */
   size_t inner, count;
-  double *work; /* of own rows, by units of the cut; NULL: not known */
+  double *work; /* of own rows, by units of the partition; NULL: not known */
   double work_sum;
 };
 
@@ -68,7 +68,7 @@ struct engine {
   double moved;     /* m: longest path of any particle since they were ordered; INFINITY: never */
   double speed_max; /* m/s */
   bool listed;      /* the lists hold: no particle has left its box */
-  bool sites_known; /* the site terms of all own particles */
+  bool terms_known; /* the site terms of all own particles */
   /* Directed, when last counted: of fluid with all, with fluid alone, of walls with fluid. */
   uint64_t pairs_fluid, pairs_alone, pairs_wall;
   double pair_interactions; /* evaluated so far: pairs, once for each equation they enter */
@@ -86,8 +86,8 @@ enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts under way. */
 void engine_settle(struct engine *engine);
 /* Collective: which of so many clusters of fluid are this rank's to hold, from slot 0 on. */
-enum status engine_cut(struct engine *engine, size_t clusters);
-/* Collective, where own clusters were put in place by hand: they are cut as they are. */
+enum status engine_partition(struct engine *engine, size_t clusters);
+/* Collective, where own clusters were put in place by hand: they are partitioned as they are. */
 enum status engine_take(struct engine *engine);
 /* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;
  * then it has all. */
@@ -95,25 +95,27 @@ enum status engine_gather_blocks(const struct engine *engine, size_t slots, void
                                  size_t size);
 /* Slots that this rank computes. */
 static inline size_t engine_first_slot(const struct engine *engine) {
-  return RANKS && engine->ranks.fluid.cut != NULL ? engine->ranks.fluid.begin * CLUSTER : 0;
+  return RANKS && engine->ranks.fluid.partition != NULL ? engine->ranks.fluid.begin * CLUSTER : 0;
 }
 static inline size_t engine_end_slot(const struct engine *engine) {
-  return RANKS && engine->ranks.fluid.cut != NULL ? engine->ranks.fluid.end * CLUSTER
-                                                  : particles_slots(&engine->particles);
+  return RANKS && engine->ranks.fluid.partition != NULL ? engine->ranks.fluid.end * CLUSTER
+                                                        : particles_slots(&engine->particles);
 }
 /* The place of an own slot in the order of all, and how many that has. */
 static inline size_t engine_number(const struct engine *engine, size_t slot) {
   const struct ghosts *g = &engine->ranks.fluid;
-  return RANKS && g->cut != NULL ? slot + (g->cut[ranks_own()] - g->begin) * CLUSTER : slot;
+  return RANKS && g->partition != NULL ? slot + (g->partition[ranks_own()] - g->begin) * CLUSTER
+                                       : slot;
 }
 static inline size_t engine_all_slots(const struct engine *engine) {
   const struct ghosts *g = &engine->ranks.fluid;
-  return RANKS && g->cut != NULL ? g->cut[ranks_count()] * CLUSTER
-                                 : particles_slots(&engine->particles);
+  return RANKS && g->partition != NULL ? g->partition[ranks_count()] * CLUSTER
+                                       : particles_slots(&engine->particles);
 }
 static inline bool engine_has_walls(const struct engine *engine) {
   const struct ghosts *w = &engine->ranks.walls;
-  return (RANKS && w->cut != NULL ? w->cut[ranks_count()] : engine->particles.wall_clusters) > 0;
+  return (RANKS && w->partition != NULL ? w->partition[ranks_count()]
+                                        : engine->particles.wall_clusters) > 0;
 }
 void engine_set_dt(struct engine *engine, double dt);
 /* Gives back what the next step makes anew: lists and their boxes. No bit depends on it. */
@@ -132,7 +134,7 @@ double engine_wall_distance(const struct engine *engine, size_t slot);
 enum status engine_pull(struct engine *engine);
 /* What the next step's effects give the fluid, and what there is before it; changes no bit of what
  * comes. */
-enum status engine_account(struct engine *engine, struct pass_account *total);
+enum status engine_budget(struct engine *engine, struct pass_budget *total);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
  * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);

@@ -17,13 +17,13 @@ struct near {
 };
 
 /* Clusters that a rank has while it makes lists: its own [set.begin, set.end) and near ones. */
-struct joined {
+struct gathered {
   struct cluster_set set;
   uint32_t *number; /* of each in the order of all; then: among those held */
   uint8_t *wanted;
 };
 
-static void joined_free(struct joined *j) {
+static void gathered_free(struct gathered *j) {
   cluster_set_free(&j->set);
   memory_free(&j->number);
   memory_free(&j->wanted);
@@ -79,8 +79,8 @@ static enum status tell_rows(const struct ghosts *fluid, const struct cluster_bo
   const size_t ranks = (size_t)ranks_count();
   start[0] = 0;
   for (size_t r = 0; r < ranks; r++) {
-    start[r + 1] = start[r] + coarse_count(fluid->cut[r + 1] - fluid->cut[r]);
-    if (walls != NULL) start[r + 1] += coarse_count(walls->cut[r + 1] - walls->cut[r]);
+    start[r + 1] = start[r] + coarse_count(fluid->partition[r + 1] - fluid->partition[r]);
+    if (walls != NULL) start[r + 1] += coarse_count(walls->partition[r + 1] - walls->partition[r]);
   }
   TRY(memory_allocate(boxes, start[ranks] + 1, sizeof **boxes, "boxes of ranks"));
   struct cluster_box *to = *boxes + start[ranks_own()];
@@ -119,7 +119,7 @@ static enum status find_near(const struct frame *frame, const struct ghosts *g,
     for (size_t i = c; i < end; i++)
       for (size_t b = close; b < here; b++) {
         if (!is_near(frame, &own[i], &rows[some[b]], range)) continue;
-        if (out != NULL) out[n] = (struct near){(uint32_t)(g->cut[ranks_own()] + i), own[i]};
+        if (out != NULL) out[n] = (struct near){(uint32_t)(g->partition[ranks_own()] + i), own[i]};
         n++;
         break;
       }
@@ -131,9 +131,9 @@ cleanup:
 }
 
 /* Collective: own clusters, and those of other ranks near the rows here. */
-static enum status join(const struct frame *frame, const struct ghosts *g,
-                        const struct cluster_box *own, const size_t *rows_start,
-                        const struct cluster_box *rows, double range, struct joined *j) {
+static enum status gather(const struct frame *frame, const struct ghosts *g,
+                          const struct cluster_box *own, const size_t *rows_start,
+                          const struct cluster_box *rows, double range, struct gathered *j) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), self = (size_t)ranks_own();
   const size_t clusters = g->end - g->begin;
@@ -167,7 +167,7 @@ static enum status join(const struct frame *frame, const struct ghosts *g,
   }
   for (size_t c = 0; c < clusters; c++) {
     j->set.boxes[lower + c] = own[c];
-    j->number[lower + c] = (uint32_t)(g->cut[self] + c);
+    j->number[lower + c] = (uint32_t)(g->partition[self] + c);
   }
 cleanup:
   memory_free(&send);
@@ -178,7 +178,7 @@ cleanup:
 }
 
 /* Marks what rows [begin, end) of a list name; returns whether any is another rank's. */
-static bool want(struct joined *j, const struct neighbour_list *list, size_t begin, size_t end) {
+static bool want(struct gathered *j, const struct neighbour_list *list, size_t begin, size_t end) {
   bool any = false;
   for (size_t row = begin; row < end; row++) {
     size_t words;
@@ -205,15 +205,15 @@ static double words_of(const struct neighbour_list *list, size_t begin, size_t e
 static enum status count_work(struct engine *engine, size_t begin, size_t end) {
   enum status status = STATUS_OK;
   struct engine_ranks *ranks = &engine->ranks;
-  const size_t units = (end - begin + CUT_UNIT - 1) / CUT_UNIT;
+  const size_t units = (end - begin + PARTITION_UNIT - 1) / PARTITION_UNIT;
   memory_free(&ranks->work);
   TRY(memory_allocate(&ranks->work, units + 1, sizeof *ranks->work, "work of the ranks"));
   ranks->work_sum = 0;
   for (size_t u = 0; u < units; u++) {
-    const size_t first = begin + u * CUT_UNIT;
-    const size_t last = first + CUT_UNIT < end ? first + CUT_UNIT : end;
+    const size_t first = begin + u * PARTITION_UNIT;
+    const size_t last = first + PARTITION_UNIT < end ? first + PARTITION_UNIT : end;
     ranks->work[u] = words_of(&engine->fluid_fluid, first, last);
-    if (engine->settings.wall != PASS_SITES)
+    if (engine->settings.wall != PASS_EULERIAN)
       ranks->work[u] += words_of(&engine->fluid_wall, first, last);
     ranks->work_sum += ranks->work[u];
   }
@@ -222,7 +222,7 @@ cleanup:
 }
 
 /* Which clusters are to be held, own and wanted: j->number becomes their place there. */
-static enum status choose(struct ghosts *g, struct joined *j, size_t *held) {
+static enum status choose(struct ghosts *g, struct gathered *j, size_t *held) {
   enum status status = STATUS_OK;
   const size_t begin = j->set.begin, end = j->set.end;
   size_t n = 0;
@@ -243,7 +243,8 @@ cleanup:
 }
 
 /* Collective: the clusters chosen take their places; *own: those of this rank. */
-static enum status take_places(struct engine *engine, struct joined *fluid, struct joined *walls) {
+static enum status take_places(struct engine *engine, struct gathered *fluid,
+                               struct gathered *walls) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   struct ghosts *g = &engine->ranks.fluid, *w = &engine->ranks.walls;
@@ -264,8 +265,8 @@ static enum status take_places(struct engine *engine, struct joined *fluid, stru
   memmove(boxes->boxes + first, boxes->boxes + boxes->begin, rows * sizeof *boxes->boxes);
   TRY(memory_resize(&boxes->boxes, held + 1, sizeof *boxes->boxes, "cluster boxes"));
   boxes->clusters = held, boxes->begin = first, boxes->end = first + rows;
-  joined_free(fluid);
-  joined_free(walls);
+  gathered_free(fluid);
+  gathered_free(walls);
   TRY(particles_hold(p, g->begin, rows, first, held));
   TRY(particles_hold_walls(p, w->begin, wall_rows, first_wall, held_walls));
   g->begin = first, g->end = first + rows;
@@ -288,7 +289,7 @@ enum status engine_list_shared(struct engine *engine, double range, double wides
   struct cluster_set wall_boxes = {0};
   struct cluster_bins bins = {0}, wall_bins = {0};
   struct cluster_box *rows = NULL;
-  struct joined fluid = {{0}, NULL, NULL}, walls = {{0}, NULL, NULL};
+  struct gathered fluid = {{0}, NULL, NULL}, walls = {{0}, NULL, NULL};
   size_t *start = NULL;
   ghosts_drop_messages(g);
   ghosts_drop_messages(w);
@@ -297,8 +298,8 @@ enum status engine_list_shared(struct engine *engine, double range, double wides
   const struct cluster_box *own = engine->boxes.boxes + g->begin;
   const struct cluster_box *own_walls = wall_boxes.boxes + w->begin;
   TRY(tell_rows(g, own, rows_of_walls ? w : NULL, own_walls, start, &rows));
-  TRY(join(frame, g, own, start, rows, range, &fluid));
-  TRY(join(frame, w, own_walls, start, rows, range, &walls));
+  TRY(gather(frame, g, own, start, rows, range, &fluid));
+  TRY(gather(frame, w, own_walls, start, rows, range, &walls));
   memory_free(&rows);
   cluster_set_free(&wall_boxes);
   TRY(cluster_bins_make(frame, &fluid.set, range, &bins));
@@ -336,7 +337,7 @@ cleanup:
   cluster_set_free(&wall_boxes);
   cluster_bins_free(&bins);
   cluster_bins_free(&wall_bins);
-  joined_free(&fluid);
-  joined_free(&walls);
+  gathered_free(&fluid);
+  gathered_free(&walls);
   return status;
 }

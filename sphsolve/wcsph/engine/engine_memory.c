@@ -6,7 +6,7 @@
 #define SLOTS_FLUID 1.05
 #define SLOTS_WALL 1.02
 #define LISTS_FLUID 23.0
-#define LISTS_SITES 9.0 /* nothing moves in its boxes */
+#define LISTS_EULERIAN 9.0 /* nothing moves in its boxes */
 #define LISTS_WALL 7.0
 #define BOXES 3.0
 #define BINS 2.1
@@ -16,10 +16,10 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
   return (struct particle_fields){
       .shift = s->shift,
       .rate = s->wall == PASS_SUBVOXEL,
-      .sites = s->wall == PASS_SITES,
+      .eulerian = s->wall == PASS_EULERIAN,
       .wall_state = frozen || adami,
       .wall_base = frozen,
-      .wall_depth = s->wall == PASS_SUBVOXEL || s->wall == PASS_SITES,
+      .wall_depth = s->wall == PASS_SUBVOXEL || s->wall == PASS_EULERIAN,
       .wall_v = adami,
       .wall_region = s->wall_moves && s->region_count > 0,
   };
@@ -30,7 +30,7 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
 double engine_bytes_fluid(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
   return SLOTS_FLUID * ((double)particles_bytes_fluid(&fields) + BOXES + BINS) +
-         (fields.sites ? LISTS_SITES : LISTS_FLUID);
+         (fields.eulerian ? LISTS_EULERIAN : LISTS_FLUID);
 }
 
 double engine_bytes_wall(const struct engine_settings *settings) {

@@ -1,6 +1,6 @@
 /* Fluid ordered along the curve by ranks that each hold their own: keys find the rank that sorts a
  * particle, the cutting into clusters passes on from rank to rank, and what then lies beyond a
- * rank's cut goes to its owner. Equal keys keep their order, as in particles_sort. */
+ * rank's partition goes to its owner. Equal keys keep their order, as in particles_sort. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,9 +8,9 @@
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 #include "sphsolve/wcsph/engine/order.h"
 
-enum { KEY_BITS = 32, TAG_CUTTER = 9 };
+enum { KEY_BITS = 32, TAG_CLUSTERS = 9 };
 /* Sources beyond it are places in what has come from other ranks. */
-#define COME 0x80000000u
+#define RECEIVED 0x80000000u
 
 /* Of the fluid, or of walls that stand on their sites, a cluster of which is of one region. */
 struct ordered {
@@ -71,7 +71,7 @@ static enum status moves_do(struct particles *p, struct moves *m) {
       if (at == NO_PARTICLE)
         to[s] = is_id ? NO_PARTICLE : first;
       else
-        to[s] = at >= COME ? in[at - COME] : from[at];
+        to[s] = at >= RECEIVED ? in[at - RECEIVED] : from[at];
       if (s % CLUSTER == 0) first = to[s];
     }
     for (size_t s = m->slots; s < p->capacity; s++) to[s] = is_id ? NO_PARTICLE : 0;
@@ -115,7 +115,7 @@ static enum status find_parts(const struct ghosts *g, const uint64_t *entries, s
       below[r] = (int64_t)count_below(entries, n, key[r] | (uint64_t)1 << bit);
     ranks_sum_whole(below, ranks);
     for (size_t r = 1; r < ranks; r++) {
-      const double share = (double)g->cut[r] / (double)g->cut[ranks];
+      const double share = (double)g->partition[r] / (double)g->partition[ranks];
       if ((double)below[r] < share * (double)all) key[r] |= (uint64_t)1 << bit;
     }
   }
@@ -178,7 +178,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   const size_t come = m.start[ranks], total = stay + come, lower = m.start[own];
   TRY(memory_allocate(&merged, total + 1, sizeof *merged, "sorting keys"));
   for (size_t c = 0; c < come; c++)
-    merged[c < lower ? c : c + stay] = (uint64_t)in[c] << 32 | COME | c;
+    merged[c < lower ? c : c + stay] = (uint64_t)in[c] << 32 | RECEIVED | c;
   if (stay > 0) memcpy(merged + lower, entries + part[own], stay * sizeof *merged);
   memory_free(&entries);
   memory_free(&in);
@@ -203,40 +203,41 @@ cleanup:
 }
 
 /* The cutting, as it stands before a particle. */
-struct cutting {
-  struct cutter cutter;
+struct clustering {
+  struct cluster_builder builder;
   uint64_t used; /* slots */
   uint16_t region;
 };
 
 /* The slot of particle k, the next. */
-static uint64_t cut_next(const struct ordered *o, size_t k, struct cutting *c) {
+static uint64_t next_slot(const struct ordered *o, size_t k, struct clustering *c) {
   const struct particles *p = o->p;
   const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
   const uint16_t region = o->region != NULL ? o->region[p->id[k]] : 0;
   const bool turns = c->used > 0 && region != c->region;
   c->region = region;
-  if (turns) c->cutter.members = 0;
-  if (!cutter_takes(&c->cutter, x) || turns) c->used = (c->used + CLUSTER - 1) / CLUSTER * CLUSTER;
+  if (turns) c->builder.members = 0;
+  if (!cluster_builder_takes(&c->builder, x) || turns)
+    c->used = (c->used + CLUSTER - 1) / CLUSTER * CLUSTER;
   return c->used++;
 }
 
 /* Slots, among all, of the n particles here in order; *total clusters. Each rank cuts as if it were
  * the first, and the true cutting passes on: where both begin a cluster, they go on alike. */
-static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
+static void build_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
   const int own = ranks_own(), last = ranks_count() - 1;
-  struct cutting end, open;
+  struct clustering end, open;
   memset(&end, 0, sizeof end);
-  cutter_start(&end.cutter, &o->p->frame, o->p->reach);
-  for (size_t k = 0; k < n; k++) slot[k] = cut_next(o, k, &end);
+  cluster_builder_start(&end.builder, &o->p->frame, o->p->reach);
+  for (size_t k = 0; k < n; k++) slot[k] = next_slot(o, k, &end);
   size_t same = 0;
   uint64_t more = 0;
   if (own > 0) {
-    ranks_receive(&open, sizeof open, own - 1, TAG_CUTTER);
+    ranks_receive(&open, sizeof open, own - 1, TAG_CLUSTERS);
     ranks_wait();
-    open.cutter.frame = &o->p->frame;
+    open.builder.frame = &o->p->frame;
     for (; same < n; same++) {
-      const uint64_t at = cut_next(o, same, &open);
+      const uint64_t at = next_slot(o, same, &open);
       more = at - slot[same];
       if (at % CLUSTER == 0 && slot[same] % CLUSTER == 0) break;
       slot[same] = at;
@@ -247,7 +248,7 @@ static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size
       end = open;
   }
   if (own < last) {
-    ranks_send(&end, sizeof end, own + 1, TAG_CUTTER);
+    ranks_send(&end, sizeof end, own + 1, TAG_CLUSTERS);
     ranks_wait();
   }
   for (size_t k = same; k < n; k++) slot[k] += more;
@@ -255,13 +256,14 @@ static void cut_clusters(const struct ordered *o, size_t n, uint64_t *slot, size
   *total = (size_t)ranks_max((double)clusters);
 }
 
-/* Sends what lies beyond the cuts to its owner, and puts all into their slots. */
+/* Sends what lies beyond the partition to its owner, and puts all into their slots. */
 static enum status settle(const struct ordered *o, size_t n, const uint64_t *slot) {
   enum status status = STATUS_OK;
   struct particles *p = o->p;
   const struct ghosts *g = o->g;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  const uint64_t first = (uint64_t)g->cut[own] * CLUSTER, end = (uint64_t)g->cut[own + 1] * CLUSTER;
+  const uint64_t first = (uint64_t)g->partition[own] * CLUSTER,
+                 end = (uint64_t)g->partition[own + 1] * CLUSTER;
   uint64_t *out = NULL, *in = NULL;
   struct moves m;
   TRY(moves_make(&m, n));
@@ -271,7 +273,7 @@ static enum status settle(const struct ordered *o, size_t n, const uint64_t *slo
   for (size_t s = 0; s < m.slots; s++) m.source[s] = NO_PARTICLE;
   size_t leaving = 0;
   for (size_t k = 0, r = 0; k < n; k++) {
-    while (slot[k] >= (uint64_t)g->cut[r + 1] * CLUSTER) r++;
+    while (slot[k] >= (uint64_t)g->partition[r + 1] * CLUSTER) r++;
     if (r == own) {
       m.source[slot[k] - first] = (uint32_t)k;
       continue;
@@ -281,7 +283,7 @@ static enum status settle(const struct ordered *o, size_t n, const uint64_t *slo
     out[leaving++] = slot[k];
   }
   TRY(ghosts_exchange(sizeof *out, m.send, out, m.start, &in));
-  for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = COME | (uint32_t)c;
+  for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = RECEIVED | (uint32_t)c;
   memory_free(&out);
   memory_free(&in);
   TRY(moves_do(p, &m));
@@ -301,8 +303,8 @@ enum status engine_order(struct engine *engine) {
   TRY(engine_drop_ghosts(engine));
   TRY(sort(&fluid, &n));
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "particle order"));
-  cut_clusters(&fluid, n, slot, &clusters);
-  TRY(engine_cut(engine, clusters));
+  build_clusters(&fluid, n, slot, &clusters);
+  TRY(engine_partition(engine, clusters));
   TRY(settle(&fluid, n, slot));
   g->begin = 0, g->end = engine->particles.clusters;
 cleanup:
@@ -337,11 +339,11 @@ enum status engine_order_walls(struct engine *engine, double range) {
   }
   memory_free(&sites);
   /* To begin with, even shares. */
-  TRY(ghosts_cut(g, ranks * CUT_UNIT, CUT_UNIT, NULL));
+  TRY(ghosts_partition(g, ranks * PARTITION_UNIT, PARTITION_UNIT, NULL));
   TRY(sort(&walls, &n));
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "wall order"));
-  cut_clusters(&walls, n, slot, &clusters);
-  TRY(ghosts_cut(g, clusters, CUT_UNIT, NULL));
+  build_clusters(&walls, n, slot, &clusters);
+  TRY(ghosts_partition(g, clusters, PARTITION_UNIT, NULL));
   TRY(settle(&walls, n, slot));
   g->begin = 0, g->end = w.clusters;
   TRY(particles_set_walls(l, range, &engine->fields, w.id, particles_slots(&w), p));

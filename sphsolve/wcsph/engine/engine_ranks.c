@@ -9,16 +9,16 @@
 /* What is here is this rank's own, and no more. */
 static void hold_own(struct ghosts *g) {
   g->begin = 0;
-  g->end = g->cut[ranks_own() + 1] - g->cut[ranks_own()];
+  g->end = g->partition[ranks_own() + 1] - g->partition[ranks_own()];
   memory_free(&g->number);
 }
 
-enum status engine_cut(struct engine *engine, size_t clusters) {
+enum status engine_partition(struct engine *engine, size_t clusters) {
   enum status status = STATUS_OK;
   struct engine_ranks *ranks = &engine->ranks;
   ranks->fluid.tag = 3;
   ranks->fluid.bytes_most = 6 * FIELD_BYTES;
-  TRY(ghosts_cut(&ranks->fluid, clusters, CUT_UNIT, ranks->work));
+  TRY(ghosts_partition(&ranks->fluid, clusters, PARTITION_UNIT, ranks->work));
   if (engine_is_shared(engine)) hold_own(&ranks->fluid);
 cleanup:
   return status;
@@ -32,12 +32,12 @@ enum status engine_take(struct engine *engine) {
   if (!engine_is_shared(engine)) return STATUS_OK;
   TRY(memory_allocate(&each, ranks + 1, sizeof *each, "shares of the ranks"));
   for (size_t r = 0; r <= ranks; r++) each[r] = r;
-  g->cut[0] = 0;
-  g->cut[ranks_own() + 1] = engine->particles.clusters;
-  ranks_gather(g->cut + 1, each, sizeof *g->cut);
-  for (size_t r = 0; r < ranks; r++) g->cut[r + 1] += g->cut[r];
+  g->partition[0] = 0;
+  g->partition[ranks_own() + 1] = engine->particles.clusters;
+  ranks_gather(g->partition + 1, each, sizeof *g->partition);
+  for (size_t r = 0; r < ranks; r++) g->partition[r + 1] += g->partition[r];
   hold_own(g);
-  engine->sites_known = false;
+  engine->terms_known = false;
   memory_free(&engine->ranks.work); /* was that of other shares */
 cleanup:
   memory_free(&each);
@@ -141,11 +141,11 @@ void engine_run_shared(struct engine *engine, pass_function *function, bool wall
 enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,
                                  size_t size) {
   enum status status = STATUS_OK;
-  const size_t *cut = engine->ranks.fluid.cut, ranks = (size_t)ranks_count();
+  const size_t *partition = engine->ranks.fluid.partition, ranks = (size_t)ranks_count();
   size_t *start = NULL;
   if (!engine_is_shared(engine)) return STATUS_OK;
   TRY(memory_allocate(&start, ranks + 1, sizeof *start, "block sums"));
-  for (size_t r = 0; r <= ranks; r++) start[r] = (cut[r] * CLUSTER + slots - 1) / slots;
+  for (size_t r = 0; r <= ranks; r++) start[r] = (partition[r] * CLUSTER + slots - 1) / slots;
   ranks_gather(sums, start, size);
 cleanup:
   memory_free(&start);

@@ -6,16 +6,16 @@
 
 #define BLOCK PASS_BLOCK
 /* Cuts lie at multiples of so many clusters: blocks of sums belong to one rank. */
-#define CUT_UNIT 256
+#define PARTITION_UNIT 256
 
 static inline bool engine_is_shared(const struct engine *engine) {
-  return RANKS && engine->ranks.fluid.cut != NULL;
+  return RANKS && engine->ranks.fluid.partition != NULL;
 }
 /* Own particles alone stay. */
 enum status engine_drop_ghosts(struct engine *engine);
-/* Collective: as particles_sort, and cuts anew. */
+/* Collective: as particles_sort, and partitions anew. */
 enum status engine_order(struct engine *engine);
-/* Collective: the walls within `range` of fluid, ordered and cut. */
+/* Collective: the walls within `range` of fluid, ordered and partitioned. */
 enum status engine_order_walls(struct engine *engine, double range);
 /* Collective, where boxes of own clusters are known: makes the lists, finds the ghosts, and which
  * blocks of rows read none. */
@@ -26,8 +26,8 @@ enum engine_sent {
   SENT_DENSITY, /* of frozen walls' fluid */
   SENT_WALL,
   SENT_PLACE, /* and pressure */
-  SENT_FLUX,  /* on sites, in v_next */
-  SENT_STATE, /* on sites: velocity and pressure */
+  SENT_FLUX,  /* Eulerian, in v_next */
+  SENT_STATE, /* Eulerian: velocity and pressure */
   SENT_ALL,
   SENT_WALL_ALL
 };

@@ -8,7 +8,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/wcsph/effects/shifting.h"
-#include "sphsolve/wcsph/engine/engine_sites.h"
+#include "sphsolve/wcsph/engine/engine_eulerian.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 
 /* Spacings around the boxes that lists are made for. */
@@ -49,8 +49,8 @@ static void count_pairs(struct engine *engine) {
   const struct particles *p = &engine->particles;
   const struct ghosts *walls = &engine->ranks.walls;
   size_t first = engine_first_slot(engine) / CLUSTER, end = engine_end_slot(engine) / CLUSTER;
-  size_t first_wall = walls->cut != NULL ? walls->begin : 0;
-  size_t end_wall = walls->cut != NULL ? walls->end : p->wall_clusters;
+  size_t first_wall = walls->partition != NULL ? walls->begin : 0;
+  size_t end_wall = walls->partition != NULL ? walls->end : p->wall_clusters;
 #pragma omp parallel num_threads(engine->threads) reduction(+ : fluid, alone, wall)
   {
     struct local *local = &engine->locals[omp_get_thread_num()];
@@ -73,16 +73,16 @@ static void count_pairs(struct engine *engine) {
 }
 
 /* Walls and their list are for the sums over them, before there is another list. */
-static enum status sum_walls_of_sites(struct engine *engine, double range, double widest) {
+static enum status eulerian_sum_walls(struct engine *engine, double range, double widest) {
   enum status status = STATUS_OK;
   const struct pair_table *table = engine->table;
   struct particles *p = &engine->particles;
   if (!engine_is_shared(engine))
     TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
                          &engine->fluid_wall));
-  TRY(particles_make_sites(p));
-  engine_sites_begin(engine);
-  run_pass(engine, table->sites_walls, false, PHASE_WALL);
+  TRY(particles_make_site_terms(p));
+  engine_eulerian_begin(engine);
+  run_pass(engine, table->eulerian_walls, false, PHASE_WALL);
   neighbours_free(&engine->fluid_wall);
   if (engine_is_shared(engine)) return STATUS_OK; /* walls are part of the next lists */
   cluster_bins_free(&engine->wall_bins);
@@ -110,19 +110,20 @@ static enum status make_lists(struct engine *engine, bool order) {
   }
   /* Until the next ordering, if particles keep their speed. */
   double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
-  const bool sites = s->wall == PASS_SITES;
+  const bool eulerian = s->wall == PASS_EULERIAN;
   double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
-  if (sites) horizon = 0;
+  if (eulerian) horizon = 0;
   if (RANKS) engine_settle(engine);
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
-  TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, sites ? 0 : MARGIN * spacing, &engine->boxes));
+  TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, eulerian ? 0 : MARGIN * spacing,
+                          &engine->boxes));
   if (engine_is_shared(engine)) {
     TRY(engine_list_shared(engine, range, widest));
-    if (sites && !engine->sites_known) TRY(sum_walls_of_sites(engine, range, widest));
+    if (eulerian && !engine->terms_known) TRY(eulerian_sum_walls(engine, range, widest));
     goto listed;
   }
-  if (sites && !engine->sites_known) TRY(sum_walls_of_sites(engine, range, widest));
+  if (eulerian && !engine->terms_known) TRY(eulerian_sum_walls(engine, range, widest));
   TRY(cluster_bins_make(&p->frame, &engine->boxes, range, &bins));
   TRY(neighbours_build(&p->frame, &engine->boxes, &bins, range, widest, &engine->fluid_fluid));
   if (s->wall == PASS_ADAMI) {
@@ -130,14 +131,14 @@ static enum status make_lists(struct engine *engine, bool order) {
     TRY(neighbours_build(&p->frame, &wall_boxes, &bins, range, widest, &engine->wall_fluid));
   }
   cluster_bins_free(&bins);
-  if (!sites)
+  if (!eulerian)
     TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
                          &engine->fluid_wall));
 listed:
-  if (sites && !engine->sites_known) {
-    run_pass(engine, engine->table->sites_moments, false, PHASE_WALL);
-    engine_sites_finish(engine);
-    engine->sites_known = true;
+  if (eulerian && !engine->terms_known) {
+    run_pass(engine, engine->table->eulerian_moments, false, PHASE_WALL);
+    engine_eulerian_finish(engine);
+    engine->terms_known = true;
   }
   /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
@@ -231,14 +232,14 @@ void engine_set_dt(struct engine *engine, double dt) {
   engine->settings.dt = engine->pass.dt = dt;
 }
 
-/* The rest of a step on sites. */
-static enum status continue_on_sites(struct engine *engine) {
+/* The rest of an Eulerian step. */
+static enum status continue_eulerian(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
-  engine_sites_flux(engine);
+  engine_eulerian_flux(engine);
   if (RANKS) engine_send(engine, SENT_FLUX);
   p->state_next = p->flux[0]; /* what it held is in the flux now */
-  run_pass(engine, engine->table->sites_continuity, false, PHASE_CONTINUITY);
+  run_pass(engine, engine->table->eulerian_continuity, false, PHASE_CONTINUITY);
   engine->pair_interactions += (double)engine->pairs_fluid;
   swap(&p->state, &p->flux[0]);
   drift(engine, 0); /* finds the largest speed */
@@ -280,7 +281,7 @@ enum status engine_step(struct engine *engine) {
   if (!engine->listed || engine->moved >= ENGINE_PATH * engine->pass.spacing)
     TRY(make_lists(engine, true));
   engine->pass.shift_speed = engine->speed_max;
-  double moved = engine->speed_max * s->dt * s->smoothing_length * s->crowding;
+  double moved = engine->speed_max * s->dt * s->smoothing_length * s->shifting_stiffness;
   engine->pass.shift_length =
       s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
   bool has_walls = engine_has_walls(engine);
@@ -288,11 +289,11 @@ enum status engine_step(struct engine *engine) {
   if (s->wall == PASS_FROZEN)
     engine->pair_interactions += (double)(engine->pairs_fluid + engine->pairs_wall);
   if (s->wall == PASS_ADAMI) engine->pair_interactions += (double)engine->pairs_wall;
-  run_pass(engine, table->force[s->wall][s->viscosity][s->shift], false, PHASE_FORCE);
+  run_pass(engine, table->force[s->wall][s->viscous][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
   take_velocities(p);
-  if (s->wall == PASS_SITES) {
-    TRY(continue_on_sites(engine));
+  if (s->wall == PASS_EULERIAN) {
+    TRY(continue_eulerian(engine));
   } else if (s->wall == PASS_FROZEN) {
     drift(engine, 1);
     if (RANKS) engine_send(engine, SENT_MOTION);
@@ -340,11 +341,11 @@ cleanup:
   return status;
 }
 
-enum status engine_account(struct engine *engine, struct pass_account *total) {
+enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   enum status status = STATUS_OK;
   const struct engine_settings *s = &engine->settings;
   struct pass *pass = &engine->pass;
-  struct pass_account *sums = NULL;
+  struct pass_budget *sums = NULL;
   if (!engine->listed || engine->moved >= ENGINE_PATH * pass->spacing)
     TRY(make_lists(engine, true));
   const size_t blocks = (engine_all_slots(engine) / CLUSTER + BLOCK - 1) / BLOCK;
@@ -355,14 +356,14 @@ enum status engine_account(struct engine *engine, struct pass_account *total) {
   pass->wall = s->wall, pass->shifts = s->shift;
   /* Rows count from the first cluster here; there are no more of others before it than among all.
    */
-  pass->account = sums + own / (BLOCK * CLUSTER) - first / (BLOCK * CLUSTER);
-  run_pass(engine, engine->table->account, false, PHASE_ACCOUNT);
+  pass->budget = sums + own / (BLOCK * CLUSTER) - first / (BLOCK * CLUSTER);
+  run_pass(engine, engine->table->budget, false, PHASE_BUDGET);
   TRY(engine_gather_blocks(engine, BLOCK * CLUSTER, sums, sizeof *sums));
   memset(total, 0, sizeof *total);
   for (size_t b = 0; b < blocks; b++)
     for (size_t k = 0; k < count; k++) ((double *)total)[k] += ((const double *)&sums[b])[k];
 cleanup:
   memory_free(&sums);
-  pass->account = NULL;
+  pass->budget = NULL;
   return status;
 }

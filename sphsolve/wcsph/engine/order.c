@@ -41,31 +41,32 @@ void order_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
   memcpy(scratch, entries, n * sizeof *entries); /* three passes: the result lies in `scratch` */
 }
 
-void cutter_start(struct cutter *cutter, const struct frame *frame, double reach) {
-  memset(cutter, 0, sizeof *cutter);
-  cutter->frame = frame;
-  for (int a = 0; a < 3; a++) cutter->limit[a] = (int64_t)fmin(reach / frame->unit[a], 0x1p31);
+void cluster_builder_start(struct cluster_builder *builder, const struct frame *frame,
+                           double reach) {
+  memset(builder, 0, sizeof *builder);
+  builder->frame = frame;
+  for (int a = 0; a < 3; a++) builder->limit[a] = (int64_t)fmin(reach / frame->unit[a], 0x1p31);
 }
 
-bool cutter_takes(struct cutter *cutter, const uint32_t x[3]) {
-  if (cutter->members == CLUSTER) cutter->members = 0;
+bool cluster_builder_takes(struct cluster_builder *builder, const uint32_t x[3]) {
+  if (builder->members == CLUSTER) builder->members = 0;
   bool fits = true;
-  for (int a = 0; a < 3 && cutter->members > 0; a++) {
-    int64_t d = (int32_t)(x[a] - cutter->first[a]);
-    int64_t low = d < cutter->low[a] ? d : cutter->low[a];
-    int64_t high = d > cutter->high[a] ? d : cutter->high[a];
-    fits = fits && high - low <= cutter->limit[a];
+  for (int a = 0; a < 3 && builder->members > 0; a++) {
+    int64_t d = (int32_t)(x[a] - builder->first[a]);
+    int64_t low = d < builder->low[a] ? d : builder->low[a];
+    int64_t high = d > builder->high[a] ? d : builder->high[a];
+    fits = fits && high - low <= builder->limit[a];
   }
-  if (!fits) cutter->members = 0;
+  if (!fits) builder->members = 0;
   for (int a = 0; a < 3; a++) {
-    if (cutter->members == 0) {
-      cutter->first[a] = x[a];
-      cutter->low[a] = cutter->high[a] = 0;
+    if (builder->members == 0) {
+      builder->first[a] = x[a];
+      builder->low[a] = builder->high[a] = 0;
     }
-    int64_t d = (int32_t)(x[a] - cutter->first[a]);
-    if (d < cutter->low[a]) cutter->low[a] = d;
-    if (d > cutter->high[a]) cutter->high[a] = d;
+    int64_t d = (int32_t)(x[a] - builder->first[a]);
+    if (d < builder->low[a]) builder->low[a] = d;
+    if (d > builder->high[a]) builder->high[a] = d;
   }
-  cutter->members++;
+  builder->members++;
   return fits;
 }

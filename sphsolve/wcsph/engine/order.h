@@ -15,14 +15,15 @@ uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]);
 void order_sort(uint64_t *entries, uint64_t *scratch, size_t n);
 
 /* Grows a cluster one member at a time and says when the next would make it too wide. */
-struct cutter {
+struct cluster_builder {
   const struct frame *frame;
   int64_t limit[3];
   uint32_t first[3];
   int64_t low[3], high[3];
   int members;
 };
-void cutter_start(struct cutter *cutter, const struct frame *frame, double reach);
-bool cutter_takes(struct cutter *cutter, const uint32_t x[3]);
+void cluster_builder_start(struct cluster_builder *builder, const struct frame *frame,
+                           double reach);
+bool cluster_builder_takes(struct cluster_builder *builder, const uint32_t x[3]);
 
 #endif

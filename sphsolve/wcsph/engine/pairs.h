@@ -19,7 +19,8 @@ enum pass_wall {
   PASS_OPEN,
   PASS_ADAMI,
   PASS_SUBVOXEL,
-  PASS_SITES, /* sub-voxel walls, and fluid that stays on its sites: pairs_sites.h */
+  PASS_EULERIAN, /* sub-voxel walls, and Eulerian fluid (stays on its lattice points):
+                    pairs_eulerian.h */
   PASS_WALLS
 };
 
@@ -51,13 +52,13 @@ struct local {
 #define PASS_BLOCK 32
 
 /* Sums over the particles of a block of rows, per mass of one particle: of velocities, what a
- * second adds to them by each effect, and powers; see pairs_account.h. */
-struct pass_account {
+ * second adds to them by each effect, and powers; see pairs_budget.h. */
+struct pass_budget {
   double momentum[3], kinetic, elastic;            /* m/s, m^2/s^2 */
-  double pressure[3], viscosity[3];                /* m/s^2 */
-  double wall_pressure[3], friction[3], shift[3];  /* m/s^2; on sites of advection */
+  double pressure[3], viscous[3];                  /* m/s^2 */
+  double wall_pressure[3], friction[3], shift[3];  /* m/s^2; Eulerian: of advection */
   double force_work, pressure_work, friction_work; /* m^2/s^3 */
-  double viscosity_work, shift_work;
+  double viscous_work, shift_work;
 };
 
 struct pass {
@@ -70,21 +71,21 @@ struct pass {
    * (4 slope/s) * (x_j - x_i)/(2 h); both times the particle volume. g_scale is per metre. -(1/r)
    * dW/dr = l_scale * (4 slope/s). */
   double w_scale, g_scale, l_scale;
-  double smoothing_length; /* m */
-  double sound_speed;      /* m/s */
-  double rest_ratio;       /* gauge: lattice sum / rho_0; absolute: 0 */
-  double viscosity;        /* m^2/s */
-  double force[3];         /* m/s^2 */
-  double diffusion;        /* m^2/s, of pressure */
-  double stabilisation;    /* s, diffusion / c^2; on sites */
-  double weights;          /* 1/m^2, of diffusion where no site around is missing; on sites */
-  double shift_speed;      /* m/s */
-  double shift_length;     /* m, A h */
-  double spacing;          /* m */
-  /* For the account alone. */
+  double smoothing_length;    /* m */
+  double sound_speed;         /* m/s */
+  double rest_ratio;          /* gauge: lattice sum / rho_0; absolute: 0 */
+  double kinematic_viscosity; /* m^2/s */
+  double force[3];            /* m/s^2 */
+  double diffusion;           /* m^2/s, of pressure */
+  double stabilisation;       /* s, diffusion / c^2; Eulerian */
+  double weights;             /* 1/m^2, of diffusion where no site around is missing; Eulerian */
+  double shift_speed;         /* m/s */
+  double shift_length;        /* m, A h */
+  double spacing;             /* m */
+  /* For the budget alone. */
   enum pass_wall wall;
   bool shifts;
-  struct pass_account *account;
+  struct pass_budget *budget;
 };
 
 typedef void pass_function(const struct pass *pass, struct local *local, size_t begin, size_t end);
@@ -95,16 +96,16 @@ struct pair_table {
   /* state = rho_0/rho of fluid by summation over all columns; what walls have of it is added to
    * wall_sum. */
   pass_function *density;
-  /* v_next from v; [wall][viscosity][shift]. */
+  /* v_next from v; [wall][viscous][shift]. */
   pass_function *force[PASS_WALLS][2][2];
   /* state_next from state and v; [walls][diffusion][shift]. Beside sub-voxel walls without walls
    * and shift: their parts follow from sums of the force pass, which leaves them in `rate`. */
   pass_function *continuity[2][2][2];
-  /* On sites: once, the sums over walls and over fluid; then, of the flux in v_next. */
-  pass_function *sites_walls, *sites_moments, *sites_continuity;
+  /* Eulerian: once, the sums over walls and over fluid; then, of the flux in v_next. */
+  pass_function *eulerian_walls, *eulerian_moments, *eulerian_continuity;
   pass_function *continuity_exact[2][2]; /* without walls, see pairs_exact.h */
   pass_function *image_velocity;         /* wall_v and wall_state of adami's walls */
-  pass_function *account;                /* changes nothing */
+  pass_function *budget;                 /* changes nothing */
   /* Directed pairs within the support, self excluded: of fluid with all and with fluid alone, and
    * of wall with fluid. */
   void (*count)(const struct pass *pass, struct local *local, size_t begin, size_t end,

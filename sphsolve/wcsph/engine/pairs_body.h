@@ -106,21 +106,20 @@ static void density(const struct pass *pass, struct local *local, size_t begin, 
 
 /* ---- forces: v_next ---- */
 /* Sums over the columns of a row: of the pressure, of differences of velocity with the weights of
- * viscosity and shift, and of the offsets, which tell where particles crowd. */
+ * viscosity and shift, and of the offsets, the gradient of the particle concentration. */
 struct row_force {
-  double pressure[3], velocity[3], crowd[3];
+  double pressure[3], velocity[3], concentration[3];
 };
 
 #include "sphsolve/wcsph/engine/pairs_exact.h"
 
 /* Over columns [0, n) that act as fluid does (frozen and adami walls among them). `carry`: the
  * drift of the particle beyond the fluid, in units in which the weight of viscosity is 1 (where
- * there is viscosity), where it is `carried`; `crowded`: the
+ * there is viscous), where it is `carried`; `shifted`: the
  * sums of offsets, too. */
 SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *local, size_t n,
                                  const vec at[3], size_t i, const float carry[3], bool symmetric,
-                                 bool viscosity, bool carried, bool crowded,
-                                 struct row_force *row) {
+                                 bool viscous, bool carried, bool shifted, struct row_force *row) {
   const struct particles *p = pass->particles;
   float tile[MAX_SUMS][SIMD_LANES];
   vec vi[3], u[3], state = vec_set(p->state[i]), zero = vec_set(0.0f);
@@ -130,7 +129,7 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
   }
   vec term = symmetric ? pressure_symmetric_term(state, vec_set((float)pass->rest_ratio)) : state;
   for (int group = 0; group < SIMD_GROUPS; group++) {
-    vec pressure[3] = {{0}}, velocity[3] = {{0}}, crowd[3] = {{0}};
+    vec pressure[3] = {{0}}, velocity[3] = {{0}}, concentration[3] = {{0}};
     for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {
       struct geometry g = pair_geometry(local, k, at);
       vec slope = kernel_vector_slope(g.s) * g.inverse;
@@ -140,8 +139,8 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
       pressure[0] -= weight * g.x;
       pressure[1] -= weight * g.y;
       pressure[2] -= weight * g.z;
-      if (viscosity || carried) {
-        vec share = !viscosity  ? zero
+      if (viscous || carried) {
+        vec share = !viscous    ? zero
                     : symmetric ? vec_load(local->field[LSTATE] + k)
                                 : vec_set(1.0f);
         if (carried) share = shifting_carry(share, g.x, g.y, g.z, u);
@@ -150,15 +149,15 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
                               vec_load(local->field[LVY] + k) - vi[1],
                               vec_load(local->field[LVZ] + k) - vi[2], velocity);
       }
-      if (crowded) shifting_pair(slope, g.x, g.y, g.z, crowd);
+      if (shifted) shifting_pair(slope, g.x, g.y, g.z, concentration);
     }
     for (int a = 0; a < 3; a++) {
       vec_store(tile[a] + group * SIMD_WIDTH, pressure[a]);
       vec_store(tile[3 + a] + group * SIMD_WIDTH, velocity[a]);
-      vec_store(tile[6 + a] + group * SIMD_WIDTH, crowd[a]);
+      vec_store(tile[6 + a] + group * SIMD_WIDTH, concentration[a]);
     }
   }
-  lanes_sums(tile, crowded ? 9 : viscosity || carried ? 6 : 3, row->pressure);
+  lanes_sums(tile, shifted ? 9 : viscous || carried ? 6 : 3, row->pressure);
 }
 
 /* Sub-voxel walls in columns [begin, end). */
@@ -205,7 +204,7 @@ SIMD_INLINE void row_force_subvoxel(const struct pass *pass, const struct local 
 }
 
 SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t begin, size_t end,
-                            enum pass_wall wall, bool viscosity, bool shift) {
+                            enum pass_wall wall, bool viscous, bool shift) {
   struct particles *p = pass->particles;
   const bool symmetric = wall == PASS_FROZEN, subvoxel = wall == PASS_SUBVOXEL;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
@@ -250,31 +249,30 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
       row_position(pass, &ref, l, at);
       const struct row_wall *near = &walls_of[l];
       struct row_force row;
-      double drag = viscosity ? 2 * pass->viscosity * pass->l_scale : gradient, stiff = 0;
-      if (subvoxel && viscosity) {
+      double drag = viscous ? 2 * pass->kinematic_viscosity * pass->l_scale : gradient, stiff = 0;
+      if (subvoxel && viscous) {
         drag /= 1 - near->beta;
         stiff = pass->dt * drag * near->weight;
       }
-      if (viscosity && symmetric) drag *= (double)p->state[i];
+      if (viscous && symmetric) drag *= (double)p->state[i];
       float carry[3] = {0};
       for (int a = 0; a < 3 && shift; a++)
         carry[a] = (float)(gradient / drag * (double)p->shift[a][i]);
       if (wall == PASS_OPEN)
-        row_force_exact(pass, local, n, at, i, carry, viscosity, shift, &row);
+        row_force_exact(pass, local, n, at, i, carry, viscous, shift, &row);
       else
-        row_force_fluid(pass, local, n, at, i, carry, symmetric, viscosity, shift, shift, &row);
+        row_force_fluid(pass, local, n, at, i, carry, symmetric, viscous, shift, shift, &row);
       double u[3], speed = 0, rate = -2 * near->inflow;
       for (int a = 0; a < 3; a++) {
         double change = pass->force[a] + gradient * square * row.pressure[a];
-        if (viscosity || shift)
-          change +=
-              drag * (row.velocity[a] + (subvoxel && viscosity && moving ? near->drag[a] : 0));
+        if (viscous || shift)
+          change += drag * (row.velocity[a] + (subvoxel && viscous && moving ? near->drag[a] : 0));
         double v = ((double)p->v[a][i] + pass->dt * change) / (1 + stiff);
         p->v_next[a][i] = (float)v;
         if (subvoxel) rate += 2 * (double)p->v_next[a][i] * near->offsets[a];
         if (!shift) continue;
         u[a] = -pass->shift_length * pass->shift_speed * gradient *
-               (row.crowd[a] + (subvoxel ? near->offsets[a] : 0));
+               (row.concentration[a] + (subvoxel ? near->offsets[a] : 0));
         speed += u[a] * u[a];
       }
       if (shift) {
@@ -291,13 +289,14 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
   }
 }
 
-#include "sphsolve/wcsph/engine/pairs_sites.h"
+#include "sphsolve/wcsph/engine/pairs_eulerian.h"
 
 /* ---- continuity: state_next ---- */
 SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, size_t begin,
-                                 size_t end, bool walls, bool diffusion, bool shift, bool sites) {
+                                 size_t end, bool walls, bool diffusion, bool shift,
+                                 bool eulerian) {
   struct particles *p = pass->particles;
-  float *const *v = sites ? p->v_next : p->v;
+  float *const *v = eulerian ? p->v_next : p->v;
   const float *fluid[4] = {v[0], v[1], v[2], p->state};
   /* In units of g_scale: what the pressure's differences and their weights count. */
   double diffuse = 2 * pass->diffusion * pass->l_scale;
@@ -318,9 +317,9 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       float tile[MAX_SUMS][SIMD_LANES];
       vec at[3], vi[3], u[3], state = vec_set(p->state[i]);
       row_position(pass, &ref, l, at);
-      /* On sites walls, which move with -v_i, complete the sum of gradients to 0: that of
+      /* Eulerian: walls, which move with -v_i, complete the sum of gradients to 0: that of
        * v_j - v_i with them is that of v_j + v_i without. */
-      for (int a = 0; a < 3; a++) vi[a] = vec_set(sites ? -v[a][i] : v[a][i]);
+      for (int a = 0; a < 3; a++) vi[a] = vec_set(eulerian ? -v[a][i] : v[a][i]);
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
       for (int group = 0; group < SIMD_GROUPS; group++) {
@@ -337,7 +336,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
             term += factor * (vec_load(local->field[LSTATE] + k) - state);
           }
           change += slope * term;
-          if (diffusion && !sites) pressure_diffusion_pair(slope, &weights);
+          if (diffusion && !eulerian) pressure_diffusion_pair(slope, &weights);
         }
         for (size_t k = n + first; k < all; k += SIMD_LANES) { /* adami's: p is their own */
           struct geometry g = pair_geometry(local, k, at);
@@ -350,11 +349,11 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
         vec_store(tile[1] + group * SIMD_WIDTH, weights);
       }
       double sum[2];
-      lanes_sums(tile, diffusion && !sites ? 2 : 1, sum);
-      /* On sites that of a full lattice: where neighbours are missing, gradients corrected for it
+      lanes_sums(tile, diffusion && !eulerian ? 2 : 1, sum);
+      /* Eulerian: that of a full lattice: where neighbours are missing, gradients corrected for it
        * would let sound run faster than it is slowed down. */
       double stiff = !diffusion ? 0
-                     : sites    ? pass->dt * pass->diffusion * pass->weights
+                     : eulerian ? pass->dt * pass->diffusion * pass->weights
                                 : pass->dt * diffuse * sum[1];
       double rate = sum[0] + (p->rate != NULL ? (double)p->rate[i] : 0);
       p->state_next[i] =
@@ -427,7 +426,7 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
   }
 }
 
-#include "sphsolve/wcsph/engine/pairs_account.h"
+#include "sphsolve/wcsph/engine/pairs_budget.h"
 
 /* ---- counting ---- */
 SIMD_INLINE uint64_t count_columns(const struct pass *pass, struct local *local,
@@ -470,10 +469,10 @@ static void count_wall(const struct pass *pass, struct local *local, size_t begi
 }
 
 /* ---- instances ---- */
-#define FORCE(wall, viscosity, shift)                                                              \
-  static void force_##wall##_##viscosity##_##shift(const struct pass *pass, struct local *local,   \
-                                                   size_t begin, size_t end) {                     \
-    force_rows(pass, local, begin, end, PASS_##wall, viscosity, shift);                            \
+#define FORCE(wall, viscous, shift)                                                                \
+  static void force_##wall##_##viscous##_##shift(const struct pass *pass, struct local *local,     \
+                                                 size_t begin, size_t end) {                       \
+    force_rows(pass, local, begin, end, PASS_##wall, viscous, shift);                              \
   }
 #define FORCES(wall) FORCE(wall, 0, 0) FORCE(wall, 0, 1) FORCE(wall, 1, 0) FORCE(wall, 1, 1)
 FORCES(FROZEN)
@@ -489,8 +488,8 @@ FORCES(SUBVOXEL)
   CONTINUITY(walls, 0, 0) CONTINUITY(walls, 0, 1) CONTINUITY(walls, 1, 0) CONTINUITY(walls, 1, 1)
 CONTINUITIES(0)
 CONTINUITIES(1)
-static void sites_continuity(const struct pass *pass, struct local *local, size_t begin,
-                             size_t end) {
+static void eulerian_continuity(const struct pass *pass, struct local *local, size_t begin,
+                                size_t end) {
   continuity_rows(pass, local, begin, end, false, true, false, true);
 }
 #define CONTINUITY_EXACT(diffusion, shift)                                                         \
@@ -527,14 +526,14 @@ const struct pair_table TABLE_NAME(KERNEL_NAME, SIMD_ISA) = {
               TABLE_FORCE(OPEN),
               TABLE_FORCE(ADAMI),
               TABLE_FORCE(SUBVOXEL),
-              {{sites_pull, sites_pull}, {sites_flow, sites_flow}}},
+              {{eulerian_pull, eulerian_pull}, {eulerian_flow, eulerian_flow}}},
     .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
     .continuity_exact = TABLE_CONTINUITY(exact),
-    .sites_walls = sites_walls,
-    .sites_moments = sites_moments,
-    .sites_continuity = sites_continuity,
+    .eulerian_walls = eulerian_walls,
+    .eulerian_moments = eulerian_moments,
+    .eulerian_continuity = eulerian_continuity,
     .image_velocity = image_velocity,
-    .account = account,
+    .budget = budget,
     .count = count,
     .count_wall = count_wall,
 };

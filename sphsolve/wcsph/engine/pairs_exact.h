@@ -45,7 +45,7 @@ static void times(double m[3][3], double v[3]) {
 
 /* As row_force_fluid, of fluid alone. */
 SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *local, size_t n,
-                                 const vec at[3], size_t i, const float carry[3], bool viscosity,
+                                 const vec at[3], size_t i, const float carry[3], bool viscous,
                                  bool shift, struct row_force *row) {
   const struct particles *p = pass->particles;
   float tile[24][SIMD_LANES];
@@ -63,7 +63,7 @@ SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *lo
       sum[1] -= weight * g.y;
       sum[2] -= weight * g.z;
       moment_pair(slope, &g, sum + 3);
-      if (viscosity) viscosity_morris_pair(slope, dv[0], dv[1], dv[2], sum + 9);
+      if (viscous) viscosity_morris_pair(slope, dv[0], dv[1], dv[2], sum + 9);
       if (!shift) continue;
       shifting_pair(slope, g.x, g.y, g.z, sum + 12);
       tensor_pair(slope, &g, dv, sum + 15);
@@ -80,7 +80,7 @@ SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *lo
     row->pressure[a] = s[a];
     row->velocity[a] = s[9 + a] / mean;
     for (int b = 0; b < 3; b++) row->velocity[a] += u[b] * s[15 + 3 * b + a];
-    row->crowd[a] = s[12 + a];
+    row->concentration[a] = s[12 + a];
   }
 }
 

@@ -29,8 +29,9 @@ static size_t fluid_arrays(struct particles *p, const struct particle_fields *fi
   *kept = n;
   for (int a = 0; a < 3; a++) list[n++] = (struct each){(void **)&p->v_next[a], true};
   list[n++] = (struct each){(void **)&p->rate, fields->rate};
-  for (int k = 0; k < 2; k++) list[n++] = (struct each){(void **)&p->flux[k], fields->sites};
-  for (int k = 0; k < 5; k++) list[n++] = (struct each){(void **)&p->site_terms[k], fields->sites};
+  for (int k = 0; k < 2; k++) list[n++] = (struct each){(void **)&p->flux[k], fields->eulerian};
+  for (int k = 0; k < 5; k++)
+    list[n++] = (struct each){(void **)&p->site_terms[k], fields->eulerian};
   return n;
 }
 
@@ -67,7 +68,7 @@ size_t particles_bytes_wall(const struct particle_fields *fields) {
 /* The fields a set of particles has, seen from what is allocated. */
 static struct particle_fields fields_of(const struct particles *p) {
   return (struct particle_fields){
-      .shift = p->shift[0] != NULL, .rate = p->rate != NULL, .sites = p->flux[0] != NULL};
+      .shift = p->shift[0] != NULL, .rate = p->rate != NULL, .eulerian = p->flux[0] != NULL};
 }
 
 static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,
@@ -83,7 +84,7 @@ cleanup:
   return status;
 }
 
-enum status particles_make_sites(struct particles *p) {
+enum status particles_make_site_terms(struct particles *p) {
   enum status status = STATUS_OK;
   for (int k = 0; k < 2 && p->flux[k] == NULL; k++)
     TRY(memory_allocate(&p->flux[k], p->capacity, sizeof *p->flux[k], "flux of particles"));
@@ -202,8 +203,8 @@ enum status particles_sort(struct particles *p) {
   order_sort(entries, scratch, n);
 
   order = (uint32_t *)(void *)scratch; /* done with, and mostly large enough */
-  struct cutter cutter;
-  cutter_start(&cutter, frame, p->reach);
+  struct cluster_builder builder;
+  cluster_builder_start(&builder, frame, p->reach);
   for (size_t k = 0; k < n; k++) {
     uint32_t i = (uint32_t)entries[k], x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
     if (used + 2 * CLUSTER > held) {
@@ -211,7 +212,7 @@ enum status particles_sort(struct particles *p) {
       TRY(memory_resize(&scratch, held, sizeof *order, "particle order"));
       order = (uint32_t *)(void *)scratch;
     }
-    if (!cutter_takes(&cutter, x))
+    if (!cluster_builder_takes(&builder, x))
       while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
     order[used++] = i;
   }
@@ -336,8 +337,8 @@ static enum status make_walls(const struct lattice *lattice, double range,
   order_sort(entries, scratch, n);
   size_t held = 2 * n;
   order = (uint32_t *)(void *)scratch; /* as in particles_sort */
-  struct cutter cutter;
-  cutter_start(&cutter, frame, p->reach);
+  struct cluster_builder builder;
+  cluster_builder_start(&builder, frame, p->reach);
   for (size_t k = 0; k < n; k++) {
     size_t i = (uint32_t)entries[k], at[3];
     uint32_t x[3];
@@ -350,8 +351,8 @@ static enum status make_walls(const struct lattice *lattice, double range,
     for (int a = 0; a < 3; a++) x[a] = frame_site_position(frame, a, (uint32_t)at[a]);
     const bool turns = fields->wall_region && lattice->region != NULL && k > 0 &&
                        lattice->region[i] != lattice->region[(uint32_t)entries[k - 1]];
-    if (turns) cutter.members = 0;
-    if (!cutter_takes(&cutter, x) || turns)
+    if (turns) builder.members = 0;
+    if (!cluster_builder_takes(&builder, x) || turns)
       while (used % CLUSTER != 0) order[used++] = NO_PARTICLE;
     order[used++] = (uint32_t)i;
   }

@@ -33,7 +33,7 @@ struct particles {
   float *shift[3]; /* m/s: velocity of a particle beyond that of the fluid; NULL without */
   float *rate;     /* beside sub-voxel walls, from the force pass to the next: see struct pass */
   uint32_t *id;    /* site the particle started from */
-  /* On sites (pairs_sites.h): what the sites around do, packed; and from the force pass to the
+  /* Eulerian (pairs_eulerian.h): what the sites around do, packed; and from the force pass to the
    * next, packed too, what the flux that the continuity equation balances has beyond the velocity.
    */
   float *site_terms[5], *flux[2];
@@ -57,7 +57,7 @@ struct particles {
 
 /* What the effects of a run need; the rest stays NULL. */
 struct particle_fields {
-  bool shift, rate, sites;
+  bool shift, rate, eulerian;
   bool wall_state, wall_base, wall_depth, wall_v, wall_region;
 };
 
@@ -86,7 +86,7 @@ enum status particles_resize(struct particles *particles, size_t clusters);
 enum status particles_hold(struct particles *particles, size_t from, size_t count, size_t to,
                            size_t clusters);
 /* Room for what stands on sites: not before particles are in order, which takes as much. */
-enum status particles_make_sites(struct particles *particles);
+enum status particles_make_site_terms(struct particles *particles);
 /* Walls, and what is kept of them, are not needed any more. */
 void particles_drop_walls(struct particles *particles);
 enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,

@@ -1,4 +1,4 @@
-#include "analyze/report/page_ledger.h"
+#include "analyze/report/page_budget.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,28 +7,28 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-struct account {
+struct budget {
   size_t count;
   char **terms;
   double (*impulse)[3], *work;
   uint8_t *numerical;
 };
 
-static void account_free(struct account *account) {
-  h5_free_texts(account->count, &account->terms);
-  memory_free(&account->impulse);
-  memory_free(&account->work);
-  memory_free(&account->numerical);
+static void budget_free(struct budget *budget) {
+  h5_free_texts(budget->count, &budget->terms);
+  memory_free(&budget->impulse);
+  memory_free(&budget->work);
+  memory_free(&budget->numerical);
 }
 
-static enum status account_read(struct h5_file *file, struct account *account) {
+static enum status budget_read_rows(struct h5_file *file, struct budget *budget) {
   enum status status = STATUS_OK;
   size_t works = 0, flags = 0, shape[2] = {0, 0};
-  TRY(h5_read_texts(file, "/run/ledger/words", &account->count, &account->terms));
-  TRY(h5_read(file, "/run/ledger/impulse", H5_F64, 2, shape, &account->impulse));
-  TRY(h5_read(file, "/run/ledger/work", H5_F64, 1, &works, &account->work));
-  TRY(h5_read(file, "/run/ledger/numerical", H5_U8, 1, &flags, &account->numerical));
-  if (works != account->count || flags != works || shape[0] != works || shape[1] != 3)
+  TRY(h5_read_texts(file, "/run/ledger/words", &budget->count, &budget->terms));
+  TRY(h5_read(file, "/run/ledger/impulse", H5_F64, 2, shape, &budget->impulse));
+  TRY(h5_read(file, "/run/ledger/work", H5_F64, 1, &works, &budget->work));
+  TRY(h5_read(file, "/run/ledger/numerical", H5_U8, 1, &flags, &budget->numerical));
+  if (works != budget->count || flags != works || shape[0] != works || shape[1] != 3)
     TRY_FAIL(STATUS_INPUT, "%s: /run/ledger has lists of different lengths: the file is damaged",
              h5_path(file));
 cleanup:
@@ -88,9 +88,9 @@ static bool is_steady(struct h5_file *file) {
 
 static enum status one_run(const struct run *run, struct h5_file *file, FILE *stream) {
   enum status status = STATUS_OK;
-  struct account account = {0};
+  struct budget budget = {0};
   double start[3], end[3], open[3];
-  TRY(account_read(file, &account));
+  TRY(budget_read_rows(file, &budget));
   TRY(h5_read_attribute(file, "/run/ledger", "account_momentum_start", H5_F64, 3, start));
   TRY(h5_read_attribute(file, "/run/ledger", "account_momentum_end", H5_F64, 3, end));
   TRY(h5_read_attribute(file, "/run/ledger", "momentum_open", H5_F64, 3, open));
@@ -109,11 +109,11 @@ static enum status one_run(const struct run *run, struct h5_file *file, FILE *st
         stream);
   row(stream, "on", "there at the start", start, attribute(file, "energy_start"));
   for (int numerical = 0; numerical < 2; numerical++)
-    for (size_t t = 0; t < account.count; t++) {
+    for (size_t t = 0; t < budget.count; t++) {
       char words[160];
-      if (account.numerical[t] != numerical) continue;
-      snprintf(words, sizeof words, "%s%s", account.terms[t], numerical ? " (numerical)" : "");
-      row(stream, numerical ? "off" : "on", words, account.impulse[t], account.work[t]);
+      if (budget.numerical[t] != numerical) continue;
+      snprintf(words, sizeof words, "%s%s", budget.terms[t], numerical ? " (numerical)" : "");
+      row(stream, numerical ? "off" : "on", words, budget.impulse[t], budget.work[t]);
     }
   row(stream, "on", "not accounted for", open, attribute(file, "energy_open"));
   row(stream, "on", "there at the end", end, attribute(file, "energy_end"));
@@ -127,11 +127,11 @@ static enum status one_run(const struct run *run, struct h5_file *file, FILE *st
   fputs(".</p>\n", stream);
   TRY(losses(file, stream));
 cleanup:
-  account_free(&account);
+  budget_free(&budget);
   return status;
 }
 
-enum status page_has_ledger(const struct run *runs, size_t n, bool *any) {
+enum status page_has_budget(const struct run *runs, size_t n, bool *any) {
   enum status status = STATUS_OK;
   *any = false;
   for (size_t i = 0; i < n && !*any; i++) {
@@ -144,7 +144,7 @@ cleanup:
   return status;
 }
 
-enum status page_ledger(const struct run *runs, size_t n, FILE *stream) {
+enum status page_budget(const struct run *runs, size_t n, FILE *stream) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   fputs("<p>What each effect gave the water over the run, summed from the forces it applied. The "

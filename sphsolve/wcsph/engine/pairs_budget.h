@@ -1,4 +1,4 @@
-/* The account of a step: what each effect gives the fluid, from the same sums over pairs that move
+/* The budget of a step: what each effect gives the fluid, from the same sums over pairs that move
  * it, taken apart. With v the velocity before and v' = (v + dt a)/(1 + dt K) the one after, a force
  * F per mass of which K v' is part gives the momentum m F dt and the energy m F.(v + v')/2 dt: an
  * identity of the leapfrog, so that what is not accounted for is only what no effect has counted.
@@ -9,15 +9,15 @@
  * continuity equation's condition of no flow holds the fluid. They differ where the fluid's
  * particles are not spread evenly: summed over all pairs, by -2 sum V P_i grad C_i. The symmetric
  * pressure of frozen walls is its own adjoint. Viscous pairs of fluid are antisymmetric; beside
- * sub-voxel walls what the curvature adds to them (wall_subvoxel.h), and on sites what B adds to
- * the pressure gradient, is the wall's. */
-#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_ACCOUNT_H
-#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_ACCOUNT_H
+ * sub-voxel walls what the curvature adds to them (wall_subvoxel.h), and for Eulerian particles
+ * what B adds to the pressure gradient, is the wall's. */
+#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
+#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
 
 /* Sums over columns [0, n), as force_rows has them: of pressure and viscosity, and with the weights
  * of the carry and of the offsets. */
-static void row_account(const struct pass *pass, const struct local *local, size_t n,
-                        const vec at[3], size_t i, struct row_force *row, struct row_force *moved) {
+static void row_budget(const struct pass *pass, const struct local *local, size_t n,
+                       const vec at[3], size_t i, struct row_force *row, struct row_force *moved) {
   const struct particles *p = pass->particles;
   float carry[3] = {0};
   memset(row, 0, sizeof *row);
@@ -32,12 +32,12 @@ static void row_account(const struct pass *pass, const struct local *local, size
   default:
     row_force_fluid(pass, local, n, at, i, carry, false, true, false, false, row);
   }
-  const bool sites = pass->wall == PASS_SITES;
+  const bool eulerian = pass->wall == PASS_EULERIAN;
   for (int a = 0; a < 3 && pass->shifts; a++) carry[a] = p->shift[a][i];
-  for (int a = 0; a < 3 && sites; a++) carry[a] = -p->v[a][i];
+  for (int a = 0; a < 3 && eulerian; a++) carry[a] = -p->v[a][i];
   if (pass->wall == PASS_OPEN && pass->shifts)
     row_force_exact(pass, local, n, at, i, carry, false, true, moved);
-  else if (pass->shifts || sites || pass->wall == PASS_ADAMI)
+  else if (pass->shifts || eulerian || pass->wall == PASS_ADAMI)
     row_force_fluid(pass, local, n, at, i, carry, false, false, true, true, moved);
 }
 
@@ -62,19 +62,20 @@ struct row_sides {
   struct site_terms terms;
 };
 
-static void account_row(const struct pass *pass, size_t i, const struct row_force *fluid,
-                        const struct row_force *moved, const struct row_sides *walls,
-                        struct pass_account *sum) {
+static void budget_row(const struct pass *pass, size_t i, const struct row_force *fluid,
+                       const struct row_force *moved, const struct row_sides *walls,
+                       struct pass_budget *sum) {
   const struct particles *p = pass->particles;
-  const bool sites = pass->wall == PASS_SITES, subvoxel = sites || pass->wall == PASS_SUBVOXEL;
+  const bool eulerian = pass->wall == PASS_EULERIAN,
+             subvoxel = eulerian || pass->wall == PASS_SUBVOXEL;
   const double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
   struct site_terms terms = walls->terms;
-  const double state = (double)p->state[i], kept = sites ? terms.kept : 1 - walls->near.beta;
-  double drag = 2 * pass->viscosity * pass->l_scale, stiff = 0;
+  const double state = (double)p->state[i], kept = eulerian ? terms.kept : 1 - walls->near.beta;
+  double drag = 2 * pass->kinematic_viscosity * pass->l_scale, stiff = 0;
   double pull[3] = {fluid->pressure[0], fluid->pressure[1], fluid->pressure[2]};
   if (pass->wall == PASS_FROZEN) drag *= state;
-  if (subvoxel) stiff = drag / kept * (sites ? terms.weight : walls->near.weight);
-  if (sites) times(terms.correction, pull);
+  if (subvoxel) stiff = drag / kept * (eulerian ? terms.weight : walls->near.weight);
+  if (eulerian) times(terms.correction, pull);
   for (int a = 0; a < 3; a++) {
     const double v = (double)p->v[a][i], viscous = drag * fluid->velocity[a];
     const double pressed = gradient * square * (pull[a] + walls->pairs.pressure[a]);
@@ -90,27 +91,27 @@ static void account_row(const struct pass *pass, size_t i, const struct row_forc
     sum->force_work += pass->force[a] * mean;
     sum->pressure[a] += pressed;
     sum->pressure_work += pressed * mean;
-    sum->viscosity[a] += viscous;
-    sum->viscosity_work += viscous * mean;
+    sum->viscous[a] += viscous;
+    sum->viscous_work += viscous * mean;
     sum->friction[a] += friction;
     sum->friction_work += friction * mean;
     sum->shift[a] += shifted;
     sum->shift_work += shifted * mean;
     double wall = walls->pairs.pressure[a];
-    if (pass->wall == PASS_ADAMI) wall -= 2 * state * walls->moved.crowd[a];
+    if (pass->wall == PASS_ADAMI) wall -= 2 * state * walls->moved.concentration[a];
     if (subvoxel) wall = -2 * state * walls->near.offsets[a];
-    if (sites) wall = pull[a] - fluid->pressure[a] + 2 * state * moved->crowd[a];
+    if (eulerian) wall = pull[a] - fluid->pressure[a] + 2 * state * moved->concentration[a];
     sum->wall_pressure[a] += gradient * square * wall;
   }
   sum->elastic += square * elastic(pass, state);
 }
 
-static void account(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+static void budget(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   const struct particles *p = pass->particles;
   const bool subvoxel = pass->wall == PASS_SUBVOXEL, moving = p->wall_velocity != NULL;
   const float *fields[4] = {p->v[0], p->v[1], p->v[2], p->state};
   const float *wall_fields[4] = {p->wall_v[0], p->wall_v[1], p->wall_v[2], p->wall_state};
-  struct pass_account *sum = &pass->account[begin / PASS_BLOCK];
+  struct pass_budget *sum = &pass->budget[begin / PASS_BLOCK];
   memset(sum, 0, sizeof *sum);
   for (size_t c = begin; c < end; c++) {
     struct row_force fluid[CLUSTER], moved[CLUSTER];
@@ -124,11 +125,11 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
       row_position(pass, &ref, l, at);
-      row_account(pass, local, n, at, c * CLUSTER + (size_t)l, &fluid[l], &moved[l]);
+      row_budget(pass, local, n, at, c * CLUSTER + (size_t)l, &fluid[l], &moved[l]);
     }
     memset(walls, 0, sizeof walls);
     n = 0;
-    if (pass->wall != PASS_OPEN && pass->wall != PASS_SITES)
+    if (pass->wall != PASS_OPEN && pass->wall != PASS_EULERIAN)
       n = gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref,
                          !subvoxel ? 4
                          : moving  ? 3
@@ -142,15 +143,15 @@ static void account(const struct pass *pass, struct local *local, size_t begin, 
       if (!ref.live[l]) continue;
       const size_t i = c * CLUSTER + (size_t)l;
       row_position(pass, &ref, l, at);
-      if (pass->wall == PASS_SITES) site_terms_load(p, i, &walls[l].terms);
+      if (pass->wall == PASS_EULERIAN) site_terms_load(p, i, &walls[l].terms);
       if (n > 0 && subvoxel && moving)
         row_force_subvoxel(pass, local, 0, n, at, i, true, &walls[l].near);
       else if (n > 0 && subvoxel)
         row_force_subvoxel(pass, local, 0, n, at, i, false, &walls[l].near);
       else if (n > 0)
-        row_account(pass, local, n, at, i, &walls[l].pairs, &walls[l].moved);
+        row_budget(pass, local, n, at, i, &walls[l].pairs, &walls[l].moved);
       if (!moving) memset(walls[l].near.drag, 0, sizeof walls[l].near.drag);
-      account_row(pass, i, &fluid[l], &moved[l], &walls[l], sum);
+      budget_row(pass, i, &fluid[l], &moved[l], &walls[l], sum);
     }
   }
 }

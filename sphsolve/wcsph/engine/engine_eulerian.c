@@ -1,4 +1,4 @@
-#include "sphsolve/wcsph/engine/engine_sites.h"
+#include "sphsolve/wcsph/engine/engine_eulerian.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,7 +15,7 @@ static double distance_of(const struct engine *engine, double there) {
   return fmax(there, WALL_SUBVOXEL_FLOOR * engine->pass.spacing);
 }
 
-void engine_sites_begin(struct engine *engine) {
+void engine_eulerian_begin(struct engine *engine) {
   struct particles *p = &engine->particles;
   const float *field = engine->lattice->wall_distance;
   p->distance = p->v_next[0]; /* a row reads its distance before it writes its sums */
@@ -26,7 +26,7 @@ void engine_sites_begin(struct engine *engine) {
       p->distance[i] = (float)distance_of(engine, (double)field[p->id[i]]);
 }
 
-void engine_sites_finish(struct engine *engine) {
+void engine_eulerian_finish(struct engine *engine) {
   struct particles *p = &engine->particles;
   const struct pass *pass = &engine->pass;
   const double h = pass->smoothing_length, moment = pass->g_scale * 2 * h;
@@ -55,7 +55,7 @@ void engine_sites_finish(struct engine *engine) {
   }
 }
 
-void engine_sites_flux(struct engine *engine) {
+void engine_eulerian_flux(struct engine *engine) {
   struct particles *p = &engine->particles;
   const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)

@@ -1,7 +1,7 @@
 /* The balance at the end of a run: what there was, what came and went, what is left, and by how
- * much the account does not close. */
-#ifndef TOSUI_SPHSOLVE_OUTPUT_LEDGER_H
-#define TOSUI_SPHSOLVE_OUTPUT_LEDGER_H
+ * much the budget does not close. */
+#ifndef TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
+#define TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -10,13 +10,13 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
-#define LEDGER_LOSSES 256 /* kept one by one; all are counted */
+#define CONSERVATION_LOSSES 256 /* kept one by one; all are counted */
 
 /* What momentum and energy come from and go to: X(symbol, name, words, numerical). Each is summed
  * where its effect is computed, from the forces that effect applies; nothing is found as what is
  * left over. A scene has only the terms of its own effects. `numerical`: the equations have no such
  * term, the method does. An effect with a `force` (struct effect) needs no line here. */
-#define LEDGER_LIST                                                                                \
+#define BUDGET_LIST                                                                                \
   X(FORCE, "force", "driving force", 0)                                                            \
   X(WALL_PRESSURE, "wall_pressure", "pressure of walls", 0)                                        \
   X(WALL_FRICTION, "wall_friction", "friction at walls", 0)                                        \
@@ -39,34 +39,34 @@
   X(STRAIGHTENING, "straightening", "straightening at open sides", 1)                              \
   X(ENERGY_BOUND, "energy_bound", "what keeps energy from rising", 1)                              \
   X(TIME_STEP, "time_step", "time stepping", 1)
-enum ledger_term {
-#define X(symbol, name, words, numerical) LEDGER_##symbol,
-  LEDGER_LIST
+enum budget_term {
+#define X(symbol, name, words, numerical) BUDGET_##symbol,
+  BUDGET_LIST
 #undef X
-      LEDGER_OWN, /* of effects that bring a force of their own (struct effect), and their name */
-  LEDGER_TERMS = LEDGER_OWN + 4
+      BUDGET_OWN, /* of effects that bring a force of their own (struct effect), and their name */
+  BUDGET_TERMS = BUDGET_OWN + 4
 };
 
-struct ledger_sums {
-  double impulse[LEDGER_TERMS][3]; /* kg m/s, given to the water */
-  double work[LEDGER_TERMS];       /* J, given to the water */
+struct budget_sums {
+  double impulse[BUDGET_TERMS][3]; /* kg m/s, given to the water */
+  double work[BUDGET_TERMS];       /* J, given to the water */
 };
 
 /* Momentum and energy that the equations keep, and all that changed them. Potential energy is what
- * the driving force has not given yet: its work is LEDGER_FORCE's. */
-struct ledger_account {
+ * the driving force has not given yet: its work is BUDGET_FORCE's. */
+struct budget {
   uint32_t on;                      /* 1u << term */
   double momentum[2][3], energy[2]; /* at the start and at the end */
-  struct ledger_sums sums;
+  struct budget_sums sums;
   /* What sums at intervals may miss of their integrals over time, of all terms; 0: each step is
    * summed. */
   double momentum_error, energy_error;
-  char own[LEDGER_TERMS - LEDGER_OWN][32]; /* names of those from LEDGER_OWN on */
+  char own[BUDGET_TERMS - BUDGET_OWN][32]; /* names of those from BUDGET_OWN on */
 };
 
 /* Filled by a method; mass in kg. `known` is false where particles do not move (stokes); `steady`
  * is true there, and the balance is that of a flow that does not change. */
-struct ledger {
+struct conservation {
   bool known, steady;
   double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
   double force_open; /* steady: what walls and pressure leave of the driving force, relative */
@@ -74,45 +74,45 @@ struct ledger {
   uint64_t start, entered, left, lost, end;  /* particles */
   double entered_mass, left_mass, lost_mass; /* kg */
   /* Each of the first losses: particle, time (s), x, y, z (m), mass (kg). */
-  double losses[LEDGER_LOSSES][6];
-  /* From the history, by ledger_account: */
+  double losses[CONSERVATION_LOSSES][6];
+  /* From the history, by conservation_integrate: */
   double mass[2], momentum[2][3], kinetic_energy[2]; /* at the start and at the end */
-  double impulse[3];             /* kg m/s: of gravity and other body forces, integral of m a dt */
-  double work;                   /* J: of the same, integral of momentum . a dt */
-  struct ledger_account account; /* on == 0: none is kept */
+  double impulse[3];    /* kg m/s: of gravity and other body forces, integral of m a dt */
+  double work;          /* J: of the same, integral of momentum . a dt */
+  struct budget budget; /* on == 0: none is kept */
 };
 
-/* One row of the history as the account needs it. */
-struct ledger_row {
+/* One row of the history as the budget needs it. */
+struct conservation_row {
   double time, mass, momentum[3], kinetic_energy;
 };
 
 /* Goes through the rows in the order of time; The integrals are
  * by the trapezium rule between rows. */
-void ledger_account(struct ledger *ledger, size_t rows, const struct ledger_row *row,
-                    const double acceleration[3]);
+void conservation_integrate(struct conservation *conservation, size_t rows,
+                            const struct conservation_row *row, const double acceleration[3]);
 /* start + entered - left - lost - end: 0 when no particle is unaccounted for. */
-int64_t ledger_particles_open(const struct ledger *ledger);
+int64_t conservation_particles_open(const struct conservation *conservation);
 /* The same of the mass, kg. */
-double ledger_mass_open(const struct ledger *ledger);
-static inline bool ledger_is_on(const struct ledger_account *account, int term) {
-  return account->on >> term & 1;
+double conservation_mass_open(const struct conservation *conservation);
+static inline bool budget_is_on(const struct budget *budget, int term) {
+  return budget->on >> term & 1;
 }
-const char *ledger_name(const struct ledger_account *account, int term);
-/* How far an account does not close: end - start - sum of the terms; as a vector and over the
+const char *budget_name(const struct budget *budget, int term);
+/* How far a budget does not close: end - start - sum of the terms; as a vector and over the
  * largest of the terms and of the change, 0 where all are 0. */
-double ledger_momentum_open(const struct ledger_account *account, double open[3]);
-double ledger_energy_open(const struct ledger_account *account, double *open);
-void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums);
-/* A running account in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that
+double budget_momentum_open(const struct budget *budget, double open[3]);
+double budget_energy_open(const struct budget *budget, double *open);
+void budget_add(struct budget_sums *to, const struct budget_sums *sums);
+/* A running budget in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that
  * follow it in the same struct. `on` is the scene's and stays. */
-enum status ledger_account_write(const struct ledger_account *account, size_t bytes,
-                                 struct h5_file *file, const char *name);
-enum status ledger_account_read(struct ledger_account *account, size_t bytes, struct h5_file *file,
-                                const char *name);
+enum status budget_write(const struct budget *budget, size_t bytes, struct h5_file *file,
+                         const char *name);
+enum status budget_read(struct budget *budget, size_t bytes, struct h5_file *file,
+                        const char *name);
 /* /run/ledger. */
-enum status ledger_write(const struct ledger *ledger, struct h5_file *file);
+enum status conservation_write(const struct conservation *conservation, struct h5_file *file);
 /* A few lines on stdout. */
-void ledger_print(const struct ledger *ledger);
+void conservation_print(const struct conservation *conservation);
 
 #endif

@@ -1,7 +1,7 @@
 /* What the error of k is made of. Methods and the cascade of lattices fill it; the record, stdout
  * and the report show it. */
-#ifndef TOSUI_SPHSOLVE_OUTPUT_ERROR_BUDGET_H
-#define TOSUI_SPHSOLVE_OUTPUT_ERROR_BUDGET_H
+#ifndef TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
+#define TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
 
 #include <stdbool.h>
 
@@ -21,7 +21,7 @@ struct error_level {
 };
 
 /* Relative parts, 95 % half widths where they are statistical; NAN: unknown or of no concern. */
-struct error_budget {
+struct uncertainty {
   double resolution; /* of the estimate from all lattices; the larger of low and high */
   double scan;       /* what the scanner's blur and noise did */
   double sides;      /* how the sample's sides are closed */
@@ -43,14 +43,13 @@ struct error_budget {
 };
 
 /* All parts unknown. */
-struct error_budget error_budget_none(void);
+struct uncertainty uncertainty_none(void);
 /* Roots of the sums of squares of the known parts, down and up; NAN if none is known. */
-void error_budget_total(const struct error_budget *budget, double *low, double *high);
+void uncertainty_total(const struct uncertainty *u, double *low, double *high);
 /* The larger of the two. */
-double error_budget_largest(const struct error_budget *budget);
+double uncertainty_largest(const struct uncertainty *u);
 
 /* As attributes of /run/error, and /run/levels with k in m/s, by that factor from m^2. */
-enum status error_budget_write(const struct error_budget *budget, double to_speed,
-                               struct h5_file *file);
+enum status uncertainty_write(const struct uncertainty *u, double to_speed, struct h5_file *file);
 
 #endif

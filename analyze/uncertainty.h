@@ -1,6 +1,6 @@
 /* What the error of k is made of: the same split wherever a k is shown. */
-#ifndef TOSUI_ANALYZE_ERROR_BUDGET_H
-#define TOSUI_ANALYZE_ERROR_BUDGET_H
+#ifndef TOSUI_ANALYZE_UNCERTAINTY_H
+#define TOSUI_ANALYZE_UNCERTAINTY_H
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 #include "analyze/run_file.h"
 
 /* Relative parts; NAN: unknown. */
-struct error_budget {
+struct uncertainty {
   double resolution; /* grid convergence index; where a run holds none, what explain expected */
   double scan;       /* blur and noise of the scan */
   double sides;      /* closed, mirrored or wrapped sides of the sample */
@@ -24,13 +24,13 @@ struct error_budget {
 };
 
 /* From the run and, where it is found, its model file; what is not known stays NAN. */
-void error_budget_read(const struct run *run, struct error_budget *budget);
+void uncertainty_read(const struct run *run, struct uncertainty *u);
 
 /* Root of the sum of squares of the known parts. */
-double error_budget_total(const struct error_budget *budget);
+double uncertainty_total(const struct uncertainty *u);
 
 /* For JSON: "error_budget" and the slopes, set in `object`; for people: two lines. */
-void error_budget_json(const struct error_budget *budget, json_t *object);
-void error_budget_write(const struct error_budget *budget, FILE *stream);
+void uncertainty_json(const struct uncertainty *u, json_t *object);
+void uncertainty_write(const struct uncertainty *u, FILE *stream);
 
 #endif

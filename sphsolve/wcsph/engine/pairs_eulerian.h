@@ -1,19 +1,19 @@
-/* Rows beside sub-voxel walls whose particles stay on their sites (effects/advection.h). What the
+/* Rows beside sub-voxel walls of Eulerian particles (effects/advection.h). What the
  * sites around a row do to it is then the same in every step: it is summed once, by the first two
  * passes here, and packed (site_terms.h); steps visit pairs of fluid alone. The equations are those
  * of method stokes, with the change in time and advection:
  *   dv/dt = -(v . grad) v + F - B G p + nu (pairs of fluid - weight v)/(1 - beta)
- *   dp/dt = -c^2 D B (v + tau G p) + c^2 tau lap p
+ *   dp/dt = -c^2 D B (v + gamma G p) + c^2 gamma lap p
  * p over density, G p the sum over its differences, D its transpose, B the inverse of G's moment
- * (Bonet, Lok 1999), tau lap p against checkerboards with, beside it, the divergence that takes
+ * (Bonet, Lok 1999), gamma lap p against checkerboards with, beside it, the divergence that takes
  * back what it does to smooth pressures. */
-#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_SITES_H
-#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_SITES_H
+#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
+#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
 
 #include "sphsolve/wcsph/engine/site_terms.h"
 
 /* Sums over walls: weight and beta (0 where distances are rough), into v_next. */
-static void sites_walls(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+static void eulerian_walls(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   struct particles *p = pass->particles;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
@@ -48,7 +48,8 @@ static void sites_walls(const struct pass *pass, struct local *local, size_t beg
 }
 
 /* Moments over fluid, into the five site terms and v_next. */
-static void sites_moments(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+static void eulerian_moments(const struct pass *pass, struct local *local, size_t begin,
+                             size_t end) {
   struct particles *p = pass->particles;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
@@ -78,8 +79,8 @@ static void sites_moments(const struct pass *pass, struct local *local, size_t b
 }
 
 /* `flow`: all that moves the fluid; otherwise force and pressure alone, and no flux. */
-SIMD_INLINE void sites_force_rows(const struct pass *pass, struct local *local, size_t begin,
-                                  size_t end, bool flow) {
+SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *local, size_t begin,
+                                     size_t end, bool flow) {
   struct particles *p = pass->particles;
   const float *fluid[4] = {p->v[0], p->v[1], p->v[2], p->state};
   const double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
@@ -98,7 +99,7 @@ SIMD_INLINE void sites_force_rows(const struct pass *pass, struct local *local, 
       vec at[3];
       row_position(pass, &ref, l, at);
       site_terms_load(p, i, &terms);
-      const double drag = 2 * pass->viscosity * pass->l_scale / terms.kept;
+      const double drag = 2 * pass->kinematic_viscosity * pass->l_scale / terms.kept;
       for (int a = 0; a < 3; a++) carry[a] = (float)(-gradient / drag * (double)p->v[a][i]);
       row_force_fluid(pass, local, n, at, i, carry, false, flow, flow, false, &row);
       for (int a = 0; a < 3; a++) {
@@ -124,11 +125,11 @@ SIMD_INLINE void sites_force_rows(const struct pass *pass, struct local *local, 
     }
   }
 }
-static void sites_pull(const struct pass *pass, struct local *local, size_t begin, size_t end) {
-  sites_force_rows(pass, local, begin, end, false);
+static void eulerian_pull(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+  eulerian_force_rows(pass, local, begin, end, false);
 }
-static void sites_flow(const struct pass *pass, struct local *local, size_t begin, size_t end) {
-  sites_force_rows(pass, local, begin, end, true);
+static void eulerian_flow(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+  eulerian_force_rows(pass, local, begin, end, true);
 }
 
 #endif

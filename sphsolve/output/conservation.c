@@ -1,4 +1,4 @@
-#include "sphsolve/output/ledger.h"
+#include "sphsolve/output/conservation.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -8,20 +8,21 @@
 
 #include "common/memory.h"
 
-void ledger_account(struct ledger *ledger, size_t rows, const struct ledger_row *row,
-                    const double acceleration[3]) {
+void conservation_integrate(struct conservation *conservation, size_t rows,
+                            const struct conservation_row *row, const double acceleration[3]) {
   for (size_t i = 1; i < rows; i++) {
     double dt = row[i].time - row[i - 1].time;
     for (int a = 0; a < 3; a++) {
-      ledger->impulse[a] += 0.5 * dt * (row[i - 1].mass + row[i].mass) * acceleration[a];
-      ledger->work += 0.5 * dt * (row[i - 1].momentum[a] + row[i].momentum[a]) * acceleration[a];
+      conservation->impulse[a] += 0.5 * dt * (row[i - 1].mass + row[i].mass) * acceleration[a];
+      conservation->work +=
+          0.5 * dt * (row[i - 1].momentum[a] + row[i].momentum[a]) * acceleration[a];
     }
   }
   for (int end = 0; end < 2 && rows > 0; end++) {
-    const struct ledger_row *at = &row[end ? rows - 1 : 0];
-    ledger->mass[end] = at->mass;
-    ledger->kinetic_energy[end] = at->kinetic_energy;
-    memcpy(ledger->momentum[end], at->momentum, sizeof at->momentum);
+    const struct conservation_row *at = &row[end ? rows - 1 : 0];
+    conservation->mass[end] = at->mass;
+    conservation->kinetic_energy[end] = at->kinetic_energy;
+    memcpy(conservation->momentum[end], at->momentum, sizeof at->momentum);
   }
 }
 
@@ -30,121 +31,121 @@ static const struct {
   bool numerical;
 } terms[] = {
 #define X(symbol, name, words, numerical) {name, words, numerical},
-    LEDGER_LIST
+    BUDGET_LIST
 #undef X
 };
 
-const char *ledger_name(const struct ledger_account *account, int term) {
-  return term < LEDGER_OWN ? terms[term].name : account->own[term - LEDGER_OWN];
+const char *budget_name(const struct budget *budget, int term) {
+  return term < BUDGET_OWN ? terms[term].name : budget->own[term - BUDGET_OWN];
 }
 
-static const char *words_of(const struct ledger_account *account, int term) {
-  return term < LEDGER_OWN ? terms[term].words : ledger_name(account, term);
+static const char *words_of(const struct budget *budget, int term) {
+  return term < BUDGET_OWN ? terms[term].words : budget_name(budget, term);
 }
 
 static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-double ledger_momentum_open(const struct ledger_account *account, double open[3]) {
+double budget_momentum_open(const struct budget *budget, double open[3]) {
   double largest;
-  for (int a = 0; a < 3; a++) open[a] = account->momentum[1][a] - account->momentum[0][a];
+  for (int a = 0; a < 3; a++) open[a] = budget->momentum[1][a] - budget->momentum[0][a];
   largest = length(open);
-  for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!ledger_is_on(account, t)) continue;
-    for (int a = 0; a < 3; a++) open[a] -= account->sums.impulse[t][a];
-    largest = fmax(largest, length(account->sums.impulse[t]));
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    if (!budget_is_on(budget, t)) continue;
+    for (int a = 0; a < 3; a++) open[a] -= budget->sums.impulse[t][a];
+    largest = fmax(largest, length(budget->sums.impulse[t]));
   }
   return largest > 0 ? length(open) / largest : 0;
 }
 
-double ledger_energy_open(const struct ledger_account *account, double *open) {
-  double largest = fabs(*open = account->energy[1] - account->energy[0]);
-  for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!ledger_is_on(account, t)) continue;
-    *open -= account->sums.work[t];
-    largest = fmax(largest, fabs(account->sums.work[t]));
+double budget_energy_open(const struct budget *budget, double *open) {
+  double largest = fabs(*open = budget->energy[1] - budget->energy[0]);
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    if (!budget_is_on(budget, t)) continue;
+    *open -= budget->sums.work[t];
+    largest = fmax(largest, fabs(budget->sums.work[t]));
   }
   return largest > 0 ? fabs(*open) / largest : 0;
 }
 
-void ledger_add(struct ledger_sums *to, const struct ledger_sums *sums) {
-  for (int t = 0; t < LEDGER_TERMS; t++) {
+void budget_add(struct budget_sums *to, const struct budget_sums *sums) {
+  for (int t = 0; t < BUDGET_TERMS; t++) {
     for (int a = 0; a < 3; a++) to->impulse[t][a] += sums->impulse[t][a];
     to->work[t] += sums->work[t];
   }
 }
 
-enum status ledger_account_write(const struct ledger_account *account, size_t bytes,
-                                 struct h5_file *file, const char *name) {
+enum status budget_write(const struct budget *budget, size_t bytes, struct h5_file *file,
+                         const char *name) {
   enum status status = STATUS_OK;
   size_t count = bytes / sizeof(double);
   double *numbers = NULL;
-  TRY(memory_allocate(&numbers, count, sizeof *numbers, "the ledger"));
-  memcpy(numbers, account, bytes);
-  numbers[0] = account->on;
+  TRY(memory_allocate(&numbers, count, sizeof *numbers, "the conservation budget"));
+  memcpy(numbers, budget, bytes);
+  numbers[0] = budget->on;
   TRY(h5_write(file, name, H5_F64, 1, &count, numbers, false));
 cleanup:
   memory_free(&numbers);
   return status;
 }
 
-enum status ledger_account_read(struct ledger_account *account, size_t bytes, struct h5_file *file,
-                                const char *name) {
+enum status budget_read(struct budget *budget, size_t bytes, struct h5_file *file,
+                        const char *name) {
   enum status status = STATUS_OK;
-  const uint32_t on = account->on;
+  const uint32_t on = budget->on;
   double *numbers = NULL;
   size_t count = 0;
   TRY(h5_read(file, name, H5_F64, 1, &count, &numbers));
   if (count != bytes / sizeof(double))
     TRY_FAIL(STATUS_INPUT, "%s: %s is not of this version; remove the file to start anew",
              h5_path(file), name);
-  memcpy(account, numbers, bytes);
-  account->on = on;
+  memcpy(budget, numbers, bytes);
+  budget->on = on;
 cleanup:
   memory_free(&numbers);
   return status;
 }
 
-int64_t ledger_particles_open(const struct ledger *l) {
+int64_t conservation_particles_open(const struct conservation *l) {
   return (int64_t)(l->start + l->entered) - (int64_t)(l->left + l->lost + l->end);
 }
 
-double ledger_mass_open(const struct ledger *l) {
+double conservation_mass_open(const struct conservation *l) {
   return l->mass[0] + l->entered_mass - l->left_mass - l->lost_mass - l->mass[1];
 }
 
 /* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
-static enum status write_account(const struct ledger_account *account, struct h5_file *file) {
+static enum status write_budget(const struct budget *budget, struct h5_file *file) {
   enum status status = STATUS_OK;
-  const char *group = "/run/ledger", *names[LEDGER_TERMS], *words[LEDGER_TERMS];
-  double impulse[LEDGER_TERMS][3], work[LEDGER_TERMS], open[3] = {0}, energy_open;
-  uint8_t numerical[LEDGER_TERMS];
+  const char *group = "/run/ledger", *names[BUDGET_TERMS], *words[BUDGET_TERMS];
+  double impulse[BUDGET_TERMS][3], work[BUDGET_TERMS], open[3] = {0}, energy_open;
+  uint8_t numerical[BUDGET_TERMS];
   size_t n = 0;
-  for (int t = 0; t < LEDGER_TERMS; t++) {
-    if (!ledger_is_on(account, t)) continue;
-    memcpy(impulse[n], account->sums.impulse[t], sizeof *impulse);
-    work[n] = account->sums.work[t];
-    numerical[n] = t < LEDGER_OWN && terms[t].numerical;
-    words[n] = words_of(account, t);
-    names[n++] = ledger_name(account, t);
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    if (!budget_is_on(budget, t)) continue;
+    memcpy(impulse[n], budget->sums.impulse[t], sizeof *impulse);
+    work[n] = budget->sums.work[t];
+    numerical[n] = t < BUDGET_OWN && terms[t].numerical;
+    words[n] = words_of(budget, t);
+    names[n++] = budget_name(budget, t);
   }
-  double momentum_share = ledger_momentum_open(account, open);
-  double energy_share = ledger_energy_open(account, &energy_open);
+  double momentum_share = budget_momentum_open(budget, open);
+  double energy_share = budget_energy_open(budget, &energy_open);
   const struct {
     const char *name;
     size_t count;
     const double *values;
-  } numbers[] = {{"account_momentum_start", 3, account->momentum[0]},
-                 {"account_momentum_end", 3, account->momentum[1]},
+  } numbers[] = {{"account_momentum_start", 3, budget->momentum[0]},
+                 {"account_momentum_end", 3, budget->momentum[1]},
                  {"momentum_open", 3, open},
                  {"momentum_open_share", 1, &momentum_share},
-                 {"momentum_sampling_error", 1, &account->momentum_error},
-                 {"energy_start", 1, &account->energy[0]},
-                 {"energy_end", 1, &account->energy[1]},
+                 {"momentum_sampling_error", 1, &budget->momentum_error},
+                 {"energy_start", 1, &budget->energy[0]},
+                 {"energy_end", 1, &budget->energy[1]},
                  {"energy_open", 1, &energy_open},
                  {"energy_open_share", 1, &energy_share},
-                 {"energy_sampling_error", 1, &account->energy_error}};
+                 {"energy_sampling_error", 1, &budget->energy_error}};
   size_t shape[2] = {n, 3};
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
@@ -160,7 +161,7 @@ cleanup:
   return status;
 }
 
-enum status ledger_write(const struct ledger *l, struct h5_file *file) {
+enum status conservation_write(const struct conservation *l, struct h5_file *file) {
   enum status status = STATUS_OK;
   const char *group = "/run/ledger";
   if (l->steady) {
@@ -178,8 +179,8 @@ enum status ledger_write(const struct ledger *l, struct h5_file *file) {
                 {"particles_left", l->left},
                 {"particles_lost", l->lost},
                 {"particles_end", l->end}};
-  int64_t open = ledger_particles_open(l);
-  double mass_open = ledger_mass_open(l), taken[3];
+  int64_t open = conservation_particles_open(l);
+  double mass_open = conservation_mass_open(l), taken[3];
   for (int a = 0; a < 3; a++) taken[a] = l->impulse[a] + l->momentum[0][a] - l->momentum[1][a];
   double dissipated = l->work + l->kinetic_energy[0] - l->kinetic_energy[1];
   const struct {
@@ -207,8 +208,8 @@ enum status ledger_write(const struct ledger *l, struct h5_file *file) {
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
                            numbers[i].values));
-  if (l->account.on != 0) TRY(write_account(&l->account, file));
-  size_t dims[2] = {l->lost < LEDGER_LOSSES ? l->lost : LEDGER_LOSSES, 6};
+  if (l->budget.on != 0) TRY(write_budget(&l->budget, file));
+  size_t dims[2] = {l->lost < CONSERVATION_LOSSES ? l->lost : CONSERVATION_LOSSES, 6};
   if (dims[0] > 0) {
     TRY(h5_write(file, "/run/ledger/losses", H5_F64, 2, dims, l->losses, false));
     TRY(h5_write_attribute_text(file, "/run/ledger/losses", "columns",
@@ -237,51 +238,50 @@ __attribute__((format(printf, 2, 3))) static void print_piece(int *column, const
     *column += printf(" %s", piece);
 }
 
-static void print_account(const struct ledger_account *account) {
+static void print_budget(const struct budget *budget) {
   double open[3] = {0}, energy_open, largest = 0;
-  double momentum_share = ledger_momentum_open(account, open);
-  double energy_share = ledger_energy_open(account, &energy_open);
-  const double(*p)[3] = account->momentum;
+  double momentum_share = budget_momentum_open(budget, open);
+  double energy_share = budget_energy_open(budget, &energy_open);
+  const double(*p)[3] = budget->momentum;
   int column =
       printf("           momentum (kg m/s): (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g):", p[0][0],
              p[0][1], p[0][2], p[1][0], p[1][1], p[1][2]);
-  for (int t = 0; t < LEDGER_TERMS; t++)
-    if (ledger_is_on(account, t)) largest = fmax(largest, length(account->sums.impulse[t]));
-  for (int t = 0; t < LEDGER_TERMS; t++) {
-    const double *given = account->sums.impulse[t];
-    if (ledger_is_on(account, t) && length(given) > PRINTED * largest)
-      print_piece(&column, "%s (%.4g, %.4g, %.4g),", words_of(account, t), given[0], given[1],
+  for (int t = 0; t < BUDGET_TERMS; t++)
+    if (budget_is_on(budget, t)) largest = fmax(largest, length(budget->sums.impulse[t]));
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    const double *given = budget->sums.impulse[t];
+    if (budget_is_on(budget, t) && length(given) > PRINTED * largest)
+      print_piece(&column, "%s (%.4g, %.4g, %.4g),", words_of(budget, t), given[0], given[1],
                   given[2]);
   }
   print_piece(&column, "not accounted for %.2g %% of the largest%s", 100 * momentum_share,
-              account->momentum_error > 0 ? "," : "");
-  if (account->momentum_error > 0)
-    print_piece(&column, "samples may miss %.2g", account->momentum_error);
+              budget->momentum_error > 0 ? "," : "");
+  if (budget->momentum_error > 0)
+    print_piece(&column, "samples may miss %.2g", budget->momentum_error);
   putchar('\n');
-  column = printf("           energy (J): %.4g to %.4g:", account->energy[0], account->energy[1]);
+  column = printf("           energy (J): %.4g to %.4g:", budget->energy[0], budget->energy[1]);
   largest = 0;
-  for (int t = 0; t < LEDGER_TERMS; t++)
-    if (ledger_is_on(account, t)) largest = fmax(largest, fabs(account->sums.work[t]));
-  for (int t = 0; t < LEDGER_TERMS; t++)
-    if (ledger_is_on(account, t) && fabs(account->sums.work[t]) > PRINTED * largest)
-      print_piece(&column, "%s %.4g,", words_of(account, t), account->sums.work[t]);
+  for (int t = 0; t < BUDGET_TERMS; t++)
+    if (budget_is_on(budget, t)) largest = fmax(largest, fabs(budget->sums.work[t]));
+  for (int t = 0; t < BUDGET_TERMS; t++)
+    if (budget_is_on(budget, t) && fabs(budget->sums.work[t]) > PRINTED * largest)
+      print_piece(&column, "%s %.4g,", words_of(budget, t), budget->sums.work[t]);
   print_piece(&column, "not accounted for %.2g, %.2g %% of the largest%s", energy_open,
-              100 * energy_share, account->energy_error > 0 ? "," : "");
-  if (account->energy_error > 0)
-    print_piece(&column, "samples may miss %.2g", account->energy_error);
+              100 * energy_share, budget->energy_error > 0 ? "," : "");
+  if (budget->energy_error > 0) print_piece(&column, "samples may miss %.2g", budget->energy_error);
   putchar('\n');
 }
 
-void ledger_print(const struct ledger *l) {
+void conservation_print(const struct conservation *l) {
   if (l->steady)
-    printf("ledger     mass: the flux is the same through all planes across the flow to %.2g %%\n"
+    printf("budget     mass: the flux is the same through all planes across the flow to %.2g %%\n"
            "           momentum: walls and pressure balance what drives the flow to %.2g\n"
            "           energy: friction takes what drives the flow gives, to %.2g\n",
            100 * l->flux_open, l->force_open, l->power_open);
   if (!l->known) return;
-  int64_t open = ledger_particles_open(l);
-  double mass_open = ledger_mass_open(l);
-  printf("ledger     particles: %" PRIu64 " + %" PRIu64 " in - %" PRIu64 " out - %" PRIu64
+  int64_t open = conservation_particles_open(l);
+  double mass_open = conservation_mass_open(l);
+  printf("budget     particles: %" PRIu64 " + %" PRIu64 " in - %" PRIu64 " out - %" PRIu64
          " lost = %" PRIu64,
          l->start, l->entered, l->left, l->lost, l->end);
   if (open != 0) printf(", and %" PRId64 " unaccounted for", open);
@@ -290,7 +290,7 @@ void ledger_print(const struct ledger *l) {
     printf("closes to the last bit\n");
   else
     printf("open by %.2g of it\n", fabs(mass_open) / fmax(l->mass[0], 1e-300));
-  if (l->account.on != 0) print_account(&l->account);
+  if (l->budget.on != 0) print_budget(&l->budget);
   for (uint64_t i = 0; i < l->lost && i < 3; i++)
     printf("           lost: particle %.0f through a wall at t = %.4g s, (%.4g, %.4g, %.4g) m\n",
            l->losses[i][0], l->losses[i][1], l->losses[i][2], l->losses[i][3], l->losses[i][4]);

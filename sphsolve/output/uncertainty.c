@@ -1,28 +1,28 @@
-#include "sphsolve/output/error_budget.h"
+#include "sphsolve/output/uncertainty.h"
 
 #include <math.h>
 #include <stdio.h>
 
-struct error_budget error_budget_none(void) {
-  return (struct error_budget){.resolution = NAN,
-                               .scan = NAN,
-                               .sides = NAN,
-                               .void_ratio = NAN,
-                               .threshold = NAN,
-                               .averaging = NAN,
-                               .steadiness = NAN,
-                               .resolution_low = NAN,
-                               .resolution_high = NAN,
-                               .model = NAN,
-                               .order = NAN,
-                               .extrapolated = NAN,
-                               .finest = NAN,
-                               .slope_void_ratio = NAN,
-                               .slope_blur = NAN,
-                               .slope_threshold = NAN};
+struct uncertainty uncertainty_none(void) {
+  return (struct uncertainty){.resolution = NAN,
+                              .scan = NAN,
+                              .sides = NAN,
+                              .void_ratio = NAN,
+                              .threshold = NAN,
+                              .averaging = NAN,
+                              .steadiness = NAN,
+                              .resolution_low = NAN,
+                              .resolution_high = NAN,
+                              .model = NAN,
+                              .order = NAN,
+                              .extrapolated = NAN,
+                              .finest = NAN,
+                              .slope_void_ratio = NAN,
+                              .slope_blur = NAN,
+                              .slope_threshold = NAN};
 }
 
-static double joined(const struct error_budget *b, double resolution) {
+static double root_sum_square(const struct uncertainty *b, double resolution) {
   const double parts[] = {resolution,   b->scan,      b->sides,     b->void_ratio,
                           b->threshold, b->averaging, b->steadiness};
   double sum = 0.0;
@@ -35,24 +35,24 @@ static double joined(const struct error_budget *b, double resolution) {
   return known ? sqrt(sum) : NAN;
 }
 
-void error_budget_total(const struct error_budget *b, double *low, double *high) {
-  *low = joined(b, isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
-  *high = joined(b, isfinite(b->resolution_high) ? b->resolution_high : b->resolution);
+void uncertainty_total(const struct uncertainty *b, double *low, double *high) {
+  *low = root_sum_square(b, isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
+  *high = root_sum_square(b, isfinite(b->resolution_high) ? b->resolution_high : b->resolution);
 }
 
-double error_budget_largest(const struct error_budget *b) {
+double uncertainty_largest(const struct uncertainty *b) {
   double low, high;
-  error_budget_total(b, &low, &high);
+  uncertainty_total(b, &low, &high);
   return fmax(low, high);
 }
 
-static enum status write_levels(const struct error_budget *b, double to_speed,
+static enum status write_levels(const struct uncertainty *b, double to_speed,
                                 struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t count = (size_t)b->level_count;
   double column[ERROR_LEVELS_MAX];
-  static const char *const names[] = {"spacing",       "k",            "estimate", "low",
-                                      "high", "sites",        "seconds",  "iterations"};
+  static const char *const names[] = {"spacing", "k",     "estimate", "low",
+                                      "high",    "sites", "seconds",  "iterations"};
   enum { SECONDS = 6 };
   if (count == 0) return STATUS_OK;
   TRY(h5_make_group(file, "/run/timing/levels"));
@@ -61,8 +61,9 @@ static enum status write_levels(const struct error_budget *b, double to_speed,
     char path[64];
     for (size_t i = 0; i < count; i++) {
       const struct error_level *l = &b->levels[i];
-      const double values[] = {l->spacing, to_speed * l->permeability, to_speed * l->estimate, l->low,
-                               l->high,    l->sites,        l->seconds,  (double)l->iterations};
+      const double values[] = {
+          l->spacing, to_speed * l->permeability, to_speed * l->estimate, l->low, l->high, l->sites,
+          l->seconds, (double)l->iterations};
       column[i] = values[n];
     }
     /* What differs from run to run stands with the timings. */
@@ -74,11 +75,10 @@ cleanup:
   return status;
 }
 
-enum status error_budget_write(const struct error_budget *b, double to_speed,
-                               struct h5_file *file) {
+enum status uncertainty_write(const struct uncertainty *b, double to_speed, struct h5_file *file) {
   enum status status = STATUS_OK;
   double low, high;
-  error_budget_total(b, &low, &high);
+  uncertainty_total(b, &low, &high);
   const struct {
     const char *name;
     double value;

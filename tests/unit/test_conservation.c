@@ -1,4 +1,4 @@
-/* The account of momentum and energy, where the balance is known. */
+/* The budget of momentum and energy, where the balance is known. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,24 +20,24 @@ static void assert_near(double value, double expected, double tolerance) {
   assert_true(fabs(value - expected) <= tolerance);
 }
 
-/* A number of the account is a product of some ten factors, added up over its chunk, over the
+/* A number of the budget is a product of some ten factors, added up over its chunk, over the
  * chunks and over the steps: each of these roundings is at most 2^-53 of the sum. */
 static double rounding(const struct run *run, double steps) {
   return (10 + CHUNK + (double)run->s.count / CHUNK + steps) * 0x1p-53;
 }
 
-/* The account is an identity, particle by particle: each of its terms rounds as above, and is no
+/* The budget is an identity, particle by particle: each of its terms rounds as above, and is no
  * larger than the largest. */
 static void assert_closes(struct run *run, double steps) {
   double open, vector[3];
-  const double bound = (1 + __builtin_popcount(run->s.account.on)) * rounding(run, steps);
-  isph_account_end(&run->s);
-  assert_near(ledger_energy_open(&run->s.account, &open), 0, bound);
-  assert_near(ledger_momentum_open(&run->s.account, vector), 0, bound);
+  const double bound = (1 + __builtin_popcount(run->s.budget.on)) * rounding(run, steps);
+  isph_budget_end(&run->s);
+  assert_near(budget_energy_open(&run->s.budget, &open), 0, bound);
+  assert_near(budget_momentum_open(&run->s.budget, vector), 0, bound);
 }
 
-static double impulse(const struct run *run, enum ledger_term term, int axis) {
-  return run->s.account.sums.impulse[term][axis];
+static double impulse(const struct run *run, enum budget_term term, int axis) {
+  return run->s.budget.sums.impulse[term][axis];
 }
 
 #define GRAVITY "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n"
@@ -55,9 +55,9 @@ static void floor_carries_the_weight(void **state) {
         TANK "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.2 m\"]; } );");
   const int steps = advance(&run, 0.1);
   const double weight = 1000 * 0.2 * 0.2 * 0.01 * 9.81 * 0.1;
-  assert_near(impulse(&run, LEDGER_FORCE, 2), -weight, rounding(&run, steps) * weight);
-  assert_near(impulse(&run, LEDGER_WALL_PRESSURE, 2), weight, 0.5 / 20 * weight);
-  assert_near(impulse(&run, LEDGER_WALL_PRESSURE, 0), 0, run.scene.isph.tolerance * weight / 2);
+  assert_near(impulse(&run, BUDGET_FORCE, 2), -weight, rounding(&run, steps) * weight);
+  assert_near(impulse(&run, BUDGET_WALL_PRESSURE, 2), weight, 0.5 / 20 * weight);
+  assert_near(impulse(&run, BUDGET_WALL_PRESSURE, 0), 0, run.scene.isph.tolerance * weight / 2);
   assert_closes(&run, steps);
   finish(&run);
 }
@@ -72,13 +72,13 @@ static void a_falling_drop_keeps_its_energy(void **state) {
   for (int k = 0; k < 100; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
   const double m = 1000 * 0.01 * 0.01 * 0.01, g = 9.81, t = 0.1, dt = 1e-3;
   const double error = rounding(&run, 100) * m * g * g * t * t;
-  const struct ledger_account *account = &run.s.account;
+  const struct budget *budget = &run.s.budget;
   assert_closes(&run, 100);
-  assert_near(account->momentum[1][2], -m * g * t, rounding(&run, 100) * m * g * t);
-  assert_near(account->energy[1], 0.5 * m * g * g * t * t, error);
-  assert_near(account->sums.work[LEDGER_FORCE], 0.5 * m * g * g * t * (t + dt), error);
-  assert_near(account->sums.work[LEDGER_TIME_STEP], -0.5 * m * g * g * t * dt, error);
-  assert_near(account->sums.work[LEDGER_PROJECTION], 0, error);
+  assert_near(budget->momentum[1][2], -m * g * t, rounding(&run, 100) * m * g * t);
+  assert_near(budget->energy[1], 0.5 * m * g * g * t * t, error);
+  assert_near(budget->sums.work[BUDGET_FORCE], 0.5 * m * g * g * t * (t + dt), error);
+  assert_near(budget->sums.work[BUDGET_TIME_STEP], -0.5 * m * g * g * t * dt, error);
+  assert_near(budget->sums.work[BUDGET_PROJECTION], 0, error);
   finish(&run);
 }
 
@@ -96,21 +96,21 @@ static void drag_carries_the_head(void **state) {
         "0.3; grain_size = \"1 mm\"; alpha = 1000.0; beta = 1.1; } );\n" GRAVITY
         "isph = { dt = \"1 ms\"; };\n");
   for (int k = 0; k < 200; k++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
-  const struct ledger_sums *sums = &run.s.account.sums;
+  const struct budget_sums *sums = &run.s.budget.sums;
   const double a = run.s.drag_a[0], b = run.s.drag_b[0], g = 9.81, t = 0.2, dt = 1e-3;
   const double v = 2 * g / (a + sqrt(a * a + 4 * b * g)), kept = run.s.inertia[0] * v / (g * t);
-  const double force = impulse(&run, LEDGER_FORCE, 2), work = sums->work[LEDGER_FORCE];
+  const double force = impulse(&run, BUDGET_FORCE, 2), work = sums->work[BUDGET_FORCE];
   assert_closes(&run, 200);
-  assert_near(impulse(&run, LEDGER_DRAG_LINEAR, 2) + impulse(&run, LEDGER_DRAG_FORCHHEIMER, 2),
+  assert_near(impulse(&run, BUDGET_DRAG_LINEAR, 2) + impulse(&run, BUDGET_DRAG_FORCHHEIMER, 2),
               -(1 - kept) * force, -run.scene.isph.tolerance * force);
-  assert_near(sums->work[LEDGER_DRAG_LINEAR] + sums->work[LEDGER_DRAG_FORCHHEIMER], -work,
+  assert_near(sums->work[BUDGET_DRAG_LINEAR] + sums->work[BUDGET_DRAG_FORCHHEIMER], -work,
               (kept / 2 + dt / t) * work);
   finish(&run);
 }
 
 /* Water that falls into soil in a tank, a piston, moving soil, open sides, eddies: whatever a step
- * does is in the account. */
-static void the_account_closes_with_everything(void **state) {
+ * does is in the budget. */
+static void the_budget_closes_with_everything(void **state) {
   (void)state;
   static const char *const scenes[] = {
       TANK
@@ -142,7 +142,7 @@ static void the_account_closes_with_everything(void **state) {
   }
 }
 
-static void threads_keep_one_account(void **state) {
+static void threads_keep_one_budget(void **state) {
   (void)state;
 #ifdef _OPENMP
   struct run run[2];
@@ -153,10 +153,10 @@ static void threads_keep_one_account(void **state) {
           TANK "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.1 m\", \"0.2 m\"]; "
                "} );");
     advance(&run[k], 0.1);
-    isph_account_end(&run[k].s);
+    isph_budget_end(&run[k].s);
   }
   omp_set_num_threads(before);
-  assert_memory_equal(&run[0].s.account, &run[1].s.account, sizeof run[0].s.account);
+  assert_memory_equal(&run[0].s.budget, &run[1].s.budget, sizeof run[0].s.budget);
   for (int k = 0; k < 2; k++) finish(&run[k]);
 #endif
 }
@@ -170,20 +170,20 @@ static void threads_keep_one_account(void **state) {
 static void walls_take_the_force_of_a_slit(void **state) {
   (void)state;
   const double dx = 1e-4, nu = 1e-6, f = 1e-3;
-  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_EULERIAN};
   for (int k = 0; k < 4; k++) {
     struct lattice lattice = test_slit(4, 0.5, dx);
     const double wide = (walls[k] == PASS_FROZEN ? 5 : 4) * dx;
     struct march march = {.wall = walls[k], .nu = nu, .force = {f}};
     struct engine_settings settings = test_march_settings(&lattice, &march);
     struct engine engine;
-    struct pass_account now, next;
+    struct pass_budget now, next;
     assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
     for (double t = 0; t < 1.1 * wide * wide / nu; t += settings.dt)
       assert_int_equal(engine_step(&engine), STATUS_OK);
-    assert_int_equal(engine_account(&engine, &now), STATUS_OK);
+    assert_int_equal(engine_budget(&engine, &now), STATUS_OK);
     assert_int_equal(engine_step(&engine), STATUS_OK);
-    assert_int_equal(engine_account(&engine, &next), STATUS_OK);
+    assert_int_equal(engine_budget(&engine, &next), STATUS_OK);
     const double force = f * (double)lattice.fluid_count, dt = settings.dt;
     const double gain = (next.momentum[0] - now.momentum[0]) / dt / force;
     const double energy_gain = (next.kinetic - now.kinetic) / dt / now.force_work;
@@ -192,7 +192,7 @@ static void walls_take_the_force_of_a_slit(void **state) {
     assert_near(gain, 0,
                 8 / (M_PI * M_PI) * exp(-1.1 * M_PI * M_PI * pow(wide / (wide + dx / 2), 2)));
     assert_near((now.friction[0] + now.wall_pressure[0] + now.shift[0]) / force, gain - 1, bound);
-    assert_near((now.friction_work + now.viscosity_work + now.pressure_work + now.shift_work) /
+    assert_near((now.friction_work + now.viscous_work + now.pressure_work + now.shift_work) /
                     now.force_work,
                 energy_gain - 1, 1.5 * bound);
     engine_free(&engine);
@@ -203,34 +203,34 @@ static void walls_take_the_force_of_a_slit(void **state) {
 /* As a plan's effects have them. */
 static uint32_t terms_of(const struct engine_settings *s) {
   const double *f = s->force;
-  return (f[0] != 0 || f[1] != 0 || f[2] != 0 ? 1u << LEDGER_FORCE : 0) |
-         (s->viscosity ? 1u << LEDGER_VISCOSITY : 0) | (s->shift ? 1u << LEDGER_SHIFTING : 0) |
-         (s->wall == PASS_SITES ? 1u << LEDGER_ADVECTION : 0);
+  return (f[0] != 0 || f[1] != 0 || f[2] != 0 ? 1u << BUDGET_FORCE : 0) |
+         (s->viscous ? 1u << BUDGET_VISCOSITY : 0) | (s->shift ? 1u << BUDGET_SHIFTING : 0) |
+         (s->wall == PASS_EULERIAN ? 1u << BUDGET_ADVECTION : 0);
 }
 
-/* Flow among balls from rest: what the account of a step says is what the step does to momentum
+/* Flow among balls from rest: what the budget of a step says is what the step does to momentum
  * (with walls' pressure in place of the fluid's: on the undisturbed lattice they are the same, and
  * frozen walls' always) and to energy. Velocities are stored with 24 bits: each of n steps rounds
  * each of N velocities by 2^-24 of the fastest at most. What walls and fluid are told the same are
  * sums with 24 bits over the 4/3 pi 2.9^3 neighbours of a particle, 2 P V |grad W| each, of which
  * the quintic spline's sum V |grad W| is 2 <1/r> = 2.28/h. */
-static void a_step_does_what_its_account_says(void **state) {
+static void a_step_does_what_its_budget_says(void **state) {
   (void)state;
   const double parameter[4] = {16, 4.5, 8, 7};
-  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
+  const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_EULERIAN};
   for (int k = 0; k < 4; k++) {
     struct lattice lattice =
         test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
     struct march march = {.wall = walls[k], .nu = 1e-5, .force = {0, 0, -1}, .sound = 1.2};
     struct engine_settings settings = test_march_settings(&lattice, &march);
     struct engine engine;
-    struct wcsph_account account;
+    struct wcsph_budget budget;
     const int steps = 10;
     double open[3], energy;
     assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
-    wcsph_account_begin(&engine, terms_of(&settings), &account);
+    wcsph_budget_begin(&engine, terms_of(&settings), &budget);
     for (int n = 0; n <= steps; n++) {
-      assert_int_equal(wcsph_account_sample(&engine, 1, n * settings.dt, &account), STATUS_OK);
+      assert_int_equal(wcsph_budget_sample(&engine, 1, n * settings.dt, &budget), STATUS_OK);
       assert_int_equal(engine_step(&engine), STATUS_OK);
     }
     const double n = (double)lattice.fluid_count;
@@ -241,11 +241,11 @@ static void a_step_does_what_its_account_says(void **state) {
         pressure += fabs(engine_pressure(&engine, i)) * settings.sound_speed * settings.sound_speed;
     const double sums = 4 / 3.0 * M_PI * pow(2.9, 3) * 0x1p-24 * 2 * pressure * 2.28 /
                         settings.smoothing_length * steps * settings.dt;
-    ledger_momentum_open(&account.ledger, open);
-    ledger_energy_open(&account.ledger, &energy);
+    budget_momentum_open(&budget.total, open);
+    budget_energy_open(&budget.total, &energy);
     for (int a = 0; a < 3; a++) {
       assert_near(open[a], 0, rounding);
-      assert_near(account.ledger.sums.impulse[LEDGER_PROJECTION][a], 0, rounding + sums);
+      assert_near(budget.total.sums.impulse[BUDGET_PROJECTION][a], 0, rounding + sums);
     }
     assert_near(energy, 0, rounding * engine.speed_max);
     engine_free(&engine);
@@ -262,18 +262,18 @@ static void samples_change_nothing(void **state) {
       test_geometry(3, (const size_t[3]){16, 16, 16}, 5e-5, test_balls, parameter);
   const int before = omp_get_max_threads();
   for (int wall = 0; wall < 4; wall++) {
-    const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_SITES};
+    const enum pass_wall walls[] = {PASS_FROZEN, PASS_ADAMI, PASS_SUBVOXEL, PASS_EULERIAN};
     struct march march = {.wall = walls[wall], .nu = 1e-5, .force = {0, 0, -100}, .sound = 1.2};
     struct engine_settings settings = test_march_settings(&lattice, &march);
-    struct wcsph_account account[3] = {0};
+    struct wcsph_budget budget[3] = {0};
     struct engine engine[3];
     for (int k = 0; k < 3; k++) {
       omp_set_num_threads(1 + 2 * (k > 1));
       assert_int_equal(engine_make(&lattice, &settings, &engine[k]), STATUS_OK);
-      if (k > 0) wcsph_account_begin(&engine[k], terms_of(&settings), &account[k]);
+      if (k > 0) wcsph_budget_begin(&engine[k], terms_of(&settings), &budget[k]);
       for (int n = 0; n < 6; n++) {
         if (k > 0)
-          assert_int_equal(wcsph_account_sample(&engine[k], 1, n * settings.dt, &account[k]),
+          assert_int_equal(wcsph_budget_sample(&engine[k], 1, n * settings.dt, &budget[k]),
                            STATUS_OK);
         assert_int_equal(engine_step(&engine[k]), STATUS_OK);
       }
@@ -285,7 +285,7 @@ static void samples_change_nothing(void **state) {
       assert_memory_equal(engine[0].particles.x[2], engine[k].particles.x[2], bytes);
       assert_memory_equal(engine[0].particles.state, engine[k].particles.state, bytes);
     }
-    assert_memory_equal(&account[1], &account[2], sizeof account[1]);
+    assert_memory_equal(&budget[1], &budget[2], sizeof budget[1]);
     for (int k = 0; k < 3; k++) engine_free(&engine[k]);
   }
   test_lattice_free(&lattice);
@@ -297,10 +297,10 @@ int main(void) {
       cmocka_unit_test(floor_carries_the_weight),
       cmocka_unit_test(a_falling_drop_keeps_its_energy),
       cmocka_unit_test(drag_carries_the_head),
-      cmocka_unit_test(the_account_closes_with_everything),
-      cmocka_unit_test(threads_keep_one_account),
+      cmocka_unit_test(the_budget_closes_with_everything),
+      cmocka_unit_test(threads_keep_one_budget),
       cmocka_unit_test(walls_take_the_force_of_a_slit),
-      cmocka_unit_test(a_step_does_what_its_account_says),
+      cmocka_unit_test(a_step_does_what_its_budget_says),
       cmocka_unit_test(samples_change_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

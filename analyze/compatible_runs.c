@@ -1,4 +1,4 @@
-#include "analyze/mixture.h"
+#include "analyze/compatible_runs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-bool mixture_same_body(const struct run *a, const struct run *b, int *axis) {
+bool compatible_runs_same_body(const struct run *a, const struct run *b, int *axis) {
   for (int d = 0; d < 3; d++) {
     if (d == 1 && a->dimensions == 2) continue;
     double la = (double)a->size[d] * a->spacing[d], lb = (double)b->size[d] * b->spacing[d];
@@ -20,7 +20,8 @@ bool mixture_same_body(const struct run *a, const struct run *b, int *axis) {
 static bool one_model(const struct run *a, const struct run *b, bool levels) {
   int axis;
   if (a->identity == b->identity) return true;
-  return levels && fabs(a->spacing[0] / b->spacing[0] - 1) > 1e-4 && mixture_same_body(a, b, &axis);
+  return levels && fabs(a->spacing[0] / b->spacing[0] - 1) > 1e-4 &&
+         compatible_runs_same_body(a, b, &axis);
 }
 
 /* The model's number of each run: equal where a run fits all of that model before it. */
@@ -38,7 +39,7 @@ static size_t number_models(const struct run *runs, size_t n, bool levels, size_
   return models;
 }
 
-enum status mixture_check(const struct run *runs, size_t n, bool levels, bool told) {
+enum status compatible_runs_check(const struct run *runs, size_t n, bool levels, bool told) {
   enum status status = STATUS_OK;
   size_t *model = NULL;
   char list[800] = "";

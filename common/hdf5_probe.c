@@ -1,4 +1,4 @@
-/* A trial of a file in a process of its own. HDF5 1.10 can crash or hang on damaged metadata
+/* A probe of a file in a process of its own. HDF5 1.10 can crash or hang on damaged metadata
  * (fuzzing met both within seconds); a child looks at all that a reader may look at, and if it dies
  * the file is refused instead of the program ending. */
 #include <errno.h>
@@ -12,8 +12,8 @@
 
 #include "common/hdf5_internal.h"
 
-#ifndef TRIAL_SECONDS
-#define TRIAL_SECONDS 20
+#ifndef PROBE_SECONDS
+#define PROBE_SECONDS 20
 #endif
 #define READ_LIMIT (1u << 22)    /* bytes of one object; more of the same would show nothing new */
 #define HUNGER_LIMIT (1ul << 28) /* bytes for the library's own ends: a damaged size took 4 GB */
@@ -68,7 +68,7 @@ static void try_dataset(hid_t set) {
   hsize_t chunks = 0;
   if (type >= 0 && space >= 0 && layout >= 0) {
     if (H5Pget_layout(layout) == H5D_CHUNKED) H5Dget_num_chunks(set, H5S_ALL, &chunks);
-    /* No plug-in, and no other file, is loaded for a trial. */
+    /* No plug-in, and no other file, is loaded for a probe. */
     if (h5_filters_known(set)) read_small(set, type, space, false);
   }
   H5Pclose(layout);
@@ -130,7 +130,7 @@ static void look_at_all(const char *path) {
   for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) signal(deadly[i], SIG_DFL);
   setrlimit(RLIMIT_CORE, &none);
   bound_memory();
-  alarm(TRIAL_SECONDS);
+  alarm(PROBE_SECONDS);
   hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file >= 0) {
     /* A round that breaks off has not seen what a reader may meet. */

@@ -1,0 +1,17 @@
+/* The budget of a run for the report: particles and mass, and the budget of momentum and energy.
+ */
+#ifndef TOSUI_ANALYZE_REPORT_PAGE_BUDGET_H
+#define TOSUI_ANALYZE_REPORT_PAGE_BUDGET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "analyze/run_file.h"
+
+/* Whether one of the runs has an budget. */
+enum status page_has_budget(const struct run *runs, size_t n, bool *any);
+/* Tables of the runs that have one. */
+enum status page_budget(const struct run *runs, size_t n, FILE *stream);
+
+#endif

@@ -1,0 +1,95 @@
+#include "analyze/uncertainty.h"
+
+#include <math.h>
+
+#include "analyze/product.h"
+#include "common/hdf5_file.h"
+#include "common/log.h"
+
+void uncertainty_read(const struct run *run, struct uncertainty *u) {
+  char path[8200];
+  struct h5_file *file = NULL;
+  *u = (struct uncertainty){.resolution = run->error.resolution,
+                            .scan = run->error.scan,
+                            .sides = run->error.sides,
+                            .averaging = run->error.averaging,
+                            .steadiness = run->error.steadiness,
+                            .void_ratio = run->error.void_ratio,
+                            .threshold = run->error.threshold,
+                            .slope_void_ratio = run->error.slope_void_ratio,
+                            .slope_threshold = run->error.slope_threshold,
+                            .slope_solved = isfinite(run->error.slope_void_ratio)};
+  if (isnan(u->resolution)) {
+    u->resolution = run->predicted_error;
+    u->resolution_expected = true;
+  }
+  if (u->slope_solved || !run_find_model(run, path, sizeof path)) return;
+  if (h5_open(path, &file) != STATUS_OK) {
+    error_clear();
+    return;
+  }
+  double e = h5_attribute_or_nan(file, "/model", "void_ratio");
+  double measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+  double threshold_slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
+  if (e > 0.0) {
+    u->slope_void_ratio = 3.0 / e - 1.0 / (1.0 + e);
+    u->void_ratio = u->slope_void_ratio * fabs(e - measured);
+    u->slope_threshold = u->slope_void_ratio / threshold_slope;
+    if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
+  }
+  h5_close(file);
+}
+
+double uncertainty_total(const struct uncertainty *u) {
+  const double parts[] = {u->resolution, u->scan,       u->sides,    u->averaging,
+                          u->steadiness, u->void_ratio, u->threshold};
+  double sum = 0.0;
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    if (isfinite(parts[i])) sum += parts[i] * parts[i];
+  return sqrt(sum);
+}
+
+void uncertainty_json(const struct uncertainty *u, json_t *object) {
+  json_object_set_new(object, "error_budget",
+                      json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s}", "resolution",
+                                json_number(u->resolution), "scan", json_number(u->scan), "sides",
+                                json_number(u->sides), "averaging", json_number(u->averaging),
+                                "steadiness", json_number(u->steadiness), "void_ratio",
+                                json_number(u->void_ratio), "threshold", json_number(u->threshold),
+                                "total", json_number(uncertainty_total(u)), "resolution_from",
+                                u->resolution_expected ? "expectation" : "grid convergence index"));
+  json_object_set_new(object, "dlnk_dvoid_ratio", json_number(u->slope_void_ratio));
+  json_object_set_new(object, "dlnk_dvoid_ratio_solved", json_boolean(u->slope_solved));
+  json_object_set_new(object, "dlnk_dthreshold", json_number(u->slope_threshold));
+}
+
+static void write_part(FILE *stream, const char *what, double share) {
+  if (!isfinite(share) || share == 0) return;
+  fputs(what, stream);
+  write_percent(stream, share);
+}
+
+void uncertainty_write(const struct uncertainty *u, FILE *stream) {
+  fputs("  error of k: ", stream);
+  if (isfinite(u->resolution))
+    write_part(stream, u->resolution_expected ? "resolution (expected) " : "resolution ",
+               u->resolution);
+  else
+    fputs("resolution unknown, not counted", stream);
+  write_part(stream, ", scan ", u->scan);
+  write_part(stream, ", sides ", u->sides);
+  write_part(stream, ", averaging ", u->averaging);
+  write_part(stream, ", steadiness ", u->steadiness);
+  write_part(stream, ", void ratio ", u->void_ratio);
+  write_part(stream, ", threshold ", u->threshold);
+  write_part(stream, "; together ", uncertainty_total(u));
+  if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
+    write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * u->slope_void_ratio);
+    write_part(stream,
+               u->slope_solved ? " (solved), one grey level of the threshold by "
+                               : " (Kozeny-Carman), one grey level of the threshold by ",
+               u->slope_threshold);
+  }
+  fputc('\n', stream);
+}
