@@ -17,6 +17,7 @@
 #include "sphsolve/wcsph/budget.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define SPARSE 64
@@ -28,6 +29,10 @@ void wcsph_budget_begin(const struct engine *engine, uint32_t terms, struct wcsp
   budget->total.on = terms | 1u << BUDGET_PROJECTION;
   if (walls) budget->total.on |= 1u << BUDGET_WALL_PRESSURE;
   if (walls && engine->settings.viscous) budget->total.on |= 1u << BUDGET_WALL_FRICTION;
+  for (int k = 0; k < engine->settings.own_count; k++) {
+    budget->total.on |= 1u << (BUDGET_OWN + k);
+    snprintf(budget->total.own[k], sizeof budget->total.own[k], "%s", engine->settings.own[k].name);
+  }
 }
 
 bool wcsph_budget_due(int64_t step) {
@@ -74,6 +79,11 @@ enum status wcsph_budget_sample(struct engine *engine, double mass, double time,
   elastic = mass * step.elastic;
   take_rates(&step, engine->settings.force, mass, (double)engine->particles.count,
              engine->settings.wall == PASS_EULERIAN ? BUDGET_ADVECTION : BUDGET_SHIFTING, &rate);
+  for (int k = 0; k < engine->settings.own_count; k++) {
+    const struct engine_given *given = &engine->given[k];
+    for (int a = 0; a < 3; a++) rate.impulse[BUDGET_OWN + k][a] = mass * given->impulse[a];
+    rate.work[BUDGET_OWN + k] = mass * given->work;
+  }
   for (int t = 0; t < BUDGET_TERMS; t++) {
     for (int a = 0; a < 3; a++) all[a] += rate.impulse[t][a];
     all[3] += rate.work[t];

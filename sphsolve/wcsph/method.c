@@ -255,7 +255,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   result->k = result->k_error = NAN;
   TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
                       "region velocities"));
-  wcsph_settings(scene, plan, region_velocity, &settings);
+  TRY(wcsph_settings(scene, plan, region_velocity, &settings));
   /* Before the engine is there: both take memory. */
   if (settings.wall == PASS_EULERIAN && plan->context.driving > 0)
     TRY(close_pores(lattice, scene, &flows));

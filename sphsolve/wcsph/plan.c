@@ -154,8 +154,20 @@ double wcsph_diffusion(const struct effect_context *context) {
               STABILISATION_FAST * dx / context->velocity_scale);
 }
 
-void wcsph_settings(const struct scene *scene, const struct plan *plan,
-                    double (*region_velocity)[3], struct engine_settings *settings) {
+/* The effects on that bring a force of their own. */
+static enum status own_forces(const struct plan *plan, struct engine_settings *settings) {
+  for (size_t i = 0; i < plan->effect_count; i++) {
+    const struct effect *effect = plan->effects[i].effect;
+    if (!plan->effects[i].on || effect->force == NULL) continue;
+    if (settings->own_count == ENGINE_OWN)
+      return FAIL(STATUS_RUN, "more than %d effects with a force of their own", ENGINE_OWN);
+    settings->own[settings->own_count++] = (struct engine_own){effect->name, effect->force};
+  }
+  return STATUS_OK;
+}
+
+enum status wcsph_settings(const struct scene *scene, const struct plan *plan,
+                           double (*region_velocity)[3], struct engine_settings *settings) {
   const struct effect_context *context = &plan->context;
   memset(settings, 0, sizeof *settings);
   settings->wall = wcsph_pass_wall(context);
@@ -177,6 +189,7 @@ void wcsph_settings(const struct scene *scene, const struct plan *plan,
     memcpy(region_velocity[r], scene->regions[r].velocity, sizeof *region_velocity);
   settings->region_velocity = (const double(*)[3])region_velocity;
   settings->region_count = scene->region_count;
+  return own_forces(plan, settings);
 }
 
 /* Steps until the pressure of a porous box has settled along the force, to 1/20: it spreads by
@@ -199,7 +212,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
-  double stable = INFINITY, accurate = INFINITY;
+  double stable = INFINITY, accurate = INFINITY, own = INFINITY;
   const char *accurate_by = NULL;
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
@@ -208,6 +221,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
     if (!planned->on) continue;
     if (effect->dt_accuracy && planned->dt_max < accurate)
       accurate = planned->dt_max, accurate_by = by;
+    if (effect->force != NULL) own = fmin(own, planned->dt_max);
     if (!effect->dt_accuracy && planned->dt_max < stable)
       stable = planned->dt_max, plan->dt_limited_by = by, plan->dt_power = effect->dt_power;
   }
@@ -216,6 +230,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
       scene->wcsph.wall == WALL_FROZEN && scene->wcsph.equation_of_state == EOS_ABSOLUTE;
   plan->dt_limit = lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context),
                                     context->kinematic_viscosity, wcsph_diffusion(context));
+  if (own < plan->dt_limit) plan->dt_limit = own;
   plan->dt = SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;
   /* Limits of accuracy: a dt that the scene gives may pass them. */
@@ -232,6 +247,8 @@ enum status wcsph_cost(struct plan *plan, int threads) {
 
   struct engine_settings settings = {.wall = wcsph_pass_wall(context)};
   plan_switch(plan, &settings);
+  const enum status status = own_forces(plan, &settings);
+  if (status != STATUS_OK) return status;
   const bool eulerian = settings.wall == PASS_EULERIAN;
   const bool subvoxel = eulerian || settings.wall == PASS_SUBVOXEL;
   double site = 1 + (lattice->wall_distance != NULL && subvoxel ? sizeof(float) : 0);

@@ -15,8 +15,8 @@ void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ra
 
 enum pass_wall wcsph_pass_wall(const struct effect_context *context);
 /* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */
-void wcsph_settings(const struct scene *scene, const struct plan *plan,
-                    double (*region_velocity)[3], struct engine_settings *settings);
+enum status wcsph_settings(const struct scene *scene, const struct plan *plan,
+                           double (*region_velocity)[3], struct engine_settings *settings);
 /* Mean width of the pores in spacings: twice the fluid's volume over the wall's surface (faces of
  * voxels overstate it by about 3/2 where walls are not planes). INFINITY without walls. */
 double wcsph_gap(const struct lattice *lattice);

@@ -2,15 +2,27 @@
 # An effect added as a newcomer would: a file, and a line of the registry. It is then in what explain tells, in the
 # force, and in the budget, and nothing else was touched.
 
-@test "a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
+setup() {
   cd "$BATS_TEST_TMPDIR"
-  local root=$BATS_TEST_DIRNAME/../.. build=${BUILD:-build}
-  root=$(cd "$root" && pwd)
+  root=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
+  build=${BUILD:-build}
   case $build in /*) ;; *) build=$root/$build ;; esac
-  mkdir -p new/sphsolve/isph/effects
-  cp "$root/sphsolve/isph/effects/registry.def" new/sphsolve/isph/effects/
-  echo '#include "sphsolve/isph/effects/wind.h"' >> new/sphsolve/isph/effects/registry.def
-  cat > new/sphsolve/isph/effects/wind.h <<'END'
+}
+
+# with_effect METHOD: a sphsolve whose METHOD has the effect of the file wind.h here, too.
+with_effect() {
+  mkdir -p "new/sphsolve/$1/effects"
+  cp "$root/sphsolve/$1/effects/registry.def" "new/sphsolve/$1/effects/"
+  mv wind.h "new/sphsolve/$1/effects/"
+  echo "#include \"sphsolve/$1/effects/wind.h\"" >> "new/sphsolve/$1/effects/registry.def"
+  ${CC:-gcc} -std=gnu11 -O1 -fopenmp -Inew -I"$root" -c "$root/sphsolve/$1/effects.c" -o effects.o
+  # Its list comes before the library's, which is then not taken.
+  ${CC:-gcc} -fopenmp -o sphsolve "$build/obj/sphsolve/sphsolve.c.o" effects.o "$build/lib/libsphsolve.a" \
+    "$build/lib/libcommon.a" $(sed -n 's/^DEP_LIBS = //p' "$build/config.mk")
+}
+
+@test "isph: a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
+  cat > wind.h <<'END'
 /* A steady push along x: dv/dt = .25 m/s^2. */
 #ifndef WIND_H
 #define WIND_H
@@ -35,10 +47,7 @@ static inline void wind_force(const void *state, double (*acceleration)[3]) {
 EFFECT(isph_wind, .model = "a steady push", .citation = "nobody", .wanted = wind_wanted, .dt_max = wind_dt,
        .force = wind_force)
 END
-  ${CC:-gcc} -std=gnu11 -O1 -fopenmp -Inew -I"$root" -c "$root/sphsolve/isph/effects.c" -o effects.o
-  # Its list comes before the library's, which is then not taken.
-  ${CC:-gcc} -fopenmp -o sphsolve "$build/obj/sphsolve/sphsolve.c.o" effects.o "$build/lib/libsphsolve.a" \
-    "$build/lib/libcommon.a" $(sed -n 's/^DEP_LIBS = //p' "$build/config.mk")
+  with_effect isph
   cat > box.cfg <<'END'
 scene  = { name = "box"; method = "isph"; end_time = "0.02 s"; };
 domain = { size = ["0.1 m", "0.1 m"]; spacing = "1 cm"; periodic = [true, true]; };
@@ -66,5 +75,75 @@ assert budget.attrs["momentum_open_share"] < 1e-9 and budget.attrs["energy_open_
 assert run["history/dt"][1] <= 1.0001e-4
 assert 0 < thickness <= 1
 assert b"isph_wind" in [n for n in run["run/effects/name"][:]]
+END
+}
+
+# Of wcsph the push grows across the box, so that viscosity has something to do; it acts beside the body force.
+@test "wcsph: a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
+  cat > wind.h <<'END'
+/* A push along x that varies across the box: dv/dt = a sin(2 pi z / L), a = .25 m/s^2. */
+#ifndef WIND_H
+#define WIND_H
+#include <math.h>
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/wcsph/scales.h"
+#include "sphsolve/wcsph/engine/engine.h"
+static inline bool wind_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY, "the wind blows");
+  return context->scene->dimensions == 2;
+}
+static inline double wind_dt(const struct effect_context *context) {
+  return 0.1 * context->spacing; /* 12.5 us, of which .8 are taken */
+}
+static inline void wind_force(const void *state, double (*acceleration)[3]) {
+  const struct engine *engine = state;
+  for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++) {
+    double x[3];
+    particles_position(&engine->particles, engine->lattice, i, x);
+    acceleration[i][0] = 0.25 * sin(2 * M_PI * x[2] / engine->particles.frame.length[2]);
+    acceleration[i][1] = acceleration[i][2] = 0;
+  }
+}
+#endif
+EFFECT(wind, .model = "a push that varies", .citation = "nobody", .wanted = wind_wanted, .dt_max = wind_dt,
+       .force = wind_force)
+END
+  with_effect wcsph
+  cat > box.cfg <<'END'
+scene  = { name = "box"; method = "wcsph"; end_time = "5 ms"; steady_tolerance = 0.0; };
+domain = { size = ["1 mm", "4 mm"]; spacing = "0.125 mm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "1 mm", "4 mm"]; } );
+force  = { body_acceleration = ["0.01 m/s^2", "0"]; };
+wcsph  = { sound_speed = "0.1 m/s"; };
+END
+  ./sphsolve explain box.cfg > plan.txt
+  grep -q 'on   wind  *the wind blows' plan.txt
+  grep -q '12.5 us' plan.txt
+  ./sphsolve run box.cfg -o box --threads 1 > run.txt
+  grep -q 'wind' run.txt
+  /usr/bin/python3 - <<'END'
+import h5py
+import numpy as np
+run = h5py.File("box.hdf", "r")
+budget = run["run/ledger"]
+terms = [t.decode() for t in budget["term"][:]]
+wind, force = terms.index("wind"), terms.index("force")
+mass, time = 1000 * 1e-3 * 4e-3 * 0.125e-3, 5e-3
+# A sine has no mean: it gives no momentum but work. Against the exact solution of the shear wave,
+# u = a/(nu k^2) (1 - exp(-nu k^2 t)) sin kz, work = mean of a u over time and box.
+k, nu, a = 2 * np.pi / 4e-3, 1e-6, 0.25
+rate = nu * k * k
+work = 0.5 * mass * a * a / rate * (time - (1 - np.exp(-rate * time)) / rate)
+assert abs(budget["work"][wind] / work - 1) < 0.01, (budget["work"][wind], work)
+assert abs(budget["impulse"][wind][0]) < 1e-3 * mass * a * time
+assert abs(budget["impulse"][force][0] / (mass * 0.01 * time) - 1) < 1e-6
+speed = run["history/kinetic_energy"][-1]
+u = a / rate * (1 - np.exp(-rate * time))
+exact = 0.5 * mass * (0.5 * u * u + (0.01 * time) ** 2)
+assert abs(speed / exact - 1) < 0.01, (speed, exact)
+assert budget.attrs["momentum_open_share"] < 1e-5 and budget.attrs["energy_open_share"] < 1e-2, dict(budget.attrs)
+assert abs(run["history/dt"][1] - 10e-6) < 1e-7
+assert b"wind" in [n for n in run["run/effects/name"][:]]
 END
 }

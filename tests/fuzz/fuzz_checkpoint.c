@@ -33,7 +33,7 @@ static void start(void) {
     abort();
   }
   unlink(path);
-  wcsph_settings(&scene, &plan, region_velocity, &settings);
+  if (wcsph_settings(&scene, &plan, region_velocity, &settings) != STATUS_OK) abort();
   held = memory_in_use();
 }
 

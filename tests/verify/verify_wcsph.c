@@ -73,7 +73,7 @@ static enum status flow_start(char *text, struct flow *flow) {
   TRY(memory_allocate(&flow->region_velocity, flow->scene.region_count + 1,
                       sizeof *flow->region_velocity, "region velocities"));
   struct engine_settings settings;
-  wcsph_settings(&flow->scene, &flow->plan, flow->region_velocity, &settings);
+  TRY(wcsph_settings(&flow->scene, &flow->plan, flow->region_velocity, &settings));
   TRY(engine_make(&flow->lattice, &settings, &flow->engine));
 cleanup:
   if (status != STATUS_OK) {

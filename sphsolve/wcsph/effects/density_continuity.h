@@ -7,10 +7,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_CONTINUITY_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_CONTINUITY_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 /* Factor of slope in the divergence. */
 SIMD_INLINE vec density_continuity_pair(vec x, vec y, vec z, vec dvx, vec dvy, vec dvz) {
@@ -27,5 +24,8 @@ SIMD_INLINE void density_continuity_wall(vec slope, vec x, vec y, vec z, vec sum
 
 #endif
 
+#ifdef EFFECTS
+#include "sphsolve/wcsph/scales.h"
 EFFECT(density_continuity, .model = "pressure from the divergence of the velocity",
        .citation = "Monaghan 1994, eq. 2.4", .wanted = wcsph_continuity_wanted)
+#endif

@@ -5,10 +5,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_SUMMATION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_SUMMATION_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 SIMD_INLINE void density_summation_pair(vec w, vec *sum) {
   *sum += w;
@@ -16,6 +13,9 @@ SIMD_INLINE void density_summation_pair(vec w, vec *sum) {
 
 #endif
 
+#ifdef EFFECTS
+#include "sphsolve/wcsph/scales.h"
 EFFECT(density_summation,
        .model = "density summed over fluid and grains, pressure c^2 (rho - rho_lattice) or c^2 rho",
        .citation = "Saomoto et al. 2006, eq. 6", .wanted = wcsph_frozen_wanted)
+#endif

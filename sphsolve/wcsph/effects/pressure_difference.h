@@ -6,10 +6,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFERENCE_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFERENCE_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 SIMD_INLINE vec pressure_difference_pair(vec p_i, vec p_j, vec slope) {
   return (p_j - p_i) * slope;
@@ -17,7 +14,10 @@ SIMD_INLINE vec pressure_difference_pair(vec p_i, vec p_j, vec slope) {
 
 #endif
 
+#ifdef EFFECTS
+#include "sphsolve/wcsph/scales.h"
 EFFECT(pressure_difference,
        .model = "pressure force from pressure differences, blind to the particle lattice",
        .citation = "Morris, Fox, Zhu 1997", .wanted = wcsph_continuity_wanted,
        .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1, .operations = 29)
+#endif

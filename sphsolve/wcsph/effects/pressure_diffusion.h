@@ -7,10 +7,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFUSION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFUSION_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 /* The weight of (p_j - p_i) is slope times a constant; their sum. */
 SIMD_INLINE void pressure_diffusion_pair(vec slope, vec *weights) {
@@ -19,6 +16,9 @@ SIMD_INLINE void pressure_diffusion_pair(vec slope, vec *weights) {
 
 #endif
 
+#ifdef EFFECTS
+#include "sphsolve/wcsph/scales.h"
 EFFECT(pressure_diffusion, .model = "diffusion of pressure against checkerboards",
        .citation = "Molteni, Colagrossi 2009, eq. 9", .wanted = wcsph_continuity_wanted,
        .switches_on = EFFECT_SWITCH(struct engine_settings, diffusion))
+#endif

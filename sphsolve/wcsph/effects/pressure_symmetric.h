@@ -8,10 +8,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_SYMMETRIC_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_SYMMETRIC_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 SIMD_INLINE vec pressure_symmetric_term(vec q, vec ratio) {
   return q * (1.0f - ratio * q);
@@ -24,6 +21,9 @@ SIMD_INLINE vec pressure_symmetric_pair(vec b_i, vec b_j, vec slope) {
 
 #endif
 
+#ifdef EFFECTS
+#include "sphsolve/wcsph/scales.h"
 EFFECT(pressure_symmetric, .model = "pressure force, symmetric in the pair",
        .citation = "Saomoto et al. 2006, eq. 7", .wanted = wcsph_frozen_wanted,
        .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1, .operations = 29)
+#endif

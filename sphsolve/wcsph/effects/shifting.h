@@ -15,10 +15,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 #define SHIFTING_STRENGTH 16.0
 #define SHIFTING_STRENGTH_LEAST 12.0 /* that the time step must allow */
@@ -35,6 +32,11 @@ SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
 SIMD_INLINE vec shifting_carry(vec factor, vec x, vec y, vec z, const vec u[3]) {
   return factor + u[0] * x + u[1] * y + u[2] * z;
 }
+
+#ifdef EFFECTS /* for the plan alone (effects.c) */
+#include <stdio.h>
+
+#include "sphsolve/wcsph/scales.h"
 
 static inline bool wcsph_shifting_wanted(const struct effect_context *context,
                                          char why[EFFECT_WHY]) {
@@ -55,11 +57,14 @@ static inline double wcsph_shifting_dt(const struct effect_context *context) {
   return SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * context->velocity_scale *
                             context->smoothing_length * wcsph_modes_of(context).shifting_stiffness);
 }
+#endif
 
 #endif
 
+#ifdef EFFECTS
 EFFECT(shifting, .model = "particles are nudged to where they are fewer",
        .citation = "Lind et al. 2012, eq. 15; Sun et al. 2019, eq. 2",
        .wanted = wcsph_shifting_wanted, .dt_max = wcsph_shifting_dt, .dt_power = 1,
        .dt_accuracy = true, .operations = 7,
        .switches_on = EFFECT_SWITCH(struct engine_settings, shift), .budget = 1u << BUDGET_SHIFTING)
+#endif

@@ -4,10 +4,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_ADAMI_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_ADAMI_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 /* sum: W, v W (3), p W, offset W (3). */
 SIMD_INLINE void wall_adami_pair(vec w, vec x, vec y, vec z, vec vx, vec vy, vec vz, vec p,
@@ -22,12 +19,20 @@ SIMD_INLINE void wall_adami_pair(vec w, vec x, vec y, vec z, vec vx, vec vy, vec
   sum[7] += w * z;
 }
 
+#ifdef EFFECTS /* for the plan alone (effects.c) */
+#include <stdio.h>
+
+#include "sphsolve/wcsph/scales.h"
+
 static inline bool wcsph_wall_adami_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
   return wcsph_wall_wanted(context, WALL_ADAMI, why);
 }
+#endif
 
 #endif
 
+#ifdef EFFECTS
 EFFECT(wall_adami, .model = "dummy wall particles with extrapolated velocity and pressure",
        .citation = "Adami, Hu, Adams 2012, eqs. 23, 27", .wanted = wcsph_wall_adami_wanted)
+#endif

@@ -10,10 +10,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 
-#include <stdio.h>
-
 #include "sphsolve/wcsph/engine/simd.h"
-#include "sphsolve/wcsph/scales.h"
 
 #define WALL_SUBVOXEL_FLOOR 0.02 /* spacings */
 #define WALL_SUBVOXEL_BETA_MAX 0.7
@@ -30,13 +27,21 @@ SIMD_INLINE void wall_subvoxel_pair(vec slope, vec s, vec d_a, vec inverse_d_a, 
   *beta += slope * d_b * (d_a + d_b);
 }
 
+#ifdef EFFECTS /* for the plan alone (effects.c) */
+#include <stdio.h>
+
+#include "sphsolve/wcsph/scales.h"
+
 static inline bool wcsph_wall_subvoxel_wanted(const struct effect_context *context,
                                               char why[EFFECT_WHY]) {
   return wcsph_wall_wanted(context, WALL_SUBVOXEL, why);
 }
+#endif
 
 #endif
 
+#ifdef EFFECTS
 EFFECT(wall_subvoxel, .model = "no-slip at the true surface, second-order image velocity",
        .citation = "Morris, Fox, Zhu 1997, eq. 25; after Basa, Quinlan, Lastiwka 2009",
        .wanted = wcsph_wall_subvoxel_wanted, .operations = 42, .at_walls = true)
+#endif

@@ -1,3 +1,4 @@
+#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
 #include <math.h>
@@ -162,6 +163,7 @@ void engine_drop_lists(struct engine *engine) {
 }
 
 void engine_free(struct engine *engine) {
+  memory_free(&engine->acceleration);
   for (int t = 0; t < engine->threads && engine->locals != NULL; t++) {
     memory_free(&engine->locals[t].field[0]);
     memory_free(&engine->locals[t].collected);

@@ -17,6 +17,15 @@
 #define ENGINE_PATH 1.5
 #define ENGINE_SWERVE 0.4
 
+/* A force that an effect brings in its own file (struct effect): the accelerations, m/s^2, of slots
+ * engine_first_slot to engine_end_slot, from the engine at the start of a step. */
+typedef void engine_force(const void *engine, double (*acceleration)[3]);
+#define ENGINE_OWN 4 /* at most */
+struct engine_own {
+  const char *name;
+  engine_force *force;
+};
+
 struct engine_settings {
   enum kernel kernel;
   enum pass_wall wall;
@@ -30,6 +39,8 @@ struct engine_settings {
   const double (*region_velocity)[3];         /* of lattice->region - 1; NULL: nothing moves */
   size_t region_count;
   bool wall_moves;
+  struct engine_own own[ENGINE_OWN];
+  int own_count;
 };
 
 /* Seconds per phase of the step. */
@@ -75,6 +86,11 @@ struct engine {
   double seconds[PHASE_COUNT];
   uint64_t rebuilds, steps;
   struct engine_ranks ranks;
+  double (*acceleration)[3]; /* m/s^2, of an own force; NULL where there is none */
+  /* What own forces give in a second, per mass of a particle, summed by the last engine_budget. */
+  struct engine_given {
+    double impulse[3], work; /* m/s^2, m^2/s^3 */
+  } given[ENGINE_OWN];
 };
 
 struct particle_fields engine_fields(const struct engine_settings *settings);
@@ -135,6 +151,9 @@ enum status engine_pull(struct engine *engine);
 /* What the next step's effects give the fluid, and what there is before it; changes no bit of what
  * comes. */
 enum status engine_budget(struct engine *engine, struct pass_budget *total);
+/* Collective: v += dt a of each own force in turn, in the order of the registry; with `sums` what
+ * each gives goes to engine.given. */
+enum status engine_kick(struct engine *engine, bool sums);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
  * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);

@@ -30,7 +30,8 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
 double engine_bytes_fluid(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
   return SLOTS_FLUID * ((double)particles_bytes_fluid(&fields) + BOXES + BINS) +
-         (fields.eulerian ? LISTS_EULERIAN : LISTS_FLUID);
+         (fields.eulerian ? LISTS_EULERIAN : LISTS_FLUID) +
+         (settings->own_count > 0 ? SLOTS_FLUID * 3 * sizeof(double) : 0);
 }
 
 double engine_bytes_wall(const struct engine_settings *settings) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 #include "sphsolve/wcsph/engine/order.h"
 

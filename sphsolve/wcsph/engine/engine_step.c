@@ -285,6 +285,7 @@ enum status engine_step(struct engine *engine) {
   engine->pass.shift_length =
       s->smoothing_length * fmin(SHIFTING_STRENGTH, moved > 0 ? SHIFTING_STABLE / moved : INFINITY);
   bool has_walls = engine_has_walls(engine);
+  TRY(engine_kick(engine, false));
   prepare(engine);
   if (s->wall == PASS_FROZEN)
     engine->pair_interactions += (double)(engine->pairs_fluid + engine->pairs_wall);
@@ -341,17 +342,32 @@ cleanup:
   return status;
 }
 
+/* Velocities of own slots to `kept`, or back from there. */
+static void keep_velocities(struct engine *engine, float *kept, bool back) {
+  const size_t first = engine_first_slot(engine), n = engine_end_slot(engine) - first;
+  for (int a = 0; a < 3; a++) {
+    float *v = engine->particles.v[a] + first, *own = kept + (size_t)a * n;
+    memcpy(back ? v : own, back ? own : v, n * sizeof *v);
+  }
+}
+
 enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   enum status status = STATUS_OK;
   const struct engine_settings *s = &engine->settings;
   struct pass *pass = &engine->pass;
   struct pass_budget *sums = NULL;
+  float *kept = NULL;
   if (!engine->listed || engine->moved >= ENGINE_PATH * pass->spacing)
     TRY(make_lists(engine, true));
   const size_t blocks = (engine_all_slots(engine) / CLUSTER + BLOCK - 1) / BLOCK;
   const size_t first = engine_first_slot(engine), own = engine_number(engine, first);
   const size_t count = sizeof *sums / sizeof(double);
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
+  if (s->own_count > 0) { /* as the next step will */
+    TRY(memory_allocate(&kept, 3 * (engine_end_slot(engine) - first), sizeof *kept, "velocities"));
+    keep_velocities(engine, kept, false);
+    TRY(engine_kick(engine, true));
+  }
   prepare(engine);
   pass->wall = s->wall, pass->shifts = s->shift;
   /* Rows count from the first cluster here; there are no more of others before it than among all.
@@ -362,7 +378,15 @@ enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   memset(total, 0, sizeof *total);
   for (size_t b = 0; b < blocks; b++)
     for (size_t k = 0; k < count; k++) ((double *)total)[k] += ((const double *)&sums[b])[k];
+  for (int k = 0; k < s->own_count; k++) { /* what there is before they act */
+    for (int a = 0; a < 3; a++) total->momentum[a] -= s->dt * engine->given[k].impulse[a];
+    total->kinetic -= s->dt * engine->given[k].work;
+  }
+  if (kept != NULL) keep_velocities(engine, kept, true);
+  if (RANKS && kept != NULL) engine_settle(engine);
+  if (RANKS && kept != NULL) engine_send(engine, SENT_MOTION);
 cleanup:
+  memory_free(&kept);
   memory_free(&sums);
   pass->budget = NULL;
   return status;

@@ -6,6 +6,7 @@
 #include "common/kernel.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
 /* Floor of the distance to a wall, spacings: numbers nearer are noise. */

@@ -1,4 +1,5 @@
 #include "sphsolve/wcsph/engine/frame.h"
+#include "sphsolve/geometry/lattice.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "sphsolve/geometry/lattice.h"
+struct lattice; /* geometry/lattice.h */
 
 #define CLUSTER 8 /* slots of the unit of the neighbour lists */
 

@@ -14,6 +14,9 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
 
+#include "sphsolve/wcsph/engine/pairs_force.h"
+#include "sphsolve/wcsph/engine/site_terms.h"
+
 /* Sums over columns [0, n), as force_rows has them: of pressure and viscosity, and with the weights
  * of the carry and of the offsets. */
 static void row_budget(const struct pass *pass, const struct local *local, size_t n,
@@ -82,8 +85,8 @@ static void budget_row(const struct pass *pass, size_t i, const struct row_force
     const double shifted = gradient * (moved->velocity[a] + walls->moved.velocity[a]);
     double friction = drag * walls->pairs.velocity[a];
     if (subvoxel) friction = drag / kept * (fluid->velocity[a] + walls->near.drag[a]) - viscous;
-    const double next = (v + pass->dt * (pass->force[a] + pressed + viscous + friction + shifted)) /
-                        (1 + pass->dt * stiff);
+    const double change = momentum_change(pass, a, pressed) + viscous + friction + shifted;
+    const double next = momentum_next(pass, v, change, pass->dt * stiff);
     friction -= stiff * next;
     const double mean = 0.5 * (v + next);
     sum->momentum[a] += v;

@@ -10,6 +10,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
 
+#include "sphsolve/wcsph/engine/pairs_force.h"
 #include "sphsolve/wcsph/engine/site_terms.h"
 
 /* Sums over walls: weight and beta (0 where distances are rough), into v_next. */
@@ -108,12 +109,12 @@ SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *loca
       }
       times(terms.correction, pull);
       for (int a = 0; a < 3; a++) {
-        double change = pass->force[a] + pull[a], stiff = 0;
+        double change = momentum_change(pass, a, pull[a]), stiff = 0;
         if (flow) {
           change += drag * row.velocity[a];
           stiff = pass->dt * drag * terms.weight;
         }
-        p->v_next[a][i] = (float)(((double)p->v[a][i] + pass->dt * change) / (1 + stiff));
+        p->v_next[a][i] = (float)momentum_next(pass, (double)p->v[a][i], change, stiff);
         more[a] += (double)p->v_next[a][i];
       }
       if (!flow) continue;

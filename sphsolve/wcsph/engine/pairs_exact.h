@@ -6,6 +6,11 @@
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EXACT_H
 
 #include "sphsolve/geometry/moment.h"
+#include "sphsolve/wcsph/effects/density_continuity.h"
+#include "sphsolve/wcsph/effects/pressure_difference.h"
+#include "sphsolve/wcsph/effects/pressure_diffusion.h"
+#include "sphsolve/wcsph/effects/shifting.h"
+#include "sphsolve/wcsph/effects/viscosity_morris.h"
 #include "sphsolve/wcsph/engine/pairs_gather.h"
 
 /* xx yy zz xy xz yz */

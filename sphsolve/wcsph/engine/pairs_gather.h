@@ -4,6 +4,9 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 
+#include <math.h>
+#include <string.h>
+
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
@@ -12,6 +15,8 @@
 #define FAR_AWAY 1e6f
 /* Keeps 1/r finite for a particle and itself. */
 #define TINY 2.5e-9f
+/* Sums that a row takes over its columns, at most. */
+#define MAX_SUMS 12
 
 enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM, LWEIGHT = LVX, LSLOT, LMASK };
 /* What more of walls is gathered: the depth in h as LSTATE; where the columns come from: vectors
@@ -174,5 +179,11 @@ SIMD_INLINE void row_position(const struct pass *pass, const struct reference *r
   for (int a = 0; a < 3; a++)
     at[a] = vec_set((float)(int32_t)(ref->x[l][a] - ref->centre[a]) * pass->scale[a]);
 }
+
+/* Sums over the columns of a row: of the pressure, of differences of velocity with the weights of
+ * viscosity and shift, and of the offsets, the gradient of the particle concentration. */
+struct row_force {
+  double pressure[3], velocity[3], concentration[3];
+};
 
 #endif

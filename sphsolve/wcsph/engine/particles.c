@@ -6,6 +6,7 @@
 
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/order.h"
 
 /* Depths of wall particles end here, in the reach of fluid: deeper ones act the same

@@ -13,7 +13,6 @@
 #include <stdint.h>
 
 #include "common/error.h"
-#include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/frame.h"
 
 #define NO_PARTICLE UINT32_MAX

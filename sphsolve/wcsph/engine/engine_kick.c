@@ -1,0 +1,69 @@
+/* Forces that effects bring in a file of their own (struct effect). They act before the pairs do:
+ *
+ *   v' = v + dt a(x, v),   then the step from v'
+ *
+ * (first-order splitting), so that no pair loop knows of them, and one that is off costs nothing.
+ * What a force gives is summed where it acts: a, and the power a . (v + v')/2. */
+#include "sphsolve/wcsph/engine/engine_ranks.h"
+
+#include "common/log.h"
+#include "common/memory.h"
+
+/* Slots of a block of the sums, whose order neither threads nor ranks change. */
+#define SUM_BLOCK 2048
+
+static void kick_block(struct engine *engine, size_t begin, size_t end, struct engine_given *sum) {
+  struct particles *p = &engine->particles;
+  const double dt = engine->settings.dt;
+  for (size_t i = begin; i < end; i++) {
+    if (p->id[i] == NO_PARTICLE) continue;
+    for (int a = 0; a < 3; a++) {
+      const double v = (double)p->v[a][i], by = engine->acceleration[i][a];
+      p->v[a][i] = (float)(v + dt * by);
+      if (sum == NULL) continue;
+      sum->impulse[a] += by;
+      sum->work += by * (v + 0.5 * dt * by);
+    }
+  }
+}
+
+enum status engine_kick(struct engine *engine, bool sums) {
+  enum status status = STATUS_OK;
+  struct engine_given *block = NULL;
+  const size_t first = engine_first_slot(engine), last = engine_end_slot(engine);
+  const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
+  const size_t before = engine_number(engine, first) / SUM_BLOCK;
+  const double start = clock_seconds();
+  if (engine->settings.own_count == 0) return STATUS_OK;
+  TRY(memory_resize(&engine->acceleration, particles_slots(&engine->particles),
+                    sizeof *engine->acceleration, "accelerations"));
+  for (int k = 0; k < engine->settings.own_count; k++) {
+    struct engine_given *given = &engine->given[k];
+    if (sums) {
+      memory_free(&block);
+      TRY(memory_allocate(&block, blocks, sizeof *block, "block sums"));
+    }
+    engine->settings.own[k].force(engine, engine->acceleration);
+#pragma omp parallel for schedule(static) num_threads(engine->threads)
+    for (size_t b = 0; b < (last - first + SUM_BLOCK - 1) / SUM_BLOCK; b++) {
+      const size_t end = first + (b + 1) * SUM_BLOCK;
+      kick_block(engine, first + b * SUM_BLOCK, end < last ? end : last,
+                 sums ? &block[before + b] : NULL);
+    }
+    if (!sums) continue;
+    TRY(engine_gather_blocks(engine, SUM_BLOCK, block, sizeof *block));
+    *given = (struct engine_given){{0}, 0};
+    for (size_t b = 0; b < blocks; b++) {
+      for (int a = 0; a < 3; a++) given->impulse[a] += block[b].impulse[a];
+      given->work += block[b].work;
+    }
+  }
+  if (RANKS && engine_is_shared(engine)) { /* the ghosts of others */
+    engine_settle(engine);
+    engine_send(engine, SENT_MOTION);
+  }
+  engine->seconds[PHASE_FORCE] += clock_seconds() - start;
+cleanup:
+  memory_free(&block);
+  return status;
+}
