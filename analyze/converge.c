@@ -130,6 +130,7 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   converge_extrapolate(h, h + s->count, s->count, s->formal_order, &s->result);
   s->uncertainty.resolution = s->result.index;
   s->uncertainty.resolution_expected = false;
+  s->uncertainty.resolution_index = true;
   if (s->count > 2 && !s->result.monotone)
     log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
                 "three times the range as its error: add a finer run",

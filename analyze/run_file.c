@@ -80,12 +80,15 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
                      {"void_ratio", &run->error.void_ratio},
                      {"threshold", &run->error.threshold},
                      {"dlnk_dvoid_ratio", &run->error.slope_void_ratio},
-                     {"dlnk_dthreshold", &run->error.slope_threshold}};
+                     {"dlnk_dthreshold", &run->error.slope_threshold},
+                     {"dlnk_sides_closed", &run->error.sides_closed}};
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
     *parts[i].value = NAN;
     if (h5_attribute_exists(file, "/run/error", parts[i].name))
       TRY(h5_read_attribute(file, "/run/error", parts[i].name, H5_F64, 1, parts[i].value));
   }
+
+  TRY(read_text_or_empty(file, "/run/error", "resolution_needs", &run->resolution_needs));
 
   TRY(need_positive(run, "density", run->density));
   TRY(need_positive(run, "viscosity", run->viscosity));
@@ -347,6 +350,7 @@ void run_free(struct run *run) {
   memory_free(&run->wall);
   memory_free(&run->kernel);
   memory_free(&run->model_path);
+  memory_free(&run->resolution_needs);
   memset(run, 0, sizeof *run);
 }
 

@@ -40,8 +40,8 @@ struct run {
   size_t size[3];
   int dimensions;
   double bulk_count, fluid_count;
-  double darcy_velocity[3];         /* as sphsolve found it; NAN if not stored */
-  double k, k_error; /* m/s; relative, of solver or averaging alone; NAN if not stored */
+  double darcy_velocity[3]; /* as sphsolve found it; NAN if not stored */
+  double k, k_error;        /* m/s; relative, of solver or averaging alone; NAN if not stored */
   double k_low, k_high, k_finest;   /* m/s: 95 % interval, finest lattice; NAN if not stored */
   double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
   double wall_time, steps;          /* s; NAN if not stored */
@@ -49,8 +49,9 @@ struct run {
    */
   struct {
     double resolution, scan, sides, averaging, steadiness, void_ratio, threshold;
-    double slope_void_ratio, slope_threshold;
+    double slope_void_ratio, slope_threshold, sides_closed;
   } error;
+  char *resolution_needs; /* "lattice", "model", "scan"; "" if not stored */
 
   struct run_levels levels; /* the lattices that the run solved; count 0: one */
   size_t column_count;

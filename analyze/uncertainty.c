@@ -18,11 +18,11 @@ void uncertainty_read(const struct run *run, struct uncertainty *u) {
                             .threshold = run->error.threshold,
                             .slope_void_ratio = run->error.slope_void_ratio,
                             .slope_threshold = run->error.slope_threshold,
+                            .resolution_needs = run->resolution_needs,
+                            .sides_closed = run->error.sides_closed,
                             .slope_solved = isfinite(run->error.slope_void_ratio)};
-  if (isnan(u->resolution)) {
-    u->resolution = run->predicted_error;
-    u->resolution_expected = true;
-  }
+  if (isnan(u->resolution)) u->resolution = run->predicted_error;
+  u->resolution_expected = isnan(run->error.resolution) || run->levels.count < 2;
   if (u->slope_solved || !run_find_model(run, path, sizeof path)) return;
   if (h5_open(path, &file) != STATUS_OK) {
     error_clear();
@@ -51,14 +51,18 @@ double uncertainty_total(const struct uncertainty *u) {
 }
 
 void uncertainty_json(const struct uncertainty *u, json_t *object) {
-  json_object_set_new(object, "error_budget",
-                      json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s}", "resolution",
-                                json_number(u->resolution), "scan", json_number(u->scan), "sides",
-                                json_number(u->sides), "averaging", json_number(u->averaging),
-                                "steadiness", json_number(u->steadiness), "void_ratio",
-                                json_number(u->void_ratio), "threshold", json_number(u->threshold),
-                                "total", json_number(uncertainty_total(u)), "resolution_from",
-                                u->resolution_expected ? "expectation" : "grid convergence index"));
+  json_object_set_new(
+      object, "error_budget",
+      json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:s}", "resolution",
+                json_number(u->resolution), "scan", json_number(u->scan), "sides",
+                json_number(u->sides), "averaging", json_number(u->averaging), "steadiness",
+                json_number(u->steadiness), "void_ratio", json_number(u->void_ratio), "threshold",
+                json_number(u->threshold), "total", json_number(uncertainty_total(u)),
+                "dlnk_sides_closed", json_number(u->sides_closed), "resolution_from",
+                u->resolution_index      ? "grid convergence index"
+                : u->resolution_expected ? "expectation"
+                                         : "lattices",
+                "resolution_needs", u->resolution_needs != NULL ? u->resolution_needs : ""));
   json_object_set_new(object, "dlnk_dvoid_ratio", json_number(u->slope_void_ratio));
   json_object_set_new(object, "dlnk_dvoid_ratio_solved", json_boolean(u->slope_solved));
   json_object_set_new(object, "dlnk_dthreshold", json_number(u->slope_threshold));

@@ -10,7 +10,7 @@
 
 /* Relative parts; NAN: unknown. */
 struct uncertainty {
-  double resolution; /* grid convergence index; where a run holds none, what explain expected */
+  double resolution; /* from several lattices; where a run has none, what explain expected */
   double scan;       /* blur and noise of the scan */
   double sides;      /* closed, mirrored or wrapped sides of the sample */
   double averaging;  /* over time, and the scatter of a fit */
@@ -20,7 +20,9 @@ struct uncertainty {
   double slope_void_ratio; /* d ln k / d e: solved by the run, else after Kozeny (1927), Carman
                             * (1937): 3/e - 1/(1+e) */
   double slope_threshold;  /* d ln k / d T, per grey level: the same over dT/de of the sweep */
-  bool resolution_expected, slope_solved;
+  double sides_closed;     /* ln k in a tube that the sample fills, less ln k */
+  bool resolution_expected, resolution_index, slope_solved; /* index: of several runs */
+  const char *resolution_needs; /* what lessens its share: "lattice", "model", "scan"; of the run */
 };
 
 /* From the run and, where it is found, its model file; what is not known stays NAN. */

@@ -167,6 +167,12 @@ static enum status parse_one_void_ratio(const char *text, double *value, double 
 static enum status parse_void_ratio(const struct options *options, struct request *request) {
   enum status status = STATUS_OK;
   const char *at = options_text(options, "void-ratio");
+  const char *comma = at != NULL ? strchr(at, ',') : NULL;
+  if (comma != NULL && strchr(at, '.') == NULL && comma[1] != '\0')
+    TRY_FAIL(STATUS_USAGE,
+             "--void-ratio %s: a decimal comma? Numbers take a point, as 0.725; several whole void "
+             "ratios one as well, as 1.0,2.0",
+             at);
   for (bool more = at != NULL; more;) {
     char part[64];
     const size_t length = strcspn(at, ","), n = request->void_ratio_count;

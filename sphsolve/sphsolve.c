@@ -112,16 +112,17 @@ static json_t *number_or_null(double value) {
 
 static json_t *error_json(const struct uncertainty *b) {
   return json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "resolution",
-      number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s}",
+      "resolution", number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
       number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
       number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
       number_or_null(b->steadiness), "total", number_or_null(uncertainty_largest(b)),
       "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
       "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
       number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
-      "dlnk_blurred_again", number_or_null(b->slope_blur), "dlnk_dthreshold",
-      number_or_null(b->slope_threshold));
+      "dlnk_sides_closed", number_or_null(b->sides_closed), "dlnk_blurred_again",
+      number_or_null(b->slope_blur), "dlnk_dthreshold", number_or_null(b->slope_threshold),
+      "resolution_needs", resolution_needs_names[b->needs]);
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
@@ -205,6 +206,9 @@ static void print_uncertainty(const struct uncertainty *b) {
     print_part("; the model's voxels leave", b->model);
     putchar('\n');
   }
+  if (isfinite(b->sides_closed) && log_level() >= LOG_VERBOSE)
+    printf("           in a tube with the sample's sides k is %.2g times as large (solved)\n",
+           exp(b->sides_closed));
   if (isfinite(b->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
     print_part(", one grey level of the threshold by", b->slope_threshold);
@@ -214,12 +218,14 @@ static void print_uncertainty(const struct uncertainty *b) {
 
 /* What takes most of the error, and what lessens it. */
 static void print_verdict(const struct uncertainty *b) {
+  static const char *const finer[] = {
+      [NEEDS_LATTICE] = "a finer lattice lessens it (--error)",
+      [NEEDS_MODEL] = "a model with smaller voxels lessens it (ct2model build --size)",
+      [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
   const struct {
     double share;
     const char *what, *remedy;
-  } parts[] = {{b->resolution, "resolution",
-                b->model > 0.7 * b->resolution ? "a model with smaller voxels lessens it"
-                                               : "a finer lattice lessens it (--error)"},
+  } parts[] = {{b->resolution, "resolution", finer[b->needs]},
                {b->scan, "the scan", "a sharper scan lessens it"},
                {b->sides, "the sample's sides", "a larger sample lessens it"},
                {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},

@@ -100,7 +100,8 @@ static void write_methods(struct page *page) {
   struct methods_facts facts = {.permeable = result != NULL,
                                 .fitted = page->has[PART_DARCY] &&
                                           page_is_worth_a_screen(page, PART_DARCY),
-                                .index = from != NULL && from[0] == 'g'};
+                                .index = from != NULL && from[0] == 'g',
+                                .lattices = from != NULL && from[0] == 'l'};
   size_t i;
   json_array_foreach(json_object_get(converge, "series"), i, series) {
     facts.extrapolated |= json_is_true(json_object_get(series, "extrapolated"));

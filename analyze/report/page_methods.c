@@ -38,6 +38,9 @@ static const struct reference references[] = {
     {"celik",
      "Celik IB, Ghia U, Roache PJ, Freitas CJ (2008). Procedure for estimation and reporting "
      "of uncertainty due to discretization in CFD applications. J. Fluids Eng. 130, 078001."},
+    {"hoeting",
+     "Hoeting JA, Madigan D, Raftery AE, Volinsky CT (1999). Bayesian model averaging: a "
+     "tutorial. Stat. Sci. 14, 382-417."},
 };
 enum { REFERENCES = sizeof references / sizeof *references };
 
@@ -142,7 +145,19 @@ static void write_walls(const struct run *run, const struct page_model *model, b
   }
 }
 
-static void write_result(const struct methods_facts *facts, bool used[], FILE *stream) {
+/* Of one run that solved several lattices. */
+static void write_lattices(const struct run *run, bool used[], FILE *stream) {
+  const struct run_levels *l = &run->levels;
+  fprintf(stream,
+          "The error of resolution is that of the limit of %zu lattices with spacings from %.4g to "
+          "%.4g &micro;m, averaged over the orders of convergence",
+          l->count, 1e6 * l->spacing[0], 1e6 * l->spacing[l->count - 1]);
+  cite(stream, "hoeting", used);
+  fputs(strcmp(run->method, "stokes") == 0 ? "; the permeability is that limit. " : ". ", stream);
+}
+
+static void write_result(const struct run *run, const struct methods_facts *facts, bool used[],
+                         FILE *stream) {
   if (!facts->permeable) return;
   if (facts->averaged) {
     fputs("The Darcy velocity was averaged after the steady point given by the marginal standard "
@@ -164,6 +179,7 @@ static void write_result(const struct methods_facts *facts, bool used[], FILE *s
     cite(stream, "celik", used);
     fputs(". ", stream);
   }
+  if (facts->lattices && run->levels.count > 1) write_lattices(run, used, stream);
 }
 
 void page_methods(const struct run *runs, size_t n, const struct page_model *model,
@@ -181,7 +197,7 @@ void page_methods(const struct run *runs, size_t n, const struct page_model *mod
   write_walls(run, model, used, stream);
   if (n > 1)
     fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ", n);
-  write_result(facts, used, stream);
+  write_result(run, facts, used, stream);
   fputs("</p>\n<ol class=\"references\">\n", stream);
   for (size_t i = 0; i < REFERENCES; i++)
     if (used[i]) fprintf(stream, "<li value=\"%zu\">%s</li>\n", i + 1, references[i].text);

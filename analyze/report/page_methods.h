@@ -14,7 +14,8 @@ struct methods_facts {
   bool fitted;       /* from several gradients */
   bool averaged;     /* from a record in time */
   bool extrapolated; /* over runs at several spacings */
-  bool index;        /* its resolution error is a grid convergence index */
+  bool index;        /* its resolution error is a grid convergence index, */
+  bool lattices;     /* or from those that the run itself has solved */
 };
 
 void page_methods(const struct run *runs, size_t n, const struct page_model *model,

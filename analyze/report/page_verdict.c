@@ -128,7 +128,7 @@ static const char *good_for(double relative) {
   if (!(relative >= 0.0)) return "its error is not known";
   if (relative <= wanted) return "good enough to compare with a test on the specimen";
   if (relative <= 0.25) return "good enough to compare specimens, and to choose among formulas";
-  if (relative <= 1.0) return "good enough for its class and its order of magnitude";
+  if (relative < 1.0) return "good enough for its class and its order of magnitude";
   return "no more than an order of magnitude: do not publish it";
 }
 
@@ -136,15 +136,17 @@ static const char *good_for(double relative) {
 static const struct {
   const char *part, *remedy;
 } remedies[] = {{"resolution", ""},
-             {"scan", "a sharper scan is needed"},
-             {"sides", "a larger sample is needed"},
-             {"void_ratio", "build the model nearer to the measured void ratio"},
-             {"threshold", "measure the void ratio more precisely"},
-             {"averaging", "run longer"},
-             {"steadiness", "run longer"}};
+                {"scan", "a sharper scan is needed"},
+                {"sides", "a larger sample is needed"},
+                {"void_ratio", "build the model nearer to the measured void ratio"},
+                {"threshold", "measure the void ratio more precisely"},
+                {"averaging", "run longer"},
+                {"steadiness", "run longer"}};
 
 static void judge_advice(json_t *result) {
   const json_t *parts = json_object_get(result, "error_budget");
+  const char *needs = string(parts, "resolution_needs");
+  const bool model = strcmp(needs, "model") == 0, scan = strcmp(needs, "scan") == 0;
   double resolution = number(parts, "resolution"), rest = 0.0, most = 0.0;
   size_t largest = 0;
   char text[300] = "";
@@ -162,16 +164,24 @@ static void judge_advice(json_t *result) {
     text[0] = '\0';
   else if (rest >= 0.9 * wanted)
     snprintf(text, sizeof text, "For 5 %%: %s%s (%.2g %% by the %s alone).",
-             resolution > rest ? "a finer lattice, and " : "", remedies[largest].remedy, 100.0 * most,
+             resolution <= rest ? ""
+             : model            ? "a model with smaller voxels, and "
+             : scan             ? "a scan with smaller voxels, and "
+                                : "a finer lattice, and ",
+             remedies[largest].remedy, 100.0 * most,
              largest == 3 ? "void ratio" : remedies[largest].part);
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
     const double spacing = 1e6 * number(result, "spacing_m");
-    snprintf(text, sizeof text,
-             "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.2g times as many "
-             "points.",
-             spacing, spacing / finer, finer * finer * finer);
+    if (model || scan)
+      snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %.2g um instead of %.3g.",
+               needs, spacing / finer, spacing);
+    else
+      snprintf(text, sizeof text,
+               "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.2g times as many "
+               "points.",
+               spacing, spacing / finer, finer * finer * finer);
   }
   json_object_set_new(result, "advice", json_string(text));
 }

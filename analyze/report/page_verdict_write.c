@@ -76,6 +76,14 @@ static void write_budget(const json_t *budget, FILE *out) {
             100.0 * fmin(part / total, 1.0));
   }
   fputs("</tbody></table>\n", out);
+  const double closed = number(budget, "dlnk_sides_closed");
+  if (isfinite(closed))
+    fprintf(
+        out,
+        "<p class=\"note\">Sides: the sample wraps round in x and y; mirrored there, k changes by "
+        "the share above. In a tube with the sample&rsquo;s sides, whose walls rub as no soil "
+        "does, k would be %.2g times as large.</p>\n",
+        exp(closed));
 }
 
 static void write_orientation(const json_t *result, FILE *out) {

@@ -11,21 +11,29 @@ static size_t source(size_t i, size_t n) {
   return i < n ? i : 2 * n - 1 - i;
 }
 
+/* Distances as they are inside, where nothing is known of what lies beyond a side. */
+static enum status distances_inside(const struct lattice *wrapped, float **distance) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(distance, wrapped->count, sizeof **distance, "a lattice"));
+  memcpy(*distance, wrapped->wall_distance, wrapped->count * sizeof **distance);
+  sides_forget(wrapped->size, wrapped->spacing, *distance);
+  for (size_t i = 0; i < wrapped->count; i++)
+    if (!isfinite((*distance)[i])) {
+      /* No wall beside it inside: as far as it said, and one spacing at least. */
+      const float own = wrapped->wall_distance[i];
+      (*distance)[i] = copysignf(fmaxf(fabsf(own), (float)wrapped->spacing[0]), own);
+    }
+cleanup:
+  return status;
+}
+
 enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *mirrored) {
   enum status status = STATUS_OK;
   const size_t *n = wrapped->size;
   float *distance = NULL;
   *mirrored = *wrapped;
   mirrored->kind = NULL, mirrored->wall_distance = NULL, mirrored->region = NULL;
-  TRY(memory_allocate(&distance, wrapped->count, sizeof *distance, "a lattice"));
-  memcpy(distance, wrapped->wall_distance, wrapped->count * sizeof *distance);
-  sides_forget(n, wrapped->spacing, distance);
-  for (size_t i = 0; i < wrapped->count; i++)
-    if (!isfinite(distance[i])) {
-      /* No wall beside it inside: as far as it said, and one spacing at least. */
-      const float own = wrapped->wall_distance[i];
-      distance[i] = copysignf(fmaxf(fabsf(own), (float)wrapped->spacing[0]), own);
-    }
+  TRY(distances_inside(wrapped, &distance));
   mirrored->size[0] = 2 * n[0], mirrored->size[1] = 2 * n[1];
   mirrored->count = 4 * wrapped->count;
   mirrored->bulk_count = 4 * wrapped->bulk_count;
@@ -43,5 +51,43 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(mirrored);
+  return status;
+}
+
+/* From the centre of site i to the nearer side, negative in the wall beyond the last of n; the wall
+ * of `all` - n sites ends where the sample begins again. */
+static double room(size_t i, size_t n, size_t all, double spacing) {
+  const double x = (double)i + 0.5, outside = fmin(x - (double)n, (double)all - x);
+  return spacing * (i < n ? fmin(x, (double)n - x) : -outside);
+}
+
+enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
+                                struct lattice *closed) {
+  enum status status = STATUS_OK;
+  const size_t *n = wrapped->size;
+  float *distance = NULL;
+  *closed = *wrapped;
+  closed->kind = NULL, closed->wall_distance = NULL, closed->region = NULL;
+  TRY(distances_inside(wrapped, &distance));
+  closed->size[0] = n[0] + layers, closed->size[1] = n[1] + layers;
+  closed->count = closed->size[0] * closed->size[1] * n[2];
+  closed->wall_count += closed->count - wrapped->count;
+  TRY(memory_allocate(&closed->kind, closed->count, 1, "a lattice"));
+  TRY(memory_allocate(&closed->wall_distance, closed->count, sizeof *distance, "a lattice"));
+  for (size_t at = 0; at < closed->count; at++) {
+    const size_t i = at % closed->size[0], j = at / closed->size[0] % closed->size[1];
+    const size_t k = at / closed->size[0] / closed->size[1];
+    const double side = fmin(room(i, n[0], closed->size[0], wrapped->spacing[0]),
+                             room(j, n[1], closed->size[1], wrapped->spacing[1]));
+    closed->kind[at] = SITE_WALL;
+    closed->wall_distance[at] = (float)side;
+    if (side < 0.0) continue;
+    const size_t from = (k * n[1] + j) * n[0] + i;
+    closed->kind[at] = wrapped->kind[from];
+    closed->wall_distance[at] = fminf(distance[from], (float)side);
+  }
+cleanup:
+  memory_free(&distance);
+  if (status != STATUS_OK) lattice_free(closed);
   return status;
 }

@@ -9,4 +9,9 @@
  * Distances that reach beyond a side are found anew from what is inside. Free with lattice_free. */
 enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *mirrored);
 
+/* The same with walls on those sides, as in a tube: `layers` sites of wall after the last along x
+ * and y. Free with lattice_free. */
+enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
+                                struct lattice *closed);
+
 #endif

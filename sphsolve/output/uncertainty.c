@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+const char *const resolution_needs_names[] = {"lattice", "model", "scan"};
+
 struct uncertainty uncertainty_none(void) {
   return (struct uncertainty){.resolution = NAN,
                               .scan = NAN,
@@ -14,6 +16,7 @@ struct uncertainty uncertainty_none(void) {
                               .resolution_low = NAN,
                               .resolution_high = NAN,
                               .model = NAN,
+                              .sides_closed = NAN,
                               .order = NAN,
                               .extrapolated = NAN,
                               .finest = NAN,
@@ -100,11 +103,14 @@ enum status uncertainty_write(const struct uncertainty *b, double to_speed, stru
                {"extrapolated_permeability", b->extrapolated},
                {"finest_permeability", b->finest},
                {"dlnk_dvoid_ratio", b->slope_void_ratio},
+               {"dlnk_sides_closed", b->sides_closed},
                {"dlnk_blurred_again", b->slope_blur},
                {"dlnk_dthreshold", b->slope_threshold}};
   TRY(h5_make_group(file, "/run/error"));
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
     TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
+  TRY(h5_write_attribute_text(file, "/run/error", "resolution_needs",
+                              resolution_needs_names[b->needs]));
   TRY(write_levels(b, to_speed, file));
 cleanup:
   return status;

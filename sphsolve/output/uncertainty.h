@@ -10,6 +10,10 @@
 
 #define ERROR_LEVELS_MAX 24
 
+/* What lessens the error of resolution: past a model's own voxels no lattice does. */
+enum resolution_needs { NEEDS_LATTICE, NEEDS_MODEL, NEEDS_SCAN };
+extern const char *const resolution_needs_names[]; /* "lattice", "model", "scan" */
+
 /* One lattice of a cascade. */
 struct error_level {
   double spacing;        /* m, geometric mean of the axes */
@@ -31,7 +35,9 @@ struct uncertainty {
   double steadiness; /* change still to come, or what the solver left */
 
   double resolution_low, resolution_high; /* the truth lies in k (1 - low) .. k (1 + high) */
-  double model;            /* the part of resolution that the model's own voxels have */
+  double model; /* the part of resolution that the model's own voxels have */
+  enum resolution_needs needs;
+  double sides_closed;     /* ln k in a tube that the sample fills, less ln k; NAN: not tried */
   double order;            /* observed; NAN: not seen */
   double extrapolated;     /* intrinsic permeability, best estimate, m^2 */
   double finest;           /* and that of the finest lattice */

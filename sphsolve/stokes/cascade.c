@@ -23,6 +23,8 @@
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
 static const struct stokes_goal side_goal = {.mean = 3e-4};
+/* Other sides change k by per cents, on four times the sites. */
+static const struct stokes_goal sides_goal = {.mean = 1e-3};
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
@@ -130,14 +132,14 @@ static double permeability_of(const struct stokes_solver *s) {
 /* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails.
  */
 static double solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
-                    const struct stokes_solver *from, bool keep) {
+                    const struct stokes_solver *from, const struct stokes_goal *goal, bool keep) {
   struct stokes_solver s = {0};
   double k = 0.0;
   if (lattice->fluid_count > 0 && build(c, lattice, wall, &s) == STATUS_OK &&
       s.grid.active_all > 0) {
     if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
       error_clear();
-    if (stokes_solver_run(&s, &side_goal) == STATUS_OK) k = permeability_of(&s);
+    if (stokes_solver_run(&s, goal) == STATUS_OK) k = permeability_of(&s);
   }
   error_clear();
   if (keep && k > 0.0)
@@ -166,18 +168,23 @@ static void add_calibration(const char *path, struct uncertainty *u) {
 }
 
 /* The change of k when pores that end at a side go on into their own image there, not into whatever
- * lies at the opposite side; both on one coarse lattice. */
+ * lies at the opposite side, and what a tube would do; all on one coarse lattice. */
 static enum status add_sides(struct cascade *c) {
   enum status status = STATUS_OK;
-  struct lattice wrapped = {0}, mirrored = {0};
+  struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
   const struct stokes_solver none = {0};
   if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_mirror_sides(&wrapped, &mirrored));
-  const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, false);
-  const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, false);
+  TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
+  const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, &sides_goal, false);
+  const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false);
   if (k > 0.0 && other > 0.0) c->uncertainty.sides = fabs(other / k - 1.0);
+  lattice_free(&mirrored);
+  const double tube = solve(c, &closed, WALL_SUBVOXEL, &none, &sides_goal, false);
+  if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
 cleanup:
+  lattice_free(&closed);
   lattice_free(&wrapped);
   lattice_free(&mirrored);
   return status;
@@ -190,7 +197,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   struct lattice moved = {0}, coarser = {0};
   if (!*c->scene->model_path) return STATUS_OK;
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
-  const double more = solve(c, &moved, WALL_SUBVOXEL, from, false);
+  const double more = solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false);
   const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
   add_calibration(c->scene->model_path, &c->uncertainty);
@@ -198,7 +205,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
-  const double other = solve(c, &moved, WALL_SUBVOXEL, from, false);
+  const double other = solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false);
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
   TRY(add_sides(c));
 cleanup:
@@ -216,7 +223,7 @@ static enum status add_scan_share(struct cascade *c, const struct lattice *latti
   double scale, other = 0.0;
   if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
   TRY(lattice_blur_level(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
-  other = solve(c, &blurred, WALL_SUBVOXEL, from, false);
+  other = solve(c, &blurred, WALL_SUBVOXEL, from, &side_goal, false);
   if (other > 0.0) {
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
@@ -245,6 +252,7 @@ static void estimate(struct cascade *c) {
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
+  b->needs = cascade_needs(c->plan, c->base, h[0]);
   b->extrapolated = limit.value;
   b->finest = k[0];
   b->order = limit.order;
@@ -310,7 +318,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     bool is_own;
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
     const double started = clock_processor_seconds();
-    const double k = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, true);
+    const double k = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &side_goal, true);
     status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_own) own = k;
     if (!is_own) lattice_free(&lattice);
@@ -338,7 +346,7 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 11
+#define CASCADE_NUMBERS 12
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
@@ -346,7 +354,7 @@ enum status cascade_write(const struct cascade *c, struct h5_file *file) {
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
       c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
       b->void_ratio, b->threshold,   b->model,       b->slope_threshold,
-      b->sides,      b->slope_blur,  b->scan};
+      b->sides,      b->slope_blur,  b->scan,        b->sides_closed};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < b->level_count; i++) {
     const struct error_level *l = &b->levels[i];
@@ -374,7 +382,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   c->side_shares = numbers[2] != 0.0;
   b->slope_void_ratio = numbers[3], b->void_ratio = numbers[4], b->threshold = numbers[5];
   b->model = numbers[6], b->slope_threshold = numbers[7], b->sides = numbers[8];
-  b->slope_blur = numbers[9], b->scan = numbers[10];
+  b->slope_blur = numbers[9], b->scan = numbers[10], b->sides_closed = numbers[11];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));

@@ -53,9 +53,32 @@ int cascade_last_step(const struct plan *plan, const struct lattice *base) {
   return steps >= LEVELS_LEAST && *path && scan_quality_read(path, &scan) ? steps - 1 : steps;
 }
 
-/* Where the effect of the sides is solved: with few sites across a pore, as a cascade's second. */
+/* A lattice as fine as the voxels, or the last of a cascade, is the end of what a model can tell;
+ * a model as fine as its scan the end of what that can. */
+enum resolution_needs cascade_needs(const struct plan *plan, const struct lattice *base,
+                                    double spacing) {
+  struct h5_file *file = NULL;
+  double voxel[3] = {0}, scanned = NAN;
+  const char *path = plan->context.scene->model_path;
+  const double last =
+      plan->context.spacing *
+      pow(CASCADE_SHRINKS, cascade_open_steps(plan, base) - cascade_last_step(plan, base));
+  if (!*path) return NEEDS_LATTICE;
+  if (h5_open(path, &file) == STATUS_OK) {
+    if (h5_read_attribute(file, "/model", "spacing", H5_F64, 3, voxel) != STATUS_OK) voxel[0] = 0.0;
+    scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
+    h5_close(file);
+  }
+  error_clear();
+  const double own = cbrt(voxel[0] * voxel[1] * voxel[2]);
+  if (spacing > 1.01 * fmax(own, isfinite(plan->context.scene->lattice_spacing) ? 0.0 : last))
+    return NEEDS_LATTICE;
+  return own <= 1.01 * scanned ? NEEDS_SCAN : NEEDS_MODEL;
+}
+
+/* Where the effect of the sides is solved: coarse, but narrow throats are to stay open. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
-  return fmax(plan->context.spacing, cascade_first_spacing(plan, base) / CASCADE_SHRINKS);
+  return fmax(plan->context.spacing, 0.5 * cascade_first_spacing(plan, base));
 }
 
 /* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
@@ -95,7 +118,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
   const double sides = cascade_sides_sites(plan);
   if (sides > 0.0) {
     const double refined = cbrt(sides / 4.0 / (double)l->count);
-    seconds += 5.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
+    seconds += 6.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
   }
   return seconds;
 }

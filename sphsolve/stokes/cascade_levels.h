@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 
@@ -22,6 +23,9 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
 /* Steps from the first of its lattices to the scene's own sites, and to its last lattice. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
 int cascade_last_step(const struct plan *plan, const struct lattice *base);
+/* What would lessen the error of resolution once a lattice of that spacing has been solved. */
+enum resolution_needs cascade_needs(const struct plan *plan, const struct lattice *base,
+                                    double spacing);
 /* Where the effect of the sides is solved, and whether that of a model is. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
 bool cascade_sides_are_wrapped(const char *model_path);

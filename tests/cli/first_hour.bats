@@ -115,6 +115,9 @@ END
   }
   wrong "1 nm to 1 cm" --void-ratio 0.7 --voxel-size 5m
   wrong "'5m'" --void-ratio 0.7 --voxel-size 5um,5m,5um
+  for comma in 1,2 0,725 0,725+-0,005; do
+    wrong "decimal comma" --void-ratio $comma --voxel-size 5um
+  done
   wrong "three as" --void-ratio 0.7 --voxel-size 5um,5um
   wrong "98.04 %" --void-ratio 50 --voxel-size 5um
   wrong "0.9" --void-ratio 0.725+-0.9 --voxel-size 5um

@@ -168,9 +168,15 @@ END
   /usr/bin/python3 - <<'END'
 import json
 k = {s: json.load(open(f"run-{s}.json")) for s in ("mirrored", "periodic", "closed")}
+import math
 said = k["periodic"]["error"]["sides"]
 true = abs(k["mirrored"]["k_finest"] / k["periodic"]["k_finest"] - 1)
 assert true > 0.02 and 0.5 * true < said < 2 * true, (said, true)
+# And what a tube would do.
+tube = k["periodic"]["error"]["dlnk_sides_closed"]
+closed = math.log(k["closed"]["k_finest"] / k["periodic"]["k_finest"])
+assert closed < -0.3 and 0.7 * closed > tube > 1.4 * closed, (tube, closed)
+assert k["mirrored"]["error"]["dlnk_sides_closed"] is None
 assert k["mirrored"]["error"]["sides"] is None and k["closed"]["error"]["sides"] is None
 assert k["periodic"]["error"]["total"] >= said
 END

@@ -54,3 +54,18 @@ END
   analyze darcy run.hdf -v | grep -q "superficial"
   run ! grep -q "averaging 0" darcy.txt
 }
+
+@test "what lessens the error of resolution: a finer lattice, past the model's voxels a model, past the scan's a scan" {
+  needs() { # WORD ...: of a run, on stdout's verdict, in its record and in darcy
+    local word=$1
+    shift
+    sphsolve run "$ROOT/data-samples/scenes/demo.cfg" -o needs "$@" > needs.txt
+    grep -q "^verdict .* resolution: a $word" needs.txt || { cat needs.txt; false; }
+    word=${word#finer }
+    analyze darcy needs.hdf --json | grep -q "\"resolution_needs\": \"${word%% *}\""
+  }
+  needs "finer lattice" --set model.file=m.hdf --set lattice.spacing='"60 um"'
+  needs "model with smaller voxels" --set model.file=m.hdf
+  ct2model build "$ROOT/data-samples/small" --threshold 62 --voxel-size 8.745um --crop 0,0,0,20,20,10 --sides mirrored -o own.hdf --quiet
+  needs "scan with smaller voxels" --set model.file=own.hdf
+}

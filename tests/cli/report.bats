@@ -75,8 +75,9 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
   # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
   data matched.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
-  data matched.html '"finer lattice" in page["verdict"][0]["advice"] and "a larger sample is needed" in page["verdict"][0]["advice"]'
-  data plain.html '"lattice" in page["verdict"][0]["advice"]'
+  data matched.html '"a model with smaller voxels" in page["verdict"][0]["advice"] and "a larger sample is needed" in page["verdict"][0]["advice"]'
+  data plain.html '"a model with voxels of about" in page["verdict"][0]["advice"]'
+  data plain.html 'page["verdict"][0]["k_low_m_per_s"] == 0 and "do not publish" in page["verdict"][0]["good_for"]'
   for page in matched given otsu plain labels levels; do
     data $page.html '(lambda v: (" to " in v["class_din"]) == any(v["k_low_m_per_s"] < bound <= v["k_high_m_per_s"] for bound in (1e-8, 1e-6, 1e-4, 1e-2)))(page["verdict"][0])'
   done

@@ -23,8 +23,9 @@ def attributes(file, group):
 runs = []
 for path in run_paths:
     with h5py.File(path) as file:
-        runs.append({**attributes(file, "run"), "error": attributes(file, "run/error")})
-first = runs[0]
+        runs.append({**attributes(file, "run"), "error": attributes(file, "run/error"),
+                     "levels": list(file["run/levels/spacing"][()]) if "run/levels" in file else []})
+first, levels = runs[0], runs[0]["levels"]
 model, command = None, ""
 named = first.get("model_path", "")
 for path in (named, os.path.join(os.path.dirname(run_paths[0]), os.path.basename(named))):
@@ -103,8 +104,11 @@ SENTENCES = [
      r"half widths", lambda more: len(gradients) > 1 and (not more or len(spacings) > 1)),
     (r"Permeability is the superficial velocity over the hydraulic gradient(, extrapolated over .*)?; errors are 95 % half widths",
      lambda more: len(gradients) == 1 and (not more or len(spacings) > 1)),
-    (r"The error of resolution is a grid convergence index \[\d+\]",
-     lambda: len(spacings) > 1 or first["error"].get("resolution", float("nan")) > 0),
+    (r"The error of resolution is a grid convergence index \[\d+\]", lambda: len(spacings) > 1),
+    (r"The error of resolution is that of the limit of (\d+) lattices with spacings from ([\d.]+) to ([\d.]+) µm, averaged over the "
+     r"orders of convergence \[\d+\](; the permeability is that limit)?",
+     lambda n, coarsest, finest, limit: int(n) == len(levels) > 1 and near(coarsest, 1e6 * levels[0])
+     and near(finest, 1e6 * levels[-1]) and bool(limit) == (first["method"] == "stokes")),
 ]
 
 bad = []

@@ -180,7 +180,7 @@ parts = [error[p] for p in ("resolution", "averaging", "steadiness", "void_ratio
 assert abs(sum(p * p for p in parts if p is not None) ** 0.5 - error["total"]) < 1e-12
 assert abs(error["extrapolated_permeability"] / exact - 1) < 1e-3
 budget = darcy["error_budget"]
-assert abs(budget["resolution"] / error["resolution"] - 1) < 1e-9 and budget["resolution_from"] == "grid convergence index"'
+assert abs(budget["resolution"] / error["resolution"] - 1) < 1e-9 and budget["resolution_from"] == "lattices"'
 }
 
 @test "explain --error names settings that reach the error, and they do" {
