@@ -76,9 +76,10 @@ enum resolution_needs cascade_needs(const struct plan *plan, const struct lattic
   return own <= 1.01 * scanned ? NEEDS_SCAN : NEEDS_MODEL;
 }
 
-/* Where the effect of the sides is solved: coarse, but narrow throats are to stay open. */
+/* Where the effect of the sides is solved: coarse, but narrow throats are to stay open; mirrored it
+ * has twice the scene's sites at most. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
-  return fmax(plan->context.spacing, 0.5 * cascade_first_spacing(plan, base));
+  return fmax(cbrt(2.0) * plan->context.spacing, 0.5 * cascade_first_spacing(plan, base));
 }
 
 /* Whether the model is a sample whose sides were wrapped, which no real sample's are. */

@@ -65,6 +65,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
   plan->dt = 0.0;
   if (l->wall_count == 0) return STATUS_OK; /* the run says what is wrong */
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid) : 5.0 * sites;
+  plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0, 0.0));
   plan->bytes_wall = 31.0;
   plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_method - 31.0 * (sites - fluid)) / fluid : 31.0;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;

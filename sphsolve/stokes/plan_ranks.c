@@ -25,6 +25,21 @@ static double side_of(double sides, const struct lattice *l) {
   return (double)l->size[0] * cbrt(sides / 4 / (double)l->count);
 }
 
+double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {
+  const struct lattice *l = plan->context.lattice;
+  const double sites = (double)l->count, phi = (double)l->fluid_count / sites;
+  const double sides = cascade_sides_sites(plan);
+  const double first = sites / pow(cascade_fixed_ratios[0], l->dimensions);
+  const double second = sites / pow(cascade_fixed_ratios[1], l->dimensions);
+  if (!(sides > 0.0)) return 0.0;
+  return SIDES_BYTES * sides + SITE_BYTES * (second + sites / ranks) + held +
+         fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
+              stokes_solver_bytes(sides, phi * sides) / ranks) +
+         stokes_solver_bytes(second, phi * second) / ranks + SOLUTION_BYTES * phi * first / ranks +
+         ROW_BYTES * (second / ((double)l->size[0] / cascade_fixed_ratios[1]) +
+                      sides / (2 * side_of(sides, l)));
+}
+
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, planes = (double)l->size[2];
@@ -38,17 +53,6 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   cost->held = r > 1 ? cost->ghosts : 0; /* each has its place */
   cost->messages = MESSAGES;
   cost->sums = SUMS;
-  /* A lattice with other sides is whole on every rank while its pores are followed, and solved
-   * beside the second of the cascade and the solution of the first. */
-  const double sides = cascade_sides_sites(plan), phi = (double)l->fluid_count / sites;
-  const double first = sites / pow(cascade_fixed_ratios[0], l->dimensions);
-  const double second = sites / pow(cascade_fixed_ratios[1], l->dimensions);
-  if (sides > 0.0 && r > 1)
-    cost->start =
-        SIDES_BYTES * sides + SITE_BYTES * (second + sites / r) + cost->held +
-        fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
-             stokes_solver_bytes(sides, phi * sides) / r) +
-        stokes_solver_bytes(second, phi * second) / r + SOLUTION_BYTES * phi * first / r +
-        ROW_BYTES * (second / (nx / cascade_fixed_ratios[1]) + sides / (2 * side_of(sides, l)));
+  if (r > 1) cost->start = stokes_sides_bytes(plan, r, cost->held);
   cost->shares_sites = true;
 }
