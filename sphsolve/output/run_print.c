@@ -1,0 +1,185 @@
+#include "sphsolve/output/run_print.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "sphsolve/output/conservation.h"
+#include "sphsolve/output/tensor.h"
+#include "sphsolve/output/uncertainty.h"
+
+static json_t *number_or_null(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *error_json(const struct uncertainty *b) {
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s}",
+      "resolution", number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
+      number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
+      number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
+      number_or_null(b->steadiness), "total", number_or_null(uncertainty_largest(b)),
+      "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
+      "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
+      number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
+      "dlnk_sides_closed", number_or_null(b->sides_closed), "dlnk_blurred_again",
+      number_or_null(b->slope_blur), "dlnk_dthreshold", number_or_null(b->slope_threshold),
+      "resolution_needs", resolution_needs_names[b->needs]);
+}
+
+/* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
+static json_t *levels_json(const struct uncertainty *b, double to_speed) {
+  json_t *list = json_array();
+  for (int i = 0; i < b->level_count; i++) {
+    const struct error_level *l = &b->levels[i];
+    json_array_append_new(
+        list, json_pack("{s:f, s:f, s:f, s:o, s:o, s:f, s:I, s:f}", "spacing", l->spacing, "k",
+                        to_speed * l->permeability, "estimate", to_speed * l->estimate, "low",
+                        number_or_null(l->low), "high", number_or_null(l->high), "sites", l->sites,
+                        "iterations", (json_int_t)l->iterations, "seconds", l->seconds));
+  }
+  return list;
+}
+
+/* How far the conservation budget does not close; null where a method keeps no such budget. */
+static json_t *conservation_json(const struct conservation *conservation) {
+  double open[3] = {0}, energy_open, momentum = NAN, energy = NAN;
+  if (conservation->budget.on != 0) {
+    momentum = budget_momentum_open(&conservation->budget, open);
+    energy = budget_energy_open(&conservation->budget, &energy_open);
+  }
+  return json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
+      number_or_null(conservation->known ? (double)conservation->lost : NAN), "particles_open",
+      number_or_null(conservation->known ? (double)conservation_particles_open(conservation) : NAN),
+      "mass_open", number_or_null(conservation->known ? conservation_mass_open(conservation) : NAN),
+      "momentum_open_share", number_or_null(momentum), "energy_open_share", number_or_null(energy),
+      "force_open", number_or_null(conservation->steady ? conservation->force_open : NAN),
+      "power_open", number_or_null(conservation->steady ? conservation->power_open : NAN),
+      "flux_open", number_or_null(conservation->steady ? conservation->flux_open : NAN));
+}
+
+enum status run_print_json(const struct run_result *result) {
+  double low, high;
+  uncertainty_total(&result->error, &low, &high);
+  json_t *object = json_pack(
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
+      number_or_null(result->k), "k_low", number_or_null(result->k * (1 - fmin(low, 1))), "k_high",
+      number_or_null(result->k * (1 + high)), "k_finest", number_or_null(result->k_finest),
+      "k_relative_error", number_or_null(fmax(low, high)), "error", error_json(&result->error),
+      "levels", levels_json(&result->error, result->k / result->intrinsic_permeability),
+      "intrinsic_permeability", number_or_null(result->intrinsic_permeability), "darcy_velocity",
+      number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
+      number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
+      "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
+      number_or_null(result->pair_interactions), "pair_interactions_per_second",
+      number_or_null(result->pair_interactions_per_second), "status", result->status, "ledger",
+      conservation_json(&result->conservation));
+  if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
+  if (result->tensor != NULL) json_object_set_new(object, "tensor", tensor_json(result->tensor));
+  json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
+  putchar('\n');
+  json_decref(object);
+  return STATUS_OK;
+}
+
+static void print_part(const char *what, double share) {
+  if (isfinite(share)) printf("%s %.*g %%", what, share < 1 ? 2 : 3, 100 * share);
+}
+
+/* The parts of the error, and how the resolution's was found. */
+static void print_uncertainty(const struct uncertainty *b) {
+  printf("error     ");
+  print_part(" resolution", b->resolution);
+  if (!isfinite(b->resolution)) printf(" resolution not counted");
+  print_part(", scan", b->scan);
+  print_part(", sides", b->sides);
+  print_part(", averaging", b->averaging > 0 ? b->averaging : NAN);
+  print_part(", steadiness", b->steadiness > 1e-5 ? b->steadiness : NAN);
+  print_part(", void ratio", b->void_ratio > 1e-5 ? b->void_ratio : NAN);
+  print_part(", threshold", b->threshold);
+  putchar('\n');
+  if (b->level_count > 1) {
+    const struct error_level *finest = &b->levels[b->level_count - 1];
+    printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M sites), which "
+           "alone "
+           "says %.4g m^2",
+           b->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, b->finest);
+    print_part("; the model's voxels leave", b->model);
+    putchar('\n');
+  }
+  if (isfinite(b->sides_closed) && log_level() >= LOG_VERBOSE)
+    printf("           in a tube with the sample's sides k is %.2g times as large (solved)\n",
+           exp(b->sides_closed));
+  if (isfinite(b->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
+    printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
+    print_part(", one grey level of the threshold by", b->slope_threshold);
+    putchar('\n');
+  }
+}
+
+/* What takes most of the error, and what lessens it. */
+static void print_verdict(const struct uncertainty *b) {
+  static const char *const finer[] = {
+      [NEEDS_LATTICE] = "a finer lattice lessens it (--error)",
+      [NEEDS_MODEL] = "a model with smaller voxels lessens it (ct2model build --size)",
+      [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
+  const struct {
+    double share;
+    const char *what, *remedy;
+  } parts[] = {{b->resolution, "resolution", finer[b->needs]},
+               {b->scan, "the scan", "a sharper scan lessens it"},
+               {b->sides, "the sample's sides", "a larger sample lessens it"},
+               {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
+               {b->threshold, "the measured void ratio", "measure it more precisely"},
+               {b->averaging, "averaging", "a longer run lessens it"},
+               {b->steadiness, "what still changes", "a longer run lessens it"}};
+  size_t most = 0;
+  const double total = uncertainty_largest(b);
+  for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
+    if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
+  if (!(parts[most].share > 0) || !(total > 0)) return;
+  printf("verdict    known to %.2g %%; most of it is %s: %s\n", 100 * total, parts[most].what,
+         parts[most].remedy);
+}
+
+void run_print(const struct run_result *result, const char *prefix) {
+  char error[120] = "";
+  double low, high;
+  uncertainty_total(&result->error, &low, &high);
+  const double largest = fmax(low, high);
+  const char *from = result->error.level_count > 1        ? ""
+                     : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
+                                                          : " (resolution not counted)";
+  if (isfinite(result->k) && largest > 1e-5)
+    snprintf(error, sizeof error, " +- %.*g %% (%.4g to %.4g)%s", largest < 1 ? 2 : 3,
+             100 * largest, 100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high),
+             from);
+  else if (isfinite(result->k) && largest > 0)
+    snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
+  printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
+         result->wall_time);
+  if (isfinite(result->k)) {
+    printf("k          %.4g cm/s%s\n", 100 * result->k, error);
+    print_uncertainty(&result->error);
+    printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
+  }
+  if (isfinite(result->k) && log_level() >= LOG_VERBOSE) {
+    printf("Darcy      %.4g, %.4g, %.4g m/s (superficial: volume-averaged over pores and grains)\n",
+           result->darcy_velocity[0], result->darcy_velocity[1], result->darcy_velocity[2]);
+    printf("Reynolds   %.3g\n", result->reynolds);
+  }
+  if (result->tensor != NULL) tensor_print(result->tensor);
+  if (isfinite(result->k)) print_verdict(&result->error);
+  if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
+    printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
+  conservation_print(&result->conservation);
+  printf("files      %s.hdf", prefix);
+  for (int a = 0; a < 3 && result->tensor != NULL; a++) {
+    const char *path = result->tensor->columns[a].path;
+    if (path[strlen(prefix)] == '-') printf(", %s", path);
+  }
+  printf("\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix);
+}

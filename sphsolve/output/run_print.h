@@ -1,0 +1,13 @@
+/* The result of a run on stdout. */
+#ifndef TOSUI_SPHSOLVE_OUTPUT_RUN_PRINT_H
+#define TOSUI_SPHSOLVE_OUTPUT_RUN_PRINT_H
+
+#include "common/error.h"
+#include "sphsolve/output/recorder.h"
+
+/* One JSON object. */
+enum status run_print_json(const struct run_result *result);
+/* For people: k with its error, a verdict, the budget; more with -v. `prefix`: of the files. */
+void run_print(const struct run_result *result, const char *prefix);
+
+#endif
