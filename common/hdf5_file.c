@@ -81,7 +81,7 @@ cleanup:
   return status;
 }
 
-/* All but shares is written by the first rank. */
+/* All but rows of ranks is written by the first rank. */
 static bool idle(void) {
   return ranks_own() > 0;
 }

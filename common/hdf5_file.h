@@ -34,8 +34,8 @@ const char *h5_path(const struct h5_file *file);
 enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
                      const size_t *dims, const void *data, bool compress);
 /* Collective (common/ranks.h): the same dataset, of which this rank holds the next dims[0] rows. */
-enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                           const size_t *dims, const void *data, bool compress);
+enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                          const size_t *dims, const void *data, bool compress);
 enum status h5_write_text(struct h5_file *file, const char *name, const char *text);
 /* A 1-D array of strings. */
 enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
@@ -65,9 +65,9 @@ enum status h5_number_format(struct h5_file *file, const char *name, int *bits, 
 enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
                     size_t *dims, void *data);
 /* Rows first .. first + dims[0] alone of a dataset that has `rows`. */
-enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                          size_t rows, size_t first, size_t *dims, void *data);
-/* Collective: as h5_read; each rank reads a share of the rows, and those on one machine hold them
+enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                         size_t rows, size_t first, size_t *dims, void *data);
+/* Collective: as h5_read; each rank reads a part of the rows, and those on one machine hold them
  * once (common/node_memory.h). */
 enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t *dims, void *data);

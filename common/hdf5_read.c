@@ -187,8 +187,8 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
   return read_rows(file, name, type, rank, 0, SIZE_MAX, dims, data);
 }
 
-enum status h5_read_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                          size_t rows, size_t first, size_t *dims, void *data) {
+enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                         size_t rows, size_t first, size_t *dims, void *data) {
   enum status status = STATUS_OK;
   size_t shape[H5S_MAX_RANK] = {0};
   int found = 0;

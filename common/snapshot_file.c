@@ -21,7 +21,7 @@ static enum status write_field(struct h5_file *file, const char *name, size_t co
     TRY(field->fill(field->context, made));
   }
   const void *data = field->data != NULL ? field->data : made;
-  TRY(h5_write_share(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
+  TRY(h5_write_rows(file, name, field->type, field->components > 1 ? 2 : 1, dims, data, true));
 cleanup:
   memory_free(&made);
   return status;

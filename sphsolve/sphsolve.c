@@ -16,6 +16,7 @@
 #include "common/ranks.h"
 #include "common/threads.h"
 #include "sphsolve/plan/recommend.h"
+#include "sphsolve/plan/reynolds.h"
 #include "sphsolve/plan/explain.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/geometry/resample.h"
@@ -53,9 +54,6 @@ static const struct option_command commands[] = {
 static const struct option_table table = {
     "sphsolve", "flow through pores and soil by smoothed particle hydrodynamics", commands,
     entries};
-
-/* Below it inertia changes k by less than a thousandth (its share goes with the square). */
-#define REYNOLDS_CREEPING 0.1
 
 #define RANKS_MOST 10000000
 

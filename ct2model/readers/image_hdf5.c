@@ -125,7 +125,7 @@ static enum status read_block(const struct image *image, struct image_dataset *d
   enum status status =
       dataset->rank == 2
           ? h5_read(dataset->file, dataset->name, dataset->type, 2, dims, &dataset->block)
-          : h5_read_share(dataset->file, dataset->name, dataset->type, 3, image->pages, page, dims,
+          : h5_read_rows(dataset->file, dataset->name, dataset->type, 3, image->pages, page, dims,
                           &dataset->block);
   if (status != STATUS_OK) return status;
   dataset->first = page;

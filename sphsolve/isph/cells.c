@@ -72,7 +72,7 @@ static void permute(struct isph *s, void *data, size_t size) {
 enum status isph_sort(struct isph *s) {
   enum status status = STATUS_OK;
   if (s->cells.start == NULL) TRY(shape_cells(s, 0, &s->cells));
-  TRY(isph_share_out(s));
+  TRY(isph_distribute(s));
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
   sort_by_cell(&s->cells, s->count, s->cell_of, s->order);
@@ -287,7 +287,7 @@ enum status isph_probe(const struct isph *s, const double x[3], double *kernel_s
 }
 
 static enum status shape_chunks(struct isph *s) {
-  size_t n = (s->share.end - s->share.begin + CHUNK - 1) / CHUNK;
+  size_t n = (s->local.end - s->local.begin + CHUNK - 1) / CHUNK;
   if (n > s->chunk_capacity) {
     enum status status = memory_resize(&s->sums, n, sizeof *s->sums, "sums");
     if (status == STATUS_OK)
@@ -297,8 +297,8 @@ static enum status shape_chunks(struct isph *s) {
   }
   s->chunk_count = n;
   for (size_t c = 0; c < n; c++) {
-    s->chunks[c].begin = s->share.begin + c * CHUNK;
-    s->chunks[c].end = c + 1 < n ? s->chunks[c].begin + CHUNK : s->share.end;
+    s->chunks[c].begin = s->local.begin + c * CHUNK;
+    s->chunks[c].end = c + 1 < n ? s->chunks[c].begin + CHUNK : s->local.end;
   }
   return STATUS_OK;
 }

@@ -6,18 +6,18 @@
 
 /* The arrays of a state: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9]) {
-  const size_t own = s->share.end - s->share.begin;
+  const size_t own = s->local.end - s->local.begin;
   size_t n = 0;
 #define ADD(member, first, count)                                                                  \
   do {                                                                                             \
     array[n] = (count) > 0 ? s->member + (first) : NULL;                                           \
     bytes[n++] = (count) * sizeof *s->member;                                                      \
   } while (0)
-  ADD(position, s->share.begin, own);
-  ADD(velocity, s->share.begin, own);
-  ADD(pressure, s->share.begin, own);
-  ADD(mass, s->share.begin, own);
-  ADD(id, s->share.begin, own);
+  ADD(position, s->local.begin, own);
+  ADD(velocity, s->local.begin, own);
+  ADD(pressure, s->local.begin, own);
+  ADD(mass, s->local.begin, own);
+  ADD(id, s->local.begin, own);
   ADD(boundary_position, 0, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
   ADD(wall_boxes, 0, s->wall_box_count);
   ADD(soil_offset, 0, s->scene->region_count);
@@ -36,7 +36,7 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
     if (array[i]) memcpy(copy->block + used, array[i], bytes[i]);
     used += bytes[i];
   }
-  copy->count = s->share.end - s->share.begin;
+  copy->count = s->local.end - s->local.begin;
   copy->time = s->time, copy->viscosity_most = s->viscosity_most;
   copy->step = s->step;
   copy->next_id = s->next_id;
@@ -54,8 +54,8 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   void *array[9];
   size_t bytes[9], used = 0;
   TRY(isph_reserve(s, copy->count));
-  s->count = s->share.end = copy->count;
-  s->share.begin = 0;
+  s->count = s->local.end = copy->count;
+  s->local.begin = 0;
   size_t n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) {
     if (array[i]) memcpy(array[i], copy->block + used, bytes[i]);

@@ -70,7 +70,7 @@ static void spare_surface(struct isph *s) {
         near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
     }
   }
-  for (size_t i = s->share.begin; i < s->share.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int k = 0; k < 6; k++) s->moment_lack[i][k] *= (float)(1 - near[i]);
 }
 

@@ -24,7 +24,7 @@ static enum status shape(struct isph *s, struct isph_multigrid *grid) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   double most[6], extent[3];
   bool used[3];
-  for (size_t i = s->share.begin; i < s->share.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int a = 0; a < 3; a++) {
       low[a] = fmin(low[a], s->position[i][a]);
       high[a] = fmax(high[a], s->position[i][a]);
@@ -82,7 +82,7 @@ static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t 
 static double unit_of(const struct isph *s, const double *value) {
   double most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)
-  for (size_t i = s->share.begin; i < s->share.end; i++) most = fmax(most, fabs(value[i]));
+  for (size_t i = s->local.begin; i < s->local.end; i++) most = fmax(most, fabs(value[i]));
   most = ranks_max(most);
   int exponent = 0;
   frexp(most, &exponent);
@@ -107,7 +107,7 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
     for (int k = parity; k < fine->cells[2]; k += 2)
       for (uint32_t p = grid->layer_start[k]; p < grid->layer_start[k + 1]; p++) {
         size_t i = grid->order[p], node[8];
-        double weight[8], scaled = scale * value[s->share.begin + i];
+        double weight[8], scaled = scale * value[s->local.begin + i];
         int n = particle_corners(grid, i, node);
         weights_of(grid, i, weight);
         for (int c = 0; c < n; c++) grid->whole[node[c]] += (int64_t)(weight[c] * scaled);
@@ -124,12 +124,12 @@ static void find_coefficients(const struct isph *s) {
   const double volume = fine->h[0] * fine->h[1] * fine->h[2];
   double *value = s->work[1];
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
     value[i] = s->mobility[i] * s->volume[i] / volume;
   const double unit = unit_of(s, value), scale = 1 / unit;
   memset(grid->whole, 0, fine->cell_count * sizeof *grid->whole);
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
-    const size_t base = grid->base[i - s->share.begin], row = base / nx;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const size_t base = grid->base[i - s->local.begin], row = base / nx;
     const size_t cell = (row / ny * (size_t)fine->cells[1] + row % ny) * (size_t)fine->cells[0];
     grid->whole[cell + base % nx] += (int64_t)(scale * value[i]);
   }
@@ -143,7 +143,7 @@ enum status multigrid_build(struct isph *s) {
   struct isph_multigrid *grid = s->multigrid;
   TRY(shape(s, grid));
   struct level *fine = &grid->levels.at[0];
-  const size_t own = s->share.end - s->share.begin, sums = fine->node_count; /* cells are fewer */
+  const size_t own = s->local.end - s->local.begin, sums = fine->node_count; /* cells are fewer */
   if (own > grid->capacity) {
     size_t n = own + own / 4;
     TRY(memory_resize(&grid->base, n, sizeof *grid->base, "the preconditioner"));
@@ -165,7 +165,7 @@ enum status multigrid_build(struct isph *s) {
   for (size_t i = 0; i < own; i++) {
     int at[3];
     for (int a = 0; a < 3; a++) {
-      const double x = s->position[s->share.begin + i][a];
+      const double x = s->position[s->local.begin + i][a];
       double scaled = grid->levels.used[a] ? (x - grid->origin[a]) / fine->h[a] : 0;
       at[a] = (int)fmin(fmax(0, floor(scaled)), fine->cells[a] - 1);
       grid->fraction[i][a] = (float)fmin(fmax(0, scaled - at[a]), 1);
@@ -192,11 +192,11 @@ void multigrid_apply(struct isph *s, const double *r, double *z) {
   gather(s, r, fine->b);
   levels_cycle(&grid->levels);
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     double weight[8], sum = r[i] / s->diagonal[i];
     size_t node[8];
-    int n = particle_corners(grid, i - s->share.begin, node);
-    weights_of(grid, i - s->share.begin, weight);
+    int n = particle_corners(grid, i - s->local.begin, node);
+    weights_of(grid, i - s->local.begin, weight);
     for (int c = 0; c < n; c++) sum += weight[c] * fine->x[node[c]];
     z[i] = sum;
   }

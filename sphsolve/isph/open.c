@@ -192,10 +192,10 @@ enum status isph_remove_outside(struct isph *s) {
   struct isph_gone *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
   s->flung[0] = 0;
-  for (size_t i = s->share.begin; i < s->share.end; i++) gone += is_outside(s, s->position[i]);
+  for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_outside(s, s->position[i]);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
   gone = 0;
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     if (is_outside(s, s->position[i])) {
       struct isph_gone *g = &here[gone++];
       memcpy(g->position, s->position[i], sizeof g->position);

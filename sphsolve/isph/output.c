@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/plan/reynolds.h"
 
 static double domain_volume(const struct isph *s) {
   return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);
@@ -25,13 +26,16 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
 }
 
 double isph_reynolds(const struct isph *s, const double velocity[3]) {
-  double grain = 0;
-  for (size_t k = 0; k < s->scene->region_count; k++)
-    if (s->scene->regions[k].type == REGION_POROUS)
-      grain = fmax(grain, s->scene->regions[k].grain_size);
-  if (!(grain > 0) || !(s->kinematic_viscosity > 0)) return NAN;
-  return sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]) *
-         grain / s->kinematic_viscosity;
+  const struct region *coarsest = NULL;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    if (region->type != REGION_POROUS) continue;
+    if (coarsest == NULL || region->grain_size > coarsest->grain_size) coarsest = region;
+  }
+  if (coarsest == NULL || !(s->kinematic_viscosity > 0)) return NAN;
+  return reynolds_number(velocity, coarsest->porosity,
+                         hydraulic_diameter_of_grains(coarsest->grain_size, coarsest->porosity),
+                         s->kinematic_viscosity);
 }
 
 /* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
@@ -269,15 +273,15 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  const size_t first = s->share.begin, own = s->share.end - first;
+  const size_t first = s->local.begin, own = s->local.end - first;
   size_t vectors[2] = {own, 3}, regions[2] = {s->scene->region_count, 3};
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
-  TRY(h5_write_share(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
-  TRY(h5_write_share(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
-  TRY(h5_write_share(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
-  TRY(h5_write_share(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
-  TRY(h5_write_share(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
+  TRY(h5_write_rows(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
+  TRY(h5_write_rows(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
+  TRY(h5_write_rows(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
+  TRY(h5_write_rows(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
+  TRY(h5_write_rows(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
@@ -327,7 +331,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
              h5_path(file), name);
   if (count == 0) goto cleanup;
   dims[0] = count;
-  TRY(h5_read_share(file, name, type, rank, rows, first, dims, &data));
+  TRY(h5_read_rows(file, name, type, rank, rows, first, dims, &data));
   memcpy(to, data, count * width * h5_type_size(type));
 cleanup:
   memory_free(&data);

@@ -13,7 +13,7 @@ enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder)
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder);
 /* Takes the state out of a checkpoint; the file stays open. */
 enum status isph_read_checkpoint(struct isph *s, struct h5_file *file);
-/* |v_D| D50 / nu with the largest grains of the scene; NAN without soil or viscosity. */
+/* Of the soil with the largest grains (plan/reynolds.h); NAN without soil or viscosity. */
 double isph_reynolds(const struct isph *s, const double velocity[3]);
 /* Volume integral of v_D over the bulk volume of the domain, m/s. */
 void isph_darcy_velocity(const struct isph *s, double velocity[3]);

@@ -36,7 +36,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   enum status status = STATUS_OK;
   const char *what = "water particles";
   if (n <= s->capacity) return STATUS_OK;
-  if (s->capacity > 0) n += n / (isph_is_shared(s) ? 32 : 4);
+  if (s->capacity > 0) n += n / (isph_is_distributed(s) ? 32 : 4);
   if (n > PAIR_MASK)
     return FAIL(STATUS_INPUT, "%zu water particles; method isph takes %u at most", n, PAIR_MASK);
   TRY(memory_resize(&s->id, n, sizeof *s->id, what));
@@ -257,7 +257,7 @@ cleanup:
 void isph_free(struct isph *s) {
   multigrid_free(s);
   isph_petsc_free(s);
-  ghosts_free(&s->share);
+  ghosts_free(&s->local);
 
   for (size_t c = 0; c < s->chunk_capacity; c++) {
     memory_free(&s->chunks[c].pair);

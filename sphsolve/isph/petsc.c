@@ -138,7 +138,7 @@ cleanup:
 
 static enum status assemble_particles(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
-  const size_t begin = s->share.begin, own = s->share.end - begin;
+  const size_t begin = s->local.begin, own = s->local.end - begin;
   struct rows *rows = &p->rows;
   size_t entries = own;
   PetscInt used = 0;
@@ -149,10 +149,10 @@ static enum status assemble_particles(struct isph *s, struct isph_petsc *p) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       PetscInt n = 0, *column = rows->column + used;
       PetscScalar *value = rows->value + used;
-      column[n] = (PetscInt)ghosts_number(&s->share, i);
+      column[n] = (PetscInt)ghosts_number(&s->local, i);
       value[n++] = s->diagonal[i];
       for (size_t q = s->pair_first[i], end = q + s->pair_number[i]; q < end; q++) {
-        column[n] = (PetscInt)ghosts_number(&s->share, chunk->pair[q] & PAIR_MASK);
+        column[n] = (PetscInt)ghosts_number(&s->local, chunk->pair[q] & PAIR_MASK);
         value[n++] = -(double)chunk->matrix[q];
       }
       used += merge_row(column, value, n);
@@ -168,13 +168,13 @@ cleanup:
 static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
   struct rows *rows = &p->rows;
-  const size_t begin = s->share.begin, own = s->share.end - begin;
+  const size_t begin = s->local.begin, own = s->local.end - begin;
   size_t node[27], first = 0, end = multigrid_nodes(s), ranks, *partition = NULL;
   double value[27];
   const size_t here = own > 0 ? multigrid_row_before(s, s->position[begin]) : end;
   TRY(isph_gather(&here, 1, sizeof here, &partition, &ranks));
   for (size_t r = ranks - 1; r > 0; r--) /* of a rank without particles: the next one's */
-    if (s->share.partition[r] == s->share.partition[r + 1])
+    if (s->local.partition[r] == s->local.partition[r + 1])
       partition[r] = r + 1 < ranks ? partition[r + 1] : end;
   for (size_t r = 1; r < ranks; r++) {
     if (r <= (size_t)ranks_own() && partition[r] > first) first = partition[r];
@@ -229,7 +229,7 @@ static PetscErrorCode precondition(PC solver, Vec r, Vec z) {
   PetscCall(MatMult(p->interpolation, p->up, z));
   PetscCall(VecGetArrayRead(r, &from));
   PetscCall(VecGetArray(z, &to));
-  for (size_t i = s->share.begin, k = 0; i < s->share.end; i++, k++)
+  for (size_t i = s->local.begin, k = 0; i < s->local.end; i++, k++)
     to[k] += from[k] / s->diagonal[i];
   PetscCall(VecRestoreArray(z, &to));
   return VecRestoreArrayRead(r, &from);
@@ -240,7 +240,7 @@ static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
   const double *from;
   double *to;
   PetscCall(MatShellGetContext(matrix, &s));
-  const size_t begin = s->share.begin, bytes = (s->share.end - begin) * sizeof *to;
+  const size_t begin = s->local.begin, bytes = (s->local.end - begin) * sizeof *to;
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArray(y, &to));
   if (bytes > 0) memcpy(s->work[0] + begin, from, bytes);
@@ -269,7 +269,7 @@ static PetscErrorCode judge(KSP solver, PetscInt iteration, PetscReal norm,
 
 static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
-  const PetscInt own = (PetscInt)(s->share.end - s->share.begin);
+  const PetscInt own = (PetscInt)(s->local.end - s->local.begin);
   PetscBool named;
   PC preconditioner;
   drop(p);
@@ -279,9 +279,9 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   TRY_PETSC(MatShellSetOperation(p->matrix, MATOP_MULT, (void (*)(void))multiply));
   TRY_PETSC(MatSetOption(p->matrix, MAT_SYMMETRIC, PETSC_TRUE));
   TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, PETSC_DETERMINE,
-                                  s->source + s->share.begin, &p->load));
+                                  s->source + s->local.begin, &p->load));
   TRY_PETSC(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, own, PETSC_DETERMINE,
-                                  s->pressure + s->share.begin, &p->solution));
+                                  s->pressure + s->local.begin, &p->solution));
   TRY_PETSC(KSPCreate(PETSC_COMM_WORLD, &p->solver));
   TRY_PETSC(KSPSetType(p->solver, KSPCG));
   TRY_PETSC(KSPGetPC(p->solver, &preconditioner));

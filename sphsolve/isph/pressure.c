@@ -14,7 +14,7 @@
 /* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
  * and ranks, whose shares begin with a block. */
 double isph_dot(struct isph *s, const double *a, const double *b) {
-  const size_t first = s->share.begin, n = s->share.end;
+  const size_t first = s->local.begin, n = s->local.end;
   double total = 0, *own = s->partial + isph_first_chunk(s);
 #pragma omp parallel for schedule(static)
   for (size_t k = 0; k < (n - first + CHUNK - 1) / CHUNK; k++) {
@@ -95,7 +95,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
       s->tied[i] = tied;
     }
   }
-  for (size_t i = s->share.begin; i < s->share.end; i++) fixed += s->tied[i];
+  for (size_t i = s->local.begin; i < s->local.end; i++) fixed += s->tied[i];
   s->closed = ranks_sum(fixed) == 0;
 }
 
@@ -116,31 +116,31 @@ static void multiply_chunks(const struct isph *s, bool outer, const double *x, d
 }
 
 void isph_multiply(struct isph *s, double *x, double *y) {
-  if (isph_is_shared(s)) ghosts_post(&s->share, 1, &ISPH_FIELD(x));
+  if (isph_is_distributed(s)) ghosts_post(&s->local, 1, &ISPH_FIELD(x));
   multiply_chunks(s, false, x, y);
-  if (!isph_is_shared(s)) return;
-  ghosts_finish(&s->share);
+  if (!isph_is_distributed(s)) return;
+  ghosts_finish(&s->local);
   multiply_chunks(s, true, x, y);
 }
 
 static void remove_mean(struct isph *s, double *values) {
   double *ones = s->work[3];
-  for (size_t i = s->share.begin; i < s->share.end; i++) ones[i] = 1;
+  for (size_t i = s->local.begin; i < s->local.end; i++) ones[i] = 1;
   double mean = isph_dot(s, values, ones) / (double)s->total;
-  for (size_t i = s->share.begin; i < s->share.end; i++) values[i] -= mean;
+  for (size_t i = s->local.begin; i < s->local.end; i++) values[i] -= mean;
 }
 
 enum status isph_solve_failed(struct isph *s, double error, int iterations) {
   double *q = s->work[1], most = -1, own, worst[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
-  size_t at = s->share.begin;
+  size_t at = s->local.begin;
   isph_multiply(s, s->pressure, q);
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     double off = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
     if (off > most) most = off, at = i;
   }
   own = most;
   ranks_max_all(&most, 1);
-  if (own == most && s->share.end > s->share.begin) {
+  if (own == most && s->local.end > s->local.begin) {
     memcpy(worst, s->position[at], sizeof *s->position);
     worst[3] = (double)s->id[at];
   }
@@ -176,7 +176,7 @@ enum status isph_solve_pressure(struct isph *s) {
   if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;
   isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++) r[i] = b[i] - q[i];
+  for (size_t i = s->local.begin; i < s->local.end; i++) r[i] = b[i] - q[i];
   /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
    * the velocities the pressure makes: one tolerance means the same whatever the number of
    * particles (the plain norm of r asks for more the smoother b is on its scale). */
@@ -191,11 +191,11 @@ enum status isph_solve_pressure(struct isph *s) {
     energy = whole;
     if (!(rz > 0) || !(error > tolerance) || iteration == ITERATIONS_MAX) break;
 #pragma omp parallel for schedule(static)
-    for (size_t i = s->share.begin; i < s->share.end; i++) p[i] = z[i] + beta * p[i];
+    for (size_t i = s->local.begin; i < s->local.end; i++) p[i] = z[i] + beta * p[i];
     isph_multiply(s, p, q);
     double step = rz / isph_dot(s, p, q);
 #pragma omp parallel for schedule(static)
-    for (size_t i = s->share.begin; i < s->share.end; i++) x[i] += step * p[i], r[i] -= step * q[i];
+    for (size_t i = s->local.begin; i < s->local.end; i++) x[i] += step * p[i], r[i] -= step * q[i];
   }
   solve->energy = energy;
   solve->iterations += iteration;

@@ -35,7 +35,7 @@ static int layer_of(const struct isph *s, size_t number) {
 
 /* Layers that rank r answers for: those of its own particles, and empty ones beside them. */
 static bool layers_of(const struct isph *s, int r, int *low, int *high) {
-  const size_t from = s->share.partition[r], to = s->share.partition[r + 1];
+  const size_t from = s->local.partition[r], to = s->local.partition[r + 1];
   if (from == to) return false;
   *low = from == 0 ? 0 : layer_of(s, from);
   *high = layer_count(s) - 1;
@@ -56,7 +56,7 @@ static bool is_held(const struct isph *s, int low, int high, int layer) {
 }
 
 bool isph_answers_for(const struct isph *s, const double x[3]) {
-  if (!isph_is_shared(s)) return true;
+  if (!isph_is_distributed(s)) return true;
   const int layer = (int)(isph_cell_of(&s->cells, x) / layer_cells(s));
   for (int r = 0, low, high; r < ranks_count(); r++)
     if (layers_of(s, r, &low, &high) && layer <= high) return r == ranks_own();
@@ -85,14 +85,14 @@ static enum status partition(struct isph *s) {
   ranks_sum_all(s->layer_start, layers + 1);
   for (size_t l = 0; l < layers; l++) s->layer_start[l + 1] += s->layer_start[l];
   s->total = (size_t)s->layer_start[layers];
-  s->share.tag = TAG;
-  s->share.bytes_most = sizeof(double[6]);
+  s->local.tag = TAG;
+  s->local.bytes_most = sizeof(double[6]);
   TRY(memory_allocate(&work, s->chunk_count + 1, sizeof *work, "shares"));
   for (size_t c = 0; c < s->chunk_count; c++)
     work[c] = (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);
-  TRY(ghosts_partition(&s->share, s->total, CHUNK, work));
+  TRY(ghosts_partition(&s->local, s->total, CHUNK, work));
   for (int r = 0; r <= ranks_count(); r++)
-    s->chunk_partition[r] = (s->share.partition[r] + CHUNK - 1) / CHUNK;
+    s->chunk_partition[r] = (s->local.partition[r] + CHUNK - 1) / CHUNK;
 cleanup:
   memory_free(&work);
   return status;
@@ -158,7 +158,7 @@ cleanup:
   return status;
 }
 
-enum status isph_share_out(struct isph *s) {
+enum status isph_distribute(struct isph *s) {
   enum status status = STATUS_OK;
   s->total = s->count;
   if (ranks_count() > 1) {
@@ -175,9 +175,9 @@ cleanup:
 }
 
 void isph_find_own(struct isph *s) {
-  struct ghosts *g = &s->share;
+  struct ghosts *g = &s->local;
   g->begin = 0, g->end = s->count;
-  if (!isph_is_shared(s)) return;
+  if (!isph_is_distributed(s)) return;
   const size_t plane = layer_cells(s), from = g->partition[ranks_own()];
   int low, high;
   bool before = false;
@@ -198,8 +198,8 @@ void isph_find_own(struct isph *s) {
 
 enum status isph_find_ghosts(struct isph *s) {
   enum status status = STATUS_OK;
-  struct ghosts *g = &s->share;
-  if (!isph_is_shared(s)) return STATUS_OK;
+  struct ghosts *g = &s->local;
+  if (!isph_is_distributed(s)) return STATUS_OK;
   TRY(memory_allocate(&g->wanted, s->count + 1, 1, "ghosts"));
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
@@ -219,9 +219,9 @@ cleanup:
 }
 
 void isph_send(struct isph *s, int count, const struct ghost_field *fields) {
-  if (!isph_is_shared(s)) return;
-  ghosts_post(&s->share, count, fields);
-  ghosts_finish(&s->share);
+  if (!isph_is_distributed(s)) return;
+  ghosts_post(&s->local, count, fields);
+  ghosts_finish(&s->local);
 }
 
 /* Sums go from rank to rank, each of which adds its own between the two calls; then all have them.
@@ -263,7 +263,7 @@ void isph_add_budgets(struct isph *s) {
 }
 
 void isph_gather_chunks(struct isph *s, double *numbers) {
-  if (isph_is_shared(s)) ranks_gather(numbers, s->chunk_partition, sizeof *numbers);
+  if (isph_is_distributed(s)) ranks_gather(numbers, s->chunk_partition, sizeof *numbers);
 }
 
 enum status isph_gather(const void *list, size_t count, size_t size, void *gathered,

@@ -1,6 +1,6 @@
 /* Particles of method isph shared out among the ranks. In the order of their cells each rank
  * computes a run of them, and holds besides, as its ghosts, those of the layers of cells (across
- * the longest axis) that its kernels reach: always in that order, [share.begin, share.end) its own.
+ * the longest axis) that its kernels reach: always in that order, [local.begin, local.end) its own.
  * It exchanges what its neighbours' sums read. On one rank the run is all of them, and nothing here
  * does anything. */
 #ifndef TOSUI_SPHSOLVE_ISPH_RANKS_H
@@ -8,12 +8,12 @@
 
 #include "sphsolve/isph/state.h"
 
-static inline bool isph_is_shared(const struct isph *s) {
-  return RANKS && s->share.partition != NULL;
+static inline bool isph_is_distributed(const struct isph *s) {
+  return RANKS && s->local.partition != NULL;
 }
 /* Collective, before a sort: who computes what, by the pairs of the last step. Takes all particles
  * here as its own, and leaves its own and ghosts, unsorted. */
-enum status isph_share_out(struct isph *s);
+enum status isph_distribute(struct isph *s);
 /* After it: which of those here are its own. */
 void isph_find_own(struct isph *s);
 /* Whether this rank answers for a place: it holds all particles within the kernel's reach, and no
@@ -32,7 +32,7 @@ void isph_add_up(const struct isph *s, int width, double *total);
 void isph_add_budgets(struct isph *s);
 /* Place of the first own chunk among those of all. */
 static inline size_t isph_first_chunk(const struct isph *s) {
-  return isph_is_shared(s) ? s->chunk_partition[ranks_own()] : 0;
+  return isph_is_distributed(s) ? s->chunk_partition[ranks_own()] : 0;
 }
 /* Collective: of a number for each chunk of all particles, each rank has those of its own; then all
  * have all. */

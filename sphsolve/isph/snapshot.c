@@ -19,7 +19,7 @@ static enum status send_field(const struct isph *s, const struct lines *lines, c
                               size_t size, void *written) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  const char *from = (const char *)field + s->share.begin * size;
+  const char *from = (const char *)field + s->local.begin * size;
   char *out = NULL, *in = NULL, *to = written;
   size_t *start = NULL, others = 0, k = 0;
   for (size_t r = 0; r < ranks; r++) others += r == own ? 0 : lines->send[r];
@@ -52,13 +52,13 @@ static size_t line_of(const int64_t *there, const uint64_t *before, uint64_t id)
 
 static enum status find_lines(const struct isph *s, struct lines *lines) {
   enum status status = STATUS_OK;
-  const size_t ranks = (size_t)ranks_count(), own = s->share.end - s->share.begin;
+  const size_t ranks = (size_t)ranks_count(), own = s->local.end - s->local.begin;
   const size_t words = s->next_id / 64 + 1;
   int64_t *there = NULL; /* a bit for each number; each rank's own are summed */
   uint64_t *before = NULL;
   uint32_t *line = NULL, *place = NULL;
   size_t *next = NULL;
-  const uint64_t *id = s->id + s->share.begin;
+  const uint64_t *id = s->id + s->local.begin;
   TRY(memory_allocate(&there, words, sizeof *there, "a snapshot"));
   TRY(memory_allocate(&before, words, sizeof *before, "a snapshot"));
   TRY(memory_allocate(&line, s->capacity, sizeof *line, "a snapshot"));
@@ -81,7 +81,7 @@ static enum status find_lines(const struct isph *s, struct lines *lines) {
       while (at < s->total * r / ranks) r--;
       if (pass == 0) lines->send[r]++;
       if (pass == 1) lines->item[next[r]++] = (uint32_t)i;
-      line[s->share.begin + i] = (uint32_t)(at - s->total * r / ranks);
+      line[s->local.begin + i] = (uint32_t)(at - s->total * r / ranks);
     }
     for (size_t r = 1; pass == 0 && r < ranks; r++) next[r] = next[r - 1] + lines->send[r - 1];
   }

@@ -132,7 +132,7 @@ struct isph {
 
   size_t count, capacity;  /* of the particles here: the own ones, and ghosts before and after */
   size_t total;            /* of all ranks */
-  struct ghosts share;     /* this rank computes [share.begin, share.end) */
+  struct ghosts local;     /* this rank computes [local.begin, local.end) */
   size_t *chunk_partition; /* [ranks + 1]: in chunks of all */
   double *layer_start;     /* [layers of cells + 1]: particles of all before it; NULL on one rank */
   double pairs_now;        /* of the own particles */

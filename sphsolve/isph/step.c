@@ -79,7 +79,7 @@ static void find_viscosity(struct isph *s) {
   double least = s->on.artificial_viscosity ? artificial_viscosity(s) : 0;
   s->artificial_viscosity = least;
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
     double eddies = 0;
     if (s->on.turbulence)
@@ -88,7 +88,7 @@ static void find_viscosity(struct isph *s) {
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
   s->viscosity_most = 0;
-  for (size_t i = s->share.begin; i < s->share.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
     s->viscosity_most = fmax(s->viscosity_most, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
   s->viscosity_most = ranks_max(s->viscosity_most);
 }
@@ -245,7 +245,7 @@ static void correct(struct isph *s) {
  * has P < 0 inside, and fell apart without. */
 static void part(struct isph *s) {
   bool holds = isph_is_free(s);
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     double least = holds ? (1 - s->surface[i]) * s->pressure[i] : 0;
     if (s->surface_pressure != NULL) least += s->surface[i] * fmin(0, s->surface_pressure[i]);
     s->pressure[i] = fmax(least, s->pressure[i]);
@@ -359,7 +359,7 @@ static void move(struct isph *s, double dt, double available) {
     }
   if (s->on.energy) isph_energy_settle(s, displacement, available);
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];
     wrap(s, s->position[i]);
   }
@@ -389,7 +389,7 @@ cleanup:
 }
 
 static enum status check_finite(const struct isph *s) {
-  for (size_t i = s->share.begin; i < s->share.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int a = 0; a < 3; a++)
       if (!isfinite(s->velocity[i][a]))
         return FAIL(

@@ -34,7 +34,7 @@ static double fastest_drive(const struct isph *s) {
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
   double fastest = fastest_drive(s),
          viscosity_most = fmax(s->kinematic_viscosity, s->viscosity_most);
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
   }

@@ -7,6 +7,7 @@
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
+#include "sphsolve/plan/reynolds.h"
 
 /* No run takes so many: a scene that needs them has a wrong number or unit. */
 #define STEPS_MOST 1e12
@@ -33,8 +34,8 @@ static double mean_spacing(const struct lattice *lattice) {
 
 /* Velocity and Reynolds number of the seepage before anything is solved. Viscous drag: Kozeny
  * (1927), Carman (1937), 5 S^2/n^3 nu v; inertia: Ergun (1952), 1.75/6 S/n^3 v^2 with S = 6 (1 -
- * n)/d, none where no wall stands across the force. S: wall surface per bulk volume; Re = v_D / (nu
- * S), Carman's, that of the mean pore. The faces of voxels overstate S by about 3/2. */
+ * n)/d, none where no wall stands across the force. S: wall surface per bulk volume; the faces of
+ * voxels overstate it by about 3/2. */
 void plan_estimate_seepage(struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
@@ -58,7 +59,8 @@ void plan_estimate_seepage(struct effect_context *context) {
   context->velocity_scale =
       2 * driving / (viscous + sqrt(viscous * viscous + 4 * inertial * driving));
   context->inertia = 1 - context->velocity_scale * viscous / fmax(driving, 1e-300);
-  context->reynolds = context->velocity_scale / (nu * s);
+  const double darcy[3] = {context->velocity_scale, 0, 0};
+  context->reynolds = reynolds_number(darcy, porosity, hydraulic_diameter(lattice), nu);
 }
 
 void plan_context(const struct scene *scene, const struct lattice *lattice,

@@ -81,7 +81,7 @@ void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
 /* Work of a plane, in units of that of a solved site; docs/scaling.md. */
 #define WORK_SITE 0.2
 
-enum status stokes_grid_share(struct stokes_grid *grid, int reach) {
+enum status stokes_grid_distribute(struct stokes_grid *grid, int reach) {
   enum status status = STATUS_OK;
   const size_t planes = grid->size[2], ny = grid->size[1];
   double *work = NULL;

@@ -50,7 +50,7 @@ void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
                         const double driving[3], int reach);
 /* Shares the rows out among the ranks; `reach`: planes a stencil reads on each side. Does nothing
  * for one rank. */
-enum status stokes_grid_share(struct stokes_grid *grid, int reach);
+enum status stokes_grid_distribute(struct stokes_grid *grid, int reach);
 void stokes_grid_free(struct stokes_grid *grid);
 
 /* Loops over the rows of a rank run in parts: first the rows that read no ghost, while ghosts are

@@ -9,6 +9,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/output/recorder.h"
+#include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
 #include "sphsolve/stokes/cascade.h"
 #include "sphsolve/stokes/output.h"
@@ -16,15 +17,6 @@
 
 /* Rounds without progress that a solve is given. */
 #define STALLED_MOST 20
-
-/* Hydraulic diameter 4 V / S, m; S counts voxel faces, which overstate a smooth surface by 3/2. */
-static double hydraulic_diameter(const struct lattice *l) {
-  size_t faces[3];
-  double surface = 0.0;
-  lattice_count_faces(l, faces);
-  for (int a = 0; a < 3; a++) surface += (double)faces[a] / l->spacing[a];
-  return surface > 0.0 ? 4.0 * (double)l->fluid_count / (surface * 2.0 / 3.0) : 0.0;
-}
 
 /* A run between its parts. */
 struct stokes_job {
@@ -40,17 +32,13 @@ struct stokes_job {
   double darcy[3], reynolds, solving, pairs;
 };
 
-/* Darcy velocity in m/s, and with it the Reynolds number: pore velocity times diameter over nu. */
+/* Darcy velocity in m/s, and with it the Reynolds number. */
 static void scale_darcy(struct stokes_job *job, const struct stokes_solver *s) {
   const struct fluid *fluid = &job->scene->fluid;
   const struct lattice *l = &job->lattice;
-  double length = 0.0;
-  for (int a = 0; a < 3; a++) {
-    job->darcy[a] = s->mean[a] * s->velocity_unit;
-    length = hypot(length, job->darcy[a]);
-  }
-  job->reynolds = length * l->bulk_count / (double)l->fluid_count * job->diameter * fluid->density /
-                  fluid->viscosity;
+  for (int a = 0; a < 3; a++) job->darcy[a] = s->mean[a] * s->velocity_unit;
+  job->reynolds = reynolds_number(job->darcy, (double)l->fluid_count / l->bulk_count, job->diameter,
+                                  fluid->viscosity / fluid->density);
 }
 
 static enum status write_row(struct stokes_job *job, const struct stokes_solver *s) {
@@ -107,9 +95,9 @@ static enum status write_checkpoint(struct stokes_job *job, const struct stokes_
   TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
-    TRY(h5_write_share(file, name, H5_F64, 1, &n, s->x + c * n, false));
+    TRY(h5_write_rows(file, name, H5_F64, 1, &n, s->x + c * n, false));
     snprintf(name, sizeof name, "/state/residual%zu", c);
-    TRY(h5_write_share(file, name, H5_F32, 1, &n, s->residual + c * n, false));
+    TRY(h5_write_rows(file, name, H5_F32, 1, &n, s->residual + c * n, false));
   }
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
   TRY(cascade_write(&job->cascade, file));
@@ -134,12 +122,12 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
     TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
-    TRY(h5_read_share(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));
+    TRY(h5_read_rows(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));
     if (length > 0) memcpy(s->x + c * length, x, length * sizeof *x);
     memory_free(&x);
     snprintf(name, sizeof name, "/state/residual%zu", c);
-    TRY(h5_read_share(file, name, H5_F32, 1, s->grid.active_all, s->grid.offset, &length,
-                      &residual));
+    TRY(h5_read_rows(file, name, H5_F32, 1, s->grid.active_all, s->grid.offset, &length,
+                     &residual));
     if (length > 0) memcpy(s->residual + c * length, residual, length * sizeof *residual);
     memory_free(&residual);
   }
@@ -328,15 +316,11 @@ cleanup:
   return status;
 }
 
-/* Below it inertia changes k by less than a thousandth (its share goes with the square). */
-#define REYNOLDS_CREEPING 0.1
-
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   if (!context->has_wall || context->scene->steady_tolerance == 0 || context->has_moving_wall ||
       !(context->reynolds < REYNOLDS_CREEPING))
     return false;
-  snprintf(why, EFFECT_WHY,
-           "the flow creeps: Re = v / (nu S) about %.2g is below %g, and nothing moves",
+  snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
            context->reynolds, REYNOLDS_CREEPING);
   return true;
 }

@@ -176,7 +176,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
     if (s->stencil.offsets[o].step[2] > reach) reach = s->stencil.offsets[o].step[2];
   const size_t active = s->grid.active_all;
   if (half && !s->walls_move) stokes_grid_mirror(&s->grid, lattice, driving, reach);
-  TRY(stokes_grid_share(&s->grid, reach));
+  TRY(stokes_grid_distribute(&s->grid, reach));
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   omp_set_num_threads(threads_for(s->grid.active));

@@ -5,6 +5,7 @@
 
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/wcsph/state.h"
+#include "sphsolve/plan/reynolds.h"
 
 struct wcsph_run {
   const struct scene *scene;
@@ -17,9 +18,17 @@ struct wcsph_run {
   double wall_speed;   /* m/s, the largest */
   double row_interval; /* s; NAN: each sample */
   double pore_width;   /* m */
+  double diameter;     /* m: hydraulic, of the pores; 0 without walls */
   double direction[3]; /* of the force, or of the first moving wall */
   double started;
 };
+
+/* Of a Darcy velocity, m/s. */
+static inline double wcsph_reynolds(const struct wcsph_run *run, const double darcy[3]) {
+  const struct lattice *l = run->lattice;
+  return reynolds_number(darcy, (double)l->fluid_count / l->bulk_count, run->diameter,
+                         run->plan->context.kinematic_viscosity);
+}
 
 static inline double wcsph_run_time(const struct wcsph_run *run) {
   return wcsph_time(&run->state);

@@ -209,11 +209,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   result->wall_time = clock_seconds() - run->started;
   result->pair_interactions = engine->pair_interactions;
   result->pair_interactions_per_second = pair_time > 0 ? engine->pair_interactions / pair_time : 0;
-  double square = 0;
-  for (int a = 0; a < 3; a++) square += result->darcy_velocity[a] * result->darcy_velocity[a];
-  result->reynolds = isfinite(run->pore_width)
-                         ? sqrt(square) * run->pore_width / run->plan->context.kinematic_viscosity
-                         : 0;
+  result->reynolds = wcsph_reynolds(run, result->darcy_velocity);
   bool frozen = engine->settings.wall == PASS_FROZEN;
   recorder_add_time(run->recorder, frozen ? "density_summation" : "density_continuity",
                     s[PHASE_DENSITY] + s[PHASE_CONTINUITY]);
@@ -270,6 +266,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   set_direction(&run);
   double gap = wcsph_gap(lattice) + (settings.wall == PASS_FROZEN ? 1 : 0);
   run.pore_width = gap * plan->context.spacing;
+  run.diameter = hydraulic_diameter(lattice);
   double pore_time = run.pore_width * run.pore_width / plan->context.kinematic_viscosity;
   if (!isfinite(pore_time)) pore_time = scene->end_time;
   run.state.sample_steps = (int64_t)fmax(1, pore_time / SAMPLES_PER_PORE_TIME / plan->dt);

@@ -11,19 +11,15 @@ enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *to
   double density = run->scene->fluid.density, mass = density * particle_volume(lattice);
   struct history_row row = {
       .time = wcsph_run_time(run), .step = run->state.step, .dt = run->state.engine.settings.dt};
-  double square = 0;
   for (int a = 0; a < 3; a++) {
     row.darcy_velocity[a] = totals->flux[a] / lattice->bulk_count;
     row.momentum[a] = mass * totals->velocity[a];
-    square += row.darcy_velocity[a] * row.darcy_velocity[a];
   }
   row.density_max = density * totals->density_max;
   row.density_mean = density * totals->density / (double)lattice->fluid_count;
   row.kinetic_energy = 0.5 * mass * totals->square;
   row.mass = mass * (double)lattice->fluid_count;
-  row.reynolds = isfinite(run->pore_width)
-                     ? sqrt(square) * run->pore_width / run->plan->context.kinematic_viscosity
-                     : 0;
+  row.reynolds = wcsph_reynolds(run, row.darcy_velocity);
   return recorder_row(run->recorder, &row, NULL);
 }
 

@@ -259,8 +259,8 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
   size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
   size_t slots = engine_end_slot(engine) - first;
   for (size_t i = 0; i < n; i++) /* all are of 4 bytes */
-    TRY(h5_write_share(file, list[i].name, list[i].type, 1, &slots,
-                       *(float **)list[i].array + first, false));
+    TRY(h5_write_rows(file, list[i].name, list[i].type, 1, &slots, *(float **)list[i].array + first,
+                      false));
   double numbers[] = {engine->moved,
                       engine->speed_max,
                       engine->pair_interactions,
@@ -309,8 +309,8 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   size_t n = stored_arrays(p, list);
   for (size_t i = 0; i < n; i++) {
     dims[0] = own;
-    TRY(h5_read_share(file, list[i].name, list[i].type, 1, slots[0], engine_number(engine, 0), dims,
-                      &array));
+    TRY(h5_read_rows(file, list[i].name, list[i].type, 1, slots[0], engine_number(engine, 0), dims,
+                     &array));
     if (own > 0) memcpy(*list[i].array, array, own * sizeof(float));
     memory_free(&array);
   }

@@ -38,7 +38,7 @@ static inline double wind_dt(const struct effect_context *context) {
 }
 static inline void wind_force(const void *state, double (*acceleration)[3]) {
   const struct isph *s = state;
-  for (size_t i = s->share.begin; i < s->share.end; i++) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
     acceleration[i][0] = 0.25;
     acceleration[i][1] = acceleration[i][2] = 0;
   }

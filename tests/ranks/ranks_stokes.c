@@ -57,7 +57,7 @@ static enum status write_vector(struct h5_file *file, const char *name, size_t n
   for (size_t c = 0; c < 4; c++) {
     char path[64];
     snprintf(path, sizeof path, "/%s%zu", name, c);
-    TRY(h5_write_share(file, path, H5_F32, 1, &n, y + c * n, false));
+    TRY(h5_write_rows(file, path, H5_F32, 1, &n, y + c * n, false));
   }
 cleanup:
   return status;

@@ -166,11 +166,11 @@ static void test_foreign(void **state) {
   refused(h5_list_attributes(file, "/none", &count, &names), "no object");
   refused(h5_shape(file, "/words", 0, &rank, dims), "at most 0 are wanted");
   /* Rows of a dataset, as each rank takes its own. */
-  assert_int_equal(h5_read_share(file, "/checked", H5_F64, 1, 2, 1, dims, &values), STATUS_OK);
+  assert_int_equal(h5_read_rows(file, "/checked", H5_F64, 1, 2, 1, dims, &values), STATUS_OK);
   assert_true(values[0] == 2 && dims[0] == 1);
   memory_free(&values);
-  refused(h5_read_share(file, "/checked", H5_F64, 1, 2, 2, dims, &values), "has 2 rows, 3 are");
-  refused(h5_read_share(file, "/checked", H5_F64, 1, 3, 0, dims, &values), "has 2 rows, not 3");
+  refused(h5_read_rows(file, "/checked", H5_F64, 1, 2, 2, dims, &values), "has 2 rows, 3 are");
+  refused(h5_read_rows(file, "/checked", H5_F64, 1, 3, 0, dims, &values), "has 2 rows, not 3");
   h5_close(file);
 }
 

@@ -66,7 +66,7 @@ static enum status place(struct engine *engine) {
   struct particles *p = &engine->particles;
   size_t first = 0, end = p->count;
   if (RANKS) TRY(engine_partition(engine, (p->count + CLUSTER - 1) / CLUSTER));
-  if (engine_is_shared(engine)) {
+  if (engine_is_distributed(engine)) {
     const size_t *partition = engine->ranks.fluid.partition + ranks_own();
     first = partition[0] * CLUSTER < end ? partition[0] * CLUSTER : end;
     end = partition[1] * CLUSTER < end ? partition[1] * CLUSTER : end;
@@ -104,7 +104,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   TRY(place(engine));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   TRY(set_velocities(engine));
-  if (!engine_is_shared(engine)) {
+  if (!engine_is_distributed(engine)) {
     TRY(cluster_boxes_wall(&engine->particles, &wall_boxes));
     TRY(cluster_bins_make(&engine->particles.frame, &wall_boxes, s->support, &engine->wall_bins));
   }

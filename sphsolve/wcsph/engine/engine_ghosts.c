@@ -279,7 +279,7 @@ cleanup:
   return status;
 }
 
-enum status engine_list_shared(struct engine *engine, double range, double widest) {
+enum status engine_list_distributed(struct engine *engine, double range, double widest) {
   enum status status = STATUS_OK;
   struct engine_ranks *ranks = &engine->ranks;
   const struct particles *p = &engine->particles;

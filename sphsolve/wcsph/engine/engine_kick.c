@@ -58,7 +58,7 @@ enum status engine_kick(struct engine *engine, bool sums) {
       given->work += block[b].work;
     }
   }
-  if (RANKS && engine_is_shared(engine)) { /* the ghosts of others */
+  if (RANKS && engine_is_distributed(engine)) { /* the ghosts of others */
     engine_settle(engine);
     engine_send(engine, SENT_MOTION);
   }

@@ -19,7 +19,7 @@ enum status engine_partition(struct engine *engine, size_t clusters) {
   ranks->fluid.tag = 3;
   ranks->fluid.bytes_most = 6 * FIELD_BYTES;
   TRY(ghosts_partition(&ranks->fluid, clusters, PARTITION_UNIT, ranks->work));
-  if (engine_is_shared(engine)) hold_own(&ranks->fluid);
+  if (engine_is_distributed(engine)) hold_own(&ranks->fluid);
 cleanup:
   return status;
 }
@@ -29,7 +29,7 @@ enum status engine_take(struct engine *engine) {
   struct ghosts *g = &engine->ranks.fluid;
   const size_t ranks = (size_t)ranks_count();
   size_t *each = NULL;
-  if (!engine_is_shared(engine)) return STATUS_OK;
+  if (!engine_is_distributed(engine)) return STATUS_OK;
   TRY(memory_allocate(&each, ranks + 1, sizeof *each, "shares of the ranks"));
   for (size_t r = 0; r <= ranks; r++) each[r] = r;
   g->partition[0] = 0;
@@ -68,7 +68,7 @@ void engine_send(struct engine *engine, enum engine_sent what) {
   struct ghost_field held[4];
   int count = 0;
   const bool frozen = engine->settings.wall == PASS_FROZEN;
-  if (!engine_is_shared(engine)) return;
+  if (!engine_is_distributed(engine)) return;
   switch (what) {
   case SENT_MOTION:
     ghosts_post(&engine->ranks.fluid, 6, all);
@@ -105,7 +105,7 @@ void engine_send(struct engine *engine, enum engine_sent what) {
 }
 
 void engine_settle(struct engine *engine) {
-  if (!engine_is_shared(engine)) return;
+  if (!engine_is_distributed(engine)) return;
   ghosts_finish(&engine->ranks.fluid);
   ghosts_finish(&engine->ranks.walls);
 }
@@ -123,7 +123,7 @@ static void run_blocks(struct engine *engine, pass_function *function, const uin
   }
 }
 
-void engine_run_shared(struct engine *engine, pass_function *function, bool wall) {
+void engine_run_distributed(struct engine *engine, pass_function *function, bool wall) {
   const struct engine_ranks *ranks = &engine->ranks;
   if (wall) {
     const struct ghosts *w = &ranks->walls;
@@ -143,7 +143,7 @@ enum status engine_gather_blocks(const struct engine *engine, size_t slots, void
   enum status status = STATUS_OK;
   const size_t *partition = engine->ranks.fluid.partition, ranks = (size_t)ranks_count();
   size_t *start = NULL;
-  if (!engine_is_shared(engine)) return STATUS_OK;
+  if (!engine_is_distributed(engine)) return STATUS_OK;
   TRY(memory_allocate(&start, ranks + 1, sizeof *start, "block sums"));
   for (size_t r = 0; r <= ranks; r++) start[r] = (partition[r] * CLUSTER + slots - 1) / slots;
   ranks_gather(sums, start, size);

@@ -8,7 +8,7 @@
 /* Cuts lie at multiples of so many clusters: blocks of sums belong to one rank. */
 #define PARTITION_UNIT 256
 
-static inline bool engine_is_shared(const struct engine *engine) {
+static inline bool engine_is_distributed(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.partition != NULL;
 }
 /* Own particles alone stay. */
@@ -19,7 +19,7 @@ enum status engine_order(struct engine *engine);
 enum status engine_order_walls(struct engine *engine, double range);
 /* Collective, where boxes of own clusters are known: makes the lists, finds the ghosts, and which
  * blocks of rows read none. */
-enum status engine_list_shared(struct engine *engine, double range, double widest);
+enum status engine_list_distributed(struct engine *engine, double range, double widest);
 /* Collective: sends what the step has just made to the ranks that read it. */
 enum engine_sent {
   SENT_MOTION,  /* place and velocity */
@@ -33,6 +33,6 @@ enum engine_sent {
 };
 void engine_send(struct engine *engine, enum engine_sent what);
 /* Blocks of rows: those that read no ghost while ghosts are on their way, then the others. */
-void engine_run_shared(struct engine *engine, pass_function *function, bool wall);
+void engine_run_distributed(struct engine *engine, pass_function *function, bool wall);
 
 #endif

@@ -23,8 +23,8 @@ static void run_pass(struct engine *engine, pass_function *function, bool wall,
                      enum engine_phase phase) {
   double start = clock_seconds();
   size_t clusters = wall ? engine->particles.wall_clusters : engine->particles.clusters;
-  if (engine_is_shared(engine)) {
-    engine_run_shared(engine, function, wall);
+  if (engine_is_distributed(engine)) {
+    engine_run_distributed(engine, function, wall);
     clusters = 0;
   }
   const size_t blocks = (clusters + BLOCK - 1) / BLOCK;
@@ -77,14 +77,14 @@ static enum status eulerian_sum_walls(struct engine *engine, double range, doubl
   enum status status = STATUS_OK;
   const struct pair_table *table = engine->table;
   struct particles *p = &engine->particles;
-  if (!engine_is_shared(engine))
+  if (!engine_is_distributed(engine))
     TRY(neighbours_build(&p->frame, &engine->boxes, &engine->wall_bins, range, widest,
                          &engine->fluid_wall));
   TRY(particles_make_site_terms(p));
   engine_eulerian_begin(engine);
   run_pass(engine, table->eulerian_walls, false, PHASE_WALL);
   neighbours_free(&engine->fluid_wall);
-  if (engine_is_shared(engine)) return STATUS_OK; /* walls are part of the next lists */
+  if (engine_is_distributed(engine)) return STATUS_OK; /* walls are part of the next lists */
   cluster_bins_free(&engine->wall_bins);
   particles_drop_walls(p);
 cleanup:
@@ -105,7 +105,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* their memory is the keys' */
-    TRY(engine_is_shared(engine) ? engine_order(engine) : particles_sort(p));
+    TRY(engine_is_distributed(engine) ? engine_order(engine) : particles_sort(p));
     engine->moved = 0;
   }
   /* Until the next ordering, if particles keep their speed. */
@@ -118,8 +118,8 @@ static enum status make_lists(struct engine *engine, bool order) {
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, eulerian ? 0 : MARGIN * spacing,
                           &engine->boxes));
-  if (engine_is_shared(engine)) {
-    TRY(engine_list_shared(engine, range, widest));
+  if (engine_is_distributed(engine)) {
+    TRY(engine_list_distributed(engine, range, widest));
     if (eulerian && !engine->terms_known) TRY(eulerian_sum_walls(engine, range, widest));
     goto listed;
   }
@@ -185,7 +185,7 @@ static void drift(struct engine *engine, double share) {
     speed = fmax(speed, own);
     step = fmax(step, moving);
   }
-  if (engine_is_shared(engine)) {
+  if (engine_is_distributed(engine)) {
     double most[] = {speed, step, left, engine->locals[0].overflow};
     for (int t = 1; t < engine->threads; t++) most[3] = fmax(most[3], engine->locals[t].overflow);
     ranks_max_all(most, 4);

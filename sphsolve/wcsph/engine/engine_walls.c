@@ -122,7 +122,7 @@ void engine_clear_wall_sums(struct engine *engine) {
   const struct ghosts *walls = &engine->ranks.walls;
   uint32_t *sums = engine->particles.wall_sum;
   size_t begin = 0, end = engine->particles.wall_clusters;
-  if (engine_is_shared(engine)) {
+  if (engine_is_distributed(engine)) {
     begin = walls->begin;
     end = walls->end;
     for (size_t g = 0; g < walls->receive_start[ranks_count()]; g++)
@@ -140,7 +140,7 @@ void engine_settle_wall_sums(struct engine *engine) {
   for (int t = 0; t < engine->threads; t++)
     if (engine->locals[t].collected != NULL)
       collected_give_all(engine->locals[t].collected, p->wall_sum);
-  if (engine_is_shared(engine)) {
+  if (engine_is_distributed(engine)) {
     ghosts_add(&engine->ranks.walls, p->wall_sum, CLUSTER);
     begin = walls->begin;
     end = walls->end;

@@ -11,8 +11,8 @@
 #include "common/ranks.h"
 
 #ifndef TOSUI_MPI
-enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                           const size_t *dims, const void *data, bool compress) {
+enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                          const size_t *dims, const void *data, bool compress) {
   return h5_write(file, name, type, rank, dims, data, compress);
 }
 enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
@@ -35,7 +35,7 @@ static enum status read_own_rows(struct h5_file *file, const char *name, enum h5
              rank);
   for (size_t r = 0; r <= ranks; r++) start[r] = dims[0] / ranks * r + dims[0] % ranks * r / ranks;
   share[0] = start[own + 1] - start[own];
-  TRY(h5_read_share(file, name, type, rank, dims[0], start[own], share, data));
+  TRY(h5_read_rows(file, name, type, rank, dims[0], start[own], share, data));
   for (int i = 1; i < rank; i++)
     if (!size_multiply(row, dims[i], &row)) row = 0;
   if (row == 0 || !size_multiply(row, dims[0], &all))
@@ -103,8 +103,8 @@ static bool write_rows(hid_t set, hid_t whole, enum h5_type type, int rank, cons
   return failed >= 0;
 }
 
-enum status h5_write_share(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                           const size_t *dims, const void *data, bool compress) {
+enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                          const size_t *dims, const void *data, bool compress) {
   enum status status = STATUS_OK;
   hsize_t start[H5S_MAX_RANK] = {0}, extent[H5S_MAX_RANK], full[H5S_MAX_RANK];
   size_t total, whole_dims[H5S_MAX_RANK];
