@@ -1,4 +1,4 @@
-/* The reading half of the HDF5 layer: everything is checked before it is believed. */
+/* The reading half of the HDF5 layer: every size, type and link is checked before it is used. */
 #include "common/hdf5_file.h"
 
 #include <math.h>

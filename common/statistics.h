@@ -1,4 +1,4 @@
-/* Means with honest errors, fits, histograms. */
+/* Means with their standard errors, fits, histograms. */
 #ifndef TOSUI_COMMON_STATISTICS_H
 #define TOSUI_COMMON_STATISTICS_H
 

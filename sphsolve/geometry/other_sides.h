@@ -1,4 +1,4 @@
-/* The same sample with other sides: what its k owes to them. */
+/* The same sample with its sides closed otherwise, to find how much k depends on them. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_OTHER_SIDES_H
 #define TOSUI_SPHSOLVE_GEOMETRY_OTHER_SIDES_H
 

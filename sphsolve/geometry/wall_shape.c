@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* What is believed: a gradient within so much of 1, a curvature up to so much of 1/spacing; and
+/* What a distance field may be and still be used: a gradient within so much of 1, a curvature up to
+ * so much of 1/spacing; and
  * the least gradient that has a direction. */
 #define GRADIENT_MIN 0.9
 #define CURVATURE_MAX 0.5

@@ -1,5 +1,5 @@
 /* The equation, per mass m of water of a particle, u = v_D/eps its velocity, I = C_r/(eps G) the
- * inertia that soil adds (isph_drag.h; I = eps = 1 in free water):
+ * inertia that soil adds (drag_linear.h; I = eps = 1 in free water):
  *   m I dv_D/dt = m [ f - grad P/rho_w + viscous + drag ]
  * It keeps the momentum sum m I v_D and, times u, the kinetic energy sum m I v_D^2/(2 eps). A step
  * takes v^n to v^{n+1} with every force as it was applied,
@@ -7,10 +7,10 @@
  *   T^{n+1} - T^n = dt sum F.u^{n+1} - sum (m I/(2 eps)) |v^{n+1} - v^n|^2,
  * of which the last is what stepping in time takes (never gives): identities, so that energy closes
  * to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
- *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (isph_drag.h)
- * and grad P that of isph_step.c's correct. Then come what is no force: the guards at walls,
+ *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (drag_linear.h)
+ * and grad P that of isph/step.c's correct. Then come what is no force: the guards at walls,
  * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the
- * bound of isph_energy.c; and particles that move on into other soil at the same v_D (soil_entry),
+ * bound of isph/energy.c; and particles that move on into other soil at the same v_D (soil_entry),
  * come and go.
  *
  * Pressure is the one force that acts both on the water and back on something else, and there the

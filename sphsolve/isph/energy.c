@@ -10,7 +10,7 @@
 /* In a closed tank under a steady force the water's energy, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
  * may only fall. Three things give it some nevertheless, and show near rest, when nothing else
- * takes energy any more. The relaxation of the density lets crowded water have its room again, R =
+ * takes energy any more. The relaxation of the density lets compressed water expand again, R =
  * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it may expand the water by no
  * more work than friction dissipates and contraction elsewhere gives back in the step, by the
  * pressures of the step before: share <= (friction + contraction) / expansion, unless the water as

@@ -32,7 +32,7 @@ struct rows {
 struct isph_petsc {
   struct isph *state;
   Mat matrix;              /* isph_multiply */
-  Mat interpolation, grid; /* the preconditioner of isph_multigrid.h, */
+  Mat interpolation, grid; /* the preconditioner of multigrid.h, */
   Vec down, up;            /* and vectors of its nodes; or */
   PC cycle;
   Mat assembled; /* the matrix itself, for a preconditioner that PETSC_OPTIONS names */
@@ -250,7 +250,7 @@ static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
   return VecRestoreArrayRead(x, &from);
 }
 
-/* As in isph_pressure.c: r.M^-1 r, whose root PETSc's natural norm is, over x.b. */
+/* As in pressure.c: r.M^-1 r, whose root PETSc's natural norm is, over x.b. */
 static PetscErrorCode judge(KSP solver, PetscInt iteration, PetscReal norm,
                             KSPConvergedReason *reason, void *context) {
   struct isph_petsc *p = context;

@@ -150,10 +150,10 @@ struct isph {
   double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
   double (*gradient_sum)[3];         /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];            /* L, gradient correction */
-  float (*moment_lack)[6];           /* C of isph_moment.c; NULL without soil */
+  float (*moment_lack)[6];           /* C of isph/moment.c; NULL without soil */
   double *surface;                   /* 0 bulk .. 1 surface; NULL without */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
-  float (*gradient)[9];   /* dv_a/dx_b; NULL if nobody asks */
+  float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
   double *drag_left;      /* B: share of v_D left by the drag; NULL without */
   double *mobility;       /* k = B T G / rho_w */
   double *eddy;           /* nu + nu_T; NULL without viscosity */
@@ -228,7 +228,7 @@ enum status isph_advance(struct isph *s, double dt);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
 
-/* isph_copy.c: a state to go back to. Going back leaves a fresh state; the watchdog stays. */
+/* isph/copy.c: a state to go back to. Going back leaves a fresh state; the watchdog stays. */
 struct isph_copy {
   char *block;
   size_t count, counts[3];
@@ -246,7 +246,7 @@ enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
 
-/* isph_soil.c */
+/* isph/soil.c */
 struct soil_point {
   double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
   double inertia;         /* C_r / (eps G) */
@@ -258,7 +258,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil);
 double isph_soil_minimum(const struct scene *scene);
 
-/* isph_wall.c */
+/* isph/wall.c */
 enum status isph_wall_create(struct isph *s);
 void isph_wall_move(struct isph *s, double dt);
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
@@ -272,14 +272,14 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
  * through a wall within dt. */
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
 
-/* isph_cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
+/* isph/cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
  * kernel_sum, gradient_sum, correction. */
 enum status isph_sort(struct isph *s);
 uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
 enum status isph_sort_walls(struct isph *s);
 enum status isph_find_neighbours(struct isph *s);
 
-/* isph_moment.c: operators exact for linear fields in soil. */
+/* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
 /* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
 void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
@@ -287,14 +287,14 @@ void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
 /* Evens the slopes of all pairs by it. */
 void isph_moment_even(struct isph *s);
 
-/* isph_energy.c: no energy out of nothing. Kinetic with the velocity of the pores; potential -f.x.
+/* isph/energy.c: no energy out of nothing. Kinetic with the velocity of the pores; potential -f.x.
  */
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
-/* Between predictor and projection: how far crowded water may widen. */
+/* Between predictor and projection: how far compressed water may expand. */
 void isph_energy_relax(struct isph *s, double relaxation_time, double dt);
-/* What relaxation added in a step where the water is crowded as a whole, J or J/m, beyond what
- * friction paid for; after the projection. */
+/* What relaxation added in a step where the water is compressed as a whole, J or J/m, beyond what
+ * friction dissipated; after the projection. */
 double isph_energy_given(const struct isph *s, double relaxation_time, double dt);
 /* Lets down by the displacements ahead what they lift beyond what is available, kinetic energy
  * before the step and what relaxation gave. */
@@ -302,7 +302,7 @@ void isph_energy_settle(struct isph *s, double (*displacement)[3], double availa
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
 
-/* isph_pressure.c */
+/* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
 /* Collective: the failure of a solve that stands at a relative error, with the particle whose row
@@ -313,7 +313,7 @@ void isph_multiply(struct isph *s, double *x, double *y);
 /* Collective: a.b */
 double isph_dot(struct isph *s, const double *a, const double *b);
 
-/* isph_open.c: fixed head or flux on a side. */
+/* isph/open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
 enum status isph_open_fill(struct isph *s, size_t *capacity);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
@@ -329,7 +329,7 @@ enum status isph_open_measure(struct isph *s);
 enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
-/* isph_cells.c: kernel sum of water at a point, and the mean velocity of water there. */
+/* isph/cells.c: kernel sum of water at a point, and the mean velocity of water there. */
 enum status isph_probe(const struct isph *s, const double x[3], double *kernel_sum,
                        double velocity[3]);
 

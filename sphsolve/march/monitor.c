@@ -81,8 +81,8 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
   verdict.drift = to_come / scale;
   verdict.error = sqrt(wander * wander + to_come * to_come) / scale;
-  /* Noise is believed only if none of the last three fifths stands apart: a slow wave has a flat
-   * end at its crest, too. */
+  /* What is left counts as noise only if none of the last three fifths stands apart: a slow wave
+   * has a flat end at its crest, too. */
   double flat = wander + before + now;
   verdict.steady = verdict.error < tolerance ||
                    (now <= wander && fmax(flat / scale, verdict.error) < NOISY * tolerance);

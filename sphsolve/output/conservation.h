@@ -1,5 +1,5 @@
-/* The balance at the end of a run: what there was, what came and went, what is left, and by how
- * much the budget does not close. */
+/* The conservation budget of a run: particles, mass, momentum and energy at the start, what came
+ * and went, what is left, and by how much the sum does not close. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
 #define TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
 
@@ -87,8 +87,8 @@ struct conservation_row {
   double time, mass, momentum[3], kinetic_energy;
 };
 
-/* Goes through the rows in the order of time; The integrals are
- * by the trapezium rule between rows. */
+/* Fills what is from the history, whose rows are in the order of time; integrals by the trapezium
+ * rule between rows. */
 void conservation_integrate(struct conservation *conservation, size_t rows,
                             const struct conservation_row *row, const double acceleration[3]);
 /* start + entered - left - lost - end: 0 when no particle is unaccounted for. */

@@ -84,7 +84,7 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   TRY(h5_write_attribute(file, "/run/timing", "threads", H5_I32, 1, &threads));
   TRY(h5_write_attribute(file, "/run/timing", "predicted_seconds", H5_F64, 1,
                          &recorder->plan->seconds));
-  /* Which lists grow side by side is the threads' luck. */
+  /* Which lists are long at the same time depends on the threads, and so does the peak. */
   const double peak = (double)memory_peak();
   TRY(h5_write_attribute(file, "/run/timing", "memory_peak_bytes", H5_F64, 1, &peak));
   for (size_t i = 0; i < recorder->measured_count; i++)

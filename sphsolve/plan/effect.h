@@ -4,7 +4,10 @@
  * per-particle function (static inline, so that a loop specialised for a set of effects compiles it
  * in), when a scene calls for it and why, its limit of the time step; and, behind the include
  * guard, its descriptor, EFFECT(name, .model = ..., ...). One line in METHOD/effects/registry.def
- * registers it. A loop that uses its function includes the file; nothing else knows of it. */
+ * registers it. A loop that uses its function includes the file. An effect with a `force` needs no
+ * loop of the method: the method calls it for all particles at once, in each step. Files that pair
+ * loops include keep what is for the plan behind #ifdef EFFECTS (effects.c defines it), so that a
+ * change of the plan does not compile the pair loops again. */
 #ifndef TOSUI_SPHSOLVE_PLAN_EFFECT_H
 #define TOSUI_SPHSOLVE_PLAN_EFFECT_H
 
@@ -33,9 +36,9 @@ struct effect {
   uint32_t budget;    /* its terms of the conservation budget, 1u << term (output/conservation.h) */
   double operations;  /* vector operations a pair in its method's force loop */
   bool at_walls;      /* of pairs with walls alone */
-  /* The accelerations that it gives, m/s^2, from the method's state at the start of a step; NULL:
-   * a loop of the method computes it. Such an effect has a term of its own in the budget, of its
-   * name. */
+  /* The accelerations that it gives, m/s^2, from the method's state at the start of a step (isph:
+   * struct isph, wcsph: struct engine); NULL: a loop of the method computes it. Such an effect has
+   * a term of its own in the budget, of its name. */
   void (*force)(const void *state, double (*acceleration)[3]);
   /* Likewise the pressure that it adds outside a free surface, Pa, at the particles on it. */
   void (*surface_pressure)(void *state, double *pressure);

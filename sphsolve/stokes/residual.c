@@ -1,4 +1,4 @@
-/* The operator of stokes_operator.c in double precision, for residuals. */
+/* The operator of operator.c in double precision, for residuals. */
 #include "sphsolve/stokes/operator.h"
 
 #include <omp.h>

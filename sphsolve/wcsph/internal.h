@@ -1,5 +1,5 @@
-/* A wcsph run between its parts: the march (wcsph.c), the watch over it (wcsph_watch.c) and what it
- * leaves in files (wcsph_output.c). */
+/* A wcsph run between its parts: the march (method.c), the watch over it (watch.c) and what it
+ * leaves in files (output.c). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 #define TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 

@@ -11,7 +11,7 @@
 #define SUM_BLOCK 2048
 
 /* What the ends of lines of sites at a wall add to a particle's share of the volume integral of the
- * velocity: factors of its velocity and of force and pressure gradient (stokes_wall_subvoxel.h,
+ * velocity: factors of its velocity and of force and pressure gradient (stokes/effects/wall_subvoxel.h,
  * Euler and Maclaurin). Off the lines of the lattice it is right on the average. */
 struct end_of_line {
   double velocity, pull; /* 1, s */
@@ -239,7 +239,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
     state->halvings = copy->halvings;
   }
   since <<= state->halvings - copy->halvings;
-  /* Steps go on counting: their number is of those paid for. */
+  /* Steps go on counting: their number is that of all steps computed. */
   state->time_from = copy->time;
   state->step_from = state->step;
   state->sample_from = state->step - since;

@@ -36,3 +36,8 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
   run awk 'FNR == 501 { print FILENAME }' $(git ls-files '*.c' '*.h' '*.cc' 2>/dev/null || find common ct2model sphsolve analyze -name '*.[ch]')
   [ -z "$output" ] || { echo "$output"; false; }
 }
+
+@test "files that comments name are there" {
+  run /usr/bin/python3 "$BATS_TEST_DIRNAME/named_files.py"
+  [ "$status" -eq 0 ] || { echo "$output"; false; }
+}

@@ -140,7 +140,7 @@ def balances(run):
     - isph. Gradients take no pairs with walls and surfaces: beside one a half of the neighbourhood's second moment is
       missing, and up to half of what the pressure and the force give along it. So at most half the impulse of those
       particles, the share that stands within a support of a side or is on the surface (here: at the end). Across a face of soil
-      the moment lacks up to .2 (isph_moment.c), which is made up for to the first order: .2^2 is left.
+      the moment lacks up to .2 (isph/moment.c), which is made up for to the first order: .2^2 is left.
     - wcsph, frozen: action is reaction, pair by pair: rounding and samples.
     - wcsph, others: they differ by 2 V P grad C (pairs_budget.h). Shifting moves a particle by A U h grad C, A = 16, and by
       U/4 where that is more: h |grad C| is about 1/64 where shifting keeps up. Against the force on the particle, V rho f, that

@@ -112,7 +112,7 @@ static void saturated_soil_obeys_darcy(void **state) {
 }
 
 /* Rows drawn out to twice their distance, as where water enters soil: the second moments of a pair
- * operator stay those of the lattice (without isph_moment.c .94 across the rows). */
+ * operator stay those of the lattice (without isph/moment.c .94 across the rows). */
 static void drawn_out_rows_count_in_full(void **state) {
   (void)state;
   struct run run;

@@ -8,7 +8,7 @@
  * volume changes phi by as much as the second moments along and across differ. In seepage without a
  * surface tau is no shorter than a particle takes to go its own size, for errors of the kernel sum
  * come by going: with tau alone water that creeps through soil of porosity .1 is stirred at its own
- * speed. `relaxation_share`: see isph_energy.c; else 1. */
+ * speed. `relaxation_share`: see isph/energy.c; else 1. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 

@@ -1,10 +1,12 @@
-/* What flows past particles that stay on their lattice points: SPH in Euler's description (Lind,
- * Stansby 2016; Nasar et al. 2019). dv_a/dt = ... - (v_a . grad) v_a,   (v_a . grad) v_a = sum_b V
- * (v_a . grad_a W) (v_b - v_a) over fluid: nothing crosses to a wall. Particles out of order, and
- * shifting, need more of them for the same accuracy; but differences over sites follow only what
- * viscosity smooths from one to the next. Sands with pores two sites wide run up to a largest
- * velocity expected of u dx/nu = 9, not at 20; cylinders at 13 have 1.5 % of error (moving
- * particles 11 %). So: up to 5. */
+/* What flows past particles that stay on their lattice points: SPH in Euler's description,
+ *   dv_a/dt = ... - (v_a . grad) v_a,
+ *   (v_a . grad) v_a = sum_b V (v_a . grad_a W) (v_b - v_a)
+ *                                        (Lind, Stansby 2016; Nasar et al. 2019)
+ * over fluid: nothing crosses to a wall. Particles out of order, and shifting, need more of them
+ * for the same accuracy; but central differences between lattice points follow only what viscosity
+ * smooths from one to the next. Sands with pores two points wide run up to a largest velocity
+ * expected of u dx/nu = 9, not at 20; cylinders at 13 have 1.5 % of error (moving particles 11 %).
+ * So: up to 5. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 

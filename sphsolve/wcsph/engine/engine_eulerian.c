@@ -41,7 +41,7 @@ void engine_eulerian_finish(struct engine *engine) {
     struct site_terms terms = {.weight = (double)p->v_next[0][i]};
     double beta = pass->l_scale * h * h * (double)p->v_next[1][i], m[6];
     const bool beside = terms.weight > 0;
-    if (beta > 0) { /* the wall bends the profile: stokes_wall_subvoxel.h */
+    if (beta > 0) { /* the wall bends the profile: stokes/effects/wall_subvoxel.h */
       beta /= 1 - 0.5 * d * wall.curvature;
       terms.weight += fmax(beta * wall.curvature / (2 * pass->l_scale * d), -0.5 * terms.weight);
     }
