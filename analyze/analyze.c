@@ -195,6 +195,10 @@ static enum status report_command(const struct options *options, const struct ru
   const char *path = options_text(options, "output");
   if (path == NULL || path[0] == '\0')
     TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
+  const char *base = strrchr(path, '/'), *ending = strrchr(base != NULL ? base : path, '.');
+  if (ending != NULL && strcmp(ending, ".html") != 0 && strcmp(ending, ".htm") != 0)
+    TRY_FAIL(STATUS_USAGE,
+             "report: -o %s: a page is HTML; name it .html (a browser prints it to PDF)", path);
   TRY(output_allow(path));
   TRY(page_write(runs, n, path, options_command_line(options), &json));
   if (options_json(options)) {

@@ -117,6 +117,7 @@ static enum status open_file(const char *path, bool try_first, struct h5_file **
   struct h5_file *file = NULL;
   struct stat info;
   TRY(new_file(path, false, &file));
+  if (*path == '\0') TRY_FAIL(STATUS_INPUT, "'': the name of a file is wanted");
   if (access(path, R_OK) != 0 || stat(path, &info) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   if (!S_ISREG(info.st_mode)) TRY_FAIL(STATUS_INPUT, "%s: is no file", path);

@@ -161,7 +161,7 @@ static enum status refuse_command(const struct option_table *table, const char *
   }
   names[n] = NULL;
   if (word == NULL)
-    return FAIL(STATUS_USAGE, "a command is missing; one of %s (see %s --help)", list,
+    return FAIL(STATUS_USAGE, "a command is missing; first comes one of %s (see %s --help)", list,
                 table->program);
   const char *near = nearest_name(word, names);
   return FAIL(STATUS_USAGE, "unknown command '%s'%s%s%s; there are %s", word,

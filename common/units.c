@@ -193,6 +193,9 @@ enum status quantity_parse(const char *text, struct dimension expected, double *
   if (end == text || !(isdigit((unsigned char)*text) || strchr("+-.", *text)))
     return FAIL(STATUS_INPUT, "'%s' is no number; write it like \"%s\"", text, example);
   if (!isfinite(number)) return FAIL(STATUS_INPUT, "'%s' is not finite", text);
+  if (*end == ',' && isdigit((unsigned char)end[1]))
+    return FAIL(STATUS_INPUT, "'%s': a decimal comma; numbers take a point, like \"%s\"", text,
+                example);
   const char *unit = end;
   while (isspace((unsigned char)*unit)) unit++;
   if (*unit == '\0') {

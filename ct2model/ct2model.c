@@ -126,6 +126,11 @@ static enum status run_export(const struct options *options) {
   if (output == NULL) return FAIL(STATUS_USAGE, "export: -o STACK.tif is wanted");
   const char *ending = strrchr(output, '.');
   const bool profile = ending != NULL && strcmp(ending, ".csv") == 0;
+  if (!profile && (ending == NULL || (strcmp(ending, ".tif") != 0 && strcmp(ending, ".tiff") != 0)))
+    TRY_FAIL(STATUS_USAGE,
+             "export: -o %s: a stack of slices is named .tif, profiles of porosity and pore width "
+             ".csv",
+             output);
   TRY(model_read(options_operand(options, 0), &model));
   TRY(output_allow(output));
   TRY(profile ? export_profile(output, &model) : export_tiff(output, &model));

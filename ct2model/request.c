@@ -102,6 +102,12 @@ static enum status parse_numbers(const struct options *options, const char *name
  * has voxels of a centimetre: a unit is wrong there. */
 static enum status parse_voxel_size(const struct options *options, struct request *request) {
   const char *text = options_text(options, "voxel-size"), *at = text;
+  const size_t digits = text != NULL ? strspn(text, "0123456789") : 0;
+  if (digits > 0 && text[digits] == ',' && strspn(text + digits + 1, "0123456789") > 0)
+    return FAIL(STATUS_USAGE,
+                "--voxel-size %s: a decimal comma? Numbers take a point, as 8.745um; three lengths "
+                "a unit each, as 5um,5um,10um",
+                text);
   for (int d = 0; d < 3; d++) request->voxel[d] = NAN;
   if (text == NULL) return STATUS_OK;
   char part[64];

@@ -113,8 +113,8 @@ static enum status parse_error(const char *text, double *wanted) {
     end++;
   }
   if (end == text || *end != '\0' || !(*wanted > 0 && *wanted < 1))
-    return FAIL(STATUS_USAGE, "--error %s: an error above 0 and below 100 %% is wanted, like 5%%",
-                text);
+    return FAIL(STATUS_USAGE, "--error %s: an error above 0 and below 100 %% is wanted, like 5%%%s",
+                text, *end == ',' ? "; numbers take a point" : "");
   return STATUS_OK;
 }
 
@@ -266,6 +266,12 @@ static enum status run(const struct options *options, struct job *job) {
   if (length >= sizeof prefix)
     return FAIL(STATUS_USAGE, "-o: the name of the output files is too long");
   snprintf(prefix, sizeof prefix, "%.*s", (int)(ending ? length - 4 : length), given);
+  const char *slash = strrchr(prefix, '/'), *name = slash != NULL ? slash + 1 : prefix;
+  if (!*name || !strcmp(name, ".") || !strcmp(name, ".."))
+    return FAIL(STATUS_USAGE,
+                "run: -o '%s' is a folder: the name that the files begin with is wanted, like "
+                "%.*sout",
+                given, (int)(name - prefix), prefix);
   if (options_given(options, "tensor")) {
     TRY(run_tensor(options, job, prefix, &tensor, &result));
   } else {

@@ -8,17 +8,8 @@ setup_file() {
   cp -r "$ROOT/data-samples/small" scan
   export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --quiet"
   ct2model build $SCAN -o m.hdf
-  scene stokes > a.cfg
+  scene stokes m.hdf > a.cfg
   sphsolve run a.cfg -o run --quiet
-}
-
-scene() { # METHOD
-  cat <<END
-scene = { name = "sand"; method = "$1"; };
-model = { file = "m.hdf"; };
-fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
-force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
-END
 }
 
 refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it was
@@ -133,6 +124,49 @@ END
   [[ "$stderr" == *"lattice.spacing: 1000 m is no lattice for a model that is "* ]]
 }
 
+@test "names and numbers that mean something else are refused before the work" {
+  said() { # CODE WORD COMMAND...
+    local code=$1 word=$2
+    shift 2
+    run --separate-stderr "$@"
+    [ "$status" -eq "$code" ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+  }
+  mkdir -p folder
+  said 2 "is a folder" sphsolve run a.cfg -o folder/
+  said 2 "is a folder" sphsolve run a.cfg -o .
+  [ ! -e folder/.hdf ]
+  said 2 "a page is HTML" analyze report run.hdf -o page.pdf
+  said 2 "named .tif" ct2model export m.hdf -o m.stl
+  said 2 "decimal comma" ct2model build scan --void-ratio 0.7 --voxel-size 8,745um -o comma.hdf
+  said 2 "numbers take a point" sphsolve run a.cfg -o comma --error 5,5%
+  said 3 "decimal comma" sphsolve run a.cfg -o comma --set 'fluids.[0].density="1,0 kg/m^3"'
+  said 3 "the name of a file" analyze darcy ""
+  said 2 "first comes one of run" sphsolve --resume run a.cfg -o comma
+  [ ! -e page.pdf ] && [ ! -e m.stl ] && [ ! -e comma.hdf ] || { ls; false; }
+}
+
+@test "Ctrl-C during isph: no step is begun any more, and --resume goes on from the last" {
+  sed 's/end_time = "[^"]*"/end_time = "100 s"/' "$ROOT/data-samples/scenes/dam-break.cfg" > dam.cfg
+  /usr/bin/python3 - <<'END'
+import os, signal, subprocess, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+rows = lambda: open("dam.history.csv").read().count("\n") if os.path.exists("dam.history.csv") else 0
+run = subprocess.Popen(["sphsolve", "run", "dam.cfg", "-o", "dam", "--set", "output.history_interval=\"1e-6 s\""],
+                       stderr=subprocess.PIPE, text=True)
+until = time.time() + 60
+while rows() < 5 and time.time() < until:
+    time.sleep(0.01)
+run.send_signal(signal.SIGINT)
+before = rows()
+said = run.communicate(timeout=60)[1]
+assert run.returncode == 130 and said.index("stopping") < said.index("interrupted"), said
+assert before >= 5 and rows() <= before + 2, (before, rows())  # the step that ran, and what was read late
+END
+  [ -e dam.ckpt.hdf ]
+  sphsolve run dam.cfg -o dam --resume --set scene.end_time='"0.05 s"' --json --quiet > dam.json
+  /usr/bin/python3 -c "import json; assert json.load(open('dam.json'))['status'] == 'end_time'"
+}
+
 @test "what does not get out is an error" {
   for words in "ct2model info m.hdf" "ct2model info m.hdf --json" "ct2model --help" "sphsolve explain a.cfg --json" \
                "sphsolve run a.cfg -o full --json" "analyze darcy run.hdf --json" "ct2model sweep $SCAN --json"; do
@@ -179,7 +213,7 @@ END
 }
 
 @test "--resume after another method says what has changed" {
-  scene wcsph > b.cfg
+  scene wcsph m.hdf > b.cfg
   sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' -o cut --quiet
   [ -e cut.ckpt.hdf ]
   run --separate-stderr sphsolve run a.cfg -o cut --resume
@@ -188,7 +222,7 @@ END
 }
 
 @test "--resume after a changed scene names what changed: refused, or said" {
-  scene wcsph > c.cfg
+  scene wcsph m.hdf > c.cfg
   sphsolve run c.cfg --set checkpoint.interval='"0.0001 s"' --set scene.end_time='"2e-5 s"' -o changed --quiet
   [ -e changed.ckpt.hdf ]
   changed() { # WORDS IN THE MESSAGE, then --set ...
@@ -207,7 +241,7 @@ END
 }
 
 @test "Ctrl-C says so at once, ends with 130, and --resume goes on" {
-  scene wcsph > long.cfg
+  scene wcsph m.hdf > long.cfg
   sed -i 's/method = "wcsph";/method = "wcsph"; end_time = "100 s"; steady_tolerance = 0.0;/' long.cfg
   /usr/bin/python3 - <<'END'
 import signal, subprocess, time

@@ -7,3 +7,13 @@ programs_setup() {
   cd "$BATS_FILE_TMPDIR"
 }
 setup() { cd "$BATS_FILE_TMPDIR"; }
+
+# A scene of flow through a model's pores.
+scene() { # METHOD MODEL
+  cat <<END
+scene = { name = "pores"; method = "$1"; };
+model = { file = "$2"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+}

@@ -9,17 +9,8 @@ setup_file() {
     export HDF=1
     /usr/bin/python3 "$BATS_TEST_DIRNAME/tensor_models.py"
   fi
-  scene turned.hdf > turned.cfg
-  scene mirrored.hdf > mirrored.cfg
-}
-
-scene() { # MODEL
-  cat <<END
-scene = { name = "tensor"; method = "stokes"; };
-model = { file = "$1"; };
-fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
-force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
-END
+  scene stokes turned.hdf > turned.cfg
+  scene stokes mirrored.hdf > mirrored.cfg
 }
 
 @test "slits across a diagonal: the tensor, its principal axes and its units are those of theory" {
