@@ -151,7 +151,7 @@ cleanup:
   return status;
 }
 
-/* /run/levels: {spacing,k,iterations,seconds}, of one length. */
+/* /run/levels, of one length; estimates are not in files before 0.2. */
 static enum status read_levels(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
   struct run_levels *levels = &run->levels;
@@ -161,10 +161,14 @@ static enum status read_levels(struct h5_file *file, struct run *run) {
   } const columns[] = {{"/run/levels/spacing", &levels->spacing},
                        {"/run/levels/k", &levels->k},
                        {"/run/levels/iterations", &levels->iterations},
-                       {"/run/levels/seconds", &levels->seconds}};
+                       {"/run/levels/seconds", &levels->seconds},
+                       {"/run/levels/estimate", &levels->estimate},
+                       {"/run/levels/low", &levels->low},
+                       {"/run/levels/high", &levels->high}};
   if (!h5_exists(file, "/run/levels")) return STATUS_OK;
   for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
     size_t count = 0;
+    if (i >= 4 && !h5_exists(file, columns[i].name)) continue;
     TRY(h5_read(file, columns[i].name, H5_F64, 1, &count, columns[i].values));
     if (i > 0 && count != levels->count)
       TRY_FAIL(STATUS_INPUT, "%s: the columns of /run/levels differ in length", run->path);
@@ -338,6 +342,9 @@ void run_free(struct run *run) {
   memory_free(&run->levels.k);
   memory_free(&run->levels.iterations);
   memory_free(&run->levels.seconds);
+  memory_free(&run->levels.estimate);
+  memory_free(&run->levels.low);
+  memory_free(&run->levels.high);
   h5_free_texts(run->snapshot_count, &run->snapshot_names);
   memory_free(&run->snapshot_times);
   memory_free(&run->solid);

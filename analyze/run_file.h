@@ -21,6 +21,7 @@ struct history_column {
 struct run_levels {
   size_t count;
   double *spacing, *k, *iterations, *seconds; /* m, m/s, -, s of processor */
+  double *estimate, *low, *high; /* m/s; relative, of resolution; NULL in files before 0.2 */
 };
 
 struct run {

@@ -11,6 +11,13 @@
 
 static const char *program = "tosui";
 static enum log_level level = LOG_NORMAL;
+static bool line_is_live; /* a progress line stands on the terminal, without an end */
+
+/* What is told next takes the place of a live line. */
+static void clear_live_line(void) {
+  if (line_is_live) fputs("\r\033[K", stderr);
+  line_is_live = false;
+}
 
 void log_start(const char *name, enum log_level new_level) {
   program = name;
@@ -25,6 +32,7 @@ enum log_level log_level(void) {
 
 void log_info(const char *format, ...) {
   if (level < LOG_NORMAL) return;
+  clear_live_line();
   va_list arguments;
   va_start(arguments, format);
   vfprintf(stderr, format, arguments);
@@ -34,6 +42,7 @@ void log_info(const char *format, ...) {
 
 void log_verbose(const char *format, ...) {
   if (level < LOG_VERBOSE) return;
+  clear_live_line();
   va_list arguments;
   va_start(arguments, format);
   vfprintf(stderr, format, arguments);
@@ -43,6 +52,7 @@ void log_verbose(const char *format, ...) {
 
 void log_warning(const char *format, ...) {
   if (level < LOG_NORMAL) return;
+  clear_live_line();
   fprintf(stderr, "%s: warning: ", program);
   va_list arguments;
   va_start(arguments, format);
@@ -52,6 +62,7 @@ void log_warning(const char *format, ...) {
 }
 
 void log_pending_error(void) {
+  clear_live_line();
   fprintf(stderr, "%s: %s\n", program, error_message());
   if (level >= LOG_VERBOSE) fprintf(stderr, "  at %s\n", error_trail());
 }
@@ -93,9 +104,10 @@ void progress_update(struct progress *progress, double done, const char *note) {
           progress->terminal ? "" : "\n");
   fflush(stderr);
   progress->shown = true;
+  line_is_live = progress->terminal;
 }
 
 void progress_end(struct progress *progress) {
-  if (progress->shown && progress->terminal) fputs("\r\033[K", stderr);
+  if (progress->shown) clear_live_line();
   progress->shown = false;
 }

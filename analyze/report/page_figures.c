@@ -1,5 +1,6 @@
 /* The page's figures: plots of the analyses, and pictures of the flow. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,6 +97,22 @@ cleanup:
   return status;
 }
 
+/* Time, estimate and its interval from the lattices so far; a row for each that had an interval. */
+static bool write_estimates(const struct run_levels *levels, FILE *plot) {
+  double gone = 0.0;
+  bool any = false;
+  if (levels->estimate == NULL || levels->low == NULL || levels->high == NULL) return false;
+  for (size_t i = 0; i < levels->count; i++) {
+    gone += levels->seconds[i];
+    const double k = 100.0 * levels->estimate[i];
+    if (!isfinite(levels->low[i]) || !isfinite(levels->high[i])) continue;
+    fprintf(plot, "%.6g %.8g %.8g %.8g\n", gone, k, k * (1.0 - levels->low[i]),
+            k * (1.0 + levels->high[i]));
+    any = true;
+  }
+  return any;
+}
+
 /* k on each lattice that the run solved against the processor time gone, and the result with its
  * interval. */
 enum status page_levels(struct page *page) {
@@ -112,23 +129,32 @@ enum status page_levels(struct page *page) {
   for (size_t i = 0; i < levels->count; i++)
     fprintf(plot, "%.6g %.8g %.4g\n", gone += levels->seconds[i], 100.0 * levels->k[i],
             1e6 * levels->spacing[i]);
-  fprintf(plot,
-          "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
-          "time (s)'\nset ylabel 'k (cm/s)'\nset key bottom left\nset offsets graph 0.1, graph "
-          "0.15, graph 0.1, graph 0.1\n"
-          "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
-          "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "
-          "0,1 notitle, $result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
-          "rgb '%s' title 'result, 95 %%'\n",
-          gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high, plot_colours[0],
-          plot_colours[1]);
+  fputs("EOD\n$estimates << EOD\n", plot);
+  const bool estimated = write_estimates(levels, plot);
+  fprintf(
+      plot,
+      "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
+      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset key bottom left\nset offsets graph "
+      "0.1, graph "
+      "0.15, graph 0.1, graph 0.1\n"
+      "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
+      "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "
+      "0,1 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
+      "rgb '%s' title 'result, 95 %%'\n",
+      gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high, plot_colours[0],
+      estimated ? "$estimates using 1:2:3:4 with yerrorbars pointtype 4 linewidth 1.2 linecolor "
+                  "rgb '"
+                : "",
+      estimated ? plot_colours[2] : "",
+      estimated ? "' title 'estimate so far, resolution alone', " : "", plot_colours[1]);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<section id=\"levels\"><h2>Accuracy and its cost</h2><figure>", page->out);
   write_still(page->out, "levels", body, 760, 420, "k of each lattice against processor time");
-  fputs(
-      "<figcaption>k on each lattice, from the coarsest to the finest, against the processor time "
-      "gone, and the result with its interval.</figcaption></figure></section>\n",
-      page->out);
+  fputs("<figcaption>k on each lattice, from the coarsest to the finest, against the processor "
+        "time of the "
+        "lattices so far; what they together say of the limit; and the result with its "
+        "interval.</figcaption></figure></section>\n",
+        page->out);
 cleanup:
   free(body);
   return status;

@@ -8,6 +8,7 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/output/level_bar.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
@@ -207,6 +208,7 @@ static void tell_level(const struct cascade *c) {
            b->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
            100 * to_speed * l->estimate, 100 * b->resolution_low, 100 * b->resolution_high,
            l->seconds, cascade_next_seconds(c));
+  level_bar_show(b, to_speed);
 }
 
 /* One lattice of the cascade, from its sites to its k. The solver's solution is kept by the

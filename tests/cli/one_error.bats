@@ -69,3 +69,34 @@ END
   ct2model build "$ROOT/data-samples/small" --threshold 62 --voxel-size 8.745um --crop 0,0,0,20,20,10 --sides mirrored -o own.hdf --quiet
   needs "scan with smaller voxels" --set model.file=own.hdf
 }
+
+@test "on a terminal each lattice is drawn: its estimate within its bar, on one scale; elsewhere not" {
+  /usr/bin/python3 - <<'END'
+import os, pty, re, subprocess
+master, slave = pty.openpty()
+command = ["sphsolve", "run", os.environ["ROOT"] + "/data-samples/scenes/demo.cfg", "--set", "model.file=m.hdf", "-o", "drawn", "--error", "50%"]
+run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=slave)
+os.close(slave)
+said = b""
+while True:
+    try:
+        part = os.read(master, 65536)
+    except OSError:
+        break
+    if not part:
+        break
+    said += part
+assert run.wait() == 0
+lines = re.findall(r"([\d.]+) s \|([ o-]{56})\| (\S+) cm/s", said.decode())
+told = re.findall(r"estimate (\S+) cm/s -\S+ \+\S+ %", said.decode())
+assert len(lines) == len(told) >= 3, said
+for (seconds, bar, k), other in zip(lines, told):
+    assert bar.count("o") == 1 and re.fullmatch(r" *-*o-* *", bar) and abs(float(k) / float(other) - 1) < 1e-3
+scale = [float(k) / (bar.index("o") + 0.5) for _, bar, k in lines]
+assert max(scale) / min(scale) < 1.2, scale
+assert b"m/slattice" not in said  # a live line is cleared before what is told
+END
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o drawn --error 50% 2> told.txt > /dev/null
+  grep -q "^lattice 3" told.txt
+  run ! grep -q "|" told.txt
+}

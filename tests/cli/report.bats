@@ -128,6 +128,11 @@ END
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" one.hdf method=stokes k=1e-3 model=
   analyze report one.hdf -o one.html -q > /dev/null
   ! grep -q 'section id="levels"' one.html
+  # Of a run of ours, each estimate with its bar, too.
+  /usr/bin/python3 -c '
+import base64, re
+section = re.search("id=.levels.>.*?base64,([^\\"]*)", open("matched.html").read(), re.S)[1]
+assert b"estimate so far, resolution alone" in base64.b64decode(section)'
 }
 
 @test "names and shares of bars do not run into each other" {

@@ -1,0 +1,39 @@
+#include "sphsolve/output/level_bar.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/log.h"
+
+#define COLUMNS 56
+
+/* The column of a value on a scale from 0 to `most`; what lies beyond an end is at it. */
+static int column(double value, double most) {
+  return (int)fmin(fmax(floor(COLUMNS * value / most), 0.0), COLUMNS - 1);
+}
+
+void level_bar_draw(const struct uncertainty *u, double to_speed, char *text, size_t size) {
+  const struct error_level *first = &u->levels[0], *last = &u->levels[u->level_count - 1];
+  const double most = 1.05 * fmax(first->permeability, first->estimate * (1.0 + first->high));
+  const double low = isfinite(last->low) ? last->low : 0.0;
+  const double high = isfinite(last->high) ? last->high : 0.0;
+  const int from = column(last->estimate * (1.0 - low), most);
+  const int to = column(last->estimate * (1.0 + high), most);
+  double seconds = 0.0;
+  char bar[COLUMNS + 1];
+  for (int i = 0; i < u->level_count; i++) seconds += u->levels[i].seconds;
+  memset(bar, ' ', COLUMNS);
+  bar[COLUMNS] = '\0';
+  memset(bar + from, '-', (size_t)(to - from + 1));
+  bar[column(last->estimate, most)] = 'o';
+  snprintf(text, size, "%8.2f s |%s| %.4g cm/s", seconds, bar, 100.0 * to_speed * last->estimate);
+}
+
+void level_bar_show(const struct uncertainty *u, double to_speed) {
+  char text[COLUMNS + 64];
+  if (u->level_count == 0 || !isatty(STDERR_FILENO)) return;
+  level_bar_draw(u, to_speed, text, sizeof text);
+  log_info("%s", text);
+}
