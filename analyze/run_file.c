@@ -69,25 +69,7 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   run->wall_time = h5_attribute_or_nan(file, "/run/timing", "wall_time");
   TRY(read_numbers(file, "steps", 1, &run->steps));
 
-  struct {
-    const char *name;
-    double *value;
-  } const parts[] = {{"resolution", &run->error.resolution},
-                     {"scan", &run->error.scan},
-                     {"sides", &run->error.sides},
-                     {"averaging", &run->error.averaging},
-                     {"steadiness", &run->error.steadiness},
-                     {"void_ratio", &run->error.void_ratio},
-                     {"threshold", &run->error.threshold},
-                     {"dlnk_dvoid_ratio", &run->error.slope_void_ratio},
-                     {"dlnk_dthreshold", &run->error.slope_threshold},
-                     {"dlnk_sides_closed", &run->error.sides_closed}};
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-    *parts[i].value = NAN;
-    if (h5_attribute_exists(file, "/run/error", parts[i].name))
-      TRY(h5_read_attribute(file, "/run/error", parts[i].name, H5_F64, 1, parts[i].value));
-  }
-
+  TRY(uncertainty_parts_read(file, "/run/error", &run->error));
   TRY(read_text_or_empty(file, "/run/error", "resolution_needs", &run->resolution_needs));
 
   TRY(need_positive(run, "density", run->density));

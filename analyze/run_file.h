@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "common/uncertainty_parts.h"
 #include "common/hdf5_file.h"
 
 /* One column of /history: values [rows][components]. */
@@ -46,13 +47,8 @@ struct run {
   double k_low, k_high, k_finest;   /* m/s: 95 % interval, finest lattice; NAN if not stored */
   double reynolds, predicted_error; /* relative, of resolution, as explain expects it; NAN */
   double wall_time, steps;          /* s; NAN if not stored */
-  /* Relative parts of the error of k as sphsolve found them, and d ln k / d e; NAN if not stored.
-   */
-  struct {
-    double resolution, scan, sides, averaging, steadiness, void_ratio, threshold;
-    double slope_void_ratio, slope_threshold, sides_closed;
-  } error;
-  char *resolution_needs; /* "lattice", "model", "scan"; "" if not stored */
+  struct uncertainty_parts error;   /* of k, as sphsolve found them; NAN if not stored */
+  char *resolution_needs;           /* "lattice", "model", "scan"; "" if not stored */
 
   struct run_levels levels; /* the lattices that the run solved; count 0: one */
   size_t column_count;

@@ -9,17 +9,8 @@
 void uncertainty_read(const struct run *run, struct uncertainty *u) {
   char path[8200];
   struct h5_file *file = NULL;
-  *u = (struct uncertainty){.resolution = run->error.resolution,
-                            .scan = run->error.scan,
-                            .sides = run->error.sides,
-                            .averaging = run->error.averaging,
-                            .steadiness = run->error.steadiness,
-                            .void_ratio = run->error.void_ratio,
-                            .threshold = run->error.threshold,
-                            .slope_void_ratio = run->error.slope_void_ratio,
-                            .slope_threshold = run->error.slope_threshold,
+  *u = (struct uncertainty){.parts = run->error,
                             .resolution_needs = run->resolution_needs,
-                            .sides_closed = run->error.sides_closed,
                             .slope_solved = isfinite(run->error.slope_void_ratio)};
   if (isnan(u->resolution)) u->resolution = run->predicted_error;
   u->resolution_expected = isnan(run->error.resolution) || run->levels.count < 2;
@@ -42,27 +33,23 @@ void uncertainty_read(const struct run *run, struct uncertainty *u) {
 }
 
 double uncertainty_total(const struct uncertainty *u) {
-  const double parts[] = {u->resolution, u->scan,       u->sides,    u->averaging,
-                          u->steadiness, u->void_ratio, u->threshold};
-  double sum = 0.0;
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-    if (isfinite(parts[i])) sum += parts[i] * parts[i];
-  return sqrt(sum);
+  const double total = uncertainty_parts_total(&u->parts, u->resolution);
+  return isfinite(total) ? total : 0.0;
 }
 
 void uncertainty_json(const struct uncertainty *u, json_t *object) {
-  json_object_set_new(
-      object, "error_budget",
-      json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:s}", "resolution",
-                json_number(u->resolution), "scan", json_number(u->scan), "sides",
-                json_number(u->sides), "averaging", json_number(u->averaging), "steadiness",
-                json_number(u->steadiness), "void_ratio", json_number(u->void_ratio), "threshold",
-                json_number(u->threshold), "total", json_number(uncertainty_total(u)),
-                "dlnk_sides_closed", json_number(u->sides_closed), "resolution_from",
-                u->resolution_index      ? "grid convergence index"
-                : u->resolution_expected ? "expectation"
-                                         : "lattices",
-                "resolution_needs", u->resolution_needs != NULL ? u->resolution_needs : ""));
+  json_t *parts = json_object();
+  for (int i = 0; i < UNCERTAINTY_SHARES; i++)
+    json_object_set_new(parts, uncertainty_part_names[i], json_number(u->parts.value[i]));
+  json_object_set_new(parts, "total", json_number(uncertainty_total(u)));
+  json_object_set_new(parts, "dlnk_sides_closed", json_number(u->sides_closed));
+  json_object_set_new(parts, "resolution_from",
+                      json_string(u->resolution_index      ? "grid convergence index"
+                                  : u->resolution_expected ? "expectation"
+                                                           : "lattices"));
+  json_object_set_new(parts, "resolution_needs",
+                      json_string(u->resolution_needs != NULL ? u->resolution_needs : ""));
+  json_object_set_new(object, "error_budget", parts);
   json_object_set_new(object, "dlnk_dvoid_ratio", json_number(u->slope_void_ratio));
   json_object_set_new(object, "dlnk_dvoid_ratio_solved", json_boolean(u->slope_solved));
   json_object_set_new(object, "dlnk_dthreshold", json_number(u->slope_threshold));

@@ -8,19 +8,16 @@
 
 #include "analyze/run_file.h"
 
-/* Relative parts; NAN: unknown. */
+/* The parts (common/uncertainty_parts.h). Where a run has no resolution it is what explain
+ * expected; averaging has the scatter of a fit; slopes that a run has not solved are those of
+ * Kozeny (1927), Carman (1937): d ln k / d e = 3/e - 1/(1+e). */
 struct uncertainty {
-  double resolution; /* from several lattices; where a run has none, what explain expected */
-  double scan;       /* blur and noise of the scan */
-  double sides;      /* closed, mirrored or wrapped sides of the sample */
-  double averaging;  /* over time, and the scatter of a fit */
-  double steadiness;
-  double void_ratio;       /* the model's void ratio off the measured one */
-  double threshold;        /* the threshold's uncertainty */
-  double slope_void_ratio; /* d ln k / d e: solved by the run, else after Kozeny (1927), Carman
-                            * (1937): 3/e - 1/(1+e) */
-  double slope_threshold;  /* d ln k / d T, per grey level: the same over dT/de of the sweep */
-  double sides_closed;     /* ln k in a tube that the sample fills, less ln k */
+  union {
+    struct {
+      UNCERTAINTY_PARTS_MEMBERS
+    };
+    struct uncertainty_parts parts;
+  };
   bool resolution_expected, resolution_index, slope_solved; /* index: of several runs */
   const char *resolution_needs; /* what lessens its share: "lattice", "model", "scan"; of the run */
 };

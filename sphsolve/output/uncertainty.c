@@ -6,41 +6,21 @@
 const char *const resolution_needs_names[] = {"lattice", "model", "scan"};
 
 struct uncertainty uncertainty_none(void) {
-  return (struct uncertainty){.resolution = NAN,
-                              .scan = NAN,
-                              .sides = NAN,
-                              .void_ratio = NAN,
-                              .threshold = NAN,
-                              .averaging = NAN,
-                              .steadiness = NAN,
+  return (struct uncertainty){.parts = uncertainty_parts_none(),
                               .resolution_low = NAN,
                               .resolution_high = NAN,
                               .model = NAN,
-                              .sides_closed = NAN,
                               .order = NAN,
                               .extrapolated = NAN,
                               .finest = NAN,
-                              .slope_void_ratio = NAN,
-                              .slope_blur = NAN,
-                              .slope_threshold = NAN};
-}
-
-static double root_sum_square(const struct uncertainty *b, double resolution) {
-  const double parts[] = {resolution,   b->scan,      b->sides,     b->void_ratio,
-                          b->threshold, b->averaging, b->steadiness};
-  double sum = 0.0;
-  bool known = false;
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-    if (isfinite(parts[i])) {
-      sum += parts[i] * parts[i];
-      known = true;
-    }
-  return known ? sqrt(sum) : NAN;
+                              .slope_blur = NAN};
 }
 
 void uncertainty_total(const struct uncertainty *b, double *low, double *high) {
-  *low = root_sum_square(b, isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
-  *high = root_sum_square(b, isfinite(b->resolution_high) ? b->resolution_high : b->resolution);
+  *low = uncertainty_parts_total(&b->parts,
+                                 isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
+  *high = uncertainty_parts_total(&b->parts, isfinite(b->resolution_high) ? b->resolution_high
+                                                                          : b->resolution);
 }
 
 double uncertainty_largest(const struct uncertainty *b) {
@@ -85,30 +65,21 @@ enum status uncertainty_write(const struct uncertainty *b, double to_speed, stru
   const struct {
     const char *name;
     double value;
-  } parts[] = {{"resolution", b->resolution},
-               {"scan", b->scan},
-               {"sides", b->sides},
-               {"averaging", b->averaging},
-               {"steadiness", b->steadiness},
-               {"void_ratio", b->void_ratio},
-               {"threshold", b->threshold},
-               {"total", fmax(low, high)},
-               {"total_low", low},
-               {"total_high", high},
-               {"resolution_low", b->resolution_low},
-               {"resolution_high", b->resolution_high},
-               {"model_voxels", b->model},
-               {"observed_order", b->order},
-               {"spacings", b->level_count},
-               {"extrapolated_permeability", b->extrapolated},
-               {"finest_permeability", b->finest},
-               {"dlnk_dvoid_ratio", b->slope_void_ratio},
-               {"dlnk_sides_closed", b->sides_closed},
-               {"dlnk_blurred_again", b->slope_blur},
-               {"dlnk_dthreshold", b->slope_threshold}};
+  } more[] = {{"total", fmax(low, high)},
+              {"total_low", low},
+              {"total_high", high},
+              {"resolution_low", b->resolution_low},
+              {"resolution_high", b->resolution_high},
+              {"model_voxels", b->model},
+              {"observed_order", b->order},
+              {"spacings", b->level_count},
+              {"extrapolated_permeability", b->extrapolated},
+              {"finest_permeability", b->finest},
+              {"dlnk_blurred_again", b->slope_blur}};
   TRY(h5_make_group(file, "/run/error"));
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-    TRY(h5_write_attribute(file, "/run/error", parts[i].name, H5_F64, 1, &parts[i].value));
+  TRY(uncertainty_parts_write(&b->parts, file, "/run/error"));
+  for (size_t i = 0; i < sizeof more / sizeof *more; i++)
+    TRY(h5_write_attribute(file, "/run/error", more[i].name, H5_F64, 1, &more[i].value));
   TRY(h5_write_attribute_text(file, "/run/error", "resolution_needs",
                               resolution_needs_names[b->needs]));
   TRY(write_levels(b, to_speed, file));

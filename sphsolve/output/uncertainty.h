@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "common/error.h"
+#include "common/uncertainty_parts.h"
 #include "common/hdf5_file.h"
 
 #define ERROR_LEVELS_MAX 24
@@ -24,27 +25,23 @@ struct error_level {
   long iterations;
 };
 
-/* Relative parts, 95 % half widths where they are statistical; NAN: unknown or of no concern. */
+/* The parts (common/uncertainty_parts.h), and what the resolution's is made of; NAN: unknown. */
 struct uncertainty {
-  double resolution; /* of the estimate from all lattices; the larger of low and high */
-  double scan;       /* what the scanner's blur and noise did */
-  double sides;      /* how the sample's sides are closed */
-  double void_ratio; /* the model's void ratio off the measured one */
-  double threshold;  /* the threshold's uncertainty, from that of the measured void ratio */
-  double averaging;  /* over time, by batch means; 0 for a steady method */
-  double steadiness; /* change still to come, or what the solver left */
+  union {
+    struct {
+      UNCERTAINTY_PARTS_MEMBERS
+    };
+    struct uncertainty_parts parts;
+  };
 
   double resolution_low, resolution_high; /* the truth lies in k (1 - low) .. k (1 + high) */
   double model; /* the part of resolution that the model's own voxels have */
   enum resolution_needs needs;
-  double sides_closed;     /* ln k in a tube that the sample fills, less ln k; NAN: not tried */
-  double order;            /* observed; NAN: not seen */
-  double extrapolated;     /* intrinsic permeability, best estimate, m^2 */
-  double finest;           /* and that of the finest lattice */
-  double slope_void_ratio; /* d ln k / d e, solved; NAN: not tried */
-  double slope_blur;       /* ln k of the surface blurred once more, less ln k; NAN: not tried */
-  double slope_threshold;  /* d ln k / d T per grey level: the same over dT/de of the sweep */
-  int level_count;         /* lattices that gave a flow; 0: not tried */
+  double order;        /* observed; NAN: not seen */
+  double extrapolated; /* intrinsic permeability, best estimate, m^2 */
+  double finest;       /* and that of the finest lattice */
+  double slope_blur;   /* ln k of the surface blurred once more, less ln k; NAN: not tried */
+  int level_count;     /* lattices that gave a flow; 0: not tried */
   struct error_level levels[ERROR_LEVELS_MAX]; /* coarsest first */
 };
 

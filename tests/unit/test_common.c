@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "common/error.h"
+#include "common/uncertainty_parts.h"
 #include "common/kernel.h"
 #include "common/memory.h"
 #include "common/statistics.h"
@@ -132,8 +133,22 @@ static void test_statistics(void **state) {
   assert_true(fabs(mean - 0.5) < 4 * expected && error > 0.7 * expected && error < 1.4 * expected);
 }
 
+/* Shares add up as squares; what is unknown does not count, and slopes are no shares. */
+static void test_uncertainty_parts_add_up(void **state) {
+  (void)state;
+  struct uncertainty_parts parts = uncertainty_parts_none();
+  assert_true(isnan(uncertainty_parts_total(&parts, parts.resolution)));
+  parts.scan = 0.3, parts.steadiness = 0.4, parts.sides_closed = 7.0;
+  assert_true(fabs(uncertainty_parts_total(&parts, parts.resolution) - 0.5) < 1e-15);
+  assert_true(fabs(uncertainty_parts_total(&parts, 1.2) - 1.3) < 1e-15);
+  assert_string_equal(uncertainty_part_names[UNCERTAINTY_SHARES - 1], "steadiness");
+  assert_true(parts.value[UNCERTAINTY_SHARES - 1] == 0.4 &&
+              parts.value[UNCERTAINTY_PARTS - 1] == 7.0);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_error), cmocka_unit_test(test_memory),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_uncertainty_parts_add_up),
+                                     cmocka_unit_test(test_error), cmocka_unit_test(test_memory),
                                      cmocka_unit_test(test_kernels),
                                      cmocka_unit_test(test_statistics)};
   return cmocka_run_group_tests(tests, NULL, NULL);

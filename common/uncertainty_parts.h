@@ -1,0 +1,42 @@
+/* The parts that the error of k is made of: the same in sphsolve, in the attributes of /run/error,
+ * and in analyze. Relative, 95 %; NAN: unknown. */
+#ifndef TOSUI_COMMON_UNCERTAINTY_PARTS_H
+#define TOSUI_COMMON_UNCERTAINTY_PARTS_H
+
+#include "common/error.h"
+#include "common/hdf5_file.h"
+
+/* resolution   what the spacing of the lattice leaves
+ * scan         what the scanner's blur and noise did
+ * sides        how the sample's sides are closed
+ * void_ratio   the model's void ratio off the measured one
+ * threshold    from the uncertainty of the measured void ratio
+ * averaging    over time
+ * steadiness   the change still to come, or what the solver left
+ * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, and ln k in a
+ * tube that the sample fills, less ln k. */
+#define UNCERTAINTY_PARTS_MEMBERS                                                                  \
+  double resolution, scan, sides, void_ratio, threshold, averaging, steadiness;                    \
+  double slope_void_ratio, slope_threshold, sides_closed;
+
+enum { UNCERTAINTY_SHARES = 7, UNCERTAINTY_PARTS = 10 };
+struct uncertainty_parts {
+  union {
+    struct {
+      UNCERTAINTY_PARTS_MEMBERS
+    };
+    double value[UNCERTAINTY_PARTS];
+  };
+};
+extern const char *const uncertainty_part_names[UNCERTAINTY_PARTS]; /* of their attributes */
+
+struct uncertainty_parts uncertainty_parts_none(void);
+/* Root of the sum of squares of the known shares, with another resolution; NAN if none is known. */
+double uncertainty_parts_total(const struct uncertainty_parts *parts, double resolution);
+/* Attributes of `group`; what is not there is NAN. */
+enum status uncertainty_parts_read(struct h5_file *file, const char *group,
+                                   struct uncertainty_parts *parts);
+enum status uncertainty_parts_write(const struct uncertainty_parts *parts, struct h5_file *file,
+                                    const char *group);
+
+#endif
