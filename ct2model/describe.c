@@ -38,6 +38,29 @@ static void print_number(struct h5_file *file, const char *name, const char *lab
     printf("  %-22s %.6g\n", label, value);
 }
 
+/* What the scanner did, as `build` says it; all unknown where the file has no such group. */
+static void describe_scanner(struct h5_file *file, json_t *out) {
+  static const struct {
+    const char *attribute, *name, *label;
+    double unit;
+  } LINES[] = {{"blur", "blur_m", "blur of the scan, um", 1e6},
+               {"blur_uncertainty", "blur_uncertainty_m", NULL, 1.0},
+               {"fringe", "fringe", NULL, 1.0},
+               {"contrast_to_noise", "contrast_to_noise", "contrast over noise", 1.0},
+               {"noise_correlation", "noise_correlation_m", NULL, 1.0},
+               {"resolution", "resolution_m", "resolution, um", 1e6}};
+  const bool known = h5_exists(file, "/scanner");
+  json_t *object = out != NULL ? json_object() : NULL;
+  for (size_t i = 0; i < sizeof LINES / sizeof *LINES; i++) {
+    const double value = known ? h5_attribute_or_nan(file, "/scanner", LINES[i].attribute) : NAN;
+    if (object != NULL)
+      json_object_set_new(object, LINES[i].name, isfinite(value) ? json_real(value) : json_null());
+    else if (LINES[i].label != NULL && isfinite(value))
+      printf("  %-22s %.4g\n", LINES[i].label, LINES[i].unit * value);
+  }
+  if (object != NULL) json_object_set_new(out, "scanner", object);
+}
+
 static enum status describe_model(const char *path, json_t *out) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -73,6 +96,7 @@ static enum status describe_model(const char *path, json_t *out) {
   print_number(file, "connected_porosity", "connected porosity", out);
   print_number(file, "isolated_pores", "isolated pores", out);
   print_number(file, "specific_surface", "specific surface 1/m", out);
+  describe_scanner(file, out);
   if (out == NULL && h5_attribute_exists(file, "/provenance", "command_line")) {
     char *line = NULL;
     TRY(h5_read_attribute_text(file, "/provenance", "command_line", &line));

@@ -8,9 +8,10 @@
 #include "common/variants.h"
 #include "ct2model/scanner/gaussian.h"
 
-/* Minimised over 0 <= u <= 1, A the grey of the grain at a place, H the scanner:
+/* Minimised over 0 <= u <= 1, A the grey of the grain at a place, H the scanner with the voxel's
+ * own average:
  *
- *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P (s^2 - 1))
+ *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P^POWER (s^2 - 1))
  *
  * by accelerated projected gradients (FISTA, Beck and Teboulle 2009, with total variation smoothed
  * by ROUNDING; Rudin, Osher and Fatemi 1992 for the penalty). The noise has the power P = variance
@@ -18,11 +19,18 @@
  * surface of s^2, the square of the blur (a voxel at least), costs SURFACE: grains have no relief
  * much finer than the scanner can see. Sharpening a wide blur raises the noise besides, which costs
  * more (NOISE; P and s in voxels), as far as the scan is still explained as well: what is left over
- * around surfaces may grow by MISFIT, beyond which small grains go. These and ROUNDS are from
+ * around surfaces may grow by MISFIT, or be EXPLAINED of what the noise makes there, beyond which
+ * small grains go. These and ROUNDS are from
  * generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise
  * (docs/notes/2026-11-22-scanner.md). */
-static const double SURFACE = 0.1, NOISE = 1.2, MISFIT = 1.15, ROUNDING = 0.1;
+#define PI 3.14159265358979323846
+static const double SURFACE = 0.07, NOISE = 1.9, POWER = 0.75, MISFIT = 1.15, EXPLAINED = 0.3,
+                    ROUNDING = 0.1;
 enum { ROUNDS = 30, LEVELS = 255 };
+/* Noise is taken as correlated over a length of so many voxels at least, as finer noise makes
+ * relief between the voxels; and over no more than the blur, as what is longer is the grains'
+ * texture. */
+#define CORRELATION_LEAST 0.6
 /* Less than so many times the cost is not worth a trial; slices of one, at least. */
 #define TIMES_LEAST 1.2
 enum { SLICES_TRIED = 24 };
@@ -39,6 +47,7 @@ struct slab {
   size_t size[3];
   double sigma[3], fringe[3], stretch[3];
   double lambda, step; /* of the surface, of a round */
+  double noise_seen;   /* mean square of the noise, blurred as the scanner blurs */
   float *grey, *grain, *u, *y, *a, *b, *work;
 };
 
@@ -277,12 +286,16 @@ cleanup:
   return status;
 }
 
-static void slab_keep(const struct slab *slab, size_t skipped, size_t count, size_t first,
+/* The mean grain share of voxels: u itself has steps within them, of which a surface between voxels
+ * would be rough. The Laplacian blurs by a voxel's own variance of 1/12. */
+static void slab_keep(struct slab *slab, size_t skipped, size_t count, size_t first,
                       struct coarse *restored) {
+  static const double AVERAGE[3] = {-1.0 / 24.0, -1.0 / 24.0, -1.0 / 24.0};
   const size_t plane = slab->size[0] * slab->size[1];
+  laplacian_subtract(slab->u, slab->size, AVERAGE, slab->a);
   uint8_t *levels = restored->levels + first * plane;
   for (size_t i = 0; i < count * plane; i++) {
-    levels[i] = (uint8_t)(slab->u[skipped * plane + i] * (float)LEVELS + 0.5f);
+    levels[i] = (uint8_t)(slab->a[skipped * plane + i] * (float)LEVELS + 0.5f);
     restored->histogram.counts[levels[i]]++;
   }
   restored->histogram.total += count * plane;
@@ -301,14 +314,22 @@ static enum status choose_surface(const struct region *region, const struct scan
   TRY(slab_read(region, scanner, restored->step, (restored->size[2] - slab->size[2]) / 2, slab));
   slab_restore(slab);
   const double plain = slab_misfit(slab);
-  for (double times = most; times >= TIMES_LEAST; times = sqrt(times)) {
+  for (double times = most; times >= TIMES_LEAST; times = pow(times, 0.75)) {
     set_surface(slab, times * lambda, scanner->fringe);
     slab_restore(slab);
-    if (slab_misfit(slab) <= MISFIT * plain) return STATUS_OK;
+    if (slab_misfit(slab) <= fmax(MISFIT * plain, EXPLAINED * slab->noise_seen)) return STATUS_OK;
   }
   set_surface(slab, lambda, scanner->fringe);
 cleanup:
   return status;
+}
+
+/* Volume (m^3) over which noise is as one voxel's, its power at low frequencies over its variance:
+ * of white noise filtered by a Gaussian of that length, (2 sqrt(pi) length)^3, a voxel at least. */
+static double noise_volume(double length, const double voxel[3]) {
+  double noise = 1.0;
+  for (int d = 0; d < 3; d++) noise *= fmax(voxel[d], 2.0 * sqrt(PI) * length);
+  return noise;
 }
 
 enum status restore_run(const struct region *region, const struct scanner *scanner, double width,
@@ -326,15 +347,21 @@ enum status restore_run(const struct region *region, const struct scanner *scann
     voxels *= (double)restored->size[d];
     volume *= voxel;
     least = fmin(least, voxel);
-    /* Averaging blurs too: (step^2 - 1) / 12 voxels^2 more than a voxel does. */
-    const double own = ((double)(step * step) - 1.0) / 12.0 * region->voxel[d] * region->voxel[d];
-    slab.sigma[d] = sqrt(width * width + own) / voxel;
+    /* That a voxel is an average blurs too. */
+    slab.sigma[d] = sqrt(width * width / (voxel * voxel) + 1.0 / 12.0);
     slab.fringe[d] = scanner->fringe * width * width / voxel / voxel;
   }
   if (voxels > HELD) return STATUS_OK;
   for (int d = 0; d < 3; d++) slab.stretch[d] = region->voxel[d] * (double)step / least;
+  const double length =
+      fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(width, least));
   const double power =
-      pow(scanner->noise / contrast, 2.0) * scanner_noise_volume(scanner, region->voxel) / volume;
+      pow(scanner->noise / contrast, 2.0) * noise_volume(length, region->voxel) / volume;
+  slab.noise_seen = pow(scanner->noise / contrast, 2.0);
+  for (int d = 0; d < 3; d++) {
+    const double own = length / region->voxel[d] / (double)step;
+    slab.noise_seen *= own / hypot(own, slab.sigma[d]);
+  }
   const double seen = fmax(width, least);            /* finer than a voxel nothing is */
   const double wide = seen * seen / (least * least); /* of the blur, voxels^2 */
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
@@ -349,7 +376,7 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restored->histogram));
   TRY(slab_start(plane * most, &slab));
   TRY(choose_surface(region, scanner, restored, most, SURFACE * power / wide,
-                     1.0 + NOISE * power * (wide - 1.0), &slab));
+                     1.0 + NOISE * pow(power, POWER) * (wide - 1.0), &slab));
   progress_start(&progress, "restoring", "slices", (double)nz);
   for (size_t z = 0; z < nz; z += depth) {
     const size_t count = nz - z < depth ? nz - z : depth, first = z > margin ? z - margin : 0;

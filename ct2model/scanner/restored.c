@@ -107,6 +107,16 @@ cleanup:
   return status;
 }
 
+/* Many voxels of a restored scan have the threshold's own level; which of them are grain their
+ * neighbours along the row decide, by less than half a level. */
+static void read_row(const uint8_t *levels, size_t n, float *row) {
+  static const float TIE = 1.0f / 1100.0f;
+  for (size_t x = 0; x < n; x++) {
+    const int left = levels[x > 0 ? x - 1 : x], right = levels[x + 1 < n ? x + 1 : x];
+    row[x] = (float)levels[x] + TIE * (float)(left + right - 2 * (int)levels[x]);
+  }
+}
+
 enum status restored_resample(const struct restored *restored, enum filter filter,
                               const size_t size[3], float *volume) {
   enum status status = STATUS_OK;
@@ -125,7 +135,7 @@ enum status restored_resample(const struct restored *restored, enum filter filte
       struct reduction reduction;
       resampler_begin(&resampler, i, &reduction);
       for (size_t y = 0; y < in[1]; y++) {
-        for (size_t x = 0; x < nx; x++) row[x] = (float)slice[y * nx + x];
+        read_row(slice + y * nx, nx, row);
         reduction_add(&reduction, row);
       }
     }

@@ -8,7 +8,6 @@
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/noise.h"
 
-#define PI 3.14159265358979323846
 enum { WINDOWS = 6, SIDE = 96, DEPTH = 40, WINDOWS_LEAST = 3 };
 
 /* One window of the scan, greys 0 in the pore and 1 in the grain. */
@@ -231,12 +230,4 @@ cleanup:
   if (!scanner->known) scanner->blur = scanner->blur_error = scanner->fringe = NAN;
   windows_end(&all);
   return status;
-}
-
-/* White noise filtered by a Gaussian of standard deviation l: (2 sqrt(pi) l)^3, a voxel at least.
- */
-double scanner_noise_volume(const struct scanner *scanner, const double voxel[3]) {
-  double volume = 1.0;
-  for (int d = 0; d < 3; d++) volume *= fmax(voxel[d], 2.0 * sqrt(PI) * scanner->noise_correlation);
-  return volume;
 }

@@ -29,8 +29,4 @@ struct scanner {
 enum status scanner_measure(const struct region *region, const struct grey_phases *phases,
                             struct scanner *scanner);
 
-/* Volume (m^3) over which noise is as one voxel's: its power at low frequencies over its variance.
- */
-double scanner_noise_volume(const struct scanner *scanner, const double voxel[3]);
-
 #endif

@@ -7,9 +7,11 @@
 #define PI 3.14159265358979323846
 /* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
-/* Shares of that change, of the roughness, and the change itself in squares of deviations per mean
- * pore: from generated sands (docs/notes/2026-11-22-scanner.md). */
-static const double KEPT = 1.5, REMOVED = 0.3, ROUGH = 0.2, CHANGE = 9.5;
+/* Shares of that change, and how they grow with it; of the roughness; what the sharpest scan's
+ * voxels leave; and the change itself in squares of deviations per mean pore: from generated sands
+ * (docs/notes/2026-11-22-scanner.md). */
+static const double KEPT = 1.5, REMOVED = 0.3, GROWTH = 3.0, ROUGH = 0.2, VOXELS = 0.035,
+                    CHANGE = 9.5;
 
 bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   struct h5_file *file = NULL;
@@ -40,8 +42,8 @@ double scan_deviation(const struct scan_quality *scan) {
  * walls are rough by a length that the noise power has. */
 double scan_error(const struct scan_quality *scan, double change, double width) {
   const double blur = 4.0 * scan->blur_error / scan->blur;
-  const double share = scan->removed ? hypot(REMOVED, blur) : KEPT;
-  return hypot(share * change, ROUGH * cbrt(scan->noise_power) / width);
+  const double share = scan->removed ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
+  return hypot(VOXELS, hypot(share * change, ROUGH * cbrt(scan->noise_power) / width));
 }
 
 double scan_change_expected(const struct scan_quality *scan, double width) {

@@ -68,7 +68,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return false;
   *why = "budget";
   if (c->uncertainty.level_count >= 3 && finer_is_in_vain(c)) return false;
-  if (c->tried > cascade_last_step(c->plan, c->base)) return false;
+  if (c->tried > cascade_open_steps(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   if (c->uncertainty.level_count > 0 && clock_seconds() - c->started + next > c->seconds)
@@ -252,7 +252,7 @@ static void estimate(struct cascade *c) {
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
-  b->needs = cascade_needs(c->plan, c->base, h[0]);
+  b->needs = cascade_needs(c->plan, h[0]);
   b->extrapolated = limit.value;
   b->finest = k[0];
   b->order = limit.order;

@@ -8,7 +8,6 @@
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/solver.h"
 
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
@@ -42,27 +41,12 @@ int cascade_open_steps(const struct plan *plan, const struct lattice *base) {
   return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
 }
 
-/* A scan's surface is rough from voxel to voxel by its noise, which lattices between the voxels
- * smooth and the model's own sites do not: its cascade ends one step before them, if three are
- * left.
- */
-int cascade_last_step(const struct plan *plan, const struct lattice *base) {
-  struct scan_quality scan;
-  const int steps = cascade_open_steps(plan, base);
-  const char *path = plan->context.scene->model_path;
-  return steps >= LEVELS_LEAST && *path && scan_quality_read(path, &scan) ? steps - 1 : steps;
-}
-
-/* A lattice as fine as the voxels, or the last of a cascade, is the end of what a model can tell;
+/* A lattice as fine as the voxels, or as the scene's own, is the end of what a model can tell;
  * a model as fine as its scan the end of what that can. */
-enum resolution_needs cascade_needs(const struct plan *plan, const struct lattice *base,
-                                    double spacing) {
+enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
   struct h5_file *file = NULL;
   double voxel[3] = {0}, scanned = NAN;
   const char *path = plan->context.scene->model_path;
-  const double last =
-      plan->context.spacing *
-      pow(CASCADE_SHRINKS, cascade_open_steps(plan, base) - cascade_last_step(plan, base));
   if (!*path) return NEEDS_LATTICE;
   if (h5_open(path, &file) == STATUS_OK) {
     if (h5_read_attribute(file, "/model", "spacing", H5_F64, 3, voxel) != STATUS_OK) voxel[0] = 0.0;
@@ -71,7 +55,9 @@ enum resolution_needs cascade_needs(const struct plan *plan, const struct lattic
   }
   error_clear();
   const double own = cbrt(voxel[0] * voxel[1] * voxel[2]);
-  if (spacing > 1.01 * fmax(own, isfinite(plan->context.scene->lattice_spacing) ? 0.0 : last))
+  if (spacing >
+      1.01 *
+          fmax(own, isfinite(plan->context.scene->lattice_spacing) ? 0.0 : plan->context.spacing))
     return NEEDS_LATTICE;
   return own <= 1.01 * scanned ? NEEDS_SCAN : NEEDS_MODEL;
 }
@@ -140,8 +126,8 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  const int steps = cascade_open_steps(plan, base), last = cascade_last_step(plan, base);
-  for (int i = 0; i <= last && count < most; i++) {
+  const int steps = cascade_open_steps(plan, base);
+  for (int i = 0; i <= steps && count < most; i++) {
     const double refined = pow(CASCADE_SHRINKS, i - steps);
     const double sites = (double)base->count * pow(refined, base->dimensions);
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;

@@ -20,12 +20,10 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
 
 /* The spacing with few sites across a mean pore, where an open cascade may begin. */
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base);
-/* Steps from the first of its lattices to the scene's own sites, and to its last lattice. */
+/* Steps from the first of its lattices to the last, the scene's own sites. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
-int cascade_last_step(const struct plan *plan, const struct lattice *base);
 /* What would lessen the error of resolution once a lattice of that spacing has been solved. */
-enum resolution_needs cascade_needs(const struct plan *plan, const struct lattice *base,
-                                    double spacing);
+enum resolution_needs cascade_needs(const struct plan *plan, double spacing);
 /* Where the effect of the sides is solved, and whether that of a model is. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
 bool cascade_sides_are_wrapped(const char *model_path);

@@ -29,6 +29,13 @@ for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11
     assert 0 < found["blur_uncertainty_m"] < 0.2 * blur
     assert found["resolution_m"] > found["blur_m"]
 P
+  for name in one two; do "$CT" info "$WORK/$name.hdf" --json > "$WORK/$name.info"; done
+  python3 -c "
+import json
+for name in 'one', 'two':
+    built, info = json.load(open(f'$WORK/{name}.json')), json.load(open(f'$WORK/{name}.info'))
+    assert info['files'][0]['scanner'] == built['scanner'], (info, built['scanner'])"
+  "$CT" info "$WORK/one.hdf" | grep -q 'contrast over noise'
   grep -q scanner <("$CT" build "$WORK/one" --void-ratio 0.725 --size 24x24x12 -o "$WORK/text.hdf" 2> /dev/null)
 }
 
@@ -71,6 +78,7 @@ assert abs(model['void_ratio'] / 0.725 - 1) < 1e-3"
   head -c 32768 /dev/zero | tr '\0' '\1' >> "$WORK/flat.raw"
   "$CT" build "$WORK/flat.raw" --raw 32x32x64:u8 --voxel-size 1um --threshold 0.5 --quiet --json -o "$WORK/flat.hdf" |
     grep -q '"blur_m": null'
+  "$CT" info "$WORK/flat.hdf" --json | grep -q '"blur_m": null'
 }
 
 @test "run and explain say what the scan leaves in k; the bar holds the k of the true grains" {
