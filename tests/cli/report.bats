@@ -75,7 +75,10 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
   # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
   data matched.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
-  data matched.html '"a model with smaller voxels" in page["verdict"][0]["advice"] and "a larger sample is needed" in page["verdict"][0]["advice"]'
+  # What lessens resolution, and what lessens the largest of the other shares, whichever that is.
+  data matched.html '(lambda v, b: "a model with smaller voxels, and " +
+    {"scan": "a sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)]
+    in v["advice"])(page["verdict"][0], page["verdict"][0]["error_budget"])'
   data plain.html '"a model with voxels of about" in page["verdict"][0]["advice"]'
   data plain.html 'page["verdict"][0]["k_low_m_per_s"] == 0 and "do not publish" in page["verdict"][0]["good_for"]'
   for page in matched given otsu plain labels levels; do
