@@ -269,5 +269,6 @@ def measure(entry):
         rows.append(holds("the case can be carried out", "", False, f"{type(problem).__name__}: {problem}"[:200]))
     seconds = time.time() - started
     margins = [r["margin"] for r in rows if r["margin"] is not None]
-    group = f"{name}. {threat}. {len(rows)} checks, " + f"least margin {min(margins):.2g}, " * bool(margins) + f"{seconds:.1f} s" + (", fast" if fast else "")
+    least = f"least margin {min(margins):.2g}, " if margins else ""
+    group = f"{name}. {threat}. {len(rows)} checks, {least}{seconds:.1f} s" + (", fast" if fast else "")
     return [{"case": f"{name}: {r['check']}", "group": group, "threat": threat, "fast": fast, "seconds": seconds / len(rows), **r} for r in rows]
