@@ -54,7 +54,6 @@ enum status balance_partition(size_t items, size_t first, size_t own, const doub
   int changed, global_size, local_size, in, out = 0;
   double *count = NULL;
   float version;
-  TRY(memory_allocate(&count, ranks, sizeof *count, "shares of the ranks"));
   if (Zoltan_Initialize(0, NULL, &version) == ZOLTAN_OK) zoltan = Zoltan_Create(MPI_COMM_WORLD);
   /* Parts stay in their order along the row (REMAP). What does not move is not listed: asked for
    * all, Zoltan 13.2 answers that memory is short on ranks without items where nothing moves. */
@@ -72,6 +71,7 @@ enum status balance_partition(size_t items, size_t first, size_t own, const doub
                           &part) < 0) /* above: a warning that the items are coarse */
     status = FAIL(STATUS_RUN, "Zoltan fails to share the work out among %zu ranks", ranks);
   TRY(ranks_agree(status));
+  TRY(memory_allocate(&count, ranks, sizeof *count, "shares of the ranks"));
   count[ranks_own()] = (double)own - out;
   for (int i = 0; i < out; i++) count[part[i]]++;
   ranks_sum_all(count, ranks);

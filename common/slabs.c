@@ -14,9 +14,12 @@ enum status slabs_make(size_t planes, const double *work, size_t unit, struct sl
   double *heavy = NULL, total = 0, heaviest = 0;
   size_t *partition = NULL;
   *s = (struct slabs){.planes = planes};
-  TRY(memory_allocate(&s->start, ranks + 1, sizeof *s->start, "slabs"));
-  TRY(memory_allocate(&partition, ranks + 1, sizeof *partition, "slabs"));
-  TRY(memory_allocate(&heavy, units, sizeof *heavy, "slabs"));
+  status = memory_allocate(&s->start, ranks + 1, sizeof *s->start, "slabs");
+  if (status == STATUS_OK)
+    status = memory_allocate(&partition, ranks + 1, sizeof *partition, "slabs");
+  if (status == STATUS_OK) status = memory_allocate(&heavy, units, sizeof *heavy, "slabs");
+  /* Zoltan copies the communicator, which no rank may leave alone. */
+  TRY(ranks_agree(status));
   for (size_t p = 0; p < planes; p++) {
     heavy[p / unit < units ? p / unit : units - 1] += work[p];
     total += work[p];

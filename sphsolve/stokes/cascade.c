@@ -130,23 +130,27 @@ static double permeability_of(const struct stokes_solver *s) {
 }
 
 /* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails.
- */
-static double solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
-                    const struct stokes_solver *from, const struct stokes_goal *goal, bool keep) {
+ * One process goes on where memory is short; of several, one that fails cannot, as the others wait
+ * for it. */
+static enum status solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
+                         const struct stokes_solver *from, const struct stokes_goal *goal,
+                         bool keep, double *k) {
+  enum status status = STATUS_OK;
   struct stokes_solver s = {0};
-  double k = 0.0;
-  if (lattice->fluid_count > 0 && build(c, lattice, wall, &s) == STATUS_OK &&
-      s.grid.active_all > 0) {
+  *k = 0.0;
+  if (lattice->fluid_count > 0) status = build(c, lattice, wall, &s);
+  if (status != STATUS_OK && ranks_count() > 1) return status;
+  if (status == STATUS_OK && s.grid.active_all > 0) {
     if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
       error_clear();
-    if (stokes_solver_run(&s, goal) == STATUS_OK) k = permeability_of(&s);
+    if (stokes_solver_run(&s, goal) == STATUS_OK) *k = permeability_of(&s);
   }
   error_clear();
-  if (keep && k > 0.0)
+  if (keep && *k > 0.0)
     cascade_keep(c, &s);
   else
     stokes_solver_free(&s);
-  return k;
+  return STATUS_OK;
 }
 
 /* What the model says of its own void ratio, times the measured slope. */
@@ -172,16 +176,17 @@ static void add_calibration(const char *path, struct uncertainty *u) {
 static enum status add_sides(struct cascade *c) {
   enum status status = STATUS_OK;
   struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
+  double k, other, tube;
   const struct stokes_solver none = {0};
   if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_mirror_sides(&wrapped, &mirrored));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
-  const double k = solve(c, &wrapped, WALL_SUBVOXEL, &none, &sides_goal, false);
-  const double other = solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false);
+  TRY(solve(c, &wrapped, WALL_SUBVOXEL, &none, &sides_goal, false, &k));
+  TRY(solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false, &other));
   if (k > 0.0 && other > 0.0) c->uncertainty.sides = fabs(other / k - 1.0);
   lattice_free(&mirrored);
-  const double tube = solve(c, &closed, WALL_SUBVOXEL, &none, &sides_goal, false);
+  TRY(solve(c, &closed, WALL_SUBVOXEL, &none, &sides_goal, false, &tube));
   if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
 cleanup:
   lattice_free(&closed);
@@ -195,9 +200,10 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
                                    double k, const struct stokes_solver *from) {
   enum status status = STATUS_OK;
   struct lattice moved = {0}, coarser = {0};
+  double more, other;
   if (!*c->scene->model_path) return STATUS_OK;
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
-  const double more = solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false);
+  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false, &more));
   const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
   add_calibration(c->scene->model_path, &c->uncertainty);
@@ -205,7 +211,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
-  const double other = solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false);
+  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false, &other));
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
   TRY(add_sides(c));
 cleanup:
@@ -223,7 +229,7 @@ static enum status add_scan_share(struct cascade *c, const struct lattice *latti
   double scale, other = 0.0;
   if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
   TRY(lattice_blur_level(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
-  other = solve(c, &blurred, WALL_SUBVOXEL, from, &side_goal, false);
+  TRY(solve(c, &blurred, WALL_SUBVOXEL, from, &side_goal, false, &other));
   if (other > 0.0) {
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
@@ -318,8 +324,10 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     bool is_own;
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
     const double started = clock_processor_seconds();
-    const double k = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &side_goal, true);
-    status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
+    double k;
+    status = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &side_goal, true, &k);
+    if (status == STATUS_OK)
+      status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_own) own = k;
     if (!is_own) lattice_free(&lattice);
     TRY(status);
