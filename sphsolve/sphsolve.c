@@ -26,7 +26,7 @@
 #include "sphsolve/output/run_print.h"
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/scene/scene.h"
-#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/cascade/cascade.h"
 
 enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
 

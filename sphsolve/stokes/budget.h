@@ -3,7 +3,7 @@
 #define TOSUI_SPHSOLVE_STOKES_BUDGET_H
 
 #include "sphsolve/output/conservation.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/state.h"
 
 enum status stokes_balance(const struct stokes_solver *solver, struct conservation *conservation);
 

@@ -12,9 +12,9 @@
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
-#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/stokes/output.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/step.h"
 
 /* Rounds without progress that a solve is given. */
 #define STALLED_MOST 20

@@ -2,7 +2,7 @@
 #define TOSUI_SPHSOLVE_STOKES_OUTPUT_H
 
 #include "sphsolve/output/recorder.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/state.h"
 
 /* A snapshot of all fluid sites of the lattice; of the solver, grid, stencil and x are read. */
 enum status stokes_write_snapshot(const struct scene *scene, const struct lattice *lattice,

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/cascade/cascade.h"
 
 /* Per iteration; slabs are at least four planes. */
 #define SLAB_LEAST 4.0

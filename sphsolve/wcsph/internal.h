@@ -1,5 +1,5 @@
-/* A wcsph run between its parts: the march (method.c), the watch over it (watch.c) and what it
- * leaves in files (output.c). */
+/* A wcsph run between its parts: the march (method.c), its steps (step.c), the watch over it
+ * (watch.c) and what it leaves in files (output.c). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 #define TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
 
@@ -33,6 +33,14 @@ static inline double wcsph_reynolds(const struct wcsph_run *run, const double da
 static inline double wcsph_run_time(const struct wcsph_run *run) {
   return wcsph_time(&run->state);
 }
+
+/* One step and what follows it; *due: a sample is, never where the run went back instead. */
+enum status wcsph_step(struct wcsph_run *run, bool *due);
+/* Takes a sample of the Darcy velocity; whether it has settled. */
+enum status wcsph_sample(struct wcsph_run *run, struct monitor_verdict *verdict);
+struct monitor_verdict wcsph_verdict(const struct wcsph_run *run);
+/* Sums the conservation budget now. */
+enum status wcsph_budget_now(struct wcsph_run *run);
 
 /* Looks at the state, keeps it if it is good, goes back if it is not (*again). */
 enum status wcsph_watch(struct wcsph_run *run, bool *again);

@@ -6,9 +6,9 @@
 
 #include "common/kernel.h"
 #include "sphsolve/wcsph/effects/advection.h"
-#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/state.h"
 #include "sphsolve/wcsph/modes.h"
 #include "sphsolve/wcsph/state.h"
 

@@ -12,7 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/distance.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/step.h"
 
 /* A geometry: signed distance to the wall at a point, for four parameters. */
 struct geometry {

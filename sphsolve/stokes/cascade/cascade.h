@@ -8,8 +8,8 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
-#include "sphsolve/stokes/cascade_levels.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/cascade/cascade_levels.h"
+#include "sphsolve/stokes/step.h"
 
 struct cascade {
   const struct scene *scene;

@@ -6,7 +6,7 @@
 #include "common/error.h"
 #include "common/kernel.h"
 #include "sphsolve/scene/scene.h"
-#include "sphsolve/stokes/rows.h"
+#include "sphsolve/stokes/solver/rows.h"
 
 #define STOKES_OFFSET_MAX ((2 * STOKES_REACH + 1) * (2 * STOKES_REACH + 1) * (2 * STOKES_REACH + 1))
 

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/grid.h"
+#include "sphsolve/stokes/solver/grid.h"
 
 #include <stdbool.h>
 #include <string.h>

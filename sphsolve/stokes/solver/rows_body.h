@@ -5,7 +5,7 @@
 #include <immintrin.h>
 #endif
 
-#include "sphsolve/stokes/rows.h"
+#include "sphsolve/stokes/solver/rows.h"
 
 typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
 

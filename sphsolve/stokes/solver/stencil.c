@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/stencil.h"
+#include "sphsolve/stokes/solver/stencil.h"
 
 #include <math.h>
 #include <string.h>

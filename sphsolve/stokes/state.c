@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/state.h"
 
 #include <math.h>
 #include <omp.h>
@@ -7,7 +7,6 @@
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
-#define ROUND_REDUCTION 0.25
 /* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
  * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
  * solution 32, Krylov work vector 16, edges 4; and 16 for every vector of the basis, the first of
@@ -17,18 +16,6 @@
 #define ACTIVE_BYTES 108.0
 #define BASIS_MIN 3
 #define BASIS_MAX 24
-/* Of a flow that is solved but for rounding. */
-#define RESIDUAL_EXACT 1e-6
-
-/* Where neither the residual nor the velocity is said to be good enough. */
-#define RESIDUAL_DEFAULT 1e-6
-
-struct stokes_goal stokes_goal_of(const struct scene *scene) {
-  struct stokes_goal goal = {.residual = scene->stokes.tolerance, .mean = scene->steady_tolerance};
-  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
-  return goal;
-}
-
 int stokes_solver_basis(double sites, double active) {
   const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
   return (int)fmax(BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
@@ -90,8 +77,8 @@ static void find_residual(struct stokes_solver *s) {
   s->exact = true;
 }
 
-/* Flux, divergence and residual of x; the residual vector stands already. */
-static void measure(struct stokes_solver *s) {
+void stokes_solver_measure(struct stokes_solver *s, bool anew) {
+  if (anew) find_residual(s);
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_operator *op = &s->operator;
   double sums[2] = {0.0}, flux[3], moved = 0.0, length = 0.0;
@@ -123,18 +110,6 @@ static void measure(struct stokes_solver *s) {
   if (s->residual_start == 0.0) s->residual_start = norm;
   s->residual_before = s->residual_now;
   s->residual_now = norm / s->residual_start;
-}
-
-/* The flux is wrong by the square of the solution's error, hence of the residual: with the share q
- * that a round left of that square, the flux has moved by (1 - q) of its error before, and q / (1 -
- * q) of this step is still to come. Where walls move, without the correction, by the residual
- * itself. */
-#define MEAN_SAFETY 2.0
-double stokes_solver_mean_error(const struct stokes_solver *s) {
-  const double left = s->residual_now / s->residual_before;
-  const double q = s->walls_move ? left : left * left;
-  if (s->residual_now <= RESIDUAL_EXACT) return fmin(s->change, RESIDUAL_EXACT);
-  return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;
 }
 
 /* What drives the flow, and how fast: the force, or the fastest wall. */
@@ -191,8 +166,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
   s->residual_now = INFINITY;
-  find_residual(s);
-  measure(s);
+  stokes_solver_measure(s, true);
 cleanup:
   omp_set_num_threads(threads);
   if (status != STATUS_OK) stokes_solver_free(s);
@@ -222,51 +196,6 @@ void stokes_solver_free(struct stokes_solver *s) {
 void stokes_solver_restart(struct stokes_solver *s) {
   const int threads = omp_get_max_threads();
   omp_set_num_threads(s->operator.threads);
-  find_residual(s);
-  measure(s);
+  stokes_solver_measure(s, true);
   omp_set_num_threads(threads);
-}
-
-/* Below this share of the first residual the single precision of the Krylov vectors tells: the
- * residual is then found anew after each round. */
-#define EXACT_BELOW 1e-4
-
-bool stokes_solver_round(struct stokes_solver *s) {
-  double reached;
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(s->operator.threads);
-  const int done = stokes_krylov_correct(&s->krylov, ROUND_REDUCTION, s->x, &reached);
-  if (done > 0) {
-    s->iterations += done;
-    s->exact = false;
-    /* The walls of Adami are no part of the operator, only of the residual. */
-    if (s->operator.wall == WALL_ADAMI || reached * s->residual_now<EXACT_BELOW) find_residual(s);
-    measure(s);
-  }
-  omp_set_num_threads(threads);
-  return done > 0 || s->residual_now == 0.0;
-}
-
-bool stokes_solver_converged(struct stokes_solver *s, const struct stokes_goal *goal) {
-  if (goal->residual > 0.0) {
-    if (!(s->residual_now <= goal->residual && s->divergence <= 1e-4 && s->change <= 1e-4))
-      return false;
-    return s->exact;
-  }
-  return stokes_solver_mean_error(s) <= goal->mean;
-}
-
-enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal *goal) {
-  double best = INFINITY;
-  if (s->grid.active_all == 0) return STATUS_OK;
-  for (int stalled = 0; stalled < 10;) {
-    if (!stokes_solver_round(s)) return FAIL(STATUS_INTERRUPTED, "interrupted");
-    if (stokes_solver_converged(s, goal)) return STATUS_OK;
-    stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
-    best = fmin(best, s->residual_now);
-  }
-  return FAIL(STATUS_NUMERIC,
-              "stokes: no progress after %ld iterations at a residual of %.1e; a larger "
-              "stokes.tolerance accepts it",
-              s->iterations, s->residual_now);
 }

@@ -1,5 +1,5 @@
 /* The operator of operator.c in double precision, for residuals. */
-#include "sphsolve/stokes/operator.h"
+#include "sphsolve/stokes/solver/operator.h"
 
 #include <omp.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/precondition.h"
+#include "sphsolve/stokes/solver/precondition.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
-#include "sphsolve/stokes/rows.h"
+#include "sphsolve/stokes/solver/rows.h"
 
 #define STOKES_ROWS_TABLE stokes_rows_base
 #define STOKES_ROWS_NAME "sse2"
-#include "sphsolve/stokes/rows_body.h"
+#include "sphsolve/stokes/solver/rows_body.h"
 
 size_t stokes_rows_scratch(size_t stride) {
   return (STOKES_REACH + 1) * (stride + 2 * STOKES_LANES);

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade_levels.h"
+#include "sphsolve/stokes/cascade/cascade_levels.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/stokes/solver.h"
+#include "sphsolve/stokes/cost.h"
 
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
 #define FIRST_PORE 1.6

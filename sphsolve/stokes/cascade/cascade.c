@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade.h"
+#include "sphsolve/stokes/cascade/cascade.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 #include "sphsolve/geometry/surface_blur.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
-#include "sphsolve/stokes/start.h"
+#include "sphsolve/stokes/cascade/start.h"
 
 /* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
  * to the limit makes some three times as much of it. */

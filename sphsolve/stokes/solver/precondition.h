@@ -9,8 +9,8 @@
 #define TOSUI_SPHSOLVE_STOKES_PRECONDITION_H
 
 #include "common/error.h"
-#include "sphsolve/stokes/multigrid.h"
-#include "sphsolve/stokes/operator.h"
+#include "sphsolve/stokes/solver/multigrid.h"
+#include "sphsolve/stokes/solver/operator.h"
 
 struct stokes_preconditioner {
   struct stokes_operator *op;

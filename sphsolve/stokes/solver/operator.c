@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/operator.h"
+#include "sphsolve/stokes/solver/operator.h"
 
 #include <math.h>
 #include <omp.h>

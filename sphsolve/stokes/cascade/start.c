@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/start.h"
+#include "sphsolve/stokes/cascade/start.h"
 
 #include <math.h>
 #include <omp.h>

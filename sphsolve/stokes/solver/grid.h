@@ -11,7 +11,7 @@
 #include "common/ranks.h"
 #include "common/slabs.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/stokes/rows.h"
+#include "sphsolve/stokes/solver/rows.h"
 
 /* Slabs are whole blocks of 2^STOKES_SHARED_LEVELS planes: so many levels, this one counted, are
  * shared out among the ranks; every rank has all of those that are coarser (1/64 of the sites). */

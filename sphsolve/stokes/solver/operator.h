@@ -19,8 +19,8 @@
 
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/stokes/grid.h"
-#include "sphsolve/stokes/stencil.h"
+#include "sphsolve/stokes/solver/grid.h"
+#include "sphsolve/stokes/solver/stencil.h"
 #include "sphsolve/scene/scene.h"
 
 /* Where entry (a, b) of a symmetric matrix is kept. */

@@ -1,21 +1,19 @@
-/* Solves the steady Stokes system of a lattice: rounds of preconditioned GMRES in single precision
- * on the residual in double precision. Lattice units: accelerations in `acceleration`, |driving| or
- * what a moving wall imposes; velocity in acceleration unit^2 / nu, pressure in rho acceleration
- * unit. */
-#ifndef TOSUI_SPHSOLVE_STOKES_SOLVER_H
-#define TOSUI_SPHSOLVE_STOKES_SOLVER_H
+/* The steady Stokes system of a lattice and its solution so far (step.h improves it). Lattice units:
+ * accelerations in `acceleration`, |driving| or what a moving wall imposes; velocity in
+ * acceleration unit^2 / nu, pressure in rho acceleration unit. */
+#ifndef TOSUI_SPHSOLVE_STOKES_STATE_H
+#define TOSUI_SPHSOLVE_STOKES_STATE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
-#include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/stokes/grid.h"
-#include "sphsolve/stokes/krylov.h"
-#include "sphsolve/stokes/operator.h"
-#include "sphsolve/stokes/precondition.h"
-#include "sphsolve/stokes/stencil.h"
+#include "sphsolve/stokes/solver/grid.h"
+#include "sphsolve/stokes/solver/krylov.h"
+#include "sphsolve/stokes/solver/operator.h"
+#include "sphsolve/stokes/solver/precondition.h"
+#include "sphsolve/stokes/solver/stencil.h"
 #include "sphsolve/scene/scene.h"
 
 struct stokes_solver {
@@ -52,34 +50,15 @@ enum status stokes_solver_build_half(const struct lattice *lattice, const struct
                                      const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
 
-/* When a solve ends: at this relative residual with a divergence under 1e-4; or, where `residual`
- * is 0, when the mean is within `mean` of what it converges to, relative. */
-struct stokes_goal {
-  double residual, mean;
-};
-/* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
-struct stokes_goal stokes_goal_of(const struct scene *scene);
-
 /* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
  * solved, takes. */
 int stokes_solver_basis(double sites, double active);
 double stokes_solver_bytes(double sites, double active);
-/* Processor seconds of so many iterations and what goes before, predicted. */
-double stokes_seconds(double iterations, double sites, double fluid);
-/* Of a solve, with the spacing divided by `refined`. */
-double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *lattice,
-                             double refined, const struct stokes_goal *goal, enum wall_scheme wall);
 
 /* After x was changed from outside: residual, mean and divergence of it. */
 void stokes_solver_restart(struct stokes_solver *solver);
-/* One round, a Krylov cycle until the residual is a quarter or the basis full; mean, divergence and
- * change are those after it. False where krylov.stop gave it up: nothing has changed then. */
-bool stokes_solver_round(struct stokes_solver *solver);
-/* How far the mean is from where it converges to, relative, from the last rounds. */
-double stokes_solver_mean_error(const struct stokes_solver *solver);
-bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_goal *goal);
-/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt
- * STATUS_INTERRUPTED. */
-enum status stokes_solver_run(struct stokes_solver *solver, const struct stokes_goal *goal);
+/* Residual, flux and divergence of x. With `anew` the residual is found from x in double precision;
+ * else that which the Krylov cycles carried on stands. */
+void stokes_solver_measure(struct stokes_solver *solver, bool anew);
 
 #endif

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/krylov.h"
+#include "sphsolve/stokes/solver/krylov.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/multigrid.h"
+#include "sphsolve/stokes/solver/multigrid.h"
 
 #include <stdbool.h>
 #include <string.h>

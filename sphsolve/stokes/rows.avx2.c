@@ -1,5 +1,0 @@
-#include "sphsolve/stokes/rows.h"
-
-#define STOKES_ROWS_TABLE stokes_rows_avx2
-#define STOKES_ROWS_NAME "avx2"
-#include "sphsolve/stokes/rows_body.h"

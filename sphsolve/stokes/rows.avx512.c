@@ -1,5 +1,0 @@
-#include "sphsolve/stokes/rows.h"
-
-#define STOKES_ROWS_TABLE stokes_rows_avx512
-#define STOKES_ROWS_NAME "avx512"
-#include "sphsolve/stokes/rows_body.h"

@@ -1,0 +1,73 @@
+#include "sphsolve/stokes/step.h"
+
+#include <math.h>
+#include <omp.h>
+
+#define ROUND_REDUCTION 0.25
+/* Of a flow that is solved but for rounding. */
+#define RESIDUAL_EXACT 1e-6
+
+/* Where neither the residual nor the velocity is said to be good enough. */
+#define RESIDUAL_DEFAULT 1e-6
+
+struct stokes_goal stokes_goal_of(const struct scene *scene) {
+  struct stokes_goal goal = {.residual = scene->stokes.tolerance, .mean = scene->steady_tolerance};
+  if (isnan(goal.residual)) goal.residual = goal.mean > 0.0 ? 0.0 : RESIDUAL_DEFAULT;
+  return goal;
+}
+
+/* The flux is wrong by the square of the solution's error, hence of the residual: with the share q
+ * that a round left of that square, the flux has moved by (1 - q) of its error before, and q / (1 -
+ * q) of this step is still to come. Where walls move, without the correction, by the residual
+ * itself. */
+#define MEAN_SAFETY 2.0
+double stokes_solver_mean_error(const struct stokes_solver *s) {
+  const double left = s->residual_now / s->residual_before;
+  const double q = s->walls_move ? left : left * left;
+  if (s->residual_now <= RESIDUAL_EXACT) return fmin(s->change, RESIDUAL_EXACT);
+  return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;
+}
+
+/* Below this share of the first residual the single precision of the Krylov vectors tells: the
+ * residual is then found anew after each round. */
+#define EXACT_BELOW 1e-4
+
+bool stokes_solver_round(struct stokes_solver *s) {
+  double reached;
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(s->operator.threads);
+  const int done = stokes_krylov_correct(&s->krylov, ROUND_REDUCTION, s->x, &reached);
+  if (done > 0) {
+    s->iterations += done;
+    s->exact = false;
+    /* The walls of Adami are no part of the operator, only of the residual. */
+    stokes_solver_measure(s, s->operator.wall == WALL_ADAMI ||
+                                 reached * s->residual_now < EXACT_BELOW);
+  }
+  omp_set_num_threads(threads);
+  return done > 0 || s->residual_now == 0.0;
+}
+
+bool stokes_solver_converged(struct stokes_solver *s, const struct stokes_goal *goal) {
+  if (goal->residual > 0.0) {
+    if (!(s->residual_now <= goal->residual && s->divergence <= 1e-4 && s->change <= 1e-4))
+      return false;
+    return s->exact;
+  }
+  return stokes_solver_mean_error(s) <= goal->mean;
+}
+
+enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal *goal) {
+  double best = INFINITY;
+  if (s->grid.active_all == 0) return STATUS_OK;
+  for (int stalled = 0; stalled < 10;) {
+    if (!stokes_solver_round(s)) return FAIL(STATUS_INTERRUPTED, "interrupted");
+    if (stokes_solver_converged(s, goal)) return STATUS_OK;
+    stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
+    best = fmin(best, s->residual_now);
+  }
+  return FAIL(STATUS_NUMERIC,
+              "stokes: no progress after %ld iterations at a residual of %.1e; a larger "
+              "stokes.tolerance accepts it",
+              s->iterations, s->residual_now);
+}

@@ -1,0 +1,26 @@
+/* Rounds of preconditioned GMRES in single precision on the residual in double precision, until the
+ * flow is good enough. */
+#ifndef TOSUI_SPHSOLVE_STOKES_STEP_H
+#define TOSUI_SPHSOLVE_STOKES_STEP_H
+
+#include "sphsolve/stokes/state.h"
+
+/* When a solve ends: at this relative residual with a divergence under 1e-4; or, where `residual`
+ * is 0, when the mean is within `mean` of what it converges to, relative. */
+struct stokes_goal {
+  double residual, mean;
+};
+/* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
+struct stokes_goal stokes_goal_of(const struct scene *scene);
+
+/* One round, a Krylov cycle until the residual is a quarter or the basis full; mean, divergence and
+ * change are those after it. False where krylov.stop gave it up: nothing has changed then. */
+bool stokes_solver_round(struct stokes_solver *solver);
+/* How far the mean is from where it converges to, relative, from the last rounds. */
+double stokes_solver_mean_error(const struct stokes_solver *solver);
+bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_goal *goal);
+/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt
+ * STATUS_INTERRUPTED. */
+enum status stokes_solver_run(struct stokes_solver *solver, const struct stokes_goal *goal);
+
+#endif
