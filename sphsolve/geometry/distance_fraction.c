@@ -8,26 +8,12 @@
 
 #include "common/memory.h"
 #include "sphsolve/geometry/distance_internal.h"
+#include "sphsolve/geometry/plane_cut.h"
 
 /* A piece of surface: a disc about `foot` (m, from the voxel's centre) normal to `normal`. */
 struct piece {
   float foot[3], normal[3];
 };
-
-/* Share of a unit box below the plane m.x = level; m are positive and add up to 1. */
-static double box_below(const double m[3], double level) {
-  double sum = 0;
-  if (level <= 0) return 0;
-  if (level >= 1) return 1;
-  for (int c = 0; c < 8; c++) {
-    double rest = level;
-    int corners = 0;
-    for (int a = 0; a < 3; a++)
-      if (c >> a & 1) rest -= m[a], corners++;
-    if (rest > 0) sum += (corners % 2 ? -1 : 1) * rest * rest * rest;
-  }
-  return fmin(fmax(sum / (6 * m[0] * m[1] * m[2]), 0), 1);
-}
 
 /* A fraction that is neither grain nor pore. */
 static bool is_cut(float f) {
@@ -82,7 +68,7 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
   double low = 0, high = 1;
   for (int step = 0; step < 40; step++) {
     const double middle = 0.5 * (low + high);
-    if (box_below(m, middle) < share)
+    if (plane_box_below(m, middle) < share)
       low = middle;
     else
       high = middle;
@@ -94,7 +80,7 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
   by[main] = towards;
   const long next = distance_neighbour(grid, x, by);
   if (next < 0) return false;
-  const double expected = box_below(m, level + (share < 0.5 ? m[main] : -m[main]));
+  const double expected = plane_box_below(m, level + (share < 0.5 ? m[main] : -m[main]));
   if (fabs(expected - (double)f[next]) > AGREES) return false;
   const double away = (0.5 - level) * sum; /* along the normal, to the grain */
   for (int a = 0; a < 3; a++) {

@@ -1,0 +1,283 @@
+#include "sphsolve/solute/flow.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/multigrid.h"
+
+/* The projection's residual, of the divergence before it. */
+#define PROJECTED 1e-7
+
+enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  size_t plane;
+  *f = (struct solute_flow){.dimensions = n[1] == 1 ? 2 : 3, .viscosity = NAN, .density = NAN};
+  for (int a = 0; a < 3; a++) f->n[a] = n[a], f->spacing[a] = spacing[a];
+  if (!size_multiply((size_t)n[0], (size_t)n[1], &plane) ||
+      !size_multiply(plane, (size_t)n[2], &f->count))
+    return FAIL(STATUS_INPUT, "%d x %d x %d cells are more than can be counted", n[0], n[1], n[2]);
+  TRY(memory_allocate(&f->distance, f->count, sizeof(float), "wall distances of the flow"));
+  TRY(memory_allocate(&f->volume, f->count, sizeof(float), "volumes of the flow's cells"));
+  for (int a = 0; a < 3; a++) {
+    TRY(memory_allocate(&f->aperture[a], f->count, sizeof(float), "faces of the flow's cells"));
+    TRY(memory_allocate(&f->velocity[a], f->count, sizeof(float), "fluxes of the flow"));
+  }
+cleanup:
+  if (status != STATUS_OK) solute_flow_free(f);
+  return status;
+}
+
+void solute_flow_free(struct solute_flow *f) {
+  memory_free(&f->distance);
+  memory_free(&f->volume);
+  for (int a = 0; a < 3; a++) {
+    memory_free(&f->aperture[a]);
+    memory_free(&f->velocity[a]);
+  }
+}
+
+/* Means, porosity and grain size, in the order of the cells. */
+static void measure(struct solute_flow *f) {
+  const double cell = f->spacing[0] * f->spacing[1] * f->spacing[2];
+  double volume = 0, sum[3] = {0}, surface = 0;
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_flow_at(f, i, j, k);
+        const size_t up[3] = {solute_flow_at(f, i + 1, j, k), solute_flow_at(f, i, j + 1, k),
+                              solute_flow_at(f, i, j, k + 1)};
+        double wall = 0;
+        volume += (double)f->volume[at];
+        for (int a = 0; a < 3; a++) {
+          sum[a] += (double)f->velocity[a][at];
+          const double area =
+              cell / f->spacing[a] * ((double)f->aperture[a][up[a]] - (double)f->aperture[a][at]);
+          wall += area * area;
+        }
+        surface += sqrt(wall);
+      }
+  f->porosity = volume / (double)f->count;
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    f->mean_velocity[a] = volume > 0 ? sum[a] / volume : 0;
+    square += f->mean_velocity[a] * f->mean_velocity[a];
+  }
+  f->speed = sqrt(square);
+  f->grain_size = surface > 0 ? 6 * ((double)f->count - volume) * cell / surface : NAN;
+}
+
+static uint32_t root_of(uint32_t *parent, uint32_t at) {
+  while (parent[at] != at) at = parent[at] = parent[parent[at]];
+  return at;
+}
+
+/* Water carried by a pore of less than this share of the mean velocity: none. */
+#define STILL 1e-3
+/* Channels that are apart all carry the mean velocity, or a solute never finds it. */
+#define ALIKE 0.02
+
+/* Closes the cells of pores that are joined by no face to what flows. At rest all stay but those
+ * below a thousandth of the pores. */
+static enum status close_isolated(struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  uint32_t *parent = NULL;
+  double *volume = NULL, *sum = NULL;
+  if (f->count >= UINT32_MAX)
+    return FAIL(STATUS_INPUT, "a flow of more than %u sites is too large", UINT32_MAX);
+  TRY(memory_allocate(&parent, f->count, sizeof *parent, "connected pores"));
+  for (size_t at = 0; at < f->count; at++) parent[at] = (uint32_t)at;
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_flow_at(f, i, j, k);
+        const size_t low[3] = {solute_flow_at(f, i - 1, j, k), solute_flow_at(f, i, j - 1, k),
+                               solute_flow_at(f, i, j, k - 1)};
+        for (int a = 0; a < 3; a++) {
+          if (!(f->aperture[a][at] > 0)) continue;
+          const uint32_t p = root_of(parent, (uint32_t)at), q = root_of(parent, (uint32_t)low[a]);
+          if (p < q)
+            parent[q] = p;
+          else
+            parent[p] = q;
+        }
+      }
+  TRY(memory_allocate(&volume, f->count, sizeof *volume, "volumes of pores"));
+  TRY(memory_allocate(&sum, f->count, sizeof *sum, "fluxes of pores"));
+  const double *u = f->mean_velocity;
+  double pores = 0, closed = 0;
+  for (size_t at = 0; at < f->count; at++) {
+    const uint32_t root = root_of(parent, (uint32_t)at);
+    pores += (double)f->volume[at];
+    volume[root] += (double)f->volume[at];
+    for (int a = 0; a < 3 && f->speed > 0; a++)
+      sum[root] += (double)f->velocity[a][at] * u[a] / (f->speed * f->speed);
+  }
+  for (size_t at = 0; at < f->count; at++) {
+    const uint32_t root = root_of(parent, (uint32_t)at);
+    const bool still =
+        f->speed > 0 ? !(fabs(sum[root]) > STILL * volume[root]) : !(volume[root] > STILL * pores);
+    if (!still) continue;
+    closed += (double)f->volume[at];
+    f->volume[at] = 0;
+    for (int a = 0; a < 3; a++) f->aperture[a][at] = 0, f->velocity[a][at] = 0;
+  }
+  f->isolated = pores > 0 ? closed / pores : 0;
+  measure(f);
+  for (size_t at = 0; at < f->count && f->speed > 0; at++)
+    if (root_of(parent, (uint32_t)at) == at && volume[at] > STILL * pores &&
+        sum[at] > STILL * volume[at] && fabs(sum[at] / volume[at] - 1) > ALIKE && closed < pores &&
+        volume[at] < 0.999 * (pores - closed))
+      TRY_FAIL(STATUS_INPUT,
+               "the pores are channels that never meet, one with %.3g of the mean velocity: a "
+               "solute spreads without end; take a larger sample",
+               sum[at] / volume[at]);
+cleanup:
+  memory_free(&parent);
+  memory_free(&volume);
+  memory_free(&sum);
+  return status;
+}
+
+/* velocity -= the gradient of the potential whose Laplacian is the divergence. */
+static enum status project(struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  static const int axis[3] = {0, 1, 2};
+  struct solute_solver solver = {0};
+  double *source = NULL, *potential = NULL, before = 0, after = 0;
+  int iterations;
+  double reached;
+  TRY(solute_solver_build(f, axis, false, &solver));
+  struct solute_cells *c = &solver.cells[0];
+  TRY(memory_allocate(&source, c->size, sizeof *source, "divergence of the flow"));
+  TRY(memory_allocate(&potential, c->size, sizeof *potential, "potential of the projection"));
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_cells_at(c, i, j, k);
+        for (int a = 0; a < 3; a++)
+          source[at] -= (double)c->flux[a][at + c->stride[a]] - (double)c->flux[a][at];
+      }
+  TRY(solute_solver_solve(&solver, source, PROJECTED, potential, &iterations, &reached));
+  solute_cells_wrap_exact(c, potential);
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_cells_at(c, i, j, k), cell = solute_flow_at(f, i, j, k);
+        for (int a = 0; a < 3; a++) {
+          const double change =
+              -(double)c->conductance[a][at] * (potential[at] - potential[at - c->stride[a]]);
+          const double area = c->width[(a + 1) % 3][0] * c->width[(a + 2) % 3][0];
+          const double u = (double)f->velocity[a][cell];
+          before += u * u;
+          after += pow(change / area * f->speed, 2);
+          f->velocity[a][cell] = (float)(u + change / area * f->speed);
+        }
+      }
+  f->correction = before > 0 ? sqrt(after / before) : 0;
+cleanup:
+  solute_solver_free(&solver);
+  memory_free(&source);
+  memory_free(&potential);
+  return status;
+}
+
+enum status solute_flow_finish(struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  /* A cell without an open face takes part in nothing. */
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_flow_at(f, i, j, k);
+        for (int a = 0; a < 3; a++)
+          if (!(f->aperture[a][at] > 0)) f->velocity[a][at] = 0;
+      }
+  measure(f);
+  if (!(f->porosity > 0)) return FAIL(STATUS_INPUT, "no cell of the flow holds water");
+  TRY(close_isolated(f));
+  if (f->speed > 0) {
+    TRY(project(f));
+    measure(f);
+  }
+cleanup:
+  return status;
+}
+
+enum status solute_flow_build(const int n[3], const double spacing[3],
+                              double (*distance)(const void *context, const double x[3]),
+                              void (*velocity)(const void *context, const double x[3], double u[3]),
+                              const void *context, struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  enum { POINTS = 8 };
+  TRY(solute_flow_allocate(n, spacing, f));
+  for (int a = 0; a < 3; a++) f->origin[a] = 0.5 * spacing[a];
+  for (int k = 0; k < n[2]; k++)
+    for (int j = 0; j < n[1]; j++)
+      for (int i = 0; i < n[0]; i++) {
+        const double x[3] = {(i + 0.5) * spacing[0], (j + 0.5) * spacing[1],
+                             (k + 0.5) * spacing[2]};
+        f->distance[solute_flow_at(f, i, j, k)] = (float)distance(context, x);
+      }
+  solute_flow_cut(f);
+  for (size_t at = 0; at < f->count && velocity != NULL; at++)
+    for (int a = 0; a < 3; a++) {
+      const size_t x[3] = {at % (size_t)n[0], at / (size_t)n[0] % (size_t)n[1],
+                           at / (size_t)n[0] / (size_t)n[1]};
+      double sum = 0;
+      if (!(f->aperture[a][at] > 0)) continue;
+      for (int p = 0; p < POINTS * POINTS; p++) {
+        double y[3], u[3];
+        const double share[2] = {(p % POINTS + 0.5) / POINTS, (p / POINTS + 0.5) / POINTS};
+        for (int b = 0; b < 3; b++)
+          y[b] = ((double)x[b] + (b == a ? 0 : share[(b - a + 3) % 3 - 1])) * spacing[b];
+        if (!(distance(context, y) > 0)) continue;
+        velocity(context, y, u);
+        sum += u[a];
+      }
+      f->velocity[a][at] = (float)(sum / (POINTS * POINTS));
+    }
+  TRY(solute_flow_finish(f));
+cleanup:
+  if (status != STATUS_OK) solute_flow_free(f);
+  return status;
+}
+
+enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_flow *c) {
+  enum status status = STATUS_OK;
+  int n[3];
+  double spacing[3];
+  for (int a = 0; a < 3; a++) {
+    const bool halved = fine->n[a] > 1;
+    if (halved && fine->n[a] % 2 != 0)
+      return FAIL(STATUS_INPUT, "%d cells along %c cannot be taken two by two", fine->n[a],
+                  "xyz"[a]);
+    n[a] = halved ? fine->n[a] / 2 : 1;
+    spacing[a] = (halved ? 2 : 1) * fine->spacing[a];
+  }
+  TRY(solute_flow_allocate(n, spacing, c));
+  c->viscosity = fine->viscosity, c->density = fine->density;
+  c->isolated = fine->isolated, c->correction = fine->correction;
+  const int by[3] = {fine->n[0] > 1 ? 2 : 1, fine->n[1] > 1 ? 2 : 1, fine->n[2] > 1 ? 2 : 1};
+  for (int a = 0; a < 3; a++) c->origin[a] = fine->origin[a] + 0.5 * (by[a] - 1) * fine->spacing[a];
+  const float share = 1.0f / (float)(by[0] * by[1] * by[2]);
+  for (int k = 0; k < fine->n[2]; k++)
+    for (int j = 0; j < fine->n[1]; j++)
+      for (int i = 0; i < fine->n[0]; i++) {
+        const size_t from = solute_flow_at(fine, i, j, k);
+        const int x[3] = {i, j, k};
+        const size_t at = solute_flow_at(c, i / by[0], j / by[1], k / by[2]);
+        c->distance[at] += share * fine->distance[from];
+        c->volume[at] += share * fine->volume[from];
+        for (int a = 0; a < 3; a++) {
+          if (x[a] % by[a] != 0) continue;
+          c->aperture[a][at] += share * (float)by[a] * fine->aperture[a][from];
+          c->velocity[a][at] += share * (float)by[a] * fine->velocity[a][from];
+        }
+      }
+  measure(c);
+  c->grain_size = fine->grain_size;
+cleanup:
+  if (status != STATUS_OK) solute_flow_free(c);
+  return status;
+}

@@ -1,0 +1,92 @@
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "sphsolve/solute/flow_internal.h"
+
+#define IMAGE "/VTKHDF/PointData/"
+
+/* What the record of the run says of it. */
+static enum status read_record(const char *path, struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char *method = NULL;
+  TRY(h5_open(path, &file));
+  if (!h5_exists(file, "/run") || !h5_attribute_exists(file, "/run", "method"))
+    TRY_FAIL(STATUS_INPUT, "%s: no record of a run; give the OUT.hdf that sphsolve run leaves",
+             path);
+  TRY(h5_read_attribute_text(file, "/run", "method", &method));
+  if (strcmp(method, "stokes") != 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: a run of method %s; a solute is carried by the flow of method stokes, on its "
+             "lattice",
+             path, method);
+  f->viscosity = h5_attribute_or_nan(file, "/run", "viscosity");
+  f->density = h5_attribute_or_nan(file, "/run", "density");
+cleanup:
+  memory_free(&method);
+  h5_close(file);
+  return status;
+}
+
+enum status solute_flow_read(const char *run_file, struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  float *distance = NULL, *velocity = NULL;
+  char path[4200];
+  const size_t length = strlen(run_file);
+  const bool ending = length > 4 && !strcmp(run_file + length - 4, ".hdf");
+  struct solute_flow record = {0};
+  *f = (struct solute_flow){0};
+  TRY(read_record(run_file, &record));
+  if ((size_t)snprintf(path, sizeof path, "%.*s-image.hdf", (int)(ending ? length - 4 : length),
+                       run_file) >= sizeof path)
+    TRY_FAIL(STATUS_INPUT, "%s: the path is too long", run_file);
+  status = h5_open(path, &file);
+  if (status != STATUS_OK)
+    TRY(error_context(status, "the flow on its lattice, which a run of method stokes leaves beside "
+                              "its record unless output.image = false"));
+  size_t size[3], shape[4];
+  double spacing[3], origin[3];
+  int n[3];
+  if (!h5_exists(file, IMAGE "wall_distance") || !h5_exists(file, IMAGE "velocity"))
+    TRY_FAIL(STATUS_INPUT, "%s: no wall_distance or no velocity; run the flow again", path);
+  TRY(h5_read(file, IMAGE "wall_distance", H5_F32, 3, size, &distance));
+  TRY(h5_read(file, IMAGE "velocity", H5_F32, 4, shape, &velocity));
+  TRY(h5_read_attribute(file, "/VTKHDF", "Spacing", H5_F64, 3, spacing));
+  TRY(h5_read_attribute(file, "/VTKHDF", "Origin", H5_F64, 3, origin));
+  for (int a = 0; a < 3; a++) {
+    if (shape[a] != size[a] || shape[3] != 3 || size[a] < 1 || size[a] > INT_MAX / 4)
+      TRY_FAIL(STATUS_INPUT, "%s: velocity and wall_distance are not of one lattice", path);
+    if (!(spacing[a] > 0 && spacing[a] < 1e6))
+      TRY_FAIL(STATUS_INPUT, "%s: the spacing is %g m along %c", path, spacing[a], "xyz"[a]);
+    n[a] = (int)size[2 - a];
+  }
+  TRY(solute_flow_allocate(n, spacing, f));
+  f->viscosity = record.viscosity, f->density = record.density;
+  for (int a = 0; a < 3; a++) f->origin[a] = origin[a];
+  for (size_t at = 0; at < f->count; at++) {
+    bool finite = distance[at] > -1e30f && distance[at] < 1e30f;
+    for (size_t a = 0; a < 3; a++)
+      finite = finite && velocity[3 * at + a] > -1e30f && velocity[3 * at + a] < 1e30f;
+    if (!finite)
+      TRY_FAIL(STATUS_INPUT, "%s: site %zu has a velocity or distance that is no number", path, at);
+  }
+  memcpy(f->distance, distance, f->count * sizeof *distance);
+  memory_free(&distance);
+  solute_flow_cut(f);
+  solute_flow_fluxes(f, velocity);
+  memory_free(&velocity);
+  status = solute_flow_finish(f);
+  if (status == STATUS_INPUT) status = error_context(status, "%s", path);
+  if (status == STATUS_OK && !(f->speed > 0))
+    status = FAIL(STATUS_INPUT, "%s: the water rests; nothing carries a solute", path);
+cleanup:
+  h5_close(file);
+  memory_free(&distance);
+  memory_free(&velocity);
+  if (status != STATUS_OK) solute_flow_free(f);
+  return status;
+}

@@ -1,0 +1,274 @@
+#include "sphsolve/solute/multigrid.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define BASIS 30
+#define ROUNDS 20
+#define SWEEPS 2 /* before and after the coarser cells */
+#define SWEEPS_COARSEST 8
+
+/* Of a face, what the neighbour at its high and at its low side gives: G' - s F / 2 and
+ * G' + s F / 2, with G' at least |s F| / 2. */
+static inline float from_high(float g, float f) {
+  return fmaxf(g, fabsf(f)) - f;
+}
+static inline float from_low(float g, float f) {
+  return fmaxf(g, fabsf(f)) + f;
+}
+
+static inline float half_flux(const struct solute_cells *c, int axis, float half, size_t at) {
+  return c->flux[axis] != NULL ? half * c->flux[axis][at] : 0.0f;
+}
+
+static void set_level(const struct solute_cells *c, double s, float *inverse) {
+  const float half = (float)(0.5 * s);
+#pragma omp parallel for schedule(static)
+  for (int k = 0; k < c->n[2]; k++)
+    for (int j = 0; j < c->n[1]; j++)
+      for (int i = 0; i < c->n[0]; i++) {
+        const size_t at = solute_cells_at(c, i, j, k);
+        float sum = 0;
+        for (int a = 0; a < 3; a++) {
+          const size_t up = at + c->stride[a];
+          sum += from_high(c->conductance[a][up], half_flux(c, a, half, up));
+          sum += from_low(c->conductance[a][at], half_flux(c, a, half, at));
+        }
+        inverse[at] = sum > 0 ? 1 / sum : 0;
+      }
+}
+
+void solute_solver_set(struct solute_solver *solver, double s) {
+  solver->s = s;
+  for (int l = 0; l < solver->level_count; l++) set_level(&solver->cells[l], s, solver->inverse[l]);
+}
+
+/* What the six neighbours of a cell give it. */
+static inline float given(const struct solute_cells *c, float half, bool flows, size_t at,
+                          const float *x) {
+  float sum = 0;
+  for (int a = 0; a < 3; a++) {
+    const size_t d = c->stride[a], up = at + d;
+    const float fu = flows ? half * c->flux[a][up] : 0, fl = flows ? half * c->flux[a][at] : 0;
+    sum += from_high(c->conductance[a][up], fu) * x[up] +
+           from_low(c->conductance[a][at], fl) * x[at - d];
+  }
+  return sum;
+}
+
+/* Every other cell of a row. */
+static inline void relax_row(const struct solute_cells *c, float half, bool flows, size_t at,
+                             int first, const float *inverse, const float *rest, float *x) {
+  for (int i = first; i < c->n[0]; i += 2) {
+    const size_t p = at + (size_t)i;
+    if (inverse[p] > 0) x[p] = (rest[p] + given(c, half, flows, p, x)) * inverse[p];
+  }
+}
+
+/* Copies of one plane's rims, and of the whole plane where it is the first or the last. */
+static void wrap_plane(const struct solute_cells *c, int k, float *x) {
+  const size_t s1 = c->stride[1], s2 = c->stride[2];
+  const size_t nx = (size_t)c->n[0], ny = (size_t)c->n[1], nz = (size_t)c->n[2];
+  float *plane = x + (size_t)(k + 1) * s2;
+  for (size_t j = 1; j <= ny; j++) {
+    plane[j * s1] = plane[j * s1 + nx];
+    plane[j * s1 + nx + 1] = plane[j * s1 + 1];
+  }
+  memcpy(plane, plane + ny * s1, s1 * sizeof *x);
+  memcpy(plane + (ny + 1) * s1, plane + s1, s1 * sizeof *x);
+  if (k == 0) memcpy(x + (nz + 1) * s2, plane, s2 * sizeof *x);
+  if (k + 1 == c->n[2]) memcpy(x, plane, s2 * sizeof *x);
+}
+
+/* One pass through the planes in the order of the flow. */
+static void sweep(const struct solute_solver *solver, int level, const float *rest, float *x) {
+  const struct solute_cells *c = &solver->cells[level];
+  const float *inverse = solver->inverse[level];
+  const float half = (float)(0.5 * solver->s);
+  const bool flows = solver->s > 0 && c->flux[0] != NULL;
+#pragma omp parallel if (c->size > 20000)
+  for (int step = 0; step < c->n[2]; step++) {
+    const int k = solver->down ? c->n[2] - 1 - step : step;
+    for (int colour = 0; colour < 2; colour++) {
+#pragma omp for schedule(static)
+      for (int j = 0; j < c->n[1]; j++) {
+        const size_t at = solute_cells_at(c, 0, j, k);
+        if (flows)
+          relax_row(c, half, true, at, (j + k + colour) & 1, inverse, rest, x);
+        else
+          relax_row(c, half, false, at, (j + k + colour) & 1, inverse, rest, x);
+      }
+#pragma omp single
+      wrap_plane(c, k, x);
+    }
+  }
+}
+
+/* rest - A' x of the cycle's operator. */
+static void defect(const struct solute_solver *solver, int level, const float *rest, const float *x,
+                   float *out) {
+  const struct solute_cells *c = &solver->cells[level];
+  const float *inverse = solver->inverse[level];
+  const float half = (float)(0.5 * solver->s);
+  const bool flows = solver->s > 0 && c->flux[0] != NULL;
+#pragma omp parallel for schedule(static)
+  for (int k = 0; k < c->n[2]; k++)
+    for (int j = 0; j < c->n[1]; j++) {
+      const size_t at = solute_cells_at(c, 0, j, k);
+      for (size_t p = at; p < at + (size_t)c->n[0]; p++)
+        out[p] = inverse[p] > 0 ? rest[p] + given(c, half, flows, p, x) - x[p] / inverse[p] : 0;
+    }
+}
+
+/* Sums of the defect over the cells of each coarser one. */
+static void restrict_sum(const struct solute_cells *f, const struct solute_cells *c, const float *x,
+                         float *y) {
+#pragma omp parallel for schedule(static)
+  for (int k = 0; k < c->n[2]; k++)
+    for (int j = 0; j < c->n[1]; j++)
+      for (int i = 0; i < c->n[0]; i++) {
+        float sum = 0;
+        for (int o = 0; o < 8; o++) {
+          const int a = 2 * i + (o & 1), b = 2 * j + (o >> 1 & 1), d = 2 * k + (o >> 2);
+          if (a < f->n[0] && b < f->n[1] && d < f->n[2]) sum += x[solute_cells_at(f, a, b, d)];
+        }
+        y[solute_cells_at(c, i, j, k)] = sum;
+      }
+}
+
+/* x += the coarser correction, interpolated with the weights 3/4 and 1/4 along each axis between
+ * the coarse cells that are open. */
+static void prolong_add(const struct solute_cells *f, const struct solute_cells *c,
+                        const float *fine_inverse, const float *coarse_inverse, const float *y,
+                        float *x) {
+#pragma omp parallel for schedule(static)
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const size_t at = solute_cells_at(f, i, j, k);
+        if (!(fine_inverse[at] > 0)) continue;
+        const size_t near = solute_cells_at(c, i / 2, j / 2, k / 2);
+        const ptrdiff_t d[3] = {(i & 1 ? 1 : -1) * (ptrdiff_t)c->stride[0],
+                                (j & 1 ? 1 : -1) * (ptrdiff_t)c->stride[1],
+                                (k & 1 ? 1 : -1) * (ptrdiff_t)c->stride[2]};
+        float sum = 0, weights = 0;
+        for (int o = 0; o < 8; o++) {
+          const size_t from =
+              near + (size_t)((o & 1 ? d[0] : 0) + (o & 2 ? d[1] : 0) + (o & 4 ? d[2] : 0));
+          const float w = (o & 1 ? 1.0f : 3.0f) * (o & 2 ? 1.0f : 3.0f) * (o & 4 ? 1.0f : 3.0f);
+          if (!(coarse_inverse[from] > 0)) continue;
+          sum += w * y[from];
+          weights += w;
+        }
+        if (weights > 0) x[at] += sum / weights;
+      }
+}
+
+/* V-cycle from x = 0. */
+static void cycle(const struct solute_solver *solver, int level, const float *rest, float *x) {
+  const struct solute_cells *c = &solver->cells[level];
+  memset(x, 0, c->size * sizeof *x);
+  const bool last = level + 1 == solver->level_count;
+  for (int i = 0; i < (last ? SWEEPS_COARSEST : SWEEPS); i++) sweep(solver, level, rest, x);
+  if (last) return;
+  defect(solver, level, rest, x, solver->work[level]);
+  const struct solute_cells *coarse = &solver->cells[level + 1];
+  restrict_sum(c, coarse, solver->work[level], solver->rest[level + 1]);
+  cycle(solver, level + 1, solver->rest[level + 1], solver->x[level + 1]);
+  prolong_add(c, coarse, solver->inverse[level], solver->inverse[level + 1], solver->x[level + 1],
+              x);
+  solute_cells_wrap(c, x);
+  for (int i = 0; i < SWEEPS; i++) sweep(solver, level, rest, x);
+}
+
+static void apply(void *system, const float *x, float *y) {
+  const struct solute_solver *solver = system;
+  solute_cells_apply(&solver->cells[0], solver->s, x, y);
+}
+
+static void precondition(void *system, const float *x, float *work, float *y) {
+  (void)work;
+  cycle(system, 0, x, y);
+}
+
+enum status solute_solver_build(const struct solute_flow *flow, const int axis[3], bool down,
+                                struct solute_solver *s) {
+  enum status status = STATUS_OK;
+  *s = (struct solute_solver){.down = down};
+  TRY(solute_cells_of_flow(flow, axis, &s->cells[0]));
+  s->level_count = 1;
+  for (;;) {
+    const int l = s->level_count;
+    const struct solute_cells *fine = &s->cells[l - 1];
+    const int most = (int)fmax(fmax(fine->n[0], fine->n[1]), fine->n[2]);
+    if (most <= 3 || l == SOLUTE_LEVELS) break;
+    TRY(solute_cells_coarsen(fine, &s->cells[l]));
+    s->level_count++;
+  }
+  for (int l = 0; l < s->level_count; l++) {
+    const size_t size = s->cells[l].size;
+    TRY(memory_allocate(&s->inverse[l], size, sizeof(float), "diagonal of the closure problem"));
+    TRY(memory_allocate(&s->work[l], size, sizeof(float), "multigrid"));
+    if (l == 0) continue;
+    TRY(memory_allocate(&s->x[l], size, sizeof(float), "multigrid"));
+    TRY(memory_allocate(&s->rest[l], size, sizeof(float), "multigrid"));
+  }
+  TRY(stokes_krylov_build(s->cells[0].size, BASIS, &s->krylov));
+  s->krylov.system = s;
+  s->krylov.apply = apply;
+  s->krylov.precondition = precondition;
+  solute_solver_set(s, 0);
+cleanup:
+  if (status != STATUS_OK) solute_solver_free(s);
+  return status;
+}
+
+void solute_solver_free(struct solute_solver *s) {
+  for (int l = 0; l < SOLUTE_LEVELS; l++) {
+    solute_cells_free(&s->cells[l]);
+    memory_free(&s->inverse[l]);
+    memory_free(&s->x[l]);
+    memory_free(&s->rest[l]);
+    memory_free(&s->work[l]);
+  }
+  stokes_krylov_free(&s->krylov);
+}
+
+static double norm(const struct solute_cells *c, const double *x) {
+  double sum = 0;
+  for (int k = 0; k < c->n[2]; k++)
+    for (int j = 0; j < c->n[1]; j++)
+      for (int i = 0; i < c->n[0]; i++) {
+        const double v = x[solute_cells_at(c, i, j, k)];
+        sum += v * v;
+      }
+  return sqrt(sum);
+}
+
+enum status solute_solver_solve(struct solute_solver *s, const double *source, double tolerance,
+                                double *b, int *iterations, double *reached) {
+  const struct solute_cells *c = &s->cells[0];
+  const double scale = norm(c, source);
+  double before = INFINITY;
+  *iterations = 0, *reached = 0;
+  if (!(scale > 0)) return STATUS_OK;
+  for (int round = 0; round < ROUNDS; round++) {
+    double shrunk;
+    solute_cells_wrap_exact(c, b);
+    solute_cells_residual(c, s->s, source, b, s->krylov.basis);
+    *reached = stokes_krylov_norm(&s->krylov, s->krylov.basis) / scale;
+    if (*reached <= tolerance) return STATUS_OK;
+    if (!(*reached < 0.9 * before)) break; /* it gets no better */
+    before = *reached;
+    *iterations +=
+        stokes_krylov_correct(&s->krylov, fmax(0.5 * tolerance / *reached, 1e-4), b, &shrunk);
+    const double mean = solute_cells_mean(c, b);
+    for (size_t i = 0; i < c->size; i++) b[i] -= mean;
+  }
+  return FAIL(STATUS_NUMERIC,
+              "the closure problem at Pe = %.3g of a cell was solved to %.1e and no further; a "
+              "finer lattice of the flow helps",
+              s->s, *reached);
+}
