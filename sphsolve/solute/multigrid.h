@@ -10,7 +10,7 @@
 #define TOSUI_SPHSOLVE_SOLUTE_MULTIGRID_H
 
 #include "sphsolve/solute/cells.h"
-#include "sphsolve/stokes/krylov.h"
+#include "sphsolve/stokes/solver/krylov.h"
 
 #define SOLUTE_LEVELS 16
 
