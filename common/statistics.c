@@ -88,26 +88,39 @@ void histogram(const double *values, size_t n, double low, double high, size_t b
   }
 }
 
-static int compare_doubles(const void *a, const void *b) {
-  double x, y;
-  memcpy(&x, a, sizeof x);
-  memcpy(&y, b, sizeof y);
-  return (x > y) - (x < y);
+/* Moves the k-th smallest of n values to place k, none larger before it, none smaller behind it
+ * (Wirth 1976, Algorithms + Data Structures, section 2.3.4). */
+static void select_nth(double *values, long n, long k) {
+  for (long low = 0, high = n - 1; low < high;) {
+    const double pivot = values[k];
+    long i = low, j = high;
+    do {
+      while (values[i] < pivot) i++;
+      while (pivot < values[j]) j--;
+      if (i > j) break;
+      const double left = values[i];
+      values[i++] = values[j];
+      values[j--] = left;
+    } while (i <= j);
+    if (j < k) low = i;
+    if (k < i) high = j;
+  }
 }
 
 double quantile(const double *values, size_t n, double q) {
-  double *sorted;
+  double *copy;
   if (n == 0) return NAN;
-  if (memory_allocate(&sorted, n, sizeof *sorted, "a sorted copy") != STATUS_OK) {
+  if (memory_allocate(&copy, n, sizeof *copy, "a copy") != STATUS_OK) {
     error_clear();
     return NAN;
   }
-  memcpy(sorted, values, n * sizeof *sorted);
-  qsort(sorted, n, sizeof *sorted, compare_doubles);
-  double position = q * (double)(n - 1);
-  size_t i = (size_t)position;
-  double result =
-      i + 1 < n ? sorted[i] + (position - (double)i) * (sorted[i + 1] - sorted[i]) : sorted[n - 1];
-  memory_free(&sorted);
+  memcpy(copy, values, n * sizeof *copy);
+  const double position = q * (double)(n - 1);
+  const size_t i = (size_t)position;
+  select_nth(copy, (long)n, (long)i);
+  double next = i + 1 < n ? copy[i + 1] : copy[i];
+  for (size_t k = i + 2; k < n; k++) next = fmin(next, copy[k]);
+  const double result = copy[i] + (position - (double)i) * (next - copy[i]);
+  memory_free(&copy);
   return result;
 }

@@ -28,7 +28,7 @@ double student_t95(double dof);
 void histogram(const double *values, size_t n, double low, double high, size_t bins,
                double *counts);
 
-/* The q-quantile (0..1) by linear interpolation; sorts a copy. NAN for n = 0 or no memory. */
+/* The q-quantile (0..1) by linear interpolation; works on a copy. NAN for n = 0 or no memory. */
 double quantile(const double *values, size_t n, double q);
 
 #endif

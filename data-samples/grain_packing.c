@@ -1,6 +1,7 @@
 #include "data-samples/grain_packing.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
@@ -37,23 +38,75 @@ static double wrap(double x, double box) {
 }
 
 /* The vector from the centre of a to the nearest image of the centre of b. */
-static void separation(const struct grain_packing *packing, long a, long b, double d[3]) {
-  for (int i = 0; i < 3; i++)
-    d[i] = wrap(packing->grain[b].centre[i] - packing->grain[a].centre[i], packing->box[i]);
+static void separation(const struct grain_packing *packing, const double a[3], const double b[3],
+                       double d[3]) {
+  for (int i = 0; i < 3; i++) d[i] = wrap(b[i] - a[i], packing->box[i]);
+}
+
+static enum status pair_list_reserve(struct pair_list *list, long wanted) {
+  if (wanted <= list->capacity) return STATUS_OK;
+  const long capacity = wanted > 2 * list->capacity ? wanted + 4096 : 2 * list->capacity;
+  const enum status status =
+      memory_resize(&list->pair, (size_t)capacity, sizeof *list->pair, "pairs of grains");
+  if (status == STATUS_OK) list->capacity = capacity;
+  return status;
 }
 
 static enum status pair_list_add(struct pair_list *list, long a, long b, const double d[3]) {
-  if (list->count == list->capacity) {
-    const long capacity = list->capacity ? 2 * list->capacity : 65536;
-    const enum status status =
-        memory_resize(&list->pair, (size_t)capacity, sizeof *list->pair, "pairs of grains");
-    if (status != STATUS_OK) return status;
-    list->capacity = capacity;
-  }
+  const enum status status = pair_list_reserve(list, list->count + 1);
+  if (status != STATUS_OK) return status;
   struct pair *pair = &list->pair[list->count++];
   const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) + 1e-12;
   *pair = (struct pair){.a = (int32_t)a, .b = (int32_t)b};
   for (int i = 0; i < 3; i++) pair->normal[i] = d[i] / length;
+  return STATUS_OK;
+}
+
+static enum status pair_list_append(struct pair_list *list, const struct pair_list *more) {
+  const enum status status = pair_list_reserve(list, list->count + more->count);
+  if (status != STATUS_OK) return status;
+  memcpy(list->pair + list->count, more->pair, (size_t)more->count * sizeof *more->pair);
+  list->count += more->count;
+  return STATUS_OK;
+}
+
+/* The bounding sphere of a grain: grains are too large to be walked through for their centres. */
+struct ball {
+  double centre[3], radius;
+};
+
+/* The grains in bins: those of a bin are first[bin], next[that], ... */
+struct bins {
+  long count[3];
+  int32_t *first, *next;
+  const struct ball *ball;
+};
+
+/* Pairs a < b of which a is in `bin`, whose bounding spheres come within `reach`. */
+static enum status find_in_bin(const struct grain_packing *packing, const struct bins *bins,
+                               long bin, double reach, struct pair_list *list) {
+  const long *n = bins->count;
+  for (int offset = 0; offset < 27; offset++) {
+    const int step[3] = {offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1};
+    const long at[3] = {bin % n[0], bin / n[0] % n[1], bin / (n[0] * n[1])};
+    long other = 0;
+    int repeated = 0;
+    for (int i = 2; i >= 0; i--) {
+      repeated |= n[i] == 1 && step[i] != 0;
+      other = other * n[i] + (at[i] + step[i] + n[i]) % n[i];
+    }
+    if (repeated) continue;
+    for (int32_t a = bins->first[bin]; a >= 0; a = bins->next[a])
+      for (int32_t b = bins->first[other]; b >= 0; b = bins->next[b]) {
+        if (b <= a) continue;
+        double d[3];
+        separation(packing, bins->ball[a].centre, bins->ball[b].centre, d);
+        const double limit = bins->ball[a].radius + bins->ball[b].radius + reach;
+        if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] >= limit * limit) continue;
+        const enum status status = pair_list_add(list, a, b, d);
+        if (status != STATUS_OK) return status;
+      }
+  }
   return STATUS_OK;
 }
 
@@ -62,10 +115,16 @@ static enum status pair_list_find(struct pair_list *list, const struct grain_pac
                                   double reach) {
   enum status status = STATUS_OK;
   int32_t *first = NULL, *next = NULL;
+  struct ball *ball = NULL;
   double radius = 0;
   long bins[3], total = 1;
-  for (long g = 0; g < packing->count; g++)
-    if (packing->grain[g].radius > radius) radius = packing->grain[g].radius;
+  TRY(memory_allocate(&ball, (size_t)packing->count, sizeof *ball, "bins of grains"));
+  for (long g = 0; g < packing->count; g++) {
+    const struct grain *grain = &packing->grain[g];
+    ball[g].radius = grain->radius;
+    for (int i = 0; i < 3; i++) ball[g].centre[i] = grain->centre[i];
+    radius = fmax(radius, grain->radius);
+  }
   for (int i = 0; i < 3; i++) {
     bins[i] = (long)(packing->box[i] / (2 * radius + reach));
     if (bins[i] < 3) bins[i] = 1; /* too few for each neighbour to be another bin */
@@ -78,35 +137,34 @@ static enum status pair_list_find(struct pair_list *list, const struct grain_pac
   for (long g = packing->count - 1; g >= 0; g--) {
     long bin = 0;
     for (int i = 2; i >= 0; i--) {
-      long cell = (long)(packing->grain[g].centre[i] / packing->box[i] * (double)bins[i]);
+      long cell = (long)(ball[g].centre[i] / packing->box[i] * (double)bins[i]);
       if (cell >= bins[i]) cell = bins[i] - 1;
       bin = bin * bins[i] + cell;
     }
     next[g] = first[bin];
     first[bin] = (int32_t)g;
   }
-  for (long bin = 0; bin < total; bin++)
-    for (int offset = 0; offset < 27; offset++) {
-      const int step[3] = {offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1};
-      const long at[3] = {bin % bins[0], bin / bins[0] % bins[1], bin / (bins[0] * bins[1])};
-      long other = 0;
-      int repeated = 0;
-      for (int i = 2; i >= 0; i--) {
-        repeated |= bins[i] == 1 && step[i] != 0;
-        other = other * bins[i] + (at[i] + step[i] + bins[i]) % bins[i];
+  const struct bins all = {{bins[0], bins[1], bins[2]}, first, next, ball};
+  /* Bins are appended in their order: the same list on any number of threads. */
+  enum status found = STATUS_OK;
+#pragma omp parallel
+  {
+    struct pair_list own = {0};
+#pragma omp for ordered schedule(dynamic, 8)
+    for (long bin = 0; bin < total; bin++) {
+      own.count = 0;
+      enum status here = find_in_bin(packing, &all, bin, reach, &own);
+#pragma omp ordered
+      {
+        if (here == STATUS_OK && found == STATUS_OK) here = pair_list_append(list, &own);
+        if (here != STATUS_OK) found = here;
       }
-      if (repeated) continue;
-      for (int32_t a = first[bin]; a >= 0; a = next[a])
-        for (int32_t b = first[other]; b >= 0; b = next[b]) {
-          if (b <= a) continue;
-          double d[3];
-          separation(packing, a, b, d);
-          const double limit = packing->grain[a].radius + packing->grain[b].radius + reach;
-          if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < limit * limit)
-            TRY(pair_list_add(list, a, b, d));
-        }
     }
+    memory_free(&own.pair);
+  }
+  if (found != STATUS_OK) TRY_FAIL(found, "no memory for the pairs of grains");
 cleanup:
+  memory_free(&ball);
   memory_free(&first);
   memory_free(&next);
   return status;
@@ -132,7 +190,7 @@ static void pair_refine(struct pair *pair, const struct grain_packing *packing, 
   const struct grain *a = &packing->grain[pair->a], *b = &packing->grain[pair->b];
   double d[3], u[3], v[3], best[3];
   const double *n = pair->normal;
-  separation(packing, pair->a, pair->b, d);
+  separation(packing, a->centre, b->centre, d);
   pair->gap = slab_width(a, b, d, n);
   const int axis = fabs(n[0]) < 0.6 ? 0 : 1;
   double length = 0;

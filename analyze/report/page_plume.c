@@ -119,6 +119,7 @@ enum status plume_write(const struct flow *flow, FILE *stream) {
   struct camera camera;
   flow_look(flow, SIDE, &camera);
   TRY(memory_allocate(&pixels, (size_t)3 * SIDE * SIDE, 1, "a picture"));
+#pragma omp parallel for schedule(dynamic, 8)
   for (size_t y = 0; y < SIDE; y++)
     for (size_t x = 0; x < SIDE; x++)
       march(flow, &camera, ((double)x + 0.5 - 0.5 * SIDE) * camera.scale,

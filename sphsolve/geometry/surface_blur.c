@@ -80,6 +80,7 @@ static void match_void_ratio(struct lattice *l, double wanted, double most) {
   for (int round = 0; round < 16; round++) {
     const float shift = (float)(0.5 * (low + high) - moved);
     moved += (double)shift;
+#pragma omp parallel for schedule(static)
     for (size_t s = 0; s < l->count; s++) l->wall_distance[s] += shift;
     *(lattice_void_ratio(l) < wanted ? &low : &high) = moved;
   }
