@@ -1,4 +1,5 @@
 /* analyze: from runs of sphsolve to numbers, plots and a report. */
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,12 +119,13 @@ static bool file_is(const char *a, const char *b) {
 
 static enum status read_runs(const struct options *options, struct run **runs, size_t *n) {
   enum status status = STATUS_OK;
-  size_t count = options_operand_count(options);
+  size_t count = options_operand_count(options), passed = 0;
   TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
   for (size_t i = 0; i < count; i++) {
     const char *path = options_operand(options, i);
     if (count > 1 && run_is_companion(path)) {
-      log_info("%s: no run but a file beside one, passed over", path);
+      log_verbose("%s: no run but a model or a file beside a run, passed over", path);
+      passed++;
       continue;
     }
     bool again = false;
@@ -145,6 +147,9 @@ static enum status read_runs(const struct options *options, struct run **runs, s
   if (*n == 0)
     TRY_FAIL(STATUS_INPUT, "%s: none of the files is a run; give OUT.hdf of sphsolve run",
              options_operand(options, 0));
+  if (passed > 0)
+    log_info("%zu of %zu files are no runs but models or files beside a run: passed over", passed,
+             count);
   TRY(runs_name_apart(*runs, *n));
 cleanup:
   return status;
@@ -192,13 +197,13 @@ static const struct {
 static enum status report_command(const struct options *options, const struct run *runs, size_t n) {
   enum status status = STATUS_OK;
   json_t *json = NULL;
-  const char *path = options_text(options, "output");
-  if (path == NULL || path[0] == '\0')
+  static const char *const ENDINGS[] = {".html", ".htm", NULL};
+  const char *given = options_text(options, "output");
+  char path[PATH_MAX];
+  if (given == NULL || given[0] == '\0')
     TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
-  const char *base = strrchr(path, '/'), *ending = strrchr(base != NULL ? base : path, '.');
-  if (ending != NULL && strcmp(ending, ".html") != 0 && strcmp(ending, ".htm") != 0)
-    TRY_FAIL(STATUS_USAGE,
-             "report: -o %s: a page is HTML; name it .html (a browser prints it to PDF)", path);
+  TRY(output_name(given, ENDINGS, "a page is HTML (a browser prints it to PDF)", path,
+                  sizeof path));
   TRY(output_allow(path));
   TRY(page_write(runs, n, path, options_command_line(options), &json));
   if (options_json(options)) {

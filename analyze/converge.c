@@ -162,23 +162,22 @@ static void series_json(const struct level *levels, const struct series *s, json
   json_t *rows = json_array();
   json_object_set_new(object, "method", json_text(fine->run->method));
   json_object_set_new(object, "wall", json_text(fine->run->wall));
-  json_object_set_new(object, "k_m_per_s", json_number(k));
-  json_object_set_new(object, "k_cm_per_s", json_number(100.0 * k));
-  json_object_set_new(object, "k_relative_error",
-                      json_number(ok ? uncertainty_total(&s->uncertainty) : NAN));
-  json_object_set_new(object, "intrinsic_permeability_m2", json_number(value));
-  json_object_set_new(object, "observed_order", json_number(ok ? s->result.order : NAN));
+  json_put_number(object, "k_m_per_s", k);
+  json_put_number(object, "k_cm_per_s", 100.0 * k);
+  json_put_number(object, "k_relative_error", ok ? uncertainty_total(&s->uncertainty) : NAN);
+  json_put_number(object, "intrinsic_permeability_m2", value);
+  json_put_number(object, "observed_order", ok ? s->result.order : NAN);
   json_object_set_new(object, "fit",
                       json_pack("{s:o,s:o}", "order", json_number(ok ? s->result.order_used : NAN),
                                 "slope_m2_per_m_to_the_order",
                                 json_number(ok ? s->result.slope : NAN)));
-  json_object_set_new(object, "formal_order", json_number(s->formal_order));
+  json_put_number(object, "formal_order", s->formal_order);
   json_object_set_new(object, "order_credible", json_boolean(s->result.credible));
   json_object_set_new(object, "monotone", json_boolean(s->result.monotone));
   json_object_set_new(object, "extrapolated",
                       json_boolean(ok && s->result.monotone && !s->result.far));
-  json_object_set_new(object, "grid_convergence_index", json_number(ok ? s->result.index : NAN));
-  json_object_set_new(object, "safety_factor", json_number(ok ? s->result.safety : NAN));
+  json_put_number(object, "grid_convergence_index", ok ? s->result.index : NAN);
+  json_put_number(object, "safety_factor", ok ? s->result.safety : NAN);
   uncertainty_json(&s->uncertainty, object);
   for (size_t i = s->first; i < s->first + s->count; i++) {
     const struct level *level = &levels[i];

@@ -111,16 +111,15 @@ static double whole_error(const struct run *run, const struct darcy_fit *fit) {
 static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
   bool ok = fit->count > 0;
   const double error = ok ? whole_error(run, fit) : NAN;
-  json_object_set_new(object, "k_m_per_s", json_number(ok ? fit->k : NAN));
-  json_object_set_new(object, "k_cm_per_s", json_number(ok ? 100.0 * fit->k : NAN));
-  json_object_set_new(object, "k_error_m_per_s", json_number(ok ? error * fit->k : NAN));
-  json_object_set_new(object, "k_relative_error", json_number(error));
-  json_object_set_new(object, "fit_relative_error", json_number(ok ? fit->k_error / fit->k : NAN));
-  json_object_set_new(object, "intrinsic_permeability_m2",
-                      json_number(ok ? fit->intrinsic_permeability : NAN));
-  json_object_set_new(object, "intrinsic_permeability_darcy",
-                      json_number(ok ? fit->intrinsic_permeability / DARCY : NAN));
-  json_object_set_new(object, "r_squared", json_number(ok ? fit->r_squared : NAN));
+  json_put_number(object, "k_m_per_s", ok ? fit->k : NAN);
+  json_put_number(object, "k_cm_per_s", ok ? 100.0 * fit->k : NAN);
+  json_put_number(object, "k_error_m_per_s", ok ? error * fit->k : NAN);
+  json_put_number(object, "k_relative_error", error);
+  json_put_number(object, "fit_relative_error", ok ? fit->k_error / fit->k : NAN);
+  json_put_number(object, "intrinsic_permeability_m2", ok ? fit->intrinsic_permeability : NAN);
+  json_put_number(object, "intrinsic_permeability_darcy",
+                  ok ? fit->intrinsic_permeability / DARCY : NAN);
+  json_put_number(object, "r_squared", ok ? fit->r_squared : NAN);
   json_object_set_new(object, "runs_in_fit", json_integer((json_int_t)fit->count));
   if (!ok) return;
   json_object_set_new(
@@ -154,8 +153,8 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     fit_json(table->first[g], &table->fits[g], group);
     const struct uncertainty uncertainty = uncertainty_of(first, &table->fits[g]);
     uncertainty_json(&uncertainty, group);
-    json_object_set_new(group, "viscosity_pa_s", json_number(first->viscosity));
-    json_object_set_new(group, "density_kg_per_m3", json_number(first->density));
+    json_put_number(group, "viscosity_pa_s", first->viscosity);
+    json_put_number(group, "density_kg_per_m3", first->density);
     for (size_t i = 0; i < table->n; i++) {
       const struct point *point = &table->points[i];
       const struct steady *steady = &point->steady;

@@ -80,21 +80,19 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, h->stationary ? "iterations" : "end_time_s",
                       json_number(h->times[h->rows - 1]));
   json_object_set_new(object, "steady", json_boolean(s->is_steady));
-  json_object_set_new(object, "steady_from_s", json_number(s->from_time));
-  json_object_set_new(object, "darcy_velocity_m_per_s", json_number(s->mean));
-  json_object_set_new(object, "darcy_velocity_error_m_per_s", json_number(s->error95));
-  json_object_set_new(object, "drift_m_per_s", json_number(s->drift));
-  json_object_set_new(object, "density_max_rise_percent",
-                      json_number(100.0 * (h->density_peak - 1.0)));
-  json_object_set_new(object, "density_mean_rise_percent",
-                      json_number(100.0 * (h->density_mean - 1.0)));
+  json_put_number(object, "steady_from_s", s->from_time);
+  json_put_number(object, "darcy_velocity_m_per_s", s->mean);
+  json_put_number(object, "darcy_velocity_error_m_per_s", s->error95);
+  json_put_number(object, "drift_m_per_s", s->drift);
+  json_put_number(object, "density_max_rise_percent", 100.0 * (h->density_peak - 1.0));
+  json_put_number(object, "density_mean_rise_percent", 100.0 * (h->density_mean - 1.0));
   /* The series are thinned to what a plot can show; history.csv has every row. */
   json_object_set_new(object, h->stationary ? "iteration" : "time_s",
                       json_thinned(h->times, 1, h->rows));
   json_object_set_new(object, "darcy_velocity_series_m_per_s",
                       json_thinned(h->velocity, 1, h->rows));
   const struct history_column *density = run_column(h->run, "density_max", 1);
-  json_object_set_new(object, "density_reference_kg_per_m3", json_number(h->run->density));
+  json_put_number(object, "density_reference_kg_per_m3", h->run->density);
   if (density != NULL)
     json_object_set_new(object, "density_max_series_kg_per_m3",
                         json_thinned(density->values, 1, h->rows));

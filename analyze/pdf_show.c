@@ -84,21 +84,21 @@ static json_t *pdf_json(const struct pdf *pdf) {
 static void fill_json(const struct velocity_statistics *s, json_t *object) {
   json_object_set_new(object, "path", json_text(s->run->path));
   json_object_set_new(object, "name", json_text(s->run->name));
-  json_object_set_new(object, "time_s", json_number(s->time));
+  json_put_number(object, "time_s", s->time);
   json_object_set_new(object, "particles", json_integer((json_int_t)s->particles));
-  json_object_set_new(object, "hydraulic_gradient", json_number(s->run->hydraulic_gradient));
-  json_object_set_new(object, "pore_mean_m_per_s", json_number(s->mean));
-  json_object_set_new(object, "normalised_velocity_min", json_number(s->low));
-  json_object_set_new(object, "normalised_velocity_max", json_number(s->high));
+  json_put_number(object, "hydraulic_gradient", s->run->hydraulic_gradient);
+  json_put_number(object, "pore_mean_m_per_s", s->mean);
+  json_put_number(object, "normalised_velocity_min", s->low);
+  json_put_number(object, "normalised_velocity_max", s->high);
   json_object_set_new(object, "pdf", pdf_json(&s->normalised));
   json_object_set_new(object, "pdf_m_per_s", pdf_json(&s->raw));
-  json_object_set_new(object, "standard_deviation", json_number(s->moments.standard_deviation));
-  json_object_set_new(object, "skewness", json_number(s->moments.skewness));
-  json_object_set_new(object, "excess_kurtosis", json_number(s->moments.excess_kurtosis));
-  json_object_set_new(object, "backward_fraction", json_number(s->backward));
-  json_object_set_new(object, "transverse_ratio", json_number(s->transverse));
-  json_object_set_new(object, "transverse_rms_ratio", json_number(s->transverse_deviation));
-  json_object_set_new(object, "tortuosity", json_number(s->tortuosity));
+  json_put_number(object, "standard_deviation", s->moments.standard_deviation);
+  json_put_number(object, "skewness", s->moments.skewness);
+  json_put_number(object, "excess_kurtosis", s->moments.excess_kurtosis);
+  json_put_number(object, "backward_fraction", s->backward);
+  json_put_number(object, "transverse_ratio", s->transverse);
+  json_put_number(object, "transverse_rms_ratio", s->transverse_deviation);
+  json_put_number(object, "tortuosity", s->tortuosity);
   json_object_set_new(
       object, "power_exponential",
       json_pack("{s:o,s:o}", "sigma", json_number(s->sigma), "gamma", json_number(s->gamma)));

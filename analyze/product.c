@@ -167,10 +167,6 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   fputc(')', stream);
 }
 
-json_t *json_number(double value) {
-  return isfinite(value) ? json_real(value) : json_null();
-}
-
 json_t *json_text(const char *text) {
   json_t *value = json_string(text);
   if (value != NULL) return value;
@@ -180,10 +176,4 @@ json_t *json_text(const char *text) {
     ascii[n] = (unsigned char)text[n] < 0x80 ? text[n] : '?';
   ascii[n] = '\0';
   return json_string(ascii);
-}
-
-json_t *json_numbers(const double *values, size_t n) {
-  json_t *array = json_array();
-  for (size_t i = 0; i < n; i++) json_array_append_new(array, json_number(values[i]));
-  return array;
 }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #include "common/error.h"
+#include "common/json_number.h"
 
 struct text {
   char *data;
@@ -42,9 +43,7 @@ void write_value_with_error(FILE *stream, double value, double error, const char
 /* 0.0012 as "0.12 %", 6.8 as "680 %": never with an exponent. */
 void write_percent(FILE *stream, double share);
 
-/* A JSON number, null where it is not finite; a string, with bytes that are no UTF-8 replaced. */
-json_t *json_number(double value);
+/* A JSON string, with bytes that are no UTF-8 replaced. */
 json_t *json_text(const char *text);
-json_t *json_numbers(const double *values, size_t n);
 
 #endif

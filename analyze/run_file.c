@@ -272,8 +272,9 @@ bool run_is_companion(const char *path) {
   struct h5_file *file = NULL;
   bool companion = false;
   if (h5_open(path, &file) == STATUS_OK)
-    companion = !h5_exists(file, "/run") &&
-                (h5_attribute_exists(file, "/", "step") || h5_exists(file, "/recorder"));
+    companion =
+        !h5_exists(file, "/run") && (h5_attribute_exists(file, "/", "step") ||
+                                     h5_exists(file, "/recorder") || h5_exists(file, "/model"));
   else
     error_clear();
   h5_close(file);

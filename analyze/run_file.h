@@ -68,8 +68,9 @@ void run_free(struct run *run);
  * included. */
 bool run_is_copy(const struct run *a, const struct run *b);
 
-/* Whether `path` is a snapshot or checkpoint that lies beside a run, as a shell's OUT*.hdf names
- * it. */
+/* Whether `path` is a model, or a snapshot, image or checkpoint that lies beside a run, as a
+ * shell's
+ * *.hdf names it. */
 bool run_is_companion(const char *path);
 
 /* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where

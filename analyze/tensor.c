@@ -79,7 +79,7 @@ json_t *tensor_json(const struct tensor *t) {
   for (int u = 0; u < UNITS; u++) json_object_set_new(object, units[u].key, matrix(t, u, t->k));
   json_object_set_new(object, "k_low_m_per_s", matrix(t, M_PER_S, t->low));
   json_object_set_new(object, "k_high_m_per_s", matrix(t, M_PER_S, t->high));
-  json_object_set_new(object, "asymmetry", json_number(t->asymmetry));
+  json_put_number(object, "asymmetry", t->asymmetry);
   for (int p = 0; p < 3; p++) {
     json_t *one = json_pack("{s:o,s:o,s:o}", "axis", json_numbers(t->axes + 3 * p, 3),
                             "k_low_m_per_s", json_number(t->principal_low[p]), "k_high_m_per_s",

@@ -40,9 +40,9 @@ double uncertainty_total(const struct uncertainty *u) {
 void uncertainty_json(const struct uncertainty *u, json_t *object) {
   json_t *parts = json_object();
   for (int i = 0; i < UNCERTAINTY_SHARES; i++)
-    json_object_set_new(parts, uncertainty_part_names[i], json_number(u->parts.value[i]));
-  json_object_set_new(parts, "total", json_number(uncertainty_total(u)));
-  json_object_set_new(parts, "dlnk_sides_closed", json_number(u->sides_closed));
+    json_put_number(parts, uncertainty_part_names[i], u->parts.value[i]);
+  json_put_number(parts, "total", uncertainty_total(u));
+  json_put_number(parts, "dlnk_sides_closed", u->sides_closed);
   json_object_set_new(parts, "resolution_from",
                       json_string(u->resolution_index      ? "grid convergence index"
                                   : u->resolution_expected ? "expectation"
@@ -50,9 +50,9 @@ void uncertainty_json(const struct uncertainty *u, json_t *object) {
   json_object_set_new(parts, "resolution_needs",
                       json_string(u->resolution_needs != NULL ? u->resolution_needs : ""));
   json_object_set_new(object, "error_budget", parts);
-  json_object_set_new(object, "dlnk_dvoid_ratio", json_number(u->slope_void_ratio));
+  json_put_number(object, "dlnk_dvoid_ratio", u->slope_void_ratio);
   json_object_set_new(object, "dlnk_dvoid_ratio_solved", json_boolean(u->slope_solved));
-  json_object_set_new(object, "dlnk_dthreshold", json_number(u->slope_threshold));
+  json_put_number(object, "dlnk_dthreshold", u->slope_threshold);
 }
 
 static void write_part(FILE *stream, const char *what, double share) {

@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* memmem */
 #include "common/output_guard.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -19,9 +20,11 @@ void output_start(bool force) {
 }
 
 static bool bears_mark(const char *text, size_t size) {
-  static const char *const MARKS[] = {TOSUI_MARK, "threshold,void_ratio,",
+  static const char *const MARKS[] = {TOSUI_MARK,
+                                      "threshold,void_ratio,",
                                       "axis,position_m,porosity,",
-                                      "\"file-series-version\"", ",xxh3 (scene ",
+                                      "\"file-series-version\"",
+                                      ",xxh3 (scene ",
                                       "\"tosui_version\""};
   for (size_t i = 0; i < sizeof MARKS / sizeof *MARKS; i++)
     if (memmem(text, size, MARKS[i], strlen(MARKS[i])) != NULL) return true;
@@ -43,6 +46,25 @@ bool output_is_product(const char *path) {
   }
   fclose(file);
   return ours || (hdf5 && provenance_is_ours(path));
+}
+
+enum status output_name(const char *path, const char *const *endings, const char *kind, char *named,
+                        size_t size) {
+  const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path;
+  const char *dot = strrchr(base, '.'), *added = "";
+  struct stat info;
+  const bool has_one = dot != NULL && dot != base && isalpha((unsigned char)dot[1]);
+  bool known = false;
+  for (int i = 0; has_one && !known && endings[i] != NULL; i++) known = !strcmp(dot, endings[i]);
+  /* What is a folder or a device is refused for that by output_allow. */
+  const bool other = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+  if (has_one && !known && !other)
+    return FAIL(STATUS_USAGE, "-o %s: %s; name it %s", path, kind, endings[0]);
+  if (!has_one && !other && strcmp(base, "") && strcmp(base, ".") && strcmp(base, ".."))
+    added = endings[0];
+  if (snprintf(named, size, "%s%s", path, added) >= (int)size)
+    return FAIL(STATUS_USAGE, "-o: the name of the output file is too long");
+  return STATUS_OK;
 }
 
 static enum status check_folder(const char *path) {

@@ -4,6 +4,7 @@
 #define TOSUI_COMMON_OUTPUT_GUARD_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "common/error.h"
 
@@ -15,6 +16,13 @@ void output_start(bool force);
  * `path` is an input under whatever name, a folder or device, or a file of another origin;
  * STATUS_RUN where its folder is absent or may not be written. NULL is fine. */
 enum status output_allow(const char *path);
+
+/* The name of a file of a kind: `path` as it is where it has one of `endings` (".hdf", ..., NULL),
+ * with the first of them where it has none, into `named` of `size` bytes. STATUS_USAGE where it has
+ * another, with `kind` as the reason ("a model is an HDF5 file"). The 725 of "sand-0.725" is no
+ * ending. */
+enum status output_name(const char *path, const char *const *endings, const char *kind, char *named,
+                        size_t size);
 
 /* Whether a file is there, and whether it bears the mark of one of the programs. */
 bool output_is_product(const char *path);

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "common/hdf5_file.h"
+#include "common/json_number.h"
 #include "common/memory.h"
 #include "common/units.h"
 #include "ct2model/readers/stack.h"
@@ -33,7 +34,7 @@ static void print_number(struct h5_file *file, const char *name, const char *lab
     return;
   }
   if (out != NULL)
-    json_object_set_new(out, name, isfinite(value) ? json_real(value) : json_null());
+    json_put_number(out, name, value);
   else if (isfinite(value))
     printf("  %-22s %.6g\n", label, value);
 }
@@ -54,7 +55,7 @@ static void describe_scanner(struct h5_file *file, json_t *out) {
   for (size_t i = 0; i < sizeof LINES / sizeof *LINES; i++) {
     const double value = known ? h5_attribute_or_nan(file, "/scanner", LINES[i].attribute) : NAN;
     if (object != NULL)
-      json_object_set_new(object, LINES[i].name, isfinite(value) ? json_real(value) : json_null());
+      json_put_number(object, LINES[i].name, value);
     else if (LINES[i].label != NULL && isfinite(value))
       printf("  %-22s %.4g\n", LINES[i].label, LINES[i].unit * value);
   }
@@ -128,10 +129,7 @@ static enum status describe_stack(const char *const *paths, size_t count,
                         json_pack("[I,I,I]", (json_int_t)stack.size[0], (json_int_t)stack.size[1],
                                   (json_int_t)stack.size[2]));
     json_object_set_new(out, "type", json_string(pixel_name(stack.type)));
-    json_t *sizes = json_array();
-    for (int d = 0; d < 3; d++)
-      json_array_append_new(sizes, isfinite(voxel[d]) ? json_real(voxel[d]) : json_null());
-    json_object_set_new(out, "voxel_size_m", sizes);
+    json_object_set_new(out, "voxel_size_m", json_numbers(voxel, 3));
   } else {
     double bytes = (double)stack.size[0] * (double)stack.size[1] * (double)stack.size[2] *
                    (double)pixel_size(stack.type);

@@ -6,19 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/json_number.h"
 #include "common/log.h"
 #include "common/units.h"
-
-/* The numbers of both outputs. JSON has no NaN: what is not known is null. */
-static json_t *number(double value) {
-  return isfinite(value) ? json_real(value) : json_null();
-}
-
-static json_t *numbers(const double *values, size_t n) {
-  json_t *array = json_array();
-  for (size_t i = 0; i < n; i++) json_array_append_new(array, number(values[i]));
-  return array;
-}
 
 static json_t *sizes(const size_t size[3]) {
   json_t *array = json_array();
@@ -26,14 +16,10 @@ static json_t *sizes(const size_t size[3]) {
   return array;
 }
 
-static void put(json_t *object, const char *key, double value) {
-  json_object_set_new(object, key, number(value));
-}
-
 /* A length, or one over a length: unknown where the voxels' size is. */
 static void put_length(json_t *object, const char *key, double value,
                        const struct pipeline *pipeline) {
-  put(object, key, pipeline->unsized ? NAN : value);
+  json_put_number(object, key, pipeline->unsized ? NAN : value);
 }
 
 static void put_count(json_t *object, const char *key, size_t value) {
@@ -51,14 +37,14 @@ static const char *mirror_axis(const struct pipeline *pipeline) {
 
 static json_t *json_of_table(const struct sweep_table *table) {
   json_t *object = json_object();
-  json_object_set_new(object, "threshold", numbers(table->threshold, table->count));
-  json_object_set_new(object, "void_ratio", numbers(table->void_ratio, table->count));
-  json_object_set_new(object, "histogram", numbers(table->histogram, table->count));
+  json_object_set_new(object, "threshold", json_numbers(table->threshold, table->count));
+  json_object_set_new(object, "void_ratio", json_numbers(table->void_ratio, table->count));
+  json_object_set_new(object, "histogram", json_numbers(table->histogram, table->count));
   if (table->void_ratio_resampled != NULL) {
     json_object_set_new(object, "void_ratio_resampled",
-                        numbers(table->void_ratio_resampled, table->count));
+                        json_numbers(table->void_ratio_resampled, table->count));
     json_object_set_new(object, "histogram_resampled",
-                        numbers(table->histogram_resampled, table->count));
+                        json_numbers(table->histogram_resampled, table->count));
   }
   return object;
 }
@@ -68,16 +54,16 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   const struct quality *quality = &pipeline->quality;
   json_object_set_new(root, "size", sizes(model->size));
   json_object_set_new(root, "spacing_m",
-                      pipeline->unsized ? json_null() : numbers(model->spacing, 3));
+                      pipeline->unsized ? json_null() : json_numbers(model->spacing, 3));
   json_object_set_new(root, "mirror_plane", json_integer(model->mirror_plane));
   json_object_set_new(root, "mirror_axis",
                       pipeline->request->mirror ? json_string(mirror_axis(pipeline)) : json_null());
   static const char *const SIDES[] = {"periodic", "closed", "mirrored"};
   json_object_set_new(root, "sides", json_string(SIDES[pipeline->request->sides]));
-  put(root, "void_ratio", model->void_ratio);
-  put(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
-  put(root, "porosity", quality->porosity);
-  put(root, "connected_porosity", quality->connected_porosity);
+  json_put_number(root, "void_ratio", model->void_ratio);
+  json_put_number(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
+  json_put_number(root, "porosity", quality->porosity);
+  json_put_number(root, "connected_porosity", quality->connected_porosity);
   put_count(root, "isolated_pores", quality->isolated_pores);
   put_count(root, "isolated_pore_voxels", quality->isolated_voxels);
   put_count(root, "floating_grains", quality->floating_grains);
@@ -94,20 +80,20 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   for (size_t i = 0; i < m->window_count; i++)
     json_array_append_new(windows, json_pack("{s:f,s:o,s:o,s:I}", "size_m",
                                              (double)m->window[i] * pipeline->model.spacing[0],
-                                             "void_ratio", number(m->window_mean[i]), "deviation",
-                                             number(m->window_deviation[i]), "windows",
-                                             (json_int_t)m->window_places[i]));
-  put(root, "correlation_length_m", m->correlation_length);
-  put(root, "pore_voxels_touching_grain", m->touching);
-  put(root, "local_thickness_median_voxels", m->thickness_median);
-  put(root, "expected_error_of_k", m->expected_error);
+                                             "void_ratio", json_number(m->window_mean[i]),
+                                             "deviation", json_number(m->window_deviation[i]),
+                                             "windows", (json_int_t)m->window_places[i]));
+  json_put_number(root, "correlation_length_m", m->correlation_length);
+  json_put_number(root, "pore_voxels_touching_grain", m->touching);
+  json_put_number(root, "local_thickness_median_voxels", m->thickness_median);
+  json_put_number(root, "expected_error_of_k", m->expected_error);
   size_t finer[3];
   bool enough;
   json_object_set_new(root, "size_for_5_percent",
                       pipeline_finer_size(pipeline, 0.05, finer, &enough) && enough ? sizes(finer)
                                                                                     : json_null());
   json_object_set_new(root, "local_thickness_histogram",
-                      numbers(m->thickness_histogram, THICKNESS_BINS));
+                      json_numbers(m->thickness_histogram, THICKNESS_BINS));
   json_object_set_new(root, "representative_volume", windows);
 }
 
@@ -142,39 +128,40 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
                                          .noise_correlation = NAN,
                                          .resolution = NAN};
   if (!scanner->known || unsized) scanner = &UNKNOWN;
-  put(object, "blur_m", scanner->blur);
-  put(object, "blur_uncertainty_m", scanner->blur_error);
-  put(object, "fringe", scanner->fringe);
-  put(object, "contrast_to_noise", scanner->contrast_to_noise);
-  put(object, "noise_correlation_m", scanner->noise_correlation);
-  put(object, "resolution_m", scanner->resolution);
+  json_put_number(object, "blur_m", scanner->blur);
+  json_put_number(object, "blur_uncertainty_m", scanner->blur_error);
+  json_put_number(object, "fringe", scanner->fringe);
+  json_put_number(object, "contrast_to_noise", scanner->contrast_to_noise);
+  json_put_number(object, "noise_correlation_m", scanner->noise_correlation);
+  json_put_number(object, "resolution_m", scanner->resolution);
   return object;
 }
 
 static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
-  put(root, "void_ratio_measured", pipeline->request->void_ratio);
-  put(root, "threshold", pipeline_grey(pipeline, pipeline->threshold));
-  put(root, "threshold_original", pipeline_grey(pipeline, pipeline->threshold_original));
-  put(root, "void_ratio_measured_uncertainty", pipeline->request->void_ratio_error);
-  put(root, "threshold_uncertainty", pipeline_threshold_error(pipeline));
-  put(root, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu));
-  put(root, "threshold_valley", pipeline_grey(pipeline, pipeline->phases.valley));
-  put(root, "dthreshold_dvoid_ratio", threshold_slope(pipeline));
-  put(root, "dthreshold_dvoid_ratio_original",
-      pipeline_grey(pipeline, pipeline->threshold_slope_original));
-  put(root, "void_ratio_original", pipeline->void_ratio_original);
-  put(root, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak));
-  put(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
-  put(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
+  json_put_number(root, "void_ratio_measured", pipeline->request->void_ratio);
+  json_put_number(root, "threshold", pipeline_grey(pipeline, pipeline->threshold));
+  json_put_number(root, "threshold_original",
+                  pipeline_grey(pipeline, pipeline->threshold_original));
+  json_put_number(root, "void_ratio_measured_uncertainty", pipeline->request->void_ratio_error);
+  json_put_number(root, "threshold_uncertainty", pipeline_threshold_error(pipeline));
+  json_put_number(root, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu));
+  json_put_number(root, "threshold_valley", pipeline_grey(pipeline, pipeline->phases.valley));
+  json_put_number(root, "dthreshold_dvoid_ratio", threshold_slope(pipeline));
+  json_put_number(root, "dthreshold_dvoid_ratio_original",
+                  pipeline_grey(pipeline, pipeline->threshold_slope_original));
+  json_put_number(root, "void_ratio_original", pipeline->void_ratio_original);
+  json_put_number(root, "pore_peak", pipeline_grey(pipeline, pipeline->phases.pore_peak));
+  json_put_number(root, "grain_peak", pipeline_grey(pipeline, pipeline->phases.grain_peak));
+  json_put_number(root, "contrast_to_noise", pipeline->phases.contrast_to_noise);
   json_object_set_new(root, "scanner", json_of_scanner(&pipeline->scanner, pipeline->unsized));
-  put(root, "beam_hardening", pipeline->survey.beam);
-  put(root, "rings", pipeline->survey.rings);
+  json_put_number(root, "beam_hardening", pipeline->survey.beam);
+  json_put_number(root, "rings", pipeline->survey.rings);
   json_of_labels(pipeline, root);
   if (pipeline->region.denoise != DENOISE_NONE) {
-    put(root, "denoised_void_ratio", pipeline->denoised.void_ratio);
-    put(root, "denoised_surface_ratio", pipeline->denoised.surface);
+    json_put_number(root, "denoised_void_ratio", pipeline->denoised.void_ratio);
+    json_put_number(root, "denoised_surface_ratio", pipeline->denoised.surface);
   }
   put_length(root, "specific_surface_per_m", pipeline->quality.surface_original, pipeline);
   put_length(root, "specific_surface_error_per_m", pipeline->quality.surface_error, pipeline);
@@ -185,7 +172,8 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
     voxel[a] = pipeline->region.voxel[pipeline->place[a]];
   }
   json_object_set_new(root, "size_original", sizes(original));
-  json_object_set_new(root, "voxel_size_m", pipeline->unsized ? json_null() : numbers(voxel, 3));
+  json_object_set_new(root, "voxel_size_m",
+                      pipeline->unsized ? json_null() : json_numbers(voxel, 3));
   if (pipeline->resampled) json_of_model(pipeline, root);
   if (build) {
     put_count(root, "sign_adjusted", pipeline->disagreeing);

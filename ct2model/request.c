@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/output_guard.h"
+
 enum { SWEEP = 1u << 0, BUILD = 1u << 1, INFO = 1u << 2, EXPORT = 1u << 3 };
 
 static const struct option_command COMMANDS[] = {
@@ -269,6 +271,22 @@ static enum status parse_correct(const struct options *options, struct request *
   return FAIL(STATUS_USAGE, "--correct %s: beam, rings or beam,rings is wanted", text);
 }
 
+/* What is built is a model, what is swept is a table. */
+static enum status name_output(const struct options *options, struct request *request) {
+  static const char *const MODEL[] = {".hdf", ".h5", ".hdf5", NULL};
+  static const char *const TABLE[] = {".csv", ".txt", ".tsv", ".dat", NULL};
+  const bool build = strcmp(options_command(options), "build") == 0;
+  const char *given = options_text(options, "output");
+  if (given == NULL || given[0] == '\0') {
+    request->output = given;
+    return STATUS_OK;
+  }
+  request->output = request->named;
+  return output_name(given, build ? MODEL : TABLE,
+                     build ? "a model is an HDF5 file" : "the curve is a table of text",
+                     request->named, sizeof request->named);
+}
+
 enum status request_parse(const struct options *options, struct request *request) {
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
@@ -283,7 +301,7 @@ enum status request_parse(const struct options *options, struct request *request
   request->crop_given = crop != NULL && !request->crop_auto;
   request->size_given = options_given(options, "size");
   request->grain_given = options_given(options, "grain");
-  request->output = options_text(options, "output");
+  TRY(name_output(options, request));
   if (options_given(options, "roi")) TRY(roi_parse(options_text(options, "roi"), &request->roi));
   if (request->crop_given)
     TRY(parse_numbers(options, "crop", ',', 6, "0,0,0,480,480,248", request->crop));

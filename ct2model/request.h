@@ -2,6 +2,7 @@
 #ifndef TOSUI_CT2MODEL_REQUEST_H
 #define TOSUI_CT2MODEL_REQUEST_H
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -42,8 +43,9 @@ struct request {
   double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;
   struct label_rules labels;
-  double scale_peak; /* NAN: greys as stored */
-  const char *output;
+  double scale_peak;  /* NAN: greys as stored */
+  const char *output; /* with its ending */
+  char named[PATH_MAX];
   int levels; /* models to build: that of `size` and coarser ones */
 };
 

@@ -208,8 +208,8 @@ static enum status read_calibration(struct h5_file *file, const struct voxel_mod
     json_object_set_new(object, curves[i], json_numbers(values, count));
     memory_free(&values);
   }
-  json_object_set_new(object, "void_ratio_measured", json_number(model->void_ratio_measured));
-  json_object_set_new(object, "threshold_chosen", json_number(model->threshold));
+  json_put_number(object, "void_ratio_measured", model->void_ratio_measured);
+  json_put_number(object, "threshold_chosen", model->threshold);
   *calibration = object;
   object = NULL;
 cleanup:

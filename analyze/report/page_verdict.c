@@ -163,13 +163,16 @@ static void judge_advice(json_t *result) {
   else if (hypot(resolution, rest) <= wanted)
     text[0] = '\0';
   else if (rest >= 0.9 * wanted)
-    snprintf(text, sizeof text, "For 5 %%: %s%s (%.2g %% by the %s alone).",
+    snprintf(text, sizeof text,
+             most > 0.95 * rest ? "For 5 %%: %s%s (%.2g %% by the %s alone)."
+                                : "For 5 %%: %s%s (%.2g %% by the %s, %.2g %% by all that no finer "
+                                  "lattice lessens).",
              resolution <= rest ? ""
              : model            ? "a model with smaller voxels, and "
              : scan             ? "a scan with smaller voxels, and "
                                 : "a finer lattice, and ",
              remedies[largest].remedy, 100.0 * most,
-             largest == 3 ? "void ratio" : remedies[largest].part);
+             largest == 3 ? "void ratio" : remedies[largest].part, 100.0 * rest);
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));

@@ -121,17 +121,8 @@ cleanup:
   return status;
 }
 
-enum status lattice_blur(const struct lattice *in, double deviation, struct lattice *out) {
-  enum status status = STATUS_OK;
-  TRY(lattice_resample(in, spacing_of(in), 0.0, out));
-  TRY(blur_walls(out, deviation));
-cleanup:
-  if (status != STATUS_OK) lattice_free(out);
-  return status;
-}
-
-enum status lattice_blur_level(const struct lattice *fine, double deviation,
-                               const struct lattice *level, double *scale, struct lattice *out) {
+enum status lattice_blur(const struct lattice *fine, double deviation, const struct lattice *level,
+                         double *scale, struct lattice *out) {
   enum status status = STATUS_OK;
   struct lattice blurred = {0};
   /* As coarse as the blur allows: the sites need not be the model's own. */

@@ -5,28 +5,25 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/json_number.h"
 #include "common/log.h"
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/output/uncertainty.h"
 
-static json_t *number_or_null(double value) {
-  return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *error_json(const struct uncertainty *b) {
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s}",
-      "resolution", number_or_null(b->resolution), "scan", number_or_null(b->scan), "sides",
-      number_or_null(b->sides), "void_ratio", number_or_null(b->void_ratio), "threshold",
-      number_or_null(b->threshold), "averaging", number_or_null(b->averaging), "steadiness",
-      number_or_null(b->steadiness), "total", number_or_null(uncertainty_largest(b)),
-      "model_voxels", number_or_null(b->model), "observed_order", number_or_null(b->order),
-      "extrapolated_permeability", number_or_null(b->extrapolated), "finest_permeability",
-      number_or_null(b->finest), "dlnk_dvoid_ratio", number_or_null(b->slope_void_ratio),
-      "dlnk_sides_closed", number_or_null(b->sides_closed), "dlnk_blurred_again",
-      number_or_null(b->slope_blur), "dlnk_dthreshold", number_or_null(b->slope_threshold),
-      "resolution_needs", resolution_needs_names[b->needs]);
+      "resolution", json_number(b->resolution), "scan", json_number(b->scan), "sides",
+      json_number(b->sides), "void_ratio", json_number(b->void_ratio), "threshold",
+      json_number(b->threshold), "averaging", json_number(b->averaging), "steadiness",
+      json_number(b->steadiness), "total", json_number(uncertainty_largest(b)), "model_voxels",
+      json_number(b->model), "observed_order", json_number(b->order), "extrapolated_permeability",
+      json_number(b->extrapolated), "finest_permeability", json_number(b->finest),
+      "dlnk_dvoid_ratio", json_number(b->slope_void_ratio), "dlnk_sides_closed",
+      json_number(b->sides_closed), "dlnk_blurred_again", json_number(b->slope_blur),
+      "dlnk_dthreshold", json_number(b->slope_threshold), "resolution_needs",
+      resolution_needs_names[b->needs]);
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
@@ -37,7 +34,7 @@ static json_t *levels_json(const struct uncertainty *b, double to_speed) {
     json_array_append_new(
         list, json_pack("{s:f, s:f, s:f, s:o, s:o, s:f, s:I, s:f}", "spacing", l->spacing, "k",
                         to_speed * l->permeability, "estimate", to_speed * l->estimate, "low",
-                        number_or_null(l->low), "high", number_or_null(l->high), "sites", l->sites,
+                        json_number(l->low), "high", json_number(l->high), "sites", l->sites,
                         "iterations", (json_int_t)l->iterations, "seconds", l->seconds));
   }
   return list;
@@ -52,13 +49,13 @@ static json_t *conservation_json(const struct conservation *conservation) {
   }
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "particles_lost",
-      number_or_null(conservation->known ? (double)conservation->lost : NAN), "particles_open",
-      number_or_null(conservation->known ? (double)conservation_particles_open(conservation) : NAN),
-      "mass_open", number_or_null(conservation->known ? conservation_mass_open(conservation) : NAN),
-      "momentum_open_share", number_or_null(momentum), "energy_open_share", number_or_null(energy),
-      "force_open", number_or_null(conservation->steady ? conservation->force_open : NAN),
-      "power_open", number_or_null(conservation->steady ? conservation->power_open : NAN),
-      "flux_open", number_or_null(conservation->steady ? conservation->flux_open : NAN));
+      json_number(conservation->known ? (double)conservation->lost : NAN), "particles_open",
+      json_number(conservation->known ? (double)conservation_particles_open(conservation) : NAN),
+      "mass_open", json_number(conservation->known ? conservation_mass_open(conservation) : NAN),
+      "momentum_open_share", json_number(momentum), "energy_open_share", json_number(energy),
+      "force_open", json_number(conservation->steady ? conservation->force_open : NAN),
+      "power_open", json_number(conservation->steady ? conservation->power_open : NAN), "flux_open",
+      json_number(conservation->steady ? conservation->flux_open : NAN));
 }
 
 enum status run_print_json(const struct run_result *result) {
@@ -66,16 +63,16 @@ enum status run_print_json(const struct run_result *result) {
   uncertainty_total(&result->error, &low, &high);
   json_t *object = json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
-      number_or_null(result->k), "k_low", number_or_null(result->k * (1 - fmin(low, 1))), "k_high",
-      number_or_null(result->k * (1 + high)), "k_finest", number_or_null(result->k_finest),
-      "k_relative_error", number_or_null(fmax(low, high)), "error", error_json(&result->error),
+      json_number(result->k), "k_low", json_number(result->k * (1 - fmin(low, 1))), "k_high",
+      json_number(result->k * (1 + high)), "k_finest", json_number(result->k_finest),
+      "k_relative_error", json_number(fmax(low, high)), "error", error_json(&result->error),
       "levels", levels_json(&result->error, result->k / result->intrinsic_permeability),
-      "intrinsic_permeability", number_or_null(result->intrinsic_permeability), "darcy_velocity",
-      number_or_null(result->darcy_velocity[0]), number_or_null(result->darcy_velocity[1]),
-      number_or_null(result->darcy_velocity[2]), "reynolds", number_or_null(result->reynolds),
-      "steps", (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
-      number_or_null(result->pair_interactions), "pair_interactions_per_second",
-      number_or_null(result->pair_interactions_per_second), "status", result->status, "ledger",
+      "intrinsic_permeability", json_number(result->intrinsic_permeability), "darcy_velocity",
+      json_number(result->darcy_velocity[0]), json_number(result->darcy_velocity[1]),
+      json_number(result->darcy_velocity[2]), "reynolds", json_number(result->reynolds), "steps",
+      (json_int_t)result->steps, "wall_time", result->wall_time, "pair_interactions",
+      json_number(result->pair_interactions), "pair_interactions_per_second",
+      json_number(result->pair_interactions_per_second), "status", result->status, "ledger",
       conservation_json(&result->conservation));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (result->tensor != NULL) json_object_set_new(object, "tensor", tensor_json(result->tensor));

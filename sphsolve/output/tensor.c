@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "common/json_number.h"
 #include "common/memory.h"
 #include "common/units.h"
 
@@ -254,8 +255,7 @@ json_t *tensor_json(const struct tensor *t) {
     json_object_set_new(object, units[u].key, matrix_json(t, u, (const double(*)[3])t->k));
   json_object_set_new(object, "k_low_m_per_s", matrix_json(t, 1, (const double(*)[3])t->low));
   json_object_set_new(object, "k_high_m_per_s", matrix_json(t, 1, (const double(*)[3])t->high));
-  json_object_set_new(object, "asymmetry",
-                      isfinite(t->asymmetry) ? json_real(t->asymmetry) : json_null());
+  json_put_number(object, "asymmetry", t->asymmetry);
   for (int p = 0; p < 3; p++) {
     json_t *one =
         json_pack("{s:[f,f,f], s:f, s:f}", "axis", t->axes[p][0], t->axes[p][1], t->axes[p][2],

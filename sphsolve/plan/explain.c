@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/json_number.h"
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 
@@ -133,10 +134,6 @@ static json_t *levels_json(const struct plan *plan) {
   return list;
 }
 
-static json_t *number_or_null(double value) {
-  return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *plan_pores_json(const struct plan *plan) {
   const struct pore_shape *shape = &plan->shape;
   if (!(shape->slope > 0)) return json_null();
@@ -155,7 +152,7 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
         effects, json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "name", planned->effect->name, "state",
                            planned->on ? "on" : "off", "reason", planned->why, "model",
                            planned->effect->model, "citation", planned->effect->citation, "dt_max",
-                           number_or_null(planned->dt_max)));
+                           json_number(planned->dt_max)));
   }
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:s, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
@@ -165,17 +162,16 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
       (json_int_t)lattice->wall_count, "spacing", context->spacing, "support", context->support,
       "kernel", kernel_names[context->kernel], "sound_speed",
-      number_or_null(context->sound_speed > 0 ? context->sound_speed : NAN), "sound_speed_reason",
+      json_number(context->sound_speed > 0 ? context->sound_speed : NAN), "sound_speed_reason",
       context->sound_why, "effects", effects, "bytes_per_fluid_site", plan->bytes_fluid,
       "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total,
       "memory_method_bytes", plan->bytes_method, "memory_copy_bytes", plan->bytes_copy,
       "memory_error_split_bytes", plan->bytes_split, "disk_bytes", plan->bytes_disk, "dt",
-      number_or_null(plan->dt), "dt_limit", number_or_null(plan->dt_limit), "dt_limited_by",
-      plan->dt_limited_by, "steps", number_or_null(plan->steps), "seconds",
-      number_or_null(plan->seconds), "expected_error", number_or_null(plan->expected.error),
-      "expected_error_least", number_or_null(plan->expected.least), "expected_error_reason",
-      plan->expected.why, "expected_error_scan", number_or_null(plan->expected_scan), "pores",
-      plan_pores_json(plan));
+      json_number(plan->dt), "dt_limit", json_number(plan->dt_limit), "dt_limited_by",
+      plan->dt_limited_by, "steps", json_number(plan->steps), "seconds", json_number(plan->seconds),
+      "expected_error", json_number(plan->expected.error), "expected_error_least",
+      json_number(plan->expected.least), "expected_error_reason", plan->expected.why,
+      "expected_error_scan", json_number(plan->expected_scan), "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
   if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));

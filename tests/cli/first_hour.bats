@@ -186,6 +186,39 @@ END
   [[ "$output" == *k_m_per_s* ]]
 }
 
+@test "a name without an ending gets one; an ending of another kind is refused" {
+  ct2model build $SCAN -o plain
+  ct2model build $SCAN -o sand-0.725
+  ct2model build $SCAN --levels 2 -o coarse
+  ct2model sweep $SCAN -o curve
+  analyze report run.hdf -o page
+  [ -e plain.hdf ]
+  [ -e sand-0.725.hdf ]
+  [ -e coarse-11.hdf ]
+  [ -e curve.csv ]
+  [ -e page.html ]
+  [ ! -e plain ]
+  for wrong in "build scan.tif" "build m.vtk" "sweep curve.png"; do
+    run --separate-stderr ct2model ${wrong% *} $SCAN -o "${wrong#* }"
+    [ "$status" -eq 2 ]
+    [[ "$stderr" == *"name it ."* ]]
+    [ ! -e "${wrong#* }" ]
+  done
+}
+
+@test "analyze of all files of a folder takes the runs among models, snapshots and images" {
+  mkdir -p mixed && cp m.hdf run*.hdf mixed
+  for command in darcy pdf history "report -o mixed.html"; do
+    run --separate-stderr analyze $command mixed/*.hdf
+    [ "$status" -eq 0 ]
+    [ "$(wc -l <<< "$stderr")" -eq 1 ]
+    [[ "$stderr" == *"$(($(ls mixed | wc -l) - 1)) of $(ls mixed | wc -l) files are no runs"* ]]
+  done
+  run --separate-stderr analyze darcy mixed/m.hdf
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"looks like a model"* ]]
+}
+
 @test "the same run given twice counts once" {
   ln -sf run.hdf other.hdf
   run --separate-stderr analyze darcy run.hdf ./run.hdf other.hdf --json

@@ -9,6 +9,29 @@ setup() {
   case $build in /*) ;; *) build=$root/$build ;; esac
 }
 
+# effect NAME DT HEADER...: the file wind.h as a newcomer would write it, on in 2-D scenes; its force comes from stdin.
+effect() {
+  local name=$1 dt=$2
+  shift 2
+  cat > wind.h <<END
+#ifndef WIND_H
+#define WIND_H
+#include <math.h>
+#include <stdio.h>
+$(printf '#include "sphsolve/%s"\n' "$@")
+static inline bool wind_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY, "the wind blows");
+  return context->scene->dimensions == 2;
+}
+static inline double wind_dt(const struct effect_context *context) {
+  return $dt * context->spacing;
+}
+$(cat)
+#endif
+EFFECT($name, .model = "a push", .citation = "nobody", .wanted = wind_wanted, .dt_max = wind_dt, .force = wind_force)
+END
+}
+
 # with_effect METHOD: a sphsolve whose METHOD has the effect of the file wind.h here, too.
 with_effect() {
   mkdir -p "new/sphsolve/$1/effects"
@@ -22,20 +45,8 @@ with_effect() {
 }
 
 @test "isph: a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
-  cat > wind.h <<'END'
+  effect isph_wind 0.01 isph/state.h plan/plan.h <<'END'
 /* A steady push along x: dv/dt = .25 m/s^2. */
-#ifndef WIND_H
-#define WIND_H
-#include <stdio.h>
-#include "sphsolve/isph/state.h"
-#include "sphsolve/plan/plan.h"
-static inline bool wind_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  snprintf(why, EFFECT_WHY, "the wind blows");
-  return context->scene->dimensions == 2;
-}
-static inline double wind_dt(const struct effect_context *context) {
-  return 0.01 * context->spacing;
-}
 static inline void wind_force(const void *state, double (*acceleration)[3]) {
   const struct isph *s = state;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
@@ -43,9 +54,6 @@ static inline void wind_force(const void *state, double (*acceleration)[3]) {
     acceleration[i][1] = acceleration[i][2] = 0;
   }
 }
-#endif
-EFFECT(isph_wind, .model = "a steady push", .citation = "nobody", .wanted = wind_wanted, .dt_max = wind_dt,
-       .force = wind_force)
 END
   with_effect isph
   cat > box.cfg <<'END'
@@ -80,21 +88,8 @@ END
 
 # Of wcsph the push grows across the box, so that viscosity has something to do; it acts beside the body force.
 @test "wcsph: a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
-  cat > wind.h <<'END'
+  effect wind 0.1 geometry/lattice.h wcsph/scales.h wcsph/engine/engine.h <<'END'  # dt 12.5 us, of which .8 are taken
 /* A push along x that varies across the box: dv/dt = a sin(2 pi z / L), a = .25 m/s^2. */
-#ifndef WIND_H
-#define WIND_H
-#include <math.h>
-#include "sphsolve/geometry/lattice.h"
-#include "sphsolve/wcsph/scales.h"
-#include "sphsolve/wcsph/engine/engine.h"
-static inline bool wind_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  snprintf(why, EFFECT_WHY, "the wind blows");
-  return context->scene->dimensions == 2;
-}
-static inline double wind_dt(const struct effect_context *context) {
-  return 0.1 * context->spacing; /* 12.5 us, of which .8 are taken */
-}
 static inline void wind_force(const void *state, double (*acceleration)[3]) {
   const struct engine *engine = state;
   for (size_t i = engine_first_slot(engine); i < engine_end_slot(engine); i++) {
@@ -104,9 +99,6 @@ static inline void wind_force(const void *state, double (*acceleration)[3]) {
     acceleration[i][1] = acceleration[i][2] = 0;
   }
 }
-#endif
-EFFECT(wind, .model = "a push that varies", .citation = "nobody", .wanted = wind_wanted, .dt_max = wind_dt,
-       .force = wind_force)
 END
   with_effect wcsph
   cat > box.cfg <<'END'

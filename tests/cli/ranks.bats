@@ -113,6 +113,18 @@ one_line() {
   for folder in faults/*; do one_line "$folder/said" "$(cat "$folder/code")"; done
 }
 
+@test "memory too short for a part of the error leaves k on 2 ranks, and says so" {
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x21 -o mid.hdf --quiet
+  for n in 1 2; do
+    on $n sphsolve-mpi run s06.cfg --set model.file=mid.hdf --set scene.method=stokes --max-memory $((14 / n))MB --json \
+      -o short$n > short$n.json 2> said
+    [ "$(grep -c 'part of the error of k is not known' said)" -eq 1 ]
+  done
+  /usr/bin/python3 -c 'import json
+one, two = (json.load(open(f"short{n}.json")) for n in (1, 2))
+assert abs(two["k"] / one["k"] - 1) < 1e-6 and one["error"]["sides"] is None and two["error"]["sides"] is None'
+}
+
 @test "a full disk ends all ranks with one line" {
   local method code
   for method in stokes wcsph isph; do

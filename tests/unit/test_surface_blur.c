@@ -62,7 +62,8 @@ static double moved(const struct lattice *from, const struct lattice *to, double
 static void test_balls(void **state) {
   (void)state;
   struct lattice balls = lattice_of(two_balls), blurred;
-  assert_int_equal(lattice_blur(&balls, 1.5 * H, &blurred), STATUS_OK);
+  double scale;
+  assert_int_equal(lattice_blur(&balls, 1.5 * H, &balls, &scale, &blurred), STATUS_OK);
   const double large = moved(&balls, &blurred, 3.0, 29.0);
   const double small = moved(&balls, &blurred, 41.0, 55.0);
   const double wanted = 1.5 * 1.5 * (1.0 / 6.0 - 1.0 / 12.0);
@@ -79,7 +80,8 @@ static void test_balls(void **state) {
 static void test_slits(void **state) {
   (void)state;
   struct lattice walls = lattice_of(slits), blurred;
-  assert_int_equal(lattice_blur(&walls, 1.5 * H, &blurred), STATUS_OK);
+  double scale;
+  assert_int_equal(lattice_blur(&walls, 1.5 * H, &walls, &scale, &blurred), STATUS_OK);
   size_t narrow = 0, wide = 0;
   for (size_t s = 0; s < blurred.count; s++)
     *(s % NX < NX / 2 ? &wide : &narrow) += blurred.kind[s] == SITE_FLUID;
@@ -97,11 +99,11 @@ static void test_level(void **state) {
   struct lattice balls = lattice_of(two_balls), level, blurred;
   double scale;
   assert_int_equal(lattice_resample(&balls, 4.0 * H, 0.0, &level), STATUS_OK);
-  assert_int_equal(lattice_blur_level(&balls, 0.45 * H, &level, &scale, &blurred), STATUS_OK);
+  assert_int_equal(lattice_blur(&balls, 0.45 * H, &level, &scale, &blurred), STATUS_OK);
   assert_memory_equal(blurred.size, level.size, sizeof level.size);
   assert_true(fabs(scale - 0.25) < 1e-6); /* 0.9 spacings is the least the sites hold */
   lattice_free(&blurred);
-  assert_int_equal(lattice_blur_level(&balls, 2.0 * H, &level, &scale, &blurred), STATUS_OK);
+  assert_int_equal(lattice_blur(&balls, 2.0 * H, &level, &scale, &blurred), STATUS_OK);
   assert_true(scale == 1.0);
   lattice_free(&blurred);
   lattice_free(&level);

@@ -129,22 +129,38 @@ static double permeability_of(const struct stokes_solver *s) {
   return k;
 }
 
-/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails.
- * One process goes on where memory is short; of several, one that fails cannot, as the others wait
- * for it. */
+/* Whether every rank has the memory that its part of a solve will take: an even part, and as much
+ * again as parts are uneven and have ghosts. */
+#define RANK_SPARE 1.3
+static bool have_room(const struct lattice *lattice) {
+  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
+  return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
+}
+
+/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails:
+ * a part of the error is then unknown, which is said, and the run goes on. Of several processes,
+ * one that fails in the middle of a solve cannot, as the others wait for it; so they ask first
+ * whether memory is there. */
 static enum status solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
                          const struct stokes_solver *from, const struct stokes_goal *goal,
                          bool keep, double *k) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
   *k = 0.0;
+  if (ranks_count() > 1 && lattice->fluid_count > 0 && !have_room(lattice)) {
+    log_warning("a part of the error of k is not known: memory is short for a solve of its own");
+    return STATUS_OK;
+  }
   if (lattice->fluid_count > 0) status = build(c, lattice, wall, &s);
   if (status != STATUS_OK && ranks_count() > 1) return status;
   if (status == STATUS_OK && s.grid.active_all > 0) {
     if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
       error_clear();
-    if (stokes_solver_run(&s, goal) == STATUS_OK) *k = permeability_of(&s);
+    status = stokes_solver_run(&s, goal);
+    if (status == STATUS_OK) *k = permeability_of(&s);
   }
+  if (status != STATUS_OK && status != STATUS_INTERRUPTED)
+    log_warning("a part of the error of k is not known: %s", error_message());
   error_clear();
   if (keep && *k > 0.0)
     cascade_keep(c, &s);
@@ -228,7 +244,7 @@ static enum status add_scan_share(struct cascade *c, const struct lattice *latti
   struct scan_quality scan;
   double scale, other = 0.0;
   if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
-  TRY(lattice_blur_level(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
+  TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
   TRY(solve(c, &blurred, WALL_SUBVOXEL, from, &side_goal, false, &other));
   if (other > 0.0) {
     c->uncertainty.slope_blur = scale * log(other / k);
