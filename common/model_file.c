@@ -11,7 +11,33 @@ size_t model_site_count(const struct voxel_model *model) {
   return model->size[0] * model->size[1] * model->size[2];
 }
 
+double model_porosity(const struct voxel_model *model) {
+  const size_t count = model_site_count(model);
+  double voids = 0.0;
+  for (size_t i = 0; i < count; i++) {
+    if (model->solid[i]) continue;
+    const bool soil = model->micro_porosity != NULL && model->micro_porosity[i] > 0.0f;
+    voids += soil ? (double)model->micro_porosity[i] : 1.0;
+  }
+  return voids / (double)count;
+}
+
+struct micro_summary micro_summary(const struct voxel_model *model) {
+  const size_t count = model_site_count(model);
+  double soils = 0.0, porosity = 0.0, logarithm = 0.0;
+  for (size_t i = 0; i < count; i++) {
+    if (!(model->micro_porosity[i] > 0.0f)) continue;
+    soils += 1.0;
+    porosity += (double)model->micro_porosity[i];
+    logarithm += log((double)model->micro_permeability[i]);
+  }
+  if (soils == 0.0) return (struct micro_summary){0};
+  return (struct micro_summary){soils / (double)count, porosity / soils, exp(logarithm / soils)};
+}
+
 void model_free(struct voxel_model *model) {
+  memory_free(&model->micro_porosity);
+  memory_free(&model->micro_permeability);
   memory_free(&model->solid);
   memory_free(&model->wall_distance);
   memory_free(&model->grain_fraction);
@@ -77,6 +103,39 @@ static enum status check_distances(const char *path, const struct voxel_model *m
   return STATUS_OK;
 }
 
+/* Porosity and permeability of soil go together, where no grain is. A pore as wide as a voxel has a
+ * permeability of some tenth of its square: soil of more than that square has pores that are to be
+ * resolved. */
+static enum status check_micro(const char *path, const struct voxel_model *model) {
+  static const char NAMES[] = "/model/micro_porosity and /model/micro_permeability";
+  const double voxel = cbrt(model->spacing[0] * model->spacing[1] * model->spacing[2]);
+  const size_t count = model_site_count(model);
+  if (model->micro_porosity == NULL && model->micro_permeability == NULL) return STATUS_OK;
+  if (model->micro_porosity == NULL || model->micro_permeability == NULL)
+    return FAIL(STATUS_INPUT, "%s: has one of %s; both are wanted", path, NAMES);
+  for (size_t i = 0; i < count; i++) {
+    const double n = (double)model->micro_porosity[i], k = (double)model->micro_permeability[i];
+    const size_t x = i % model->size[0], y = i / model->size[0] % model->size[1],
+                 z = i / model->size[0] / model->size[1];
+    if (n == 0.0 && k == 0.0) continue;
+    if (model->solid[i])
+      return FAIL(STATUS_INPUT, "%s: %s are not 0 in the grain at x=%zu y=%zu z=%zu", path, NAMES,
+                  x, y, z);
+    if (!(n > 0.0 && n < 1.0 && k > 0.0))
+      return FAIL(STATUS_INPUT,
+                  "%s: porosity %g, permeability %g m^2 at x=%zu y=%zu z=%zu in %s: soil has a "
+                  "porosity between 0 and 1 and a permeability above 0, all else has 0 of both",
+                  path, n, k, x, y, z, NAMES);
+    if (k > voxel * voxel)
+      return FAIL(
+          STATUS_INPUT,
+          "%s: /model/micro_permeability is %g m^2 at x=%zu y=%zu z=%zu, more than the "
+          "square of a voxel, %.3g m^2: such pores are wider than voxels; take them as pore",
+          path, k, x, y, z, voxel * voxel);
+  }
+  return STATUS_OK;
+}
+
 enum status model_read(const char *path, struct voxel_model *model) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -123,6 +182,14 @@ enum status model_read(const char *path, struct voxel_model *model) {
   TRY(read_optional_number(file, "void_ratio_measured", &model->void_ratio_measured));
   TRY(read_optional_number(file, "threshold", &model->threshold));
   model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
+  TRY(read_optional_field(file, "/model/micro_porosity", model, 0, 1, &model->micro_porosity));
+  TRY(read_optional_field(file, "/model/micro_permeability", model, 0, 1,
+                          &model->micro_permeability));
+  TRY(check_micro(path, model));
+  if (model->micro_porosity != NULL) {
+    const double n = model_porosity(model);
+    model->void_ratio = n / (1.0 - n);
+  }
   TRY(read_optional_field(file, "/model/wall_distance", model, -1e6, 1e6, &model->wall_distance));
   if (model->wall_distance != NULL) TRY(check_distances(path, model, grains));
   TRY(read_optional_field(file, "/model/grain_fraction", model, 0, 1, &model->grain_fraction));
@@ -142,6 +209,11 @@ enum status model_write(struct h5_file *file, const struct voxel_model *model) {
     TRY(h5_write(file, "/model/wall_distance", H5_F32, 3, dims, model->wall_distance, true));
   if (model->grain_fraction != NULL)
     TRY(h5_write(file, "/model/grain_fraction", H5_F32, 3, dims, model->grain_fraction, true));
+  if (model->micro_porosity != NULL) {
+    TRY(h5_write(file, "/model/micro_porosity", H5_F32, 3, dims, model->micro_porosity, true));
+    TRY(h5_write(file, "/model/micro_permeability", H5_F32, 3, dims, model->micro_permeability,
+                 true));
+  }
   TRY(h5_write_attribute(file, "/model", "spacing", H5_F64, 3, spacing));
   TRY(h5_write_attribute(file, "/model", "periodic", H5_I32, 3, periodic));
   TRY(h5_write_attribute(file, "/model", "mirror_plane", H5_I32, 1, &model->mirror_plane));
@@ -158,6 +230,10 @@ enum status model_write(struct h5_file *file, const struct voxel_model *model) {
     TRY(h5_soft_link(file, "/model/wall_distance", "/VTKHDF/PointData/wall_distance"));
   if (model->grain_fraction != NULL)
     TRY(h5_soft_link(file, "/model/grain_fraction", "/VTKHDF/PointData/grain_fraction"));
+  if (model->micro_porosity != NULL) {
+    TRY(h5_soft_link(file, "/model/micro_porosity", "/VTKHDF/PointData/micro_porosity"));
+    TRY(h5_soft_link(file, "/model/micro_permeability", "/VTKHDF/PointData/micro_permeability"));
+  }
 cleanup:
   return status;
 }

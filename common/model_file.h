@@ -21,9 +21,20 @@ struct voxel_model {
   uint8_t *solid;                        /* 1 grain, 0 pore */
   float *wall_distance;                  /* m, positive in the pore; NULL if absent */
   float *grain_fraction;                 /* 0..1; NULL if absent */
+  /* Soil whose pores are smaller than the voxels, in sites that are not solid: porosity 0..1 and
+   * permeability (m^2), 0 where there is none; both or NULL. */
+  float *micro_porosity, *micro_permeability;
 };
 
 size_t model_site_count(const struct voxel_model *model);
+/* Volume of the pores over that of the model, those of the soil with them. */
+double model_porosity(const struct voxel_model *model);
+/* Of a model with soil: the share of its voxels that are soil, their mean porosity and the
+ * geometric mean of their permeability (m^2). */
+struct micro_summary {
+  double voxels, porosity, permeability;
+};
+struct micro_summary micro_summary(const struct voxel_model *model);
 /* Frees the arrays. */
 void model_free(struct voxel_model *model);
 /* Reads and validates: values, finiteness, sizes. Only /model/solid and its attribute `spacing` are

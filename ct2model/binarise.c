@@ -48,11 +48,11 @@ static enum status check_reading(const struct pipeline *pipeline, double porosit
 static enum status check_labels(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const struct labels *labels = &pipeline->labels;
-  const double e = void_ratio_of(labels->porosity), measured = request->void_ratio;
+  const double e = void_ratio_of(labels->voids), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
   const double off = fabs(e - measured);
   const char *path = pipeline->stack.files[0].path;
-  const bool pair = labels->count == 2;
+  const bool pair = labels->count == 2 && labels->micro.kind == NULL;
   const double pore = labels->value[labels->pore[0] ? 0 : 1];
   const double other = labels->value[labels->pore[0] ? 1 : 0];
   const char *turn = request->labels.given ? "" : "; --segmented LABEL names another";
@@ -206,7 +206,7 @@ static enum status calibrate_labels(struct pipeline *pipeline) {
   pipeline->survey.beam = pipeline->survey.rings = NAN;
   pipeline->otsu = NAN;
   pipeline->threshold_original = pipeline->threshold = labels->threshold;
-  pipeline->void_ratio_original = void_ratio_of(labels->porosity);
+  pipeline->void_ratio_original = void_ratio_of(labels->voids);
   /* The voxels as they are keep their surface; others have one that leaves as much to the pores. */
   if (memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) != 0)
     TRY(resampled_threshold(pipeline, labels->model_porosity, &pipeline->threshold));
@@ -340,6 +340,21 @@ cleanup:
   return status;
 }
 
+/* Voids on a path along the flow, in voxels, where soil counts with its porosity. */
+static double connected_soil(const struct voxel_model *model, const struct parts *pores, int flow) {
+  const size_t rows = model->size[1] * model->size[2];
+  double sum = 0.0;
+  for (size_t row = 0; row < rows; row++)
+    for (size_t r = pores->row_first[row]; r < pores->row_first[row + 1]; r++) {
+      const struct run *run = &pores->runs[r];
+      if (!pores->parts[run->part].percolates[flow]) continue;
+      const float *porosity = model->micro_porosity + row * model->size[0];
+      for (uint32_t x = run->x0; x < run->x1; x++)
+        sum += porosity[x] > 0.0f ? (double)porosity[x] : 1.0;
+    }
+  return sum;
+}
+
 enum status binarise_connect(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -373,9 +388,16 @@ enum status binarise_connect(struct pipeline *pipeline) {
   if (pore_voxels == sites)
     TRY_FAIL(STATUS_INPUT, "the model would be all pore at threshold %g",
              pipeline_grey(pipeline, pipeline->threshold));
-  model->void_ratio = (double)pore_voxels / (double)(sites - pore_voxels);
-  quality->porosity = (double)pore_voxels / (double)sites;
-  quality->connected_porosity = (double)connected / (double)sites;
+  for (size_t i = 0; i < sites && model->micro_porosity != NULL; i++)
+    if (model->solid[i]) model->micro_porosity[i] = model->micro_permeability[i] = 0.0f;
+  double voids = (double)pore_voxels, connected_voids = (double)connected;
+  if (model->micro_porosity != NULL) {
+    voids = model_porosity(model) * (double)sites;
+    connected_voids = connected_soil(model, &pores, flow);
+  }
+  model->void_ratio = voids / ((double)sites - voids);
+  quality->porosity = voids / (double)sites;
+  quality->connected_porosity = connected_voids / (double)sites;
   quality->surface_model = model_surface(model);
   TRY(count_floating_grains(pipeline));
 cleanup:

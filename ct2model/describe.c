@@ -76,6 +76,7 @@ static enum status describe_model(const char *path, json_t *out) {
   TRY(h5_read_attribute(file, "/model", "spacing", H5_F64, 3, spacing));
   bool walls = h5_exists(file, "/model/wall_distance");
   bool fraction = h5_exists(file, "/model/grain_fraction");
+  bool micro = h5_exists(file, "/model/micro_porosity");
   if (out != NULL) {
     json_object_set_new(out, "kind", json_string("model"));
     json_object_set_new(
@@ -84,17 +85,22 @@ static enum status describe_model(const char *path, json_t *out) {
     json_object_set_new(out, "spacing_m", json_pack("[f,f,f]", spacing[2], spacing[1], spacing[0]));
     json_object_set_new(out, "wall_distance", json_boolean(walls));
     json_object_set_new(out, "grain_fraction", json_boolean(fraction));
+    json_object_set_new(out, "micro_pores", json_boolean(micro));
   } else {
     char text[40];
     quantity_format(spacing[2], "m", text, sizeof text);
-    printf("%s: voxel model, %zux%zux%zu voxels of %s%s%s\n", path, dims[2], dims[1], dims[0], text,
-           walls ? ", wall distances" : "", fraction ? ", grain fractions" : "");
+    printf("%s: voxel model, %zux%zux%zu voxels of %s%s%s%s\n", path, dims[2], dims[1], dims[0],
+           text, walls ? ", wall distances" : "", fraction ? ", grain fractions" : "",
+           micro ? ", soil with pores below the voxel" : "");
   }
   print_number(file, "void_ratio", "void ratio", out);
   print_number(file, "void_ratio_measured", "measured", out);
   print_number(file, "threshold", "threshold", out);
   print_number(file, "mirror_plane", "mirror plane (layer)", out);
   print_number(file, "connected_porosity", "connected porosity", out);
+  print_number(file, "micro_voxels", "soil, of the voxels", out);
+  print_number(file, "micro_porosity_mean", "porosity of soil", out);
+  print_number(file, "micro_permeability_mean", "permeability of soil m^2", out);
   print_number(file, "isolated_pores", "isolated pores", out);
   print_number(file, "specific_surface", "specific surface 1/m", out);
   describe_scanner(file, out);

@@ -124,6 +124,12 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "void_ratio_error",
                    pipeline->model.void_ratio - pipeline->request->void_ratio));
   TRY(write_number(file, "/model", "porosity", quality->porosity));
+  if (pipeline->model.micro_porosity != NULL) {
+    const struct micro_summary micro = micro_summary(&pipeline->model);
+    TRY(write_number(file, "/model", "micro_voxels", micro.voxels));
+    TRY(write_number(file, "/model", "micro_porosity_mean", micro.porosity));
+    TRY(write_number(file, "/model", "micro_permeability_mean", micro.permeability));
+  }
   TRY(write_number(file, "/model", "connected_porosity", quality->connected_porosity));
   TRY(write_number(file, "/model", "isolated_pores", (double)quality->isolated_pores));
   TRY(write_number(file, "/model", "isolated_pore_voxels", (double)quality->isolated_voxels));

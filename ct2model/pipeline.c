@@ -13,6 +13,7 @@
 #include "ct2model/binarise.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
+#include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
 
 /* ---- region: crop, voxel size, size after resampling ---- */
@@ -133,33 +134,6 @@ cleanup:
   return status;
 }
 
-/* A segmented image is one by --segmented, or where a model is wanted of two values and no
- * threshold or filter for greys is asked for. */
-static enum status take_labels(struct pipeline *pipeline) {
-  enum status status = STATUS_OK;
-  const struct request *request = pipeline->request;
-  const bool plain = request->rule == THRESHOLD_AUTO && request->roi.kind == ROI_NONE &&
-                     request->denoise == DENOISE_NONE && !request->correct_beam &&
-                     !request->correct_rings && isnan(request->scale_peak);
-  bool reflect[3] = {false, false, false};
-  const int mirrored = (request->flow_axis + 1 + request->mirror_axis) % 3;
-  for (int a = 0; a < 3; a++)
-    reflect[a] = a == mirrored ? request->mirror : request->sides != SIDES_PERIODIC;
-  if (request->labels.given || (plain && pipeline->distances))
-    TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
-                    &pipeline->labels));
-  if (pipeline->labels.on && !pipeline->distances)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: is segmented: there is no threshold to sweep; build takes it as it is",
-             pipeline->stack.files[0].path);
-  if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio) && !pipeline->labels.on)
-    TRY_FAIL(STATUS_USAGE,
-             "--void-ratio is missing: give the measured one, --threshold VALUE or otsu, "
-             "or --segmented for an image of labels");
-cleanup:
-  return status;
-}
-
 static enum status choose_region(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -183,7 +157,7 @@ static enum status choose_region(struct pipeline *pipeline) {
   TRY(stack_keep_labels(stack, region->origin[2]));
   if (request->crop_auto) TRY(autocrop(region));
   TRY(choose_voxel(pipeline));
-  TRY(take_labels(pipeline));
+  TRY(segment_take(pipeline));
   if (!pipeline->labels.on) TRY(survey_region(pipeline));
   int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
   for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
@@ -282,10 +256,32 @@ static enum status turn_model(struct pipeline *pipeline) {
   TRY(turn_field(pipeline, model->solid, sizeof *model->solid));
   TRY(turn_field(pipeline, model->wall_distance, sizeof *model->wall_distance));
   TRY(turn_field(pipeline, model->grain_fraction, sizeof *model->grain_fraction));
+  TRY(turn_field(pipeline, model->micro_porosity, sizeof *model->micro_porosity));
+  TRY(turn_field(pipeline, model->micro_permeability, sizeof *model->micro_permeability));
   for (int a = 0; a < 3; a++) {
     model->size[a] = inside.size[pipeline->place[a]];
     model->spacing[a] = inside.spacing[pipeline->place[a]];
   }
+cleanup:
+  return status;
+}
+
+/* Soil with pores of its own, in the voxels that are not solid. */
+static enum status find_micro(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  struct voxel_model *model = &pipeline->model;
+  const struct request *request = pipeline->request;
+  const int turn = (request->flow_axis + request->mirror_axis + 2) % 3;
+  const size_t sites = pipeline->size[0] * pipeline->size[1] * pipeline->size[2];
+  float **porosity = &model->micro_porosity, **permeability = &model->micro_permeability;
+  if (pipeline->labels.micro.kind == NULL) return STATUS_OK;
+  TRY(micro_check(&pipeline->labels.micro, model->spacing));
+  TRY(memory_allocate(porosity, sites, sizeof **porosity, "micro-porosities"));
+  TRY(memory_allocate(permeability, sites, sizeof **permeability, "micro-permeabilities"));
+  micro_resample(&pipeline->labels.micro, turn, pipeline->size, model->solid, *porosity,
+                 *permeability);
+  TRY(extend(pipeline, porosity, "micro-porosities"));
+  TRY(extend(pipeline, permeability, "micro-permeabilities"));
 cleanup:
   return status;
 }
@@ -300,6 +296,7 @@ static enum status make_solid(struct pipeline *pipeline) {
   for (size_t i = 0; i < sites; i++)
     model->solid[i] = (double)pipeline->volume[i] > pipeline->solid_threshold;
   memory_free(&pipeline->volume);
+  TRY(find_micro(pipeline));
   mirror_layers(pipeline, plain_layer(pipeline), model->solid, 1);
   TRY(sides_mirror(pipeline->size, model, model->solid, 1));
   TRY(binarise_connect(pipeline));

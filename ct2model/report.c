@@ -63,6 +63,12 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   json_put_number(root, "void_ratio", model->void_ratio);
   json_put_number(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
   json_put_number(root, "porosity", quality->porosity);
+  if (model->micro_porosity != NULL) {
+    const struct micro_summary micro = micro_summary(model);
+    json_put_number(root, "micro_voxels", micro.voxels);
+    json_put_number(root, "micro_porosity", micro.porosity);
+    json_put_number(root, "micro_permeability_m2", micro.permeability);
+  }
   json_put_number(root, "connected_porosity", quality->connected_porosity);
   put_count(root, "isolated_pores", quality->isolated_pores);
   put_count(root, "isolated_pore_voxels", quality->isolated_voxels);
@@ -108,15 +114,27 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
     json_object_set_new(root, "segmented", json_null());
     return;
   }
-  json_t *pore = json_array(), *grain = json_array();
+  json_t *pore = json_array(), *grain = json_array(), *soil = json_array();
   for (size_t i = 0; i < labels->count; i++)
-    json_array_append_new(labels->pore[i] ? pore : grain, json_real(labels->value[i]));
+    if (labels->soily[i])
+      json_array_append_new(soil, json_pack("{s:f,s:f,s:f}", "label", labels->value[i], "porosity",
+                                            labels->soil[i].porosity, "permeability",
+                                            labels->soil[i].permeability));
+    else
+      json_array_append_new(labels->pore[i] ? pore : grain, json_real(labels->value[i]));
   json_object_set_new(root, "segmented",
-                      json_pack("{s:o,s:o,s:f,s:f}", "pore", pore, "grain", grain,
+                      json_pack("{s:o,s:o,s:o,s:f,s:f}", "pore", pore, "grain", grain, "soil", soil,
                                 "smoothing_voxels", LABEL_SMOOTHING, "k_change_by_smoothing",
                                 labels_effect_on_k(labels)));
   for (size_t i = 0; i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)
     json_object_set_new(root, OF_GREYS[i], json_null());
+  if (pipeline->request->micro.given) {
+    const struct grey_soil *greys = &pipeline->micro;
+    json_object_set_new(root, "micro",
+                        json_pack("{s:f,s:f,s:f,s:f,s:f}", "low", greys->low, "high", greys->high,
+                                  "shift", greys->shift, "pore_peak", greys->pore_peak,
+                                  "grain_peak", greys->grain_peak));
+  }
 }
 
 static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
@@ -202,6 +220,13 @@ static void print_model(const struct pipeline *pipeline) {
            model->void_ratio - pipeline->request->void_ratio);
   printf("\nporosity          %.4f, on a path along z %.4f: only the latter conducts\n",
          quality->porosity, quality->connected_porosity);
+  if (model->micro_porosity != NULL) {
+    const struct micro_summary micro = micro_summary(model);
+    printf(
+        "micro-pores       %.3g %% of the voxels are soil of porosity %.3g, permeability %.3g m^2 "
+        "(means); its pores count in the void ratio\n",
+        100.0 * micro.voxels, micro.porosity, micro.permeability);
+  }
   printf("percolates        x %s, y %s, z %s: whether a pore path leads through, so that there is "
          "a k along it\n",
          quality->percolates[0] ? "yes" : "no", quality->percolates[1] ? "yes" : "no",
@@ -293,13 +318,25 @@ static void print_scan(const struct pipeline *pipeline) {
            100.0 * (pipeline->denoised.surface - 1.0), pipeline->denoised.void_ratio);
 }
 
+static void print_micro(const struct grey_soil *greys) {
+  printf("greys             soil from %.4g to %.4g, pore and grain beyond", greys->low,
+         greys->high);
+  if (greys->shift != 0.0) printf(" (moved by %+.3g to meet the void ratio)", greys->shift);
+  printf("; peaks of pore %.4g, grain %.4g\n", greys->pore_peak, greys->grain_peak);
+}
+
 static void print_labels(const struct labels *labels) {
-  for (int pore = 1; pore >= 0; pore--) {
+  for (int pore = 1; labels->count > 0 && pore >= 0; pore--) {
     printf(pore ? "labels            pore" : "; grain");
     for (size_t i = 0; i < labels->count; i++)
-      if (labels->pore[i] == pore) printf(" %g", labels->value[i]);
+      if (labels->pore[i] == pore && !labels->soily[i]) printf(" %g", labels->value[i]);
   }
-  printf("\nwalls             labels smoothed over %.2g voxels at the same pore volume: k %+.2g "
+  for (size_t i = 0; i < labels->count; i++)
+    if (labels->soily[i])
+      printf("; soil %g (porosity %.3g, permeability %.3g m^2)", labels->value[i],
+             labels->soil[i].porosity, labels->soil[i].permeability);
+  if (labels->count > 0) putchar('\n');
+  printf("walls             labels smoothed over %.2g voxels at the same pore volume: k %+.2g "
          "%%, by "
          "Kozeny and Carman, beside walls halfway between voxels\n",
          LABEL_SMOOTHING, 100.0 * labels_effect_on_k(labels));
@@ -329,6 +366,7 @@ static void print_greys(const struct pipeline *pipeline) {
 static void print_text(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const struct quality *quality = &pipeline->quality;
+  if (request->micro.given) print_micro(&pipeline->micro);
   if (pipeline->labels.on)
     print_labels(&pipeline->labels);
   else

@@ -61,10 +61,15 @@ static const struct option_entry ENTRIES[] = {
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "auto|otsu|VALUE", SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
-    {"segmented", 0, "[0|1|LABEL=pore,LABEL=grain,...]", SWEEP | BUILD,
+    {"segmented", 0, "[0|1|LABEL=pore|grain|soil(N,K),...]", SWEEP | BUILD,
      "an image of labels: which is pore (the rest grain), or what each is; found out where it "
-     "holds "
-     "two"},
+     "holds two. soil: pores below the voxel, porosity N, permeability K (1e-15 m^2) or grain "
+     "size"},
+    {"micro", 0, "LOW..HIGH", BUILD,
+     "greys of soil with pores below the voxel: porosity linear between the peaks of pore and "
+     "grain"},
+    {"micro-permeability", 0, "Q", BUILD,
+     "of that soil: a permeability, as 1e-15m^2, or its grain size, as 2um (Kozeny, Carman)"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
     {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
      "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local "
@@ -287,6 +292,25 @@ static enum status name_output(const struct options *options, struct request *re
                      request->named, sizeof request->named);
 }
 
+static enum status parse_micro(const struct options *options, struct request *request) {
+  enum status status = STATUS_OK;
+  const char *greys = options_text(options, "micro");
+  const char *permeability = options_text(options, "micro-permeability");
+  static const char *const CLASH[] = {"segmented", "threshold", "roi", "denoise", "correct"};
+  if (greys == NULL && permeability == NULL) return STATUS_OK;
+  if (greys == NULL || permeability == NULL)
+    TRY_FAIL(STATUS_USAGE, "--micro LOW..HIGH says which greys are soil, --micro-permeability what "
+                           "flows through it: both are wanted");
+  for (size_t i = 0; i < sizeof CLASH / sizeof *CLASH; i++)
+    if (options_given(options, CLASH[i]))
+      TRY_FAIL(STATUS_USAGE, "--micro says what each grey is: leave --%s out", CLASH[i]);
+  TRY(micro_rules_parse(greys, &request->micro));
+  TRY(soil_parse_permeability("micro-permeability", permeability, &request->micro.permeability,
+                              &request->micro.grain_size));
+cleanup:
+  return status;
+}
+
 enum status request_parse(const struct options *options, struct request *request) {
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
@@ -321,6 +345,7 @@ enum status request_parse(const struct options *options, struct request *request
     TRY_FAIL(STATUS_USAGE, "--scale-peak %s: must be above 0", options_text(options, "scale-peak"));
   if (options_given(options, "segmented"))
     TRY(labels_parse(options_text(options, "segmented"), &request->labels));
+  TRY(parse_micro(options, request));
   static const char *const OF_GREYS[] = {"threshold", "grain", "denoise",
                                          "correct",   "roi",   "scale-peak"};
   for (size_t i = 0; request->labels.given && i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)

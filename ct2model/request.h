@@ -10,6 +10,7 @@
 #include "common/options.h"
 #include "ct2model/scan/denoise.h"
 #include "ct2model/scan/labels.h"
+#include "ct2model/scan/grey_soil.h"
 #include "ct2model/readers/image.h"
 #include "ct2model/resample/resample.h"
 #include "ct2model/scan/roi.h"
@@ -43,6 +44,7 @@ struct request {
   double threshold; /* of THRESHOLD_VALUE, in reported greys */
   bool dark_grains;
   struct label_rules labels;
+  struct micro_rules micro;
   double scale_peak;  /* NAN: greys as stored */
   const char *output; /* with its ending */
   char named[PATH_MAX];

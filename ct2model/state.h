@@ -37,6 +37,7 @@ struct pipeline {
   struct stack stack;
   struct region region;
   struct labels labels;              /* of a segmented image: `region` reads them smoothed */
+  struct grey_soil micro;          /* what --micro made of greys */
   struct survey survey;              /* of the greys as stored, in the scan's axes */
   size_t survey_size[2];             /* of its slices */
   struct scanner scanner;            /* of the greys that are used */

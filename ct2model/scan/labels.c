@@ -24,14 +24,22 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
       rules->pore[0] = rules->rest_is_grain = true;
       return STATUS_OK;
     }
+    if (strncmp(end, "=soil(", 6) == 0) {
+      const size_t inside = strcspn(end + 6, ")");
+      char soil[64];
+      if (end[6 + inside] != ')' || inside >= sizeof soil) goto wrong;
+      snprintf(soil, sizeof soil, "%.*s", (int)inside, end + 6);
+      const enum status status = soil_parse("segmented", soil, &rules->soil[i]);
+      if (status != STATUS_OK) return status;
+      rules->soily[i] = true;
+      at = end + 6 + inside + 1;
+      if (*at != '\0' && *at != ',') goto wrong;
+      at += *at == ',';
+      continue;
+    }
     const size_t length = strcspn(end, ",");
     if (length == 5 && strncmp(end, "=pore", 5) == 0)
       rules->pore[i] = true;
-    else if (strncmp(end, "=soil", 5) == 0)
-      return FAIL(STATUS_USAGE,
-                  "--segmented %s: labels with pores of their own (soil) cannot be built yet; take "
-                  "them as pore or grain",
-                  text);
     else if (length != 6 || strncmp(end, "=grain", 6) != 0)
       goto wrong;
     at = end + length + (end[length] == ',');
@@ -40,11 +48,12 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
 wrong:
   return FAIL(STATUS_USAGE,
               "--segmented %s: the label that is pore is wanted, as 0, or what each is, as "
-              "0=pore,1=grain,2=grain",
+              "0=pore,1=grain,2=soil(0.35, 1.8e-15 m^2)",
               text);
 }
 
 void labels_end(struct labels *labels) {
+  micro_end(&labels->micro);
   memory_free(&labels->smooth);
 }
 
@@ -59,14 +68,20 @@ static size_t find(const struct labels *labels, double value) {
   return i;
 }
 
+static void swap(struct labels *labels, size_t i, size_t j) {
+  const double value = labels->value[i];
+  const bool pore = labels->pore[i], soily = labels->soily[i];
+  const struct soil soil = labels->soil[i];
+  labels->value[i] = labels->value[j], labels->value[j] = value;
+  labels->pore[i] = labels->pore[j], labels->pore[j] = pore;
+  labels->soily[i] = labels->soily[j], labels->soily[j] = soily;
+  labels->soil[i] = labels->soil[j], labels->soil[j] = soil;
+}
+
 static void sort(struct labels *labels) {
   for (size_t i = 1; i < labels->count; i++)
-    for (size_t j = i; j > 0 && labels->value[j] < labels->value[j - 1]; j--) {
-      const double value = labels->value[j];
-      const bool pore = labels->pore[j];
-      labels->value[j] = labels->value[j - 1], labels->pore[j] = labels->pore[j - 1];
-      labels->value[j - 1] = value, labels->pore[j - 1] = pore;
-    }
+    for (size_t j = i; j > 0 && labels->value[j] < labels->value[j - 1]; j--)
+      swap(labels, j, j - 1);
 }
 
 /* The values of three slices, if they are few. */
@@ -102,14 +117,13 @@ static enum status name_unknown(const struct region *region, size_t z, double va
               name, value, value, value);
 }
 
-/* 1 grain, 0 pore; *fits is false where a value is none of two labels that were found. */
+/* 1 grain, 0 all else; *fits is false where a value is none of two labels that were found. */
 static enum status classify(const struct region *region, const struct label_rules *rules,
-                            const bool reflect[3], struct labels *labels, uint8_t *grain,
-                            bool *fits) {
+                            struct labels *labels, uint8_t *grain, bool *fits) {
   enum status status = STATUS_OK;
   const size_t plane = region->size[0] * region->size[1];
-  size_t pores = 0;
-  double weighed = 0.0, all = 0.0; /* in the mirrored model the last layers occur once */
+  size_t pores = 0, seen[LABELS_MOST] = {0};
+  double voids = 0.0;
   float *slice = NULL;
   *fits = true;
   TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
@@ -127,18 +141,28 @@ static enum status classify(const struct region *region, const struct label_rule
         if (!rules->rest_is_grain || at == LABELS_MOST) TRY(name_unknown(region, z, value));
         labels->value[labels->count++] = value;
       }
-      grain[z * plane + p] = !labels->pore[at];
-      pores += labels->pore[at];
-      const size_t place[3] = {p % region->size[0], p / region->size[0], z};
-      double weight = 1.0;
-      for (int a = 0; a < 3; a++)
-        if (reflect[a] && place[a] + 1 == region->size[a]) weight *= 0.5;
-      weighed += labels->pore[at] ? weight : 0.0;
-      all += weight;
+      const bool open = labels->pore[at] || labels->soily[at];
+      seen[at]++;
+      grain[z * plane + p] = !open;
+      pores += open;
+      if (labels->micro.kind != NULL)
+        labels->micro.kind[z * plane + p] = labels->soily[at]  ? (uint8_t)(at + 1)
+                                            : labels->pore[at] ? MICRO_PORE
+                                                               : MICRO_GRAIN;
     }
   }
-  labels->porosity = (double)pores / ((double)plane * (double)region->size[2]);
-  labels->model_porosity = weighed / all;
+  const double count = (double)plane * (double)region->size[2];
+  for (size_t i = 0; i < labels->count; i++) {
+    voids += (double)seen[i] * (labels->pore[i]    ? 1.0
+                                : labels->soily[i] ? labels->soil[i].porosity
+                                                   : 0.0);
+    if (*fits && labels->soily[i] && seen[i] == 0)
+      TRY_FAIL(STATUS_INPUT, "%s: --segmented: no voxel has the label %g, which is said to be soil",
+               region->stack->files[0].path, labels->value[i]);
+    labels->micro.soil[i + 1] = labels->soil[i];
+  }
+  labels->voids = voids / count;
+  labels->porosity = (double)pores / count;
 cleanup:
   memory_free(&slice);
   return status;
@@ -280,27 +304,33 @@ static enum status find_labels(const struct region *region, const struct label_r
               labels->value[0]);
 }
 
-enum status labels_take(struct region *region, const struct label_rules *rules, bool dark,
-                        const bool reflect[3], struct labels *labels) {
+/* Share of 0 in the mirrored model, where the last layers occur once. */
+static double share_of_model(const uint8_t *grain, const size_t size[3], const bool reflect[3]) {
+  double weighed = 0.0, all = 0.0;
+  for (size_t row = 0; row < size[1] * size[2]; row++)
+    for (size_t x = 0; x < size[0]; x++) {
+      const size_t place[3] = {x, row % size[1], row / size[1]}; // NOLINT: a region has rows
+      double weight = 1.0;
+      for (int a = 0; a < 3; a++)
+        if (reflect[a] && place[a] + 1 == size[a]) weight *= 0.5;
+      weighed += grain[row * size[0] + x] ? 0.0 : weight;
+      all += weight;
+    }
+  return weighed / all;
+}
+
+enum status labels_smooth(struct region *region, const uint8_t *grain, const bool reflect[3],
+                          struct labels *labels) {
   enum status status = STATUS_OK;
   const size_t count = region->size[0] * region->size[1] * region->size[2];
   struct grey_histogram volume = {0};
-  uint8_t *grain = NULL;
-  bool fits;
-  region->scale = 1.0;
-  *labels = (struct labels){.on = true, .count = rules->count};
-  memcpy(labels->value, rules->value, sizeof labels->value);
-  memcpy(labels->pore, rules->pore, sizeof labels->pore);
-  if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
-  if (!labels->on) goto cleanup;
-  TRY(memory_allocate(&grain, count, 1, "the labels"));
-  TRY(classify(region, rules, reflect, labels, grain, &fits));
-  labels->on = fits;
-  if (!fits) goto cleanup;
-  sort(labels);
+  labels->model_porosity = share_of_model(grain, region->size, reflect);
   if (labels->porosity <= 0.0 || labels->porosity >= 1.0)
-    TRY_FAIL(STATUS_INPUT, "%s: by --segmented all of the region is %s",
-             region->stack->files[0].path, labels->porosity > 0.0 ? "pore" : "grain");
+    TRY_FAIL(STATUS_INPUT, "%s: by --%s all of the region is %s", region->stack->files[0].path,
+             labels->count > 0 ? "segmented" : "micro",
+             labels->porosity <= 0.0      ? "grain"
+             : labels->micro.kind != NULL ? "pore or soil: some grain is wanted"
+                                          : "pore");
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
   TRY(smooth(grain, region->size, reflect, labels->smooth));
   TRY(measure_volume(grain, LABEL_GREY, region->size, reflect, &volume));
@@ -310,9 +340,38 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   labels->threshold = grey_histogram_quantile(&volume, labels->model_porosity);
   region->held = labels->smooth;
   region->held_type = PIXEL_U8;
+  region->scale = 1.0;
+cleanup:
+  grey_histogram_end(&volume);
+  return status;
+}
+
+enum status labels_take(struct region *region, const struct label_rules *rules, bool dark,
+                        const bool reflect[3], struct labels *labels) {
+  enum status status = STATUS_OK;
+  const size_t count = region->size[0] * region->size[1] * region->size[2];
+  uint8_t *grain = NULL;
+  bool fits;
+  region->scale = 1.0;
+  *labels = (struct labels){.on = true, .count = rules->count};
+  memcpy(labels->value, rules->value, sizeof labels->value);
+  memcpy(labels->pore, rules->pore, sizeof labels->pore);
+  memcpy(labels->soily, rules->soily, sizeof labels->soily);
+  memcpy(labels->soil, rules->soil, sizeof labels->soil);
+  memcpy(labels->micro.size, region->size, sizeof region->size);
+  if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
+  if (!labels->on) goto cleanup;
+  TRY(memory_allocate(&grain, count, 1, "the labels"));
+  for (size_t i = 0; i < rules->count; i++)
+    if (rules->soily[i] && labels->micro.kind == NULL)
+      TRY(memory_allocate(&labels->micro.kind, count, 1, "the labels"));
+  TRY(classify(region, rules, labels, grain, &fits));
+  labels->on = fits;
+  if (!fits) goto cleanup;
+  sort(labels);
+  TRY(labels_smooth(region, grain, reflect, labels));
 cleanup:
   if (!labels->on || status != STATUS_OK) region->scale = dark ? -1.0 : 1.0;
-  grey_histogram_end(&volume);
   memory_free(&grain);
   if (status != STATUS_OK) labels_end(labels);
   return status;

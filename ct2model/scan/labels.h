@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "ct2model/scan/micro.h"
 #include "ct2model/scan/region.h"
 
 enum { LABELS_MOST = 32 };
@@ -18,10 +19,13 @@ struct label_rules {
   size_t count; /* 0: to be found out */
   double value[LABELS_MOST];
   bool pore[LABELS_MOST];
-  bool rest_is_grain; /* one label alone is named, which is pore */
+  bool soily[LABELS_MOST];       /* has pores of its own: */
+  struct soil soil[LABELS_MOST]; /* these */
+  bool rest_is_grain;            /* one label alone is named, which is pore */
 };
 
-/* "", "0" (this label is pore, the rest grain) or "0=pore,1=grain,..."; usage errors. */
+/* "", "0" (this label is pore, the rest grain) or "0=pore,1=grain,2=soil(0.35, 1.8e-15 m^2),...";
+ * usage errors. */
 enum status labels_parse(const char *text, struct label_rules *rules);
 
 /* Greys of the smoothed labels go from 0, pore, to this, grain. */
@@ -35,7 +39,11 @@ struct labels {
   size_t count;
   double value[LABELS_MOST]; /* labels seen, rising */
   bool pore[LABELS_MOST];
-  double porosity;       /* share of voxels that are pore */
+  bool soily[LABELS_MOST];
+  struct soil soil[LABELS_MOST];
+  struct micro micro;    /* what is soil */
+  double voids;          /* share of the volume: pores and what soil has of them */
+  double porosity;       /* share of voxels that are not grain */
   double model_porosity; /* the same of the mirrored model, where the last layers count once */
   double sharp_porosity; /* that the surface halfway between unsmoothed labels would give */
   double threshold;      /* the grey at which the smoothed surface encloses the pores' volume */
@@ -49,6 +57,11 @@ struct labels {
 enum status labels_take(struct region *region, const struct label_rules *rules, bool dark,
                         const bool reflect[3], struct labels *labels);
 void labels_end(struct labels *labels);
+
+/* The last part of it: walls of grain[z][y][x], 1 grain and 0 all else, of which labels->porosity
+ * is the share of 0; fills what `labels` says of walls. */
+enum status labels_smooth(struct region *region, const uint8_t *grain, const bool reflect[3],
+                          struct labels *labels);
 
 /* Change of k by the smoothing, relative: that of the pores' volume within the walls, by Kozeny and
  * Carman, k ~ n^3 / (1 - n)^2. */

@@ -44,6 +44,11 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
     error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
   TRY(status);
+  if (model.micro_porosity != NULL)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: holds soil with pores below the voxel, which no method solves yet; make it pore "
+             "or grain (ct2model build --segmented)",
+             scene->model_path);
   TRY(hash_file(scene->model_path, &lattice->model_hash));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);

@@ -1,0 +1,37 @@
+#include "ct2model/segment.h"
+
+#include <math.h>
+
+#include "common/log.h"
+
+enum status segment_take(struct pipeline *pipeline) {
+  enum status status = STATUS_OK;
+  const struct request *request = pipeline->request;
+  const bool plain = request->rule == THRESHOLD_AUTO && request->roi.kind == ROI_NONE &&
+                     request->denoise == DENOISE_NONE && !request->correct_beam &&
+                     !request->correct_rings && isnan(request->scale_peak);
+  bool reflect[3] = {false, false, false};
+  const int mirrored = (request->flow_axis + 1 + request->mirror_axis) % 3;
+  for (int a = 0; a < 3; a++)
+    reflect[a] = a == mirrored ? request->mirror : request->sides != SIDES_PERIODIC;
+  if (request->micro.given) {
+    TRY(micro_take(&pipeline->region, &request->micro, request->void_ratio, reflect,
+                   &pipeline->labels, &pipeline->micro));
+    if (fabs(pipeline->micro.shift) > 0.2 * (request->micro.high - request->micro.low))
+      log_warning("the greys of soil had to be moved by %+.3g, to %.4g..%.4g, to meet the void "
+                  "ratio: check --micro beside the histogram (ct2model sweep)",
+                  pipeline->micro.shift, pipeline->micro.low, pipeline->micro.high);
+  } else if (request->labels.given || (plain && pipeline->distances))
+    TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
+                    &pipeline->labels));
+  if (pipeline->labels.on && !pipeline->distances)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: is segmented: there is no threshold to sweep; build takes it as it is",
+             pipeline->stack.files[0].path);
+  if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio) && !pipeline->labels.on)
+    TRY_FAIL(STATUS_USAGE,
+             "--void-ratio is missing: give the measured one, --threshold VALUE or otsu, "
+             "or --segmented for an image of labels");
+cleanup:
+  return status;
+}

@@ -1,0 +1,112 @@
+#!/usr/bin/env bats
+# Soil with pores below the voxel, from labels and greys to the model.
+
+bats_require_minimum_version 1.5.0
+setup_file() {
+  local build=${BUILD:-build}
+  case $build in /*) ;; *) build=$PWD/$build ;; esac
+  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  cd "$BATS_FILE_TMPDIR"
+  # Along x: 8 voxels of pore (1), 8 of soil (3), 8 of grain (2); and a grey scan of two grains (200) and a ball of soil (125).
+  /usr/bin/python3 - <<'END'
+import random
+n = 24
+open("layers.raw", "wb").write(bytes(1 if x < 8 else 3 if x < 16 else 2 for z in range(n) for y in range(n) for x in range(n)))
+random.seed(1)
+def grey(x, y, z):
+    inside = lambda c, r: sum((p + .5 - q) ** 2 for p, q in zip((x, y, z), c)) < r * r
+    return 125 if inside((22, 22, 16), 9) else 200 if inside((8, 8, 12), 8) or inside((8, 26, 22), 6) else 50
+n = 32
+truth = [grey(x, y, z) for z in range(n) for y in range(n) for x in range(n)]
+at = lambda x, y, z: truth[((z % n) * n + y % n) * n + x % n]
+blurred = [(2 * at(x, y, z) + at(x - 1, y, z) + at(x + 1, y, z) + at(x, y - 1, z) + at(x, y + 1, z) + at(x, y, z - 1) + at(x, y, z + 1)) / 8
+           for z in range(n) for y in range(n) for x in range(n)]
+open("greys.raw", "wb").write(bytes(min(255, max(0, round(g + random.gauss(0, 5)))) for g in blurred))
+open("truth.raw", "wb").write(bytes(truth))
+END
+  export LAYERS="layers.raw --raw 24x24x24:u8 --voxel-size 5um" GREYS="greys.raw --raw 32x32x32:u8 --voxel-size 5um --mirror none"
+}
+setup() { cd "$BATS_FILE_TMPDIR"; }
+
+@test "a label as soil: written beside the walls, mirrored, turned and resampled; its pores count" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  local labels="1=pore,2=grain,3=soil(0.35, 1.8e-15 m^2)"
+  ct2model build $LAYERS --segmented "$labels" --json -o plain.hdf > plain.json
+  ct2model build $LAYERS --segmented "$labels" --size 12x12x12 --flow x --mirror x --sides mirrored -o turned.hdf --quiet
+  ct2model build $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,2um)" -o carman.hdf --quiet
+  ct2model info plain.hdf > said
+  grep -q "soil with pores below the voxel" said
+  grep -q "soil, of the voxels *0.333" said
+  /usr/bin/python3 - <<'END'
+import h5py, json, numpy as np
+said = json.load(open("plain.json"))
+m = h5py.File("plain.hdf")["model"]
+n, k, solid = (m[name][()] for name in ("micro_porosity", "micro_permeability", "solid"))
+assert n.dtype == k.dtype == np.float32 and n.shape == solid.shape == (47, 24, 24)
+for z in (0, 46):
+    for x, (porosity, grain) in enumerate([(0, 0)] * 8 + [(.35, 0)] * 8 + [(0, 1)] * 8):
+        assert np.allclose(n[z, :, x], porosity) and (solid[z, :, x] == grain).all(), (z, x)
+assert np.allclose(k[n > 0], 1.8e-15, rtol=1e-6, atol=0) and (k[n == 0] == 0).all()
+voids = (8 + 8 * .35) / 24
+for e in (said["void_ratio"], said["void_ratio_original"], m.attrs["void_ratio"]):
+    assert abs(e / (voids / (1 - voids)) - 1) < 1e-6, e
+assert said["segmented"]["soil"] == [{"label": 3.0, "porosity": 0.35, "permeability": 1.8e-15}]
+assert abs(said["micro_voxels"] - 1 / 3) < 1e-9 and abs(said["connected_porosity"] - voids) < 1e-6
+t = h5py.File("turned.hdf")["model"]
+n = t["micro_porosity"][()]
+assert n.shape == (23, 23, 23)
+for z in range(23):
+    layer = min(z, 22 - z)
+    if layer != 8: # where the smoothed wall of the grain lies
+        assert np.allclose(n[z], .35 if 4 <= layer < 8 else 0), z
+k = h5py.File("carman.hdf")["model/micro_permeability"][()].max()
+assert abs(k / (2e-6**2 * .35**3 / (180 * .65**2)) - 1) < 1e-6, k
+END
+}
+
+@test "greys as soil: found where they are, edges of grains are none, the void ratio is met" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  ct2model build $GREYS --micro 90..160 --micro-permeability 1e-15m^2 --json -o greys.hdf > greys.json
+  ct2model build $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 6.8 --json -o matched.hdf > matched.json
+  /usr/bin/python3 - <<'END'
+import h5py, json, numpy as np
+truth = np.frombuffer(open("truth.raw", "rb").read(), "u1").reshape(32, 32, 32)
+m = h5py.File("greys.hdf")["model"]
+n, solid = m["micro_porosity"][()], m["solid"][()]
+soil = truth == 125
+assert (n > 0)[soil].mean() > .9, (n > 0)[soil].mean()
+assert ((n > 0) & ~soil).sum() < .05 * soil.sum(), ((n > 0) & ~soil).sum()
+assert abs(n[n > 0].mean() - .5) < .05, n[n > 0].mean()
+assert (solid[truth == 200]).mean() > .97 and (solid[truth != 200]).mean() < .01
+said = json.load(open("greys.json"))
+assert abs(said["micro"]["pore_peak"] - 50) < 2 and abs(said["micro"]["grain_peak"] - 200) < 2
+voids = ((200 - truth.astype(float)) / 150).mean()
+assert abs(said["void_ratio"] / (voids / (1 - voids)) - 1) < .05, (said["void_ratio"], voids / (1 - voids))
+matched = json.load(open("matched.json"))
+assert abs(matched["void_ratio"] / 6.8 - 1) < .01, matched["void_ratio"]
+assert matched["micro"]["shift"] != 0
+END
+}
+
+@test "soil that cannot be is refused in a line that says what to do" {
+  wrong() { # CODE WORD ARGUMENTS
+    local code=$1 word=$2
+    shift 2
+    run --separate-stderr ct2model build "$@" -o wrong.hdf
+    [[ "$status" -eq "$code" && "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [ ! -e wrong.hdf ]
+  }
+  wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(0,1e-15m^2)"
+  wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(1,1e-15m^2)"
+  wrong 2 "neither a permeability" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15)"
+  wrong 2 "is grain" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,0 m^2)"
+  wrong 2 "as soil(0.35, 1.8e-15 m^2)" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35)"
+  wrong 2 "--segmented" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2"
+  wrong 3 "square of a voxel" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-9m^2)"
+  wrong 3 "no voxel has the label 4" $LAYERS --segmented "1=pore,2=grain,3=grain,4=soil(0.35,1e-15m^2)"
+  wrong 2 "the lower first" $GREYS --micro 160..90 --micro-permeability 2um
+  wrong 2 "both are wanted" $GREYS --micro 90..160
+  wrong 2 "leave --segmented out" $GREYS --micro 90..160 --micro-permeability 2um --segmented 0
+  wrong 3 "not the measured 0.1" $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 0.1
+}
