@@ -253,8 +253,25 @@ cleanup:
   return status;
 }
 
+/* Of a scene that takes a flow which is solved already; false: it is none. */
+static enum status find_flow(const struct options *options, struct job *job, bool *found) {
+  static const char *const others[] = {"error", "time", "tensor", "ranks", "resume"};
+  enum status status = STATUS_OK;
+  TRY(read_scene(options, NULL, &job->scene));
+  *found = *job->scene.flow_path;
+  for (size_t i = 0; i < sizeof others / sizeof *others && *found; i++)
+    if (options_given(options, others[i]))
+      TRY_FAIL(STATUS_USAGE,
+               "--%s is of a scene that solves a flow; %s takes one that is solved: leave it out",
+               others[i], job->scene.path);
+  if (!*found) scene_free(&job->scene);
+cleanup:
+  return status;
+}
+
 static enum status run(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
+  bool on_flow;
   struct run_result result;
   static struct tensor tensor;
   char prefix[4096];
@@ -272,6 +289,10 @@ static enum status run(const struct options *options, struct job *job) {
                 "run: -o '%s' is a folder: the name that the files begin with is wanted, like "
                 "%.*sout",
                 given, (int)(name - prefix), prefix);
+  TRY(find_flow(options, job, &on_flow));
+  if (on_flow)
+    return job->scene.method->run_on_flow(&job->scene, prefix, options_command_line(options),
+                                          options_json(options));
   if (options_given(options, "tensor")) {
     TRY(run_tensor(options, job, prefix, &tensor, &result));
   } else {
@@ -291,7 +312,10 @@ static enum status explain(const struct options *options, struct job *job) {
   struct recommendation recommended = {0};
   struct ranks_forecast forecast, *ranks = NULL;
   long long count = 0;
-  bool wanted = options_given(options, "error");
+  bool wanted = options_given(options, "error"), on_flow;
+  TRY(find_flow(options, job, &on_flow));
+  if (on_flow)
+    return job->scene.method->explain_on_flow(&job->scene, thread_count(), options_json(options));
   if (wanted) TRY(parse_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
   if (options_given(options, "ranks")) {

@@ -56,6 +56,13 @@ struct method {
   double error_narrow, error_narrow_order;
   double error_uneven; /* less flow, times (slope of ln k per spacing)^2 */
 
+  /* Of one that works on a flow which is solved already (scene.flow_path) in place of a lattice; all
+   * but its name, `takes` and effects is empty then. Results go to `prefix` and to stdout, as JSON
+   * or for people. NULL for the others. */
+  enum status (*run_on_flow)(const struct scene *scene, const char *prefix,
+                             const char *command_line, bool json);
+  enum status (*explain_on_flow)(const struct scene *scene, int threads, bool json);
+
   /* Run to the end (steady, end_time, or a signal). `result` is filled also when interrupted. The
    * lattice is afterwards what it was; meanwhile a method may set parts of it aside. */
   enum status (*run)(const struct scene *scene, const struct plan *plan, struct lattice *lattice,

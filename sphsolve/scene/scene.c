@@ -93,8 +93,9 @@ cleanup:
 
 /* The groups and lists of a scene. Asked for first, so that a misspelt one is known as such. */
 static enum status check_roots(struct config *config) {
-  static const char *const groups[] = {"scene",  "model", "lattice", "domain", "force",     "wcsph",
-                                       "stokes", "isph",  "effects", "output", "checkpoint"};
+  static const char *const groups[] = {"scene",      "model",  "lattice", "domain",  "force",
+                                       "wcsph",      "stokes", "isph",    "effects", "output",
+                                       "checkpoint", "flow",   "solute"};
   static const char *const lists[] = {"fluids", "regions", "gauges", "planes"};
   config_node *root = config_root(config);
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
@@ -124,30 +125,31 @@ cleanup:
   return status;
 }
 
-static enum status read_model(struct config *config, struct scene *scene) {
+enum status scene_file(struct config *config, config_node *group, const char *name,
+                       const char *example, const char *made, char *path) {
   enum status status = STATUS_OK;
-  config_node *group = config_child(config, config_root(config), "model");
   const char *file = NULL;
-  if (group == NULL) return STATUS_OK;
   TRY(config_string(config, group, "file", &file, NULL));
-  if (file == NULL || !*file) {
-    status =
-        config_error(config, group, "file is missing; write model = { file = \"dense.hdf\"; };");
-    goto cleanup;
-  }
+  if (file == NULL || !*file)
+    return config_error(config, group, "file is missing; write %s = { file = \"%s\"; };", name,
+                        example);
   /* Beside the scene first, then from where the program runs. */
   const char *folder = file[0] == '/' ? "" : config_folder(config);
-  if ((size_t)snprintf(scene->model_path, sizeof scene->model_path, "%s%s", folder, file) >=
-      sizeof scene->model_path)
+  if (snprintf(path, 4096, "%s%s", folder, file) >= 4096)
     TRY(config_error(config, group, "the path is too long"));
-  if (access(scene->model_path, R_OK) != 0 && access(file, R_OK) == 0)
-    snprintf(scene->model_path, sizeof scene->model_path, "%s", file);
-  if (access(scene->model_path, R_OK) != 0)
+  if (access(path, R_OK) != 0 && access(file, R_OK) == 0) snprintf(path, 4096, "%s", file);
+  if (access(path, R_OK) != 0)
     TRY(config_error(config, config_child(config, group, "file"),
-                     "%s cannot be read; make it with ct2model build ... -o %s", scene->model_path,
-                     file));
+                     "%s cannot be read; make it with %s %s", path, made, file));
 cleanup:
   return status;
+}
+
+static enum status read_model(struct config *config, struct scene *scene) {
+  config_node *group = config_child(config, config_root(config), "model");
+  if (group == NULL) return STATUS_OK;
+  return scene_file(config, group, "model", "dense.hdf", "ct2model build ... -o",
+                    scene->model_path);
 }
 
 static enum status read_domain(struct config *config, struct scene *scene) {
@@ -312,6 +314,20 @@ enum status scene_error(const struct scene *scene, enum scene_place place, const
               *places[place].key ? "." : "", places[place].key, message);
 }
 
+static enum status read_flow_to_solve(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  TRY(read_model(config, scene));
+  TRY(read_lattice(config, scene));
+  TRY(read_domain(config, scene));
+  TRY(read_fluid(config, scene));
+  TRY(scene_read_regions(config, scene));
+  TRY(read_force(config, scene));
+  TRY(scene_read_settings(config, scene));
+  TRY(scene_read_probes(config, scene));
+cleanup:
+  return status;
+}
+
 enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
                        struct scene *scene) {
   enum status status = STATUS_OK;
@@ -321,16 +337,10 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(config_open(path, overrides, override_count, &config));
   TRY(check_roots(config));
   TRY(read_scene_group(config, scene));
-  TRY(read_model(config, scene));
-  TRY(read_lattice(config, scene));
-  TRY(read_domain(config, scene));
-  TRY(read_fluid(config, scene));
-  TRY(scene_read_regions(config, scene));
-  TRY(read_force(config, scene));
-  TRY(scene_read_settings(config, scene));
-  TRY(scene_read_probes(config, scene));
+  TRY(scene_read_solute(config, scene));
+  if (!*scene->flow_path) TRY(read_flow_to_solve(config, scene));
   TRY(config_refuse_unknown(config));
-  TRY(check_whole(config, scene));
+  if (!*scene->flow_path) TRY(check_whole(config, scene));
   note_places(config, scene);
   TRY(memory_allocate(&scene->text, strlen(config_text(config)) + 1, 1, "the scene's text"));
   strcpy(scene->text, config_text(config));

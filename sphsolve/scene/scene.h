@@ -22,12 +22,16 @@ enum unified_form { FORM_AKBARI, FORM_M15 };
 enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
 enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
+enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
+#define SOLUTE_PECLET_MAX 64
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
 
 /* Settings that errors found after reading name with their line. */
 #define SCENE_PLACES(X)                                                                            \
   X(METHOD, "scene", "method")                                                                     \
   X(MODEL, "model", "file")                                                                        \
+  X(FLOW, "flow", "file")                                                                          \
+  X(SOLUTE, "solute", "")                                                                          \
   X(LATTICE, "lattice", "spacing")                                                                 \
   X(SIZE, "domain", "size")                                                                        \
   X(SPACING, "domain", "spacing")                                                                  \
@@ -92,6 +96,8 @@ struct scene {
   double steady_tolerance;     /* 0: runs to end_time */
 
   char model_path[4096]; /* "" when the scene has a domain */
+  char flow_path[4096];  /* "" unless it carries a solute through a flow that is solved already:
+                            then nothing but solute stands below */
 
   int dimensions;         /* 2 or 3; a 2-D scene lives in x and z */
   double domain_size[3];  /* m; y of a 2-D scene: one spacing */
@@ -137,6 +143,14 @@ struct scene {
     double smagorinsky;  /* C_s */
     bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
   } isph;
+
+  struct {
+    double diffusion; /* m^2/s, molecular; NAN: only ratios to it are asked for */
+    double length;    /* m, of the Peclet number; NAN: auto */
+    int peclet_count; /* 0: that of the flow as it is */
+    double peclet[SOLUTE_PECLET_MAX];
+    enum solute_way way;
+  } solute;
 
   enum switch_state turbulence, shifting;
 

@@ -1,6 +1,7 @@
 /* What the parts of the scene reader share: scene.c (groups, driving, the whole), scene_regions.c
  * (what fills the domain, gauges, planes), scene_geometry.c (what regions cannot
- * be to each other), scene_settings.c (methods, effects, output). */
+ * be to each other), scene_settings.c (methods, effects, output), scene_solute.c (what a finished
+ * flow carries). */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
 
@@ -27,6 +28,11 @@ bool scene_in_wall(const struct scene *scene, const double point[3]);
 
 enum status scene_read_regions(struct config *config, struct scene *scene);
 enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */
+enum status scene_read_solute(struct config *config, struct scene *scene); /* flow, solute */
+/* group.file, which must be there and be readable, beside the scene or from where the program runs;
+ * `example` and `made` (by what) are for messages. `path` holds 4096. */
+enum status scene_file(struct config *config, config_node *group, const char *name,
+                       const char *example, const char *made, char *path);
 enum status scene_read_settings(struct config *config, struct scene *scene);
 
 #endif

@@ -48,11 +48,6 @@ void solute_cells_free(struct solute_cells *c) {
 WRAP(solute_cells_wrap, float)
 WRAP(solute_cells_wrap_exact, double)
 
-/* Centre to centre across the face at the low side of cell i. */
-static double distance_across(const struct solute_cells *c, int axis, int i) {
-  return 0.5 * (c->width[axis][i] + c->width[axis][i > 0 ? i - 1 : c->n[axis] - 1]);
-}
-
 enum status solute_cells_of_flow(const struct solute_flow *f, const int axis[3],
                                  struct solute_cells *c) {
   enum status status = STATUS_OK;
@@ -112,14 +107,14 @@ enum status solute_cells_coarsen(const struct solute_cells *f, struct solute_cel
           volume += (double)f->volume[from];
           for (int a = 0; a < 3; a++) {
             if (o >> a & 1) continue;
-            area[a] += (double)f->conductance[a][from] * distance_across(f, a, y[a]);
+            area[a] += (double)f->conductance[a][from] * solute_cells_apart(f, a, y[a]);
             if (f->flux[a] != NULL) flux[a] += (double)f->flux[a][from];
           }
         }
         c->volume[at] = (float)volume;
         for (int a = 0; a < 3; a++) {
           if (c->n[a] == 1) continue;
-          c->conductance[a][at] = (float)(area[a] / distance_across(c, a, x[a]));
+          c->conductance[a][at] = (float)(area[a] / solute_cells_apart(c, a, x[a]));
           if (c->flux[a] != NULL) c->flux[a][at] = (float)flux[a];
         }
       }

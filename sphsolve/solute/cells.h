@@ -27,9 +27,15 @@ struct solute_cells {
 /* Of a flow, its axes in the order `axis`: cells of the solver's axis a are those of axis[a]. */
 enum status solute_cells_of_flow(const struct solute_flow *flow, const int axis[3],
                                  struct solute_cells *cells);
-/* Two by two by two of them; the last of an odd number stays alone. */
+/* Two by two by two of them; the last of an odd number stays alone. Volumes, areas and fluxes are
+ * sums, so that nothing is lost. */
 enum status solute_cells_coarsen(const struct solute_cells *fine, struct solute_cells *coarse);
 void solute_cells_free(struct solute_cells *cells);
+
+/* Centre to centre across the face at the low side of cell i along an axis. */
+static inline double solute_cells_apart(const struct solute_cells *c, int axis, int i) {
+  return 0.5 * (c->width[axis][i] + c->width[axis][i > 0 ? i - 1 : c->n[axis] - 1]);
+}
 
 static inline size_t solute_cells_at(const struct solute_cells *c, int i, int j, int k) {
   return (size_t)(k + 1) * c->stride[2] + (size_t)(j + 1) * c->stride[1] + (size_t)(i + 1);

@@ -38,8 +38,7 @@ void solute_flow_free(struct solute_flow *f) {
   }
 }
 
-/* Means, porosity and grain size, in the order of the cells. */
-static void measure(struct solute_flow *f) {
+void solute_flow_measure(struct solute_flow *f) {
   const double cell = f->spacing[0] * f->spacing[1] * f->spacing[2];
   double volume = 0, sum[3] = {0}, surface = 0;
   for (int k = 0; k < f->n[2]; k++)
@@ -124,7 +123,7 @@ static enum status close_isolated(struct solute_flow *f) {
     for (int a = 0; a < 3; a++) f->aperture[a][at] = 0, f->velocity[a][at] = 0;
   }
   f->isolated = pores > 0 ? closed / pores : 0;
-  measure(f);
+  solute_flow_measure(f);
   for (size_t at = 0; at < f->count && f->speed > 0; at++)
     if (root_of(parent, (uint32_t)at) == at && volume[at] > STILL * pores &&
         sum[at] > STILL * volume[at] && fabs(sum[at] / volume[at] - 1) > ALIKE && closed < pores &&
@@ -148,7 +147,7 @@ static enum status project(struct solute_flow *f) {
   double *source = NULL, *potential = NULL, before = 0, after = 0;
   int iterations;
   double reached;
-  TRY(solute_solver_build(f, axis, false, &solver));
+  TRY(solute_solver_build(f, axis, false, 0, &solver));
   struct solute_cells *c = &solver.cells[0];
   TRY(memory_allocate(&source, c->size, sizeof *source, "divergence of the flow"));
   TRY(memory_allocate(&potential, c->size, sizeof *potential, "potential of the projection"));
@@ -185,7 +184,6 @@ cleanup:
 
 enum status solute_flow_finish(struct solute_flow *f) {
   enum status status = STATUS_OK;
-  /* A cell without an open face takes part in nothing. */
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)
       for (int i = 0; i < f->n[0]; i++) {
@@ -193,12 +191,12 @@ enum status solute_flow_finish(struct solute_flow *f) {
         for (int a = 0; a < 3; a++)
           if (!(f->aperture[a][at] > 0)) f->velocity[a][at] = 0;
       }
-  measure(f);
+  solute_flow_measure(f);
   if (!(f->porosity > 0)) return FAIL(STATUS_INPUT, "no cell of the flow holds water");
   TRY(close_isolated(f));
   if (f->speed > 0) {
     TRY(project(f));
-    measure(f);
+    solute_flow_measure(f);
   }
 cleanup:
   return status;
@@ -240,44 +238,5 @@ enum status solute_flow_build(const int n[3], const double spacing[3],
   TRY(solute_flow_finish(f));
 cleanup:
   if (status != STATUS_OK) solute_flow_free(f);
-  return status;
-}
-
-enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_flow *c) {
-  enum status status = STATUS_OK;
-  int n[3];
-  double spacing[3];
-  for (int a = 0; a < 3; a++) {
-    const bool halved = fine->n[a] > 1;
-    if (halved && fine->n[a] % 2 != 0)
-      return FAIL(STATUS_INPUT, "%d cells along %c cannot be taken two by two", fine->n[a],
-                  "xyz"[a]);
-    n[a] = halved ? fine->n[a] / 2 : 1;
-    spacing[a] = (halved ? 2 : 1) * fine->spacing[a];
-  }
-  TRY(solute_flow_allocate(n, spacing, c));
-  c->viscosity = fine->viscosity, c->density = fine->density;
-  c->isolated = fine->isolated, c->correction = fine->correction;
-  const int by[3] = {fine->n[0] > 1 ? 2 : 1, fine->n[1] > 1 ? 2 : 1, fine->n[2] > 1 ? 2 : 1};
-  for (int a = 0; a < 3; a++) c->origin[a] = fine->origin[a] + 0.5 * (by[a] - 1) * fine->spacing[a];
-  const float share = 1.0f / (float)(by[0] * by[1] * by[2]);
-  for (int k = 0; k < fine->n[2]; k++)
-    for (int j = 0; j < fine->n[1]; j++)
-      for (int i = 0; i < fine->n[0]; i++) {
-        const size_t from = solute_flow_at(fine, i, j, k);
-        const int x[3] = {i, j, k};
-        const size_t at = solute_flow_at(c, i / by[0], j / by[1], k / by[2]);
-        c->distance[at] += share * fine->distance[from];
-        c->volume[at] += share * fine->volume[from];
-        for (int a = 0; a < 3; a++) {
-          if (x[a] % by[a] != 0) continue;
-          c->aperture[a][at] += share * (float)by[a] * fine->aperture[a][from];
-          c->velocity[a][at] += share * (float)by[a] * fine->velocity[a][from];
-        }
-      }
-  measure(c);
-  c->grain_size = fine->grain_size;
-cleanup:
-  if (status != STATUS_OK) solute_flow_free(c);
   return status;
 }

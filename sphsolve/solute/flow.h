@@ -9,16 +9,16 @@
  * solute_flow_free. Errors say which file lacks what. */
 enum status solute_flow_read(const char *run_file, struct solute_flow *flow);
 
+/* The same before anything is made of it, for a forecast: cells, means and grain size, but fluxes
+ * that do not add up yet. */
+enum status solute_flow_look(const char *run_file, struct solute_flow *flow);
+
 /* Walls and velocities given as functions of the place x (m; the box reaches from 0 to n spacing):
  * for tests. `velocity` NULL: at rest. Fluxes are means of it over the open part of each face. */
 enum status solute_flow_build(const int n[3], const double spacing[3],
                               double (*distance)(const void *context, const double x[3]),
                               void (*velocity)(const void *context, const double x[3], double u[3]),
                               const void *context, struct solute_flow *flow);
-
-/* The same flow in cells twice as long along each axis (the last of an odd number stays as it is:
- * refused): volumes, apertures and fluxes are sums, so that nothing is lost. */
-enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_flow *coarse);
 
 void solute_flow_free(struct solute_flow *flow);
 

@@ -29,6 +29,8 @@ void solute_face_open(double d, double m0, double m1, double *area, double *mome
 /* velocity from those of the sites, [nz][ny][nx][3], m/s, 0 in walls (flow_faces.c). */
 void solute_flow_fluxes(struct solute_flow *flow, const float *sites);
 
+/* Means, porosity and grain size, from volume, aperture and velocity. */
+void solute_flow_measure(struct solute_flow *flow);
 /* Closes what no flow passes, makes the fluxes free of divergence, and finds the means. */
 enum status solute_flow_finish(struct solute_flow *flow);
 

@@ -31,7 +31,7 @@ cleanup:
   return status;
 }
 
-enum status solute_flow_read(const char *run_file, struct solute_flow *f) {
+static enum status read_flow(const char *run_file, bool whole, struct solute_flow *f) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   float *distance = NULL, *velocity = NULL;
@@ -79,7 +79,8 @@ enum status solute_flow_read(const char *run_file, struct solute_flow *f) {
   solute_flow_cut(f);
   solute_flow_fluxes(f, velocity);
   memory_free(&velocity);
-  status = solute_flow_finish(f);
+  solute_flow_measure(f);
+  if (whole) status = solute_flow_finish(f);
   if (status == STATUS_INPUT) status = error_context(status, "%s", path);
   if (status == STATUS_OK && !(f->speed > 0))
     status = FAIL(STATUS_INPUT, "%s: the water rests; nothing carries a solute", path);
@@ -89,4 +90,12 @@ cleanup:
   memory_free(&velocity);
   if (status != STATUS_OK) solute_flow_free(f);
   return status;
+}
+
+enum status solute_flow_read(const char *run_file, struct solute_flow *flow) {
+  return read_flow(run_file, true, flow);
+}
+
+enum status solute_flow_look(const char *run_file, struct solute_flow *flow) {
+  return read_flow(run_file, false, flow);
 }

@@ -7,7 +7,7 @@
 
 #define BASIS 30
 #define ROUNDS 20
-#define SWEEPS 2 /* before and after the coarser cells */
+#define SWEEPS 1 /* before and after the coarser cells */
 #define SWEEPS_COARSEST 8
 
 /* Of a face, what the neighbour at its high and at its low side gives: G' - s F / 2 and
@@ -194,10 +194,16 @@ static void precondition(void *system, const float *x, float *work, float *y) {
 }
 
 enum status solute_solver_build(const struct solute_flow *flow, const int axis[3], bool down,
-                                struct solute_solver *s) {
+                                int coarsenings, struct solute_solver *s) {
   enum status status = STATUS_OK;
   *s = (struct solute_solver){.down = down};
   TRY(solute_cells_of_flow(flow, axis, &s->cells[0]));
+  for (; coarsenings > 0; coarsenings--) {
+    struct solute_cells fine = s->cells[0];
+    status = solute_cells_coarsen(&fine, &s->cells[0]);
+    solute_cells_free(&fine);
+    if (status != STATUS_OK) goto cleanup;
+  }
   s->level_count = 1;
   for (;;) {
     const int l = s->level_count;

@@ -24,10 +24,10 @@ struct solute_solver {
   struct stokes_krylov krylov;
 };
 
-/* The cells of the flow with its axes in the order `axis`; `down`: it goes down the last of them.
- * Free with solute_solver_free. */
+/* The cells of the flow with its axes in the order `axis`, taken two by two by two `coarsenings`
+ * times; `down`: it goes down the last axis. Free with solute_solver_free. */
 enum status solute_solver_build(const struct solute_flow *flow, const int axis[3], bool down,
-                                struct solute_solver *solver);
+                                int coarsenings, struct solute_solver *solver);
 void solute_solver_free(struct solute_solver *solver);
 /* Another s >= 0. */
 void solute_solver_set(struct solute_solver *solver, double s);

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "common/image_file.h"
 #include "common/model_file.h"
 
 int sphsolve_main(int argc, char **argv);
@@ -47,6 +48,35 @@ static void write_model(const char *name, int solid) {
   snprintf(path, sizeof path, "%s/%s", folder, name);
   assert_int_equal(h5_create(path, &file), STATUS_OK);
   assert_int_equal(model_write(file, &model), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+}
+
+/* What a run of method stokes leaves of a slit, as far as a solute needs it. */
+static void write_flow(const char *name) {
+  enum { N = 8 };
+  static float distance[N][N][N], velocity[N][N][N][3];
+  const double spacing[3] = {1e-5, 1e-5, 1e-5};
+  const size_t size[3] = {N, N, N}, shape[4] = {N, N, N, 3};
+  struct h5_file *file;
+  char path[128];
+  for (int i = 0; i < N; i++)
+    for (int at = 0; at < N * N; at++) {
+      distance[at / N][at % N][i] = (float)(1e-5 * (i < 4 ? i - 0.5 : 6.5 - i));
+      velocity[at / N][at % N][i][2] = i > 0 && i < 7 ? 1e-3f : 0;
+    }
+  snprintf(path, sizeof path, "%s/%s.hdf", folder, name);
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_make_group(file, "/run"), STATUS_OK);
+  assert_int_equal(h5_write_attribute_text(file, "/run", "method", "stokes"), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  snprintf(path, sizeof path, "%s/%s-image.hdf", folder, name);
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(image_file_begin(file, size, spacing, spacing), STATUS_OK);
+  assert_int_equal(
+      h5_write(file, "/VTKHDF/PointData/wall_distance", H5_F32, 3, size, distance, false),
+      STATUS_OK);
+  assert_int_equal(h5_write(file, "/VTKHDF/PointData/velocity", H5_F32, 4, shape, velocity, false),
+                   STATUS_OK);
   assert_int_equal(h5_commit(file), STATUS_OK);
 }
 
@@ -182,12 +212,15 @@ static int make_folder(void **state) {
   if (mkdtemp(folder) == NULL) return 1;
   write_model("model.hdf", 0);
   write_model("dry.hdf", 1);
+  write_flow("flow");
   snprintf(command, sizeof command, "echo no HDF5 > %s/text.hdf", folder);
   if (system(command) != 0) return 1;
   snprintf(path, sizeof path, "%s/model.hdf", folder);
   add_let("MODEL", path);
   snprintf(path, sizeof path, "%s/dry.hdf", folder);
   add_let("DRY", path);
+  snprintf(path, sizeof path, "%s/flow.hdf", folder);
+  add_let("FLOW", path);
   snprintf(path, sizeof path, "%s/text.hdf", folder);
   add_let("TEXT", path);
   return 0;

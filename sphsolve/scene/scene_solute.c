@@ -1,0 +1,75 @@
+/* A scene that carries a solute through a flow that is solved already. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sphsolve/scene/scene_internal.h"
+
+static const char *const way_names[] = {"closure", NULL};
+
+#define DIM_DIFFUSION ((struct dimension){2, 0, -1})
+
+/* What a flow brings along itself. */
+static enum status refuse_other_groups(struct config *config) {
+  static const char *const groups[] = {"model",  "lattice", "domain", "fluids",    "regions",
+                                       "force",  "wcsph",   "stokes", "isph",      "effects",
+                                       "gauges", "planes",  "output", "checkpoint"};
+  for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
+    config_node *node = config_child(config, config_root(config), groups[i]);
+    if (node != NULL)
+      return config_error(config, node,
+                          "a scene with flow = { file = ...; } takes a flow that is solved "
+                          "already, with all of its settings; leave '%s' out",
+                          groups[i]);
+  }
+  return STATUS_OK;
+}
+
+static enum status read_peclet(struct config *config, config_node *group, struct scene *scene) {
+  static const double decades[] = {0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000};
+  enum status status = STATUS_OK;
+  bool given;
+  TRY(config_quantities(config, group, "peclet", DIM_NONE, 1, SOLUTE_PECLET_MAX,
+                        scene->solute.peclet, &scene->solute.peclet_count, &given));
+  for (int i = 0; i < scene->solute.peclet_count; i++)
+    if (!(scene->solute.peclet[i] >= 0 && scene->solute.peclet[i] <= 1e6))
+      TRY(config_error(config, config_child(config, group, "peclet"),
+                       "Peclet numbers from 0 (no flow) to 1e6 are possible, like [0.1, 1.0, "
+                       "10.0]"));
+  if (given || !isnan(scene->solute.diffusion)) goto cleanup;
+  scene->solute.peclet_count = sizeof decades / sizeof *decades;
+  memcpy(scene->solute.peclet, decades, sizeof decades);
+cleanup:
+  return status;
+}
+
+enum status scene_read_solute(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *root = config_root(config);
+  config_node *flow = config_child(config, root, "flow");
+  config_node *group = config_child(config, root, "solute");
+  int way = SOLUTE_CLOSURE;
+  if (flow == NULL && (group != NULL || scene->method == &method_solute))
+    return config_error(config, group,
+                        "a solute needs a flow that is solved already; write flow = { file = "
+                        "\"run.hdf\"; }, the OUT.hdf of a run of method stokes");
+  if (flow == NULL) return STATUS_OK;
+  if (scene->method != NULL && scene->method != &method_solute)
+    return config_error(config, config_child(config, config_child(config, root, "scene"), "method"),
+                        "solves a flow, and this scene takes one that is solved already; leave it "
+                        "out");
+  if (group == NULL)
+    return config_error(config, flow,
+                        "the group 'solute' is missing: what the flow carries; write solute = { "
+                        "peclet = [0.1, 1.0, 10.0]; };");
+  scene->method = &method_solute;
+  TRY(refuse_other_groups(config));
+  TRY(scene_file(config, flow, "flow", "run.hdf", "sphsolve run ... -o", scene->flow_path));
+  TRY(scene_positive(config, group, "diffusion", DIM_DIFFUSION, &scene->solute.diffusion));
+  TRY(scene_positive(config, group, "length", DIM_LENGTH, &scene->solute.length));
+  TRY(read_peclet(config, group, scene));
+  TRY(config_choice(config, group, "way", way_names, &way, NULL));
+  scene->solute.way = (enum solute_way)way;
+cleanup:
+  return status;
+}

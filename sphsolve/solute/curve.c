@@ -1,0 +1,106 @@
+#include "sphsolve/solute/curve.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/interrupt.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/solute/closure.h"
+
+/* Of the residual, relative: D* is then known to some 1e-4, far below what the lattice leaves. */
+#define TOLERANCE 1e-4
+#define LATTICES 2
+
+/* What one lattice gave for one Peclet number. */
+struct solved {
+  struct solute_dispersion value;
+  double seconds;
+};
+
+static enum status solve_lattice(const struct solute_flow *flow, int coarsenings,
+                                 const struct solute_result *r, struct progress *progress,
+                                 double *done, struct solved *solved) {
+  enum status status = STATUS_OK;
+  struct solute_closure closure = {0};
+  char note[80];
+  TRY(solute_closure_build(flow, coarsenings, &closure));
+  /* First without flow, for the formation factor; then from one Peclet number to the next. */
+  for (int i = -1; i < r->count; i++) {
+    const double peclet = i < 0 ? 0 : r->peclet[i];
+    const double d = peclet > 0 ? flow->speed * r->length / peclet : INFINITY;
+    const double started = clock_processor_seconds();
+    if (interrupt_requested())
+      TRY_FAIL(STATUS_INTERRUPTED, "interrupted; nothing of the solute is kept");
+    TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved[i + 1].value));
+    solved[i + 1].seconds = clock_processor_seconds() - started;
+    *done += coarsenings > 0 ? 1 : 8;
+    snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g", peclet, solved[i + 1].value.longitudinal);
+    progress_update(progress, *done, note);
+  }
+cleanup:
+  solute_closure_free(&closure);
+  return status;
+}
+
+static double share(double change, double value) {
+  return value > 0 ? fabs(change) / value : 0;
+}
+
+/* The limit of both lattices, and its error. `coarse` NULL: one alone. */
+static void take(const struct solute_flow *flow, const struct solved *fine,
+                 const struct solved *coarse, struct solute_closed *out) {
+  struct solute_dispersion limit = fine->value;
+  const double direction[3] = {flow->speed > 0 ? flow->mean_velocity[0] / flow->speed : 0,
+                               flow->speed > 0 ? flow->mean_velocity[1] / flow->speed : 0,
+                               flow->speed > 0 ? flow->mean_velocity[2] / flow->speed : 1};
+  for (int p = 0; p < 3 && coarse != NULL; p++)
+    for (int q = 0; q < 3; q++)
+      limit.tensor[p][q] += (fine->value.tensor[p][q] - coarse->value.tensor[p][q]) / 3;
+  solute_dispersion_parts(direction, flow->dimensions, &limit);
+  memcpy(out->tensor, limit.tensor, sizeof out->tensor);
+  const double value[2] = {limit.longitudinal, limit.transverse};
+  const double ours[2] = {fine->value.longitudinal, fine->value.transverse};
+  double error[2];
+  for (int t = 0; t < 2; t++) {
+    const double other = coarse == NULL ? NAN
+                         : t            ? coarse->value.transverse
+                                        : coarse->value.longitudinal;
+    out->resolution[t] = share(ours[t] - other, value[t]);
+    /* Of what the flow adds to conduction, as much as the projection changed the flow. */
+    out->projection[t] = flow->correction * fmin(1, share(fmax(value[t] - 1, 0), value[t]));
+    out->solver = fine->value.residual;
+    error[t] = sqrt(pow(out->resolution[t], 2) + pow(out->projection[t], 2) + pow(out->solver, 2));
+  }
+  out->value = (struct solute_estimate){value[0], value[1], error[0], error[1]};
+  out->iterations = fine->value.iterations;
+  out->seconds = fine->seconds + (coarse != NULL ? coarse->seconds : 0);
+}
+
+enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *r) {
+  enum status status = STATUS_OK;
+  struct solved *solved = NULL; /* [LATTICES][1 + count] */
+  struct progress progress;
+  struct solute_closed still;
+  const size_t row = (size_t)r->count + 1;
+  bool twice = true;
+  double done = 0;
+  for (int a = 0; a < 3; a++)
+    twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
+  TRY(memory_allocate(&solved, LATTICES * row, sizeof *solved, "dispersion"));
+  progress_start(&progress, "closure", NULL, (double)row * (twice ? 9 : 8));
+  if (twice) TRY(solve_lattice(flow, 1, r, &progress, &done, solved + row));
+  TRY(solve_lattice(flow, 0, r, &progress, &done, solved));
+  r->by_closure = true;
+  for (int i = 0; i < r->count; i++)
+    take(flow, &solved[i + 1], twice ? &solved[row + (size_t)i + 1] : NULL, &r->closure[i]);
+  take(flow, &solved[0], twice ? &solved[row] : NULL, &still);
+  r->tortuosity = 1 / still.value.longitudinal;
+  r->formation = r->tortuosity / flow->porosity;
+  r->formation_error = still.value.longitudinal_error;
+cleanup:
+  progress_end(&progress);
+  memory_free(&solved);
+  return status;
+}

@@ -1,0 +1,18 @@
+/* D* / D over the Peclet numbers of a scene, with its error. */
+#ifndef TOSUI_SPHSOLVE_SOLUTE_CURVE_H
+#define TOSUI_SPHSOLVE_SOLUTE_CURVE_H
+
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/result.h"
+
+/* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
+ * large too. */
+#define SOLUTE_CELLS_LEAST 8
+
+/* By the closure problem: fills closure, formation, formation_error and tortuosity of the result
+ * from its length, count and peclet. Solved on the flow's cells and on those taken two by two by
+ * two: the limit of both by the square of the spacing is the value, all of their difference the
+ * error of resolution. */
+enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *result);
+
+#endif

@@ -1,0 +1,81 @@
+/* Method solute: what a flow carries that is solved already. */
+#include <math.h>
+#include <stdio.h>
+
+#include "common/interrupt.h"
+#include "common/log.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
+#include "common/ranks.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/solute/closure.h"
+#include "sphsolve/solute/cost.h"
+#include "sphsolve/solute/curve.h"
+#include "sphsolve/solute/result.h"
+
+/* Those of the scene, or that of the flow as it is. */
+static enum status set_peclet(const struct scene *scene, const struct solute_flow *flow,
+                              struct solute_result *result) {
+  const double d = scene->solute.diffusion;
+  result->length = scene->solute.length;
+  if (isnan(result->length)) result->length = flow->grain_size;
+  if (!(result->length > 0))
+    return scene_error(scene, AT_SOLUTE,
+                       "this flow passes no grains whose size the Peclet number could have; give "
+                       "length, like length = \"0.2 mm\"");
+  result->diffusion = d;
+  result->count = scene->solute.peclet_count;
+  for (int i = 0; i < result->count; i++) result->peclet[i] = scene->solute.peclet[i];
+  if (result->count == 0) {
+    result->count = 1;
+    result->peclet[0] = flow->speed * result->length / d;
+  }
+  return STATUS_OK;
+}
+
+static enum status run_on_flow(const struct scene *scene, const char *prefix,
+                               const char *command_line, bool json) {
+  enum status status = STATUS_OK;
+  struct solute_flow flow = {0};
+  struct solute_result result = {.status = "converged"};
+  char path[4200];
+  const double started = clock_seconds();
+  if (ranks_count() > 1)
+    return FAIL(STATUS_USAGE, "a scene with flow = { ... } runs in one process: use sphsolve");
+  output_protect(scene->path);
+  output_protect(scene->flow_path);
+  snprintf(path, sizeof path, "%s.hdf", prefix);
+  TRY(output_allow(path));
+  interrupt_start("the Peclet number at hand is solved first");
+  TRY(solute_say_where(scene, solute_flow_read(scene->flow_path, &flow)));
+  TRY(set_peclet(scene, &flow, &result));
+  log_verbose("flow: %d x %d x %d cells, porosity %.4f, U = %.3g m/s, grains of %.3g m, changed "
+              "by %.2g to be free of divergence",
+              flow.n[0], flow.n[1], flow.n[2], flow.porosity, flow.speed, flow.grain_size,
+              flow.correction);
+  TRY(solute_curve_by_closure(&flow, &result));
+  for (int i = 0; i < result.count; i++) result.best[i] = result.closure[i].value;
+  result.wall_time = clock_seconds() - started;
+  TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
+  if (json)
+    TRY(solute_result_print_json(scene, &flow, &result));
+  else if (log_level() > LOG_QUIET)
+    solute_result_print(scene, &flow, &result, prefix);
+cleanup:
+  solute_flow_free(&flow);
+  return status;
+}
+
+/* It is asked for by name, or by the flow that a scene names. */
+static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+  (void)context, (void)why;
+  return false;
+}
+
+static const struct effect *const no_effects[] = {NULL};
+
+const struct method method_solute = {.name = "solute",
+                                     .effects = no_effects,
+                                     .takes = takes,
+                                     .run_on_flow = run_on_flow,
+                                     .explain_on_flow = solute_explain};

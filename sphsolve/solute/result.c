@@ -1,0 +1,111 @@
+#include "sphsolve/solute/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/hdf5_file.h"
+#include "common/provenance.h"
+
+static enum status write_number(struct h5_file *file, const char *name, double value) {
+  return h5_write_attribute(file, "/solute", name, H5_F64, 1, &value);
+}
+
+/* /solute/GROUP/NAME over the Peclet numbers: member `offset` of each of `items`. */
+static enum status write_column(struct h5_file *file, const char *name, int count,
+                                const void *items, size_t size, size_t offset) {
+  double values[SOLUTE_PECLET_MAX];
+  char path[128];
+  const size_t dims[1] = {(size_t)count};
+  for (int i = 0; i < count; i++)
+    memcpy(&values[i], (const char *)items + (size_t)i * size + offset, sizeof *values);
+  snprintf(path, sizeof path, "/solute/%s", name);
+  return h5_write(file, path, H5_F64, 1, dims, values, false);
+}
+
+static enum status write_closure(struct h5_file *file, const struct solute_result *r) {
+  enum status status = STATUS_OK;
+#define COLUMN(name, member)                                                                       \
+  TRY(write_column(file, "closure/" name, r->count, r->closure, sizeof *r->closure,                \
+                   offsetof(struct solute_closed, member)))
+  double tensor[SOLUTE_PECLET_MAX][9];
+  const size_t dims[3] = {(size_t)r->count, 3, 3};
+  COLUMN("longitudinal", value.longitudinal);
+  COLUMN("transverse", value.transverse);
+  COLUMN("longitudinal_error", value.longitudinal_error);
+  COLUMN("transverse_error", value.transverse_error);
+  COLUMN("longitudinal_resolution", resolution[0]);
+  COLUMN("transverse_resolution", resolution[1]);
+  COLUMN("longitudinal_projection", projection[0]);
+  COLUMN("transverse_projection", projection[1]);
+  COLUMN("solver", solver);
+#undef COLUMN
+  for (int i = 0; i < r->count; i++)
+    for (int e = 0; e < 9; e++) tensor[i][e] = r->closure[i].tensor[e / 3][e % 3];
+  TRY(h5_write(file, "/solute/closure/tensor", H5_F64, 3, dims, tensor, false));
+cleanup:
+  return status;
+}
+
+static enum status write_solute(struct h5_file *file, const struct scene *scene,
+                                const struct solute_flow *flow, const struct solute_result *r) {
+  enum status status = STATUS_OK;
+  const size_t dims[1] = {(size_t)r->count};
+  uint64_t size[3];
+  for (int a = 0; a < 3; a++) size[a] = (uint64_t)flow->n[a];
+  TRY(h5_make_group(file, "/solute"));
+  TRY(h5_write_attribute_text(file, "/solute", "flow", scene->flow_path));
+  TRY(h5_write_attribute(file, "/solute", "mean_velocity", H5_F64, 3, flow->mean_velocity));
+  TRY(h5_write_attribute(file, "/solute", "spacing", H5_F64, 3, flow->spacing));
+  TRY(h5_write_attribute(file, "/solute", "size", H5_U64, 3, size));
+  TRY(h5_write_attribute(file, "/solute", "dimensions", H5_I32, 1, &flow->dimensions));
+  TRY(write_number(file, "speed", flow->speed));
+  TRY(write_number(file, "porosity", flow->porosity));
+  TRY(write_number(file, "isolated", flow->isolated));
+  TRY(write_number(file, "grain_size", flow->grain_size));
+  TRY(write_number(file, "correction", flow->correction));
+  TRY(write_number(file, "length", r->length));
+  TRY(write_number(file, "diffusion", r->diffusion));
+  TRY(write_number(file, "formation_factor", r->formation));
+  TRY(write_number(file, "formation_factor_error", r->formation_error));
+  TRY(write_number(file, "tortuosity", r->tortuosity));
+  TRY(h5_write(file, "/solute/peclet", H5_F64, 1, dims, r->peclet, false));
+#define COLUMN(name)                                                                               \
+  TRY(write_column(file, #name, r->count, r->best, sizeof *r->best,                                \
+                   offsetof(struct solute_estimate, name)))
+  COLUMN(longitudinal);
+  COLUMN(transverse);
+  COLUMN(longitudinal_error);
+  COLUMN(transverse_error);
+#undef COLUMN
+  if (r->by_closure) TRY(write_closure(file, r));
+cleanup:
+  return status;
+}
+
+enum status solute_result_write(const struct scene *scene, const struct solute_flow *flow,
+                                const struct solute_result *r, const char *prefix,
+                                const char *command_line) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char path[4200];
+  const char *inputs[2] = {scene->path, scene->flow_path};
+  uint64_t hashes[2] = {hash_bytes(scene->text, strlen(scene->text)), 0};
+  TRY(hash_file(scene->flow_path, &hashes[1]));
+  snprintf(path, sizeof path, "%s.hdf", prefix);
+  TRY(h5_create(path, &file));
+  TRY(h5_make_group(file, "/run"));
+  TRY(h5_write_attribute_text(file, "/run", "method", "solute"));
+  TRY(h5_write_attribute_text(file, "/run", "status", r->status));
+  TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
+  TRY(h5_write_text(file, "/run/scene", scene->text));
+  TRY(h5_make_group(file, "/run/timing"));
+  TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &r->wall_time));
+  TRY(write_solute(file, scene, flow, r));
+  TRY(provenance_write(file, "sphsolve", command_line, 2, inputs, hashes));
+  status = h5_commit(file);
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}

@@ -1,0 +1,52 @@
+/* What came out for a solute, and where it goes. */
+#ifndef TOSUI_SPHSOLVE_SOLUTE_RESULT_H
+#define TOSUI_SPHSOLVE_SOLUTE_RESULT_H
+
+#include <stdbool.h>
+
+#include "common/error.h"
+#include "sphsolve/scene/scene.h"
+#include "sphsolve/solute/volumes.h"
+
+/* Of one way at one Peclet number, over the molecular diffusion coefficient. Errors are relative,
+ * 95 %, NAN where unknown. */
+struct solute_estimate {
+  double longitudinal, transverse;
+  double longitudinal_error, transverse_error;
+};
+
+/* The closure problem at one Peclet number. */
+struct solute_closed {
+  struct solute_estimate value;
+  double tensor[3][3];                         /* D* / D along x, y, z, on the flow's own cells */
+  double resolution[2], projection[2], solver; /* parts of the errors, longitudinal, transverse */
+  int iterations;
+  double seconds; /* of processor */
+};
+
+struct solute_result {
+  const char *status; /* "converged" */
+  double length;      /* m, of the Peclet number */
+  double diffusion;   /* m^2/s; NAN: only ratios are known */
+  int count;
+  double peclet[SOLUTE_PECLET_MAX];
+  bool by_closure;
+  struct solute_closed closure[SOLUTE_PECLET_MAX];
+  struct solute_estimate best[SOLUTE_PECLET_MAX]; /* what is reported */
+  /* Conduction through the pores: the formation factor F = 1 / (porosity D* / D) along the flow,
+   * its relative error, and D / D*, often called the diffusive tortuosity. */
+  double formation, formation_error, tortuosity;
+  double wall_time;
+};
+
+/* PREFIX.hdf: /run, /solute, /provenance (docs/formats.md). */
+enum status solute_result_write(const struct scene *scene, const struct solute_flow *flow,
+                                const struct solute_result *result, const char *prefix,
+                                const char *command_line);
+/* To stdout: one JSON object, or a table for people. */
+enum status solute_result_print_json(const struct scene *scene, const struct solute_flow *flow,
+                                     const struct solute_result *result);
+void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
+                         const struct solute_result *result, const char *prefix);
+
+#endif

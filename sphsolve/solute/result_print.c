@@ -1,0 +1,91 @@
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/solute/result.h"
+
+static json_t *number_or_null(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* D_L / U, m; NAN without flow. */
+static double dispersivity(const struct solute_result *r, int i, double over_diffusion) {
+  return r->peclet[i] > 0 ? over_diffusion * r->length / r->peclet[i] : NAN;
+}
+
+static void add(json_t *object, const char *name, double value) {
+  json_array_append_new(json_object_get(object, name), number_or_null(value));
+}
+
+enum status solute_result_print_json(const struct scene *scene, const struct solute_flow *flow,
+                                     const struct solute_result *r) {
+  static const char *const lists[] = {"peclet",
+                                      "longitudinal",
+                                      "transverse",
+                                      "longitudinal_error",
+                                      "transverse_error",
+                                      "longitudinal_dispersivity",
+                                      "transverse_dispersivity"};
+  json_t *object = json_object();
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+    json_object_set_new(object, lists[i], json_array());
+  for (int i = 0; i < r->count; i++) {
+    const struct solute_estimate *e = &r->best[i];
+    add(object, "peclet", r->peclet[i]);
+    add(object, "longitudinal", e->longitudinal);
+    add(object, "transverse", e->transverse);
+    add(object, "longitudinal_error", e->longitudinal_error);
+    add(object, "transverse_error", e->transverse_error);
+    add(object, "longitudinal_dispersivity", dispersivity(r, i, e->longitudinal));
+    add(object, "transverse_dispersivity", dispersivity(r, i, e->transverse));
+  }
+  const struct {
+    const char *name;
+    double value;
+  } numbers[] = {{"length", r->length},
+                 {"diffusion", r->diffusion},
+                 {"porosity", flow->porosity},
+                 {"isolated", flow->isolated},
+                 {"mean_velocity", flow->speed},
+                 {"formation_factor", r->formation},
+                 {"formation_factor_error", r->formation_error},
+                 {"tortuosity", r->tortuosity},
+                 {"flow_correction", flow->correction},
+                 {"wall_time", r->wall_time}};
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+    json_object_set_new(object, numbers[i].name, number_or_null(numbers[i].value));
+  json_object_set_new(object, "status", json_string(r->status));
+  json_object_set_new(object, "flow", json_string(scene->flow_path));
+  json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+  putchar('\n');
+  json_decref(object);
+  return STATUS_OK;
+}
+
+/* "8.322 +- 1.2 %" */
+static void print_value(double value, double error) {
+  if (isfinite(error))
+    printf("  %10.4g +- %-7.2g", value, 100 * error);
+  else
+    printf("  %10.4g +- ?      ", value);
+}
+
+void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
+                         const struct solute_result *r, const char *prefix) {
+  printf("flow       %s: U = %.4g m/s in pores of porosity %.4f\n", scene->flow_path, flow->speed,
+         flow->porosity);
+  printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
+         100 * r->formation_error, 1 / r->tortuosity);
+  printf("length     %.4g m, of Pe = U length / D\n", r->length);
+  printf("%10s  %10s    %-7s  %10s    %-7s  %s\n", "Pe", "D_L/D", "%", "D_T/D", "%",
+         "dispersivity D_L/U, m");
+  for (int i = 0; i < r->count; i++) {
+    const struct solute_estimate *e = &r->best[i];
+    printf("%10.4g", r->peclet[i]);
+    print_value(e->longitudinal, e->longitudinal_error);
+    print_value(e->transverse, e->transverse_error);
+    if (r->peclet[i] > 0) printf("  %.3g", dispersivity(r, i, e->longitudinal));
+    putchar('\n');
+  }
+  printf("files      %s.hdf\nnext       analyze dispersion %s.hdf -o results\n", prefix, prefix);
+}

@@ -1,0 +1,201 @@
+/* The flow that carries a solute: what walls leave of cells and faces, fluxes that add up; the
+ * closure problem against exact solutions. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "sphsolve/solute/closure.h"
+#include "sphsolve/solute/curve.h"
+
+static void assert_near(double value, double expected, double within) {
+  if (!(fabs(value - expected) <= within)) fail_msg("%.7g, not %.7g", value, expected);
+}
+
+struct slit {
+  double low, high; /* m, between the walls, normal to x */
+};
+
+static double slit_distance(const void *context, const double x[3]) {
+  const struct slit *s = context;
+  return fmin(x[0] - s->low, s->high - x[0]);
+}
+
+static void slit_velocity(const void *context, const double x[3], double u[3]) {
+  const struct slit *s = context;
+  const double gap = s->high - s->low;
+  u[0] = u[1] = 0;
+  u[2] = 6 * (x[0] - s->low) * (s->high - x[0]) / (gap * gap); /* mean 1 */
+}
+
+struct ball {
+  double centre[3], radius;
+};
+
+static double ball_distance(const void *context, const double x[3]) {
+  const struct ball *b = context;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += pow(x[a] - b->centre[a], 2);
+  return sqrt(square) - b->radius;
+}
+
+/* Uniform flow, which walls and the projection bend around the ball. */
+static void uniform(const void *context, const double x[3], double u[3]) {
+  (void)context, (void)x;
+  u[0] = 0.3, u[1] = -0.2, u[2] = 1;
+}
+
+/* Largest difference of what flows into a cell and out of it, over the largest flux. */
+static double largest_divergence(const struct solute_flow *f) {
+  double largest = 0, flux = 0;
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        const int x[3] = {i, j, k};
+        double sum = 0;
+        for (int a = 0; a < 3; a++) {
+          int up[3] = {i, j, k};
+          up[a] = (x[a] + 1) % f->n[a];
+          const size_t at = ((size_t)k * (size_t)f->n[1] + (size_t)j) * (size_t)f->n[0] + (size_t)i;
+          const size_t next =
+              ((size_t)up[2] * (size_t)f->n[1] + (size_t)up[1]) * (size_t)f->n[0] + (size_t)up[0];
+          sum += ((double)f->velocity[a][next] - (double)f->velocity[a][at]) / f->spacing[a];
+          flux = fmax(flux, fabs((double)f->velocity[a][at]) / f->spacing[a]);
+        }
+        largest = fmax(largest, fabs(sum));
+      }
+  return largest / flux;
+}
+
+static void slit_between_sites(void **state) {
+  (void)state;
+  const int n[3] = {16, 1, 4};
+  const double h[3] = {1e-5, 1e-5, 1e-5};
+  const struct slit slit = {1.27e-5, 12.81e-5};
+  struct solute_flow f;
+  assert_int_equal(solute_flow_build(n, h, slit_distance, slit_velocity, &slit, &f), STATUS_OK);
+  assert_near(f.porosity, (slit.high - slit.low) / 16e-5, 1e-5);
+  assert_near(f.mean_velocity[2], 1, 0.01);
+  assert_near(f.mean_velocity[0], 0, 1e-6);
+  assert_near((double)f.aperture[2][1], 0.73, 1e-4);
+  assert_near((double)f.volume[1], 0.73, 2e-3);
+  assert_true(f.dimensions == 2);
+  assert_true(largest_divergence(&f) < 1e-6);
+  solute_flow_free(&f);
+}
+
+static void ball_in_a_box(void **state) {
+  (void)state;
+  const int n[3] = {16, 16, 16};
+  const double h[3] = {1.0 / 16, 1.0 / 16, 1.0 / 16};
+  const struct ball ball = {{0.51, 0.48, 0.5}, 0.3};
+  struct solute_flow f;
+  assert_int_equal(solute_flow_build(n, h, ball_distance, uniform, &ball, &f), STATUS_OK);
+  const double solid = 4.0 / 3.0 * 3.14159265358979 * pow(ball.radius, 3);
+  assert_near(1 - f.porosity, solid, 2e-3 * solid);
+  assert_near(f.grain_size, 0.6, 0.02);
+  assert_true(largest_divergence(&f) < 2e-6);
+  assert_true(f.correction > 0.01 && f.correction < 0.5);
+  solute_flow_free(&f);
+}
+
+/* D* / D of a slit: 1 + Pe^2 / 210 along it (Taylor 1953, Aris 1959), nothing across. */
+static void slit_disperses(void **state) {
+  (void)state;
+  const int n[3] = {20, 1, 4};
+  const double h[3] = {1e-5, 1e-5, 1e-5};
+  const struct slit slit = {1.27e-5, 18.81e-5};
+  struct solute_flow f;
+  struct solute_closure c;
+  struct solute_dispersion d;
+  assert_int_equal(solute_flow_build(n, h, slit_distance, slit_velocity, &slit, &f), STATUS_OK);
+  assert_int_equal(solute_closure_build(&f, 0, &c), STATUS_OK);
+  for (double peclet = 0.1; peclet < 2000; peclet *= 10) {
+    const double diffusion = f.speed * (slit.high - slit.low) / peclet;
+    assert_int_equal(solute_closure_solve(&c, diffusion, 1e-6, &d), STATUS_OK);
+    const double exact = 1 + peclet * peclet / 210;
+    assert_near(d.longitudinal, exact, 0.01 * exact);
+    assert_near(d.tensor[0][0], 0, 1e-6);
+    assert_near(d.tensor[0][2], 0, 1e-6);
+  }
+  solute_closure_free(&c);
+  solute_flow_free(&f);
+}
+
+static double cylinder_distance(const void *context, const double x[3]) {
+  const struct ball *b = context;
+  return hypot(x[0] - b->centre[0], x[1] - b->centre[1]) - b->radius;
+}
+
+/* Conduction past a square array of cylinders that take .4 of the plane (Rayleigh 1892; Perrins,
+ * McKenzie, McPhedran 1979): 0.425355 of what it is without them; 1 along them. The limit of two
+ * lattices, and its error, also with an odd number of cells. */
+static void cylinders_conduct(void **state) {
+  (void)state;
+  for (int cells = 16; cells < 18; cells++) {
+    const int n[3] = {cells, cells, cells};
+    const double h[3] = {1.0 / cells, 1.0 / cells, 1.0 / cells};
+    const struct ball wire = {{0.5, 0.5, 0}, sqrt(0.4 / 3.14159265358979)};
+    struct solute_flow f;
+    static struct solute_result r;
+    r.count = 0;
+    assert_int_equal(solute_flow_build(n, h, cylinder_distance, NULL, &wire, &f), STATUS_OK);
+    assert_int_equal(solute_curve_by_closure(&f, &r), STATUS_OK);
+    assert_near(f.porosity, 0.6, 1e-3);
+    assert_near(1 / r.tortuosity, 1, 1e-6); /* at rest, z stands for the direction of the flow */
+    struct solute_closure c;
+    struct solute_dispersion d;
+    assert_int_equal(solute_closure_build(&f, 0, &c), STATUS_OK);
+    assert_int_equal(solute_closure_solve(&c, INFINITY, 1e-6, &d), STATUS_OK);
+    assert_near(f.porosity * d.tensor[0][0], 0.425355, 0.004);
+    assert_near(d.tensor[1][1], d.tensor[0][0], 1e-5);
+    assert_near(d.tensor[0][1], 0, 1e-5);
+    assert_near(d.transverse, d.tensor[0][0], 1e-4);
+    solute_closure_free(&c);
+    solute_flow_free(&f);
+  }
+}
+
+/* Two layers of one width w that slip past each other at +-v: D_L / D = 1 + (v w / D)^2 / 12, from
+ * b'' = v / D in one, -v / D in the other. The same along x, y and z, up and down. */
+static int along;
+static void layers(const void *context, const double x[3], double u[3]) {
+  const double *sign = context;
+  for (int a = 0; a < 3; a++) u[a] = 0;
+  u[along] = *sign * (x[(along + 1) % 3] < 0.5 ? 3 : 1);
+}
+static double open_distance(const void *context, const double x[3]) {
+  (void)context, (void)x;
+  return 1;
+}
+
+static void layers_disperse(void **state) {
+  (void)state;
+  for (along = 0; along < 3; along++)
+    for (double sign = -1; sign < 2; sign += 2) {
+      int n[3] = {4, 4, 4};
+      double h[3] = {1, 1, 1};
+      n[(along + 1) % 3] = 32, h[(along + 1) % 3] = 1.0 / 32;
+      struct solute_flow f;
+      struct solute_closure c;
+      struct solute_dispersion d;
+      assert_int_equal(solute_flow_build(n, h, open_distance, layers, &sign, &f), STATUS_OK);
+      assert_near(f.speed, 2, 1e-6);
+      assert_int_equal(solute_closure_build(&f, 0, &c), STATUS_OK);
+      assert_int_equal(solute_closure_solve(&c, 0.02, 1e-6, &d), STATUS_OK);
+      const double exact = 1 + pow(0.5 / 0.02, 2) / 12;
+      assert_near(d.longitudinal, exact, 0.01 * exact);
+      assert_near(d.transverse, 1, 1e-4);
+      solute_closure_free(&c);
+      solute_flow_free(&f);
+    }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(slit_between_sites), cmocka_unit_test(ball_in_a_box),
+      cmocka_unit_test(slit_disperses), cmocka_unit_test(cylinders_conduct),
+      cmocka_unit_test(layers_disperse)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
