@@ -1,0 +1,207 @@
+#include "sphsolve/solute/walk.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/solute/walk_random.h"
+
+#define WALK_FLIGHT 0.5 /* first spacings: the longest flight */
+#define WALK_WAY 0.5    /* the longest mean way with the water in a step */
+/* Walkers forget their pore in about its half width squared over 4 D. */
+#define FORGET 0.25
+/* Variance of a coefficient times its ways, and how many ways of each walker a result waits for. */
+#define WAYS_VARIANCE 6.0
+#define WAYS_EACH 4.0
+#define LEAST_WALKERS 4096
+#define SORT_EVERY 8 /* intervals */
+
+size_t walk_walkers(double tolerance) {
+  const double ways = WAYS_VARIANCE / pow(0.4 * tolerance, 2);
+  const double groups = ceil(fmax(ways / WAYS_EACH, LEAST_WALKERS) / WALK_GROUPS);
+  return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
+}
+
+double walk_bytes(size_t walkers) {
+  const double each = sizeof(struct walker) * 2 + sizeof(struct walk_spot) * 16.0 +
+                      sizeof(float) * WALK_PLANES;
+  return each * (double)walkers + sizeof(float) * 3.0 * WALK_TRACKED * WALK_TRACK;
+}
+
+double walk_cells_bytes(size_t cells, size_t with_pores) {
+  return 8.0 * (double)cells +
+         (sizeof(struct walk_cell) + 9.0 * sizeof(float)) * (double)with_pores;
+}
+
+/* A cell, and a place in it, until the place is in the pore: even over it. */
+static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
+  for (uint32_t draw = 0; draw < 1u << 20; draw++) {
+    uint32_t word[4];
+    walk_draw(w->id, draw, seed, word);
+    w->number = (int32_t)((uint64_t)word[0] * c->count >> 32);
+    const int32_t at = c->place[w->number];
+    w->cell = (walk_place){at % c->n[0], at / c->n[0] % c->n[1], at / c->n[0] / c->n[1], 0};
+    w->wrapped = w->cell;
+    for (int a = 0; a < 3; a++) w->x[a] = random_share(word[a + 1]) - 0.5f;
+    if (walk_distance(c, w) > 0) return true;
+  }
+  return false;
+}
+
+static void look(const struct walk *walk, struct walk_spot *spots) {
+  const double *e = walk->settings.direction;
+  const struct walk_cells *c = walk->cells;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < walk->settings.walkers; i++) {
+    const struct walker *w = &walk->walkers[i];
+    struct walk_spot *spot = &spots[w->id];
+    const walk_vector v = walk_velocity(c, w);
+    double along = 0;
+    for (int a = 0; a < 3; a++) {
+      spot->cell[a] = w->cell[a], spot->x[a] = w->x[a];
+      along += e[a] * (double)v[a] / (double)c->stretch[a];
+    }
+    spot->along = (float)along;
+  }
+}
+
+static double box_along(const struct walk_cells *c, const double e[3]) {
+  double length = 0;
+  for (int a = 0; a < 3; a++) length += fabs(e[a]) * c->n[a] / (double)c->stretch[a];
+  return length;
+}
+
+enum status walk_begin(const struct walk_cells *cells, const struct walk_settings *settings,
+                       struct walk *walk) {
+  enum status status = STATUS_OK;
+  struct walk_spot *start = NULL;
+  *walk = (struct walk){.cells = cells, .settings = *settings};
+  struct walk_settings *s = &walk->settings;
+  if (s->walkers == 0) s->walkers = walk_walkers(s->tolerance);
+  if (!(s->flight > 0)) s->flight = WALK_FLIGHT;
+  if (s->walkers >= UINT32_MAX)
+    return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
+  walk->diffusion = s->peclet > 0 ? 1 / s->peclet : 1;
+  walk->dt = s->flight * s->flight / (6 * walk->diffusion);
+  if (s->peclet > 0) walk->dt = fmin(walk->dt, WALK_WAY);
+  walk->step = (struct walk_step){.time = s->peclet > 0 ? (float)walk->dt : 0,
+                                  .flight = (float)sqrt(6 * walk->diffusion * walk->dt),
+                                  .seed = s->seed};
+  TRY(memory_allocate(&walk->walkers, s->walkers, sizeof *walk->walkers, "walkers"));
+  TRY(memory_allocate(&walk->now, s->walkers, sizeof *walk->now, "places of walkers"));
+  TRY(memory_allocate(&start, s->walkers, sizeof *start, "places of walkers"));
+  TRY(memory_allocate(&walk->track, WALK_TRACK, sizeof *walk->track, "tracks of walkers"));
+  for (int p = 0; p < WALK_PLANES; p++) {
+    walk->plane[p] = box_along(cells, s->direction) * (double)(1 << p);
+    TRY(memory_allocate(&walk->passage[p], s->walkers, sizeof(float), "passages of walkers"));
+  }
+  bool placed = true;
+#pragma omp parallel for schedule(static) reduction(&& : placed)
+  for (size_t w = 0; w < s->walkers; w++) {
+    walk->walkers[w].id = (uint32_t)w;
+    placed = place(cells, s->seed, &walk->walkers[w]) && placed;
+  }
+  if (!placed) TRY_FAIL(STATUS_INPUT, "no pore to walk in: the flow's cells are all but closed");
+  look(walk, start);
+  const double stretch[3] = {1 / (double)cells->stretch[0], 1 / (double)cells->stretch[1],
+                             1 / (double)cells->stretch[2]};
+  TRY(walk_moments_begin(s->walkers, stretch, start, &walk->moments));
+  start = NULL;
+cleanup:
+  memory_free(&start);
+  if (status != STATUS_OK) walk_end(walk);
+  return status;
+}
+
+void walk_end(struct walk *walk) {
+  memory_free(&walk->walkers);
+  memory_free(&walk->now);
+  memory_free(&walk->track);
+  for (int p = 0; p < WALK_PLANES; p++) memory_free(&walk->passage[p]);
+  walk_moments_free(&walk->moments);
+}
+
+/* Walkers of a cell beside each other: it is fetched once for all of them. By counting, stable. */
+static enum status sort(struct walk *walk) {
+  enum status status = STATUS_OK;
+  struct walker *sorted = NULL;
+  uint32_t *first = NULL;
+  const size_t count = walk->settings.walkers;
+  TRY(memory_allocate(&sorted, count, sizeof *sorted, "walkers in order"));
+  TRY(memory_allocate(&first, walk->cells->count + 1, sizeof *first, "walkers in order"));
+  for (size_t w = 0; w < count; w++) first[walk->walkers[w].number + 1]++;
+  for (size_t c = 0; c < walk->cells->count; c++) first[c + 1] += first[c];
+  for (size_t w = 0; w < count; w++) sorted[first[walk->walkers[w].number]++] = walk->walkers[w];
+  memory_free(&walk->walkers);
+  walk->walkers = sorted, sorted = NULL;
+cleanup:
+  memory_free(&sorted);
+  memory_free(&first);
+  return status;
+}
+
+/* Distance along the flow from where walker w began, first spacings. */
+static double passed(const struct walk *walk, const struct walk_spot *spot, size_t w) {
+  const struct walk_spot *start = &walk->moments.start[w];
+  double sum = 0;
+  for (int a = 0; a < 3; a++)
+    sum += walk->settings.direction[a] * walk->moments.stretch[a] *
+           ((double)(spot->cell[a] - start->cell[a]) +
+            ((double)spot->x[a] - (double)start->x[a]));
+  return sum;
+}
+
+/* First passages since the last look, taken as if the way between were even. */
+static void pass_planes(struct walk *walk) {
+  if (!(walk->settings.peclet > 0)) return;
+  const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
+  const struct walk_spot *before = walk->moments.lags > 0 ? walk->moments.from[0]
+                                                          : walk->moments.start;
+#pragma omp parallel for schedule(static)
+  for (size_t w = 0; w < walk->settings.walkers; w++) {
+    const double to = passed(walk, &walk->now[w], w), from = passed(walk, &before[w], w);
+    for (int p = 0; p < WALK_PLANES; p++)
+      if (to >= walk->plane[p] && !(walk->passage[p][w] > 0))
+        walk->passage[p][w] =
+            (float)(end - interval * (to - walk->plane[p]) / fmax(to - from, 1e-30));
+  }
+}
+
+enum status walk_advance(struct walk *walk) {
+  enum status status = STATUS_OK;
+  const size_t count = walk->settings.walkers;
+  if (walk->moments.intervals % SORT_EVERY == 0) TRY(sort(walk));
+  walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
+             &walk->kept);
+  walk->steps += WALK_INTERVAL;
+  size_t lost = 0;
+#pragma omp parallel for schedule(static) reduction(+ : lost)
+  for (size_t w = 0; w < count; w++)
+    lost += walk->walkers[w].number < 0 || !(walk_distance(walk->cells, &walk->walkers[w]) > 0);
+  if (lost > 0)
+    TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost, count,
+             (unsigned long long)walk->steps);
+  look(walk, walk->now);
+  pass_planes(walk);
+  if (walk->moments.intervals < WALK_TRACK)
+    for (size_t w = 0; w < WALK_TRACKED && w < count; w++)
+      for (int a = 0; a < 3; a++)
+        walk->track[walk->moments.intervals][w][a] =
+            (float)(((double)walk->now[w].cell[a] + (double)walk->now[w].x[a]) *
+                    walk->moments.stretch[a]);
+  TRY(walk_moments_add(&walk->moments, walk->now));
+cleanup:
+  return status;
+}
+
+bool walk_done(const struct walk *walk, struct walk_verdict *verdict) {
+  struct walk_lag lags[WALK_LAGS];
+  const struct walk_cells *c = walk->cells;
+  const int count = walk_moments_lags(&walk->moments, walk->settings.direction, c->dimensions,
+                                      walk->diffusion, WALK_INTERVAL * walk->dt, lags);
+  *verdict = walk_moments_judge(lags, count, FORGET * c->widest * c->widest / walk->diffusion);
+  if (walk->settings.most_steps > 0 && (double)walk->steps >= walk->settings.most_steps)
+    return true;
+  return verdict->lag >= 0 &&
+         fmax(verdict->longitudinal_error, verdict->transverse_error) <= walk->settings.tolerance;
+}

@@ -1,0 +1,67 @@
+/* Dispersion by random walk: walkers that the water carries and that diffuse (walk_move.h), spread
+ * evenly over the pore, until the growth of their mean square ways says the coefficients with the
+ * wanted error (walk_moments.h). An account of the method for solutes in pores: Bijeljic, Muggeridge,
+ * Blunt 2004, Water Resour. Res. 40, W11501. */
+#ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_H
+#define TOSUI_SPHSOLVE_SOLUTE_WALK_H
+
+#include <stdbool.h>
+
+#include "common/hdf5_file.h"
+#include "sphsolve/solute/walk_moments.h"
+#include "sphsolve/solute/walk_steps.h"
+
+#define WALK_PLANES 6  /* first passages: box lengths along the flow, 1, 2, 4 ... */
+#define WALK_TRACKED 64 /* walkers whose places are kept */
+#define WALK_TRACK 1024 /* intervals for which they are */
+
+struct walk_settings {
+  double peclet;       /* mean speed of the water x first spacing / D; 0: at rest */
+  double direction[3]; /* unit vector of the mean flow */
+  double tolerance;    /* relative, of both coefficients */
+  size_t walkers;      /* 0: as many as the tolerance takes */
+  double flight;       /* longest flight, first spacings; 0: WALK_FLIGHT */
+  double most_steps;   /* of a walker; 0: no limit */
+  uint32_t seed;
+};
+
+struct walk {
+  const struct walk_cells *cells;
+  struct walk_settings settings;
+  struct walk_step step;
+  double diffusion, dt; /* first spacings^2 per time unit; time units */
+  uint64_t steps;       /* of each walker so far */
+  struct walker *walkers;
+  struct walk_spot *now; /* [walkers] by id */
+  struct walk_moments moments;
+  double plane[WALK_PLANES];    /* first spacings from where each walker began */
+  float *passage[WALK_PLANES];  /* [walkers] by id, time units of the first passage; 0: not yet */
+  float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK] places, first spacings */
+  struct walk_kept kept;
+};
+
+/* Spreads the walkers; `cells` have to outlive them. Free with walk_end. */
+enum status walk_begin(const struct walk_cells *cells, const struct walk_settings *settings,
+                       struct walk *walk);
+/* One interval. Fails where a walker is lost. */
+enum status walk_advance(struct walk *walk);
+/* Whether the verdict is within the tolerance, or the steps are used up. */
+bool walk_done(const struct walk *walk, struct walk_verdict *verdict);
+void walk_end(struct walk *walk);
+
+/* Bytes of a walk beside its cells, and its cells. */
+double walk_bytes(size_t walkers);
+double walk_cells_bytes(size_t cells, size_t with_pores);
+size_t walk_walkers(double tolerance);
+
+/* Everything that a walk is, bit for bit (walk_file.c). Reading takes the settings from the file
+ * and fails where it is of other cells. */
+enum status walk_save(struct h5_file *file, const char *group, const struct walk *walk);
+enum status walk_load(struct h5_file *file, const char *group, const struct walk_cells *cells,
+                      struct walk *walk);
+
+/* Results for readers: curves by lag, times of first passage, tracks, in SI with `speed` (m/s). */
+enum status walk_write(struct h5_file *file, const char *group, const struct walk *walk,
+                       double speed);
+
+#endif
