@@ -134,38 +134,38 @@ WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
   return c->cell[w->number].least > 0 || walk_distance(c, w) > 0;
 }
 
-/* The way with the water in as many parts as it takes, and on through grain. */
-WALK_COLD bool walk_carry_far(const struct walk_cells *c, struct walker *w, float time) {
-  const struct walker from = *w;
-  for (int r = 0; r < WALK_RETURNS; r++) {
-    for (float left = time; left > 0;) {
-      const walk_vector v = walk_velocity(c, w);
-      const float most = walk_most(v) * left;
-      const float part = most > WALK_PART ? left * fminf(WALK_PART / most, 0.5f) : left;
-      walk_part(c, w, v, part);
-      left -= part;
-    }
+/* The way with the water in as many parts as it takes, through the cubes. */
+WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float time) {
+  for (float left = time; left > 0;) {
+    const walk_vector v = walk_velocity(c, w);
+    const float most = walk_most(v) * left, half = 0.5f * left;
+    float part = left;
+    if (most > WALK_PART) part = left * WALK_PART / most < half ? left * WALK_PART / most : half;
+    walk_part(c, w, v, part);
+    left -= part;
+  }
+}
+
+/* On through grain. */
+WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float time) {
+  for (int r = 1; r < WALK_RETURNS; r++) {
+    walk_follow(c, w, time);
     if (walk_in_pore(c, w)) return true;
   }
-  *w = from;
   return false;
 }
 
 /* With the water for `time`; false: it did not come back from grain, and the walker stays. */
 WALK_HOT bool walk_carry(const struct walk_cells *c, struct walker *w, float time) {
-  const walk_vector v = walk_velocity(c, w);
-  if (walk_most(v) * time <= WALK_PART) {
-    struct walker end = *w;
-    walk_part(c, &end, v, time);
-    if (walk_in_pore(c, &end)) {
-      *w = end;
-      return true;
-    }
+  struct walker end = *w;
+  walk_follow(c, &end, time);
+  if (!walk_in_pore(c, &end)) {
+    struct walker far = end;
+    if (!walk_return(c, &far, time)) return false;
+    end = far;
   }
-  struct walker far = *w;
-  const bool back = walk_carry_far(c, &far, time);
-  *w = far;
-  return back;
+  *w = end;
+  return true;
 }
 
 /* Where the flight `way` from `from`, which ends in grain, meets the wall, as a share of it; the
