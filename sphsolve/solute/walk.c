@@ -23,8 +23,8 @@ size_t walk_walkers(double tolerance) {
 }
 
 double walk_bytes(size_t walkers) {
-  const double each = sizeof(struct walker) * 2 + sizeof(struct walk_spot) * 16.0 +
-                      sizeof(float) * WALK_PLANES;
+  const double each =
+      sizeof(struct walker) * 2 + sizeof(struct walk_spot) * 16.0 + sizeof(float) * WALK_PLANES;
   return each * (double)walkers + sizeof(float) * 3.0 * WALK_TRACKED * WALK_TRACK;
 }
 
@@ -146,8 +146,7 @@ static double passed(const struct walk *walk, const struct walk_spot *spot, size
   double sum = 0;
   for (int a = 0; a < 3; a++)
     sum += walk->settings.direction[a] * walk->moments.stretch[a] *
-           ((double)(spot->cell[a] - start->cell[a]) +
-            ((double)spot->x[a] - (double)start->x[a]));
+           ((double)(spot->cell[a] - start->cell[a]) + ((double)spot->x[a] - (double)start->x[a]));
   return sum;
 }
 
@@ -155,8 +154,8 @@ static double passed(const struct walk *walk, const struct walk_spot *spot, size
 static void pass_planes(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
   const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
-  const struct walk_spot *before = walk->moments.lags > 0 ? walk->moments.from[0]
-                                                          : walk->moments.start;
+  const struct walk_spot *before =
+      walk->moments.lags > 0 ? walk->moments.from[0] : walk->moments.start;
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < walk->settings.walkers; w++) {
     const double to = passed(walk, &walk->now[w], w), from = passed(walk, &before[w], w);

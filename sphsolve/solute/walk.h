@@ -1,7 +1,7 @@
 /* Dispersion by random walk: walkers that the water carries and that diffuse (walk_move.h), spread
  * evenly over the pore, until the growth of their mean square ways says the coefficients with the
- * wanted error (walk_moments.h). An account of the method for solutes in pores: Bijeljic, Muggeridge,
- * Blunt 2004, Water Resour. Res. 40, W11501. */
+ * wanted error (walk_moments.h). An account of the method for solutes in pores: Bijeljic,
+ * Muggeridge, Blunt 2004, Water Resour. Res. 40, W11501. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_H
 
@@ -11,7 +11,7 @@
 #include "sphsolve/solute/walk_moments.h"
 #include "sphsolve/solute/walk_steps.h"
 
-#define WALK_PLANES 6  /* first passages: box lengths along the flow, 1, 2, 4 ... */
+#define WALK_PLANES 6   /* first passages: box lengths along the flow, 1, 2, 4 ... */
 #define WALK_TRACKED 64 /* walkers whose places are kept */
 #define WALK_TRACK 1024 /* intervals for which they are */
 
@@ -34,8 +34,8 @@ struct walk {
   struct walker *walkers;
   struct walk_spot *now; /* [walkers] by id */
   struct walk_moments moments;
-  double plane[WALK_PLANES];    /* first spacings from where each walker began */
-  float *passage[WALK_PLANES];  /* [walkers] by id, time units of the first passage; 0: not yet */
+  double plane[WALK_PLANES];   /* first spacings from where each walker began */
+  float *passage[WALK_PLANES]; /* [walkers] by id, time units of the first passage; 0: not yet */
   float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK] places, first spacings */
   struct walk_kept kept;
 };
@@ -60,8 +60,9 @@ enum status walk_save(struct h5_file *file, const char *group, const struct walk
 enum status walk_load(struct h5_file *file, const char *group, const struct walk_cells *cells,
                       struct walk *walk);
 
-/* Results for readers: curves by lag, times of first passage, tracks, in SI with `speed` (m/s). */
+/* Results for readers, in SI: curves by lag, times of first passage. `speed` of the water, m/s, and
+ * the diffusion coefficient, m^2/s. */
 enum status walk_write(struct h5_file *file, const char *group, const struct walk *walk,
-                       double speed);
+                       double speed, double diffusion);
 
 #endif

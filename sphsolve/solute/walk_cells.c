@@ -42,7 +42,8 @@ static double corner_distance(const struct solute_flow *f, const int x[3]) {
     for (int a = 0; a < 3; a++) y[a] = ((x[a] + step[a]) % f->n[a] + f->n[a]) % f->n[a];
     const double d = (double)f->distance[at(f->n, y)];
     sum += weight[step[0] + 2] * weight[step[1] + 2] * weight[step[2] + 2] * d;
-    if (step[0] >= -1 && step[0] < 1 && step[1] >= -1 && step[1] < 1 && step[2] >= -1 && step[2] < 1)
+    if (step[0] >= -1 && step[0] < 1 && step[1] >= -1 && step[1] < 1 && step[2] >= -1 &&
+        step[2] < 1)
       least = fmin(least, d), most = fmax(most, d);
   }
   return fmin(fmax(sum, least), most);
@@ -56,8 +57,7 @@ static void make_velocity(const struct solute_flow *f, const int x[3], float u[W
       y[a] = (y[a] + side) % f->n[a];
       const float unit = (float)(f->spacing[0] / (f->spacing[a] * (f->speed > 0 ? f->speed : 1)));
       q[a][side] = unit * f->velocity[a][at(f->n, y)];
-      for (int t = 0; t < 3; t++)
-        slope[a][side][t] = t == a ? 0 : unit * face_slope(f, y, a, t);
+      for (int t = 0; t < 3; t++) slope[a][side][t] = t == a ? 0 : unit * face_slope(f, y, a, t);
     }
   for (int a = 0; a < 3; a++) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -118,8 +118,7 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
         const double share = (double)f->volume[at(n, x)];
         cells->volume += share;
         if (share > 0)
-          cells->widest =
-              fmax(cells->widest, (double)f->distance[at(n, x)] / f->spacing[0]);
+          cells->widest = fmax(cells->widest, (double)f->distance[at(n, x)] / f->spacing[0]);
       }
   TRY(memory_allocate(&cells->cell, cells->count, sizeof(struct walk_cell), "cells of the walk"));
   TRY(memory_allocate(&cells->corner, cells->count, sizeof *cells->corner, "corners of cells"));
@@ -145,8 +144,8 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
       }
   for (int a = 0; a < 3 && f->speed > 0; a++)
     for (size_t c = 0; c < f->count; c++)
-      cells->fastest = fmax(cells->fastest, fabs((double)f->velocity[a][c]) / f->speed *
-                                                (double)cells->stretch[a]);
+      cells->fastest = fmax(cells->fastest,
+                            fabs((double)f->velocity[a][c]) / f->speed * (double)cells->stretch[a]);
 cleanup:
   memory_free(&corners);
   if (status != STATUS_OK) walk_cells_free(cells);

@@ -5,8 +5,8 @@
  * flux varies linearly; within a cell of -1/2 <= x, y, z <= 1/2
  *   u = a0 + ax x + ay y + az z + axx x^2 + axy x y + axz x z,   v and w likewise,
  * is the polynomial that takes these values on the six faces and whose divergence is 0 at every
- * point. Without the slopes it is the interpolation of Pollock (1988). What leaves a cell enters the
- * next, and nothing crosses a closed face.
+ * point. Without the slopes it is the interpolation of Pollock (1988). What leaves a cell enters
+ * the next, and nothing crosses a closed face.
  *
  * In a cell that the wall cuts, this flow fills all of the cube, grain too; see walk_move.h for why
  * walkers that follow it still stay evenly spread over the pore. */

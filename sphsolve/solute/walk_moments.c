@@ -5,9 +5,9 @@
 
 #include "common/memory.h"
 
-#define LEAST_WAYS 2 /* of each walker, for a lag to count */
+#define LEAST_WAYS 2          /* of each walker, for a lag to count */
 #define LEAST_COEFFICIENT 0.1 /* of D: errors of less, as across a slit, are relative to this */
-#define CONFIDENCE 2.0 /* standard errors: 95 % with 64 groups */
+#define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
 
 enum status walk_moments_begin(size_t walkers, const double stretch[3], struct walk_spot *start,
                                struct walk_moments *m) {
@@ -176,8 +176,8 @@ struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, d
   for (int k = 1; k < count; k++) {
     if (lags[k].time < least) continue;
     struct walk_verdict v = {.lag = k, .longitudinal = along[k], .transverse = across[k]};
-    v.longitudinal_error = error_at(along, along_error, k, count, &v.longitudinal_statistics,
-                                    &v.longitudinal_drift);
+    v.longitudinal_error =
+        error_at(along, along_error, k, count, &v.longitudinal_statistics, &v.longitudinal_drift);
     v.transverse_error =
         error_at(across, across_error, k, count, &v.transverse_statistics, &v.transverse_drift);
     const double worst = fmax(v.longitudinal_error, v.transverse_error);

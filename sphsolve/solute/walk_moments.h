@@ -1,12 +1,12 @@
 /* What walkers tell of dispersion: mean squares of their ways against the time they took.
  *
  * Walkers start evenly spread over the pore and stay so; their ways over any stretch of time are
- * then alike, whenever it begins, and each walker gives one way over tau after another. Lags double:
- * tau_k = 2^k intervals of WALK_INTERVAL steps. With the central second moments M_k of the ways
- *   D*(tau_k) = (M_k - M_(k-1)) / (2 (tau_k - tau_(k-1))),
- * the growth of the moment between half the lag and the lag: what came before, while walkers still
- * remember the pore they were in, is left out (Brenner 1980; Aris 1956). The statistical error is
- * that between groups of walkers, which know nothing of each other. */
+ * then alike, whenever it begins, and each walker gives one way over tau after another. Lags
+ * double: tau_k = 2^k intervals of WALK_INTERVAL steps. With the central second moments M_k of the
+ * ways D*(tau_k) = (M_k - M_(k-1)) / (2 (tau_k - tau_(k-1))), the growth of the moment between half
+ * the lag and the lag: what came before, while walkers still remember the pore they were in, is
+ * left out (Brenner 1980; Aris 1956). The statistical error is that between groups of walkers,
+ * which know nothing of each other. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_MOMENTS_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_MOMENTS_H
 
@@ -35,8 +35,8 @@ struct walk_moments {
   size_t walkers;
   uint64_t intervals; /* looked at so far */
   int lags;
-  double stretch[3];        /* spacings along the axes over the first */
-  struct walk_spot *start;  /* [walkers], by id, as all the next */
+  double stretch[3];                 /* spacings along the axes over the first */
+  struct walk_spot *start;           /* [walkers], by id, as all the next */
   struct walk_spot *from[WALK_LAGS]; /* where the current way over each lag began */
   double sums[WALK_LAGS][WALK_GROUPS][WALK_SUMS];
 };
@@ -51,19 +51,18 @@ void walk_moments_free(struct walk_moments *moments);
 /* Of one lag: coefficients over the molecular one with standard errors, NAN where there are not
  * two ways of each walker. */
 struct walk_lag {
-  double time;                /* tau, time units */
+  double time; /* tau, time units */
   double longitudinal, transverse, longitudinal_error, transverse_error;
   double tensor[6], tensor_error[6]; /* xx yy zz xy yz zx */
-  double velocity;            /* mean along the flow, of the ways */
-  double correlation;         /* of the velocity with itself after this lag */
+  double velocity;                   /* mean along the flow, of the ways */
+  double correlation;                /* of the velocity with itself after this lag */
   double ways;
 };
 
 /* `direction`: unit vector; `diffusion`: first spacings^2 per time unit; `interval`: time units.
  * In two dimensions nothing is transverse but in the plane x, z. Returns the number of lags. */
-int walk_moments_lags(const struct walk_moments *moments, const double direction[3],
-                      int dimensions, double diffusion, double interval,
-                      struct walk_lag lags[WALK_LAGS]);
+int walk_moments_lags(const struct walk_moments *moments, const double direction[3], int dimensions,
+                      double diffusion, double interval, struct walk_lag lags[WALK_LAGS]);
 
 /* The result: the lag of at least `least` time units with the least error, which is that of the
  * statistics (95 %) and the change still to be seen at it and beyond, root of the sum of squares,

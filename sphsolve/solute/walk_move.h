@@ -7,8 +7,8 @@
  *   volumes of place and direction whatever the shape of the wall (Liouville; billiards).
  *
  * - The water: u has no divergence, so to follow it for a time keeps volumes. In a cell that the
- *   wall cuts, the stream lines fill the whole cube, and some come up to the wall. A walker that has
- *   entered grain goes on, at once and in no time, until its stream line brings it back into the
+ *   wall cuts, the stream lines fill the whole cube, and some come up to the wall. A walker that
+ * has entered grain goes on, at once and in no time, until its stream line brings it back into the
  *   pore: the map of first return, which keeps volumes in the pore as the flow does in the cubes
  *   (Kac 1947, Bull. Amer. Math. Soc. 53, 1002). The flux through each face is carried in full.
  *
@@ -56,9 +56,10 @@ WALK_HOT int32_t walk_number(const struct walk_cells *c, walk_place w) {
 /* Brings x back to -1/2 .. 1/2 and the cell with it, for ways of less than a box; false: that cell
  * is grain. */
 WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
-  const walk_place n = {c->n[0], c->n[1], c->n[2], 1}, far = {4096, 4096, 4096, 4096};
-  const walk_place step =
-      __builtin_convertvector(w->x + walk_all(4096.5f), walk_place) - far; /* rounded down */
+  const walk_place n = {c->n[0], c->n[1], c->n[2], 1};
+  const walk_vector up = w->x + walk_all(0.5f);
+  walk_place step = __builtin_convertvector(up, walk_place); /* towards 0, */
+  step += up < __builtin_convertvector(step, walk_vector);   /* and then down */
   if ((step[0] | step[1] | step[2]) == 0) return true;
   w->x -= __builtin_convertvector(step, walk_vector);
   w->cell += step;
@@ -114,8 +115,7 @@ WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vect
   w->x += way;
   if (walk_settle(c, w)) return;
   *w = from;
-  for (int a = 0; a < 3; a++)
-    w->x[a] = fminf(fmaxf(w->x[a] + way[a], -0.5f), 0x1.fffffep-2f);
+  for (int a = 0; a < 3; a++) w->x[a] = fminf(fmaxf(w->x[a] + way[a], -0.5f), 0x1.fffffep-2f);
 }
 
 WALK_HOT float walk_most(walk_vector v) {
@@ -170,8 +170,8 @@ WALK_HOT bool walk_carry(const struct walk_cells *c, struct walker *w, float tim
 
 /* Where the flight `way` from `from`, which ends in grain, meets the wall, as a share of it; the
  * false position, with the halves of Illinois (Dowell, Jarratt 1971). */
-WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
-                              walk_vector way, float outside, struct walker *hit) {
+WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from, walk_vector way,
+                          float outside, struct walker *hit) {
   float low = 0, high = 1, inside = walk_distance(c, from) - WALK_AT_WALL;
   outside -= WALK_AT_WALL;
   *hit = *from;

@@ -15,10 +15,11 @@ void walk_draw(uint32_t id, uint32_t number, uint32_t seed, uint32_t words[4]) {
 /* Sine and cosine of pi t for |t| <= 1/2: the Taylor series to the 11th power, off by 6e-8. */
 static inline void half_turn(float t, float *sine, float *cosine) {
   const float x = 3.14159265f * t, y = x * x;
-  *sine = x * (1 + y * (-1.f / 6 + y * (1.f / 120 + y * (-1.f / 5040 + y * (1.f / 362880 -
-                                                          y * (1.f / 39916800))))));
-  *cosine = 1 + y * (-1.f / 2 + y * (1.f / 24 + y * (-1.f / 720 + y * (1.f / 40320 -
-                                                     y * (1.f / 3628800)))));
+  *sine =
+      x * (1 + y * (-1.f / 6 + y * (1.f / 120 + y * (-1.f / 5040 +
+                                                     y * (1.f / 362880 - y * (1.f / 39916800))))));
+  *cosine = 1 + y * (-1.f / 2 +
+                     y * (1.f / 24 + y * (-1.f / 720 + y * (1.f / 40320 - y * (1.f / 3628800)))));
 }
 
 /* Ways of flights in directions that are even over the sphere: the height is even between -1 and 1

@@ -1,0 +1,230 @@
+/* A walk in files: all of its bits, to go on from; and its results, to read. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/solute/walk.h"
+
+#define QUANTILES 200 /* of times of first passage */
+
+/* One array of a walk: `count` rows of `words` 32-bit words, whatever they stand for. */
+struct part {
+  char name[16];
+  void *data;
+  size_t count, words;
+};
+
+static size_t parts_of(struct walk *w, struct part *part) {
+  const size_t n = w->settings.walkers, spot = sizeof(struct walk_spot) / 4;
+  size_t count = 0;
+  part[count++] = (struct part){"walkers", w->walkers, n, sizeof(struct walker) / 4};
+  part[count++] = (struct part){"start", w->moments.start, n, spot};
+  part[count++] = (struct part){"sums", w->moments.sums, WALK_LAGS, sizeof w->moments.sums[0] / 4};
+  part[count++] = (struct part){"track", w->track, WALK_TRACK, 3 * WALK_TRACKED};
+  for (int p = 0; p < WALK_PLANES; p++, count++) {
+    part[count] = (struct part){"", w->passage[p], n, 1};
+    snprintf(part[count].name, sizeof part->name, "passage%d", p);
+  }
+  for (int k = 0; k < w->moments.lags; k++, count++) {
+    part[count] = (struct part){"", w->moments.from[k], n, spot};
+    snprintf(part[count].name, sizeof part->name, "from%d", k);
+  }
+  return count;
+}
+
+#define PARTS (4 + WALK_PLANES + WALK_LAGS)
+#define PATH 512
+
+static enum status save_numbers(struct h5_file *file, const char *group, const struct walk *w) {
+  enum status status = STATUS_OK;
+  const struct walk_settings *s = &w->settings;
+  const double numbers[8] = {s->peclet,    s->direction[0], s->direction[1], s->direction[2],
+                             s->tolerance, s->flight,       s->most_steps,   0};
+  const uint64_t counts[8] = {s->walkers,
+                              s->seed,
+                              w->steps,
+                              w->moments.intervals,
+                              (uint64_t)w->moments.lags,
+                              w->kept.carried,
+                              w->kept.flown,
+                              w->cells->count};
+  TRY(h5_write_attribute(file, group, "numbers", H5_F64, 8, numbers));
+  TRY(h5_write_attribute(file, group, "counts", H5_U64, 8, counts));
+cleanup:
+  return status;
+}
+
+enum status walk_save(struct h5_file *file, const char *group, const struct walk *walk) {
+  enum status status = STATUS_OK;
+  struct walk own = *walk; /* for its pointers; nothing is changed */
+  struct part part[PARTS];
+  const size_t count = parts_of(&own, part);
+  char path[PATH];
+  /* The sums stand in the walk itself. */
+  part[2].data = (void *)(uintptr_t)walk->moments.sums;
+  TRY(h5_make_group(file, group));
+  TRY(save_numbers(file, group, walk));
+  for (size_t p = 0; p < count; p++) {
+    const size_t dims[2] = {part[p].count, part[p].words};
+    snprintf(path, sizeof path, "%.255s/%.15s", group, part[p].name);
+    TRY(h5_write(file, path, H5_U32, 2, dims, part[p].data, false));
+  }
+cleanup:
+  return status;
+}
+
+static enum status load_part(struct h5_file *file, const char *group, const struct part *part) {
+  enum status status = STATUS_OK;
+  uint32_t *data = NULL;
+  char path[PATH];
+  size_t dims[2];
+  snprintf(path, sizeof path, "%.255s/%.15s", group, part->name);
+  TRY(h5_read(file, path, H5_U32, 2, dims, &data));
+  if (dims[0] != part->count || dims[1] != part->words)
+    TRY_FAIL(STATUS_INPUT, "%s: %s has another size than the walk; start afresh", h5_path(file),
+             path);
+  memcpy(part->data, data, dims[0] * dims[1] * sizeof *data);
+cleanup:
+  memory_free(&data);
+  return status;
+}
+
+/* What the moves take as given: walkers stand in cells that are, in the pore. */
+static bool sound(const struct walk *walk) {
+  const struct walk_cells *c = walk->cells;
+  for (size_t i = 0; i < walk->settings.walkers; i++) {
+    const struct walker *w = &walk->walkers[i];
+    if (w->number < 0 || (size_t)w->number >= c->count || w->id >= walk->settings.walkers)
+      return false;
+    for (int a = 0; a < 3; a++)
+      if (!(w->x[a] >= -0.5f && w->x[a] <= 0.5f) || w->wrapped[a] < 0 || w->wrapped[a] >= c->n[a])
+        return false;
+    if (walk_number(c, w->wrapped) != w->number || !(walk_distance(c, w) > 0)) return false;
+  }
+  return true;
+}
+
+enum status walk_load(struct h5_file *file, const char *group, const struct walk_cells *cells,
+                      struct walk *walk) {
+  enum status status = STATUS_OK;
+  struct part part[PARTS];
+  double numbers[8];
+  uint64_t counts[8];
+  *walk = (struct walk){0};
+  TRY(h5_read_attribute(file, group, "numbers", H5_F64, 8, numbers));
+  TRY(h5_read_attribute(file, group, "counts", H5_U64, 8, counts));
+  if (counts[7] != cells->count || counts[4] > WALK_LAGS || counts[0] >= UINT32_MAX ||
+      !(numbers[0] >= 0) || !(numbers[5] > 0))
+    TRY_FAIL(STATUS_INPUT, "%s: the walk in it is of another flow; start afresh", h5_path(file));
+  const struct walk_settings settings = {.peclet = numbers[0],
+                                         .direction = {numbers[1], numbers[2], numbers[3]},
+                                         .tolerance = numbers[4],
+                                         .flight = numbers[5],
+                                         .most_steps = numbers[6],
+                                         .walkers = (size_t)counts[0],
+                                         .seed = (uint32_t)counts[1]};
+  TRY(walk_begin(cells, &settings, walk));
+  walk->steps = counts[2], walk->moments.intervals = counts[3];
+  walk->kept = (struct walk_kept){counts[5], counts[6]};
+  for (int k = 0; k < (int)counts[4]; k++, walk->moments.lags++)
+    TRY(memory_allocate(&walk->moments.from[k], settings.walkers, sizeof *walk->moments.from[k],
+                        "places of walkers"));
+  const size_t count = parts_of(walk, part);
+  for (size_t p = 0; p < count; p++) TRY(load_part(file, group, &part[p]));
+  if (!sound(walk))
+    TRY_FAIL(STATUS_INPUT, "%s: walkers are not where the flow has pores; start afresh",
+             h5_path(file));
+cleanup:
+  if (status != STATUS_OK) walk_end(walk);
+  return status;
+}
+
+static enum status write_column(struct h5_file *file, const char *group, const char *name,
+                                const struct walk_lag *lags, int count, size_t offset,
+                                double unit) {
+  double values[WALK_LAGS];
+  char path[PATH];
+  const size_t dims[1] = {(size_t)count};
+  for (int k = 0; k < count; k++) {
+    memcpy(&values[k], (const char *)&lags[k] + offset, sizeof values[k]);
+    values[k] *= unit;
+  }
+  snprintf(path, sizeof path, "%s/%s", group, name);
+  return h5_write(file, path, H5_F64, 1, dims, values, false);
+}
+
+static int by_value(const void *a, const void *b) {
+  const float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+/* passage_time [planes][QUANTILES]: by when a share (q + 1/2) / QUANTILES of the walkers has first
+ * passed the plane; NAN: not by the end. */
+static enum status write_passages(struct h5_file *file, const char *group, const struct walk *walk,
+                                  double length, double time) {
+  enum status status = STATUS_OK;
+  const size_t n = walk->settings.walkers, dims[2] = {WALK_PLANES, QUANTILES};
+  double quantiles[WALK_PLANES][QUANTILES], plane[WALK_PLANES];
+  char path[PATH];
+  float *sorted = NULL;
+  TRY(memory_allocate(&sorted, n, sizeof *sorted, "times of passage"));
+  for (int p = 0; p < WALK_PLANES; p++) {
+    plane[p] = length * walk->plane[p];
+    for (size_t w = 0; w < n; w++)
+      sorted[w] = walk->passage[p][w] > 0 ? walk->passage[p][w] : INFINITY;
+    qsort(sorted, n, sizeof *sorted, by_value);
+    for (size_t q = 0; q < QUANTILES; q++) {
+      const float at = sorted[(2 * q + 1) * n / (2 * QUANTILES)];
+      quantiles[p][q] = isfinite(at) ? time * (double)at : NAN;
+    }
+  }
+  snprintf(path, sizeof path, "%s/passage_distance", group);
+  TRY(h5_write(file, path, H5_F64, 1, dims, plane, false));
+  snprintf(path, sizeof path, "%s/passage_time", group);
+  TRY(h5_write(file, path, H5_F64, 2, dims, quantiles, false));
+cleanup:
+  memory_free(&sorted);
+  return status;
+}
+
+static enum status write_numbers(struct h5_file *file, const char *group, const struct walk *walk,
+                                 double time) {
+  enum status status = STATUS_OK;
+  const uint64_t walkers = walk->settings.walkers;
+  const double step = time * walk->dt, flight = (double)walk->step.flight * walk->cells->spacing[0];
+  TRY(h5_write_attribute(file, group, "walkers", H5_U64, 1, &walkers));
+  TRY(h5_write_attribute(file, group, "steps", H5_U64, 1, &walk->steps));
+  TRY(h5_write_attribute(file, group, "dt", H5_F64, 1, &step));
+  TRY(h5_write_attribute(file, group, "flight", H5_F64, 1, &flight));
+  TRY(h5_write_attribute(file, group, "not_carried", H5_U64, 1, &walk->kept.carried));
+  TRY(h5_write_attribute(file, group, "not_flown", H5_U64, 1, &walk->kept.flown));
+cleanup:
+  return status;
+}
+
+enum status walk_write(struct h5_file *file, const char *group, const struct walk *walk,
+                       double speed, double diffusion) {
+  enum status status = STATUS_OK;
+  struct walk_lag lags[WALK_LAGS];
+  const struct walk_cells *c = walk->cells;
+  const double length = c->spacing[0];
+  const double time = walk->settings.peclet > 0 ? length / speed : length * length / diffusion;
+  const int count = walk_moments_lags(&walk->moments, walk->settings.direction, c->dimensions,
+                                      walk->diffusion, WALK_INTERVAL * walk->dt, lags);
+  TRY(h5_make_group(file, group));
+  TRY(write_numbers(file, group, walk, time));
+#define COLUMN(name, member, unit)                                                                 \
+  TRY(write_column(file, group, name, lags, count, offsetof(struct walk_lag, member), unit))
+  COLUMN("lag", time, time);
+  COLUMN("longitudinal", longitudinal, 1);
+  COLUMN("longitudinal_error", longitudinal_error, 1);
+  COLUMN("transverse", transverse, 1);
+  COLUMN("transverse_error", transverse_error, 1);
+  COLUMN("velocity_correlation", correlation, 1);
+#undef COLUMN
+  if (walk->settings.peclet > 0) TRY(write_passages(file, group, walk, length, time));
+cleanup:
+  return status;
+}
