@@ -7,7 +7,7 @@
 
 /* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
  * large too. */
-#define SOLUTE_CELLS_LEAST 8
+#define SOLUTE_CELLS_LEAST 4
 
 /* By the closure problem: fills closure, formation, formation_error and tortuosity of the result
  * from its length, count and peclet. Solved on the flow's cells and on those taken two by two by

@@ -1,0 +1,84 @@
+#!/usr/bin/env bats
+# A solute in a finished flow: sphsolve run and explain of a scene with flow = { ... }; analyze dispersion.
+
+bats_require_minimum_version 1.5.0
+load programs
+setup_file() {
+  programs_setup
+  # A slit 0.5 mm wide between walls, of sites 1/24 of the box.
+  cat > slit.cfg <<'END'
+scene = { name = "slit"; method = "stokes"; };
+domain = { size = ["1.2 mm", "0.3 mm"]; spacing = "0.05 mm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "1.2 mm", "0.3 mm"]; },
+            { type = "wall"; box = ["0", "0", "0.2 mm", "0.3 mm"]; } );
+force = { body_acceleration = ["0", "-1 mm/s^2"]; };
+END
+  cat > carried.cfg <<'END'
+scene  = { name = "carried"; };
+flow   = { file = "slit.hdf"; };
+solute = { diffusion = "1e-9 m^2/s"; peclet = [0.1, 1.0, 10.0, 100.0, 1000.0]; length = "1 mm"; };
+END
+  sphsolve run slit.cfg -o slit > /dev/null
+  sphsolve run carried.cfg -o carried --json > carried.json
+}
+
+@test "a slit disperses as Taylor and Aris say, within 1 % and within the error that is stated" {
+  /usr/bin/python3 - <<'P'
+import json
+
+r = json.load(open("carried.json"))
+assert r["status"] == "converged" and r["peclet"] == [0.1, 1, 10, 100, 1000], r
+assert abs(r["porosity"] - 20 / 24) < 1e-3, r["porosity"]
+for pe, d, error, a in zip(r["peclet"], r["longitudinal"], r["longitudinal_error"], r["longitudinal_dispersivity"]):
+    exact = 1 + pe * pe / 210
+    assert abs(d / exact - 1) < 0.01, (pe, d, exact)
+    assert abs(d - exact) <= error * d + 1e-9, (pe, d, exact, error)
+    assert abs(a - d * 1e-3 / pe) < 1e-9 * a
+assert all(t < 1e-6 for t in r["transverse"]), r["transverse"]
+assert abs(r["formation_factor"] * r["porosity"] - 1) < 1e-3
+P
+}
+
+@test "the same bits for any number of threads" {
+  sphsolve run carried.cfg -o again --json --threads 2 > again.json
+  grep -v wall_time carried.json > one
+  grep -v wall_time again.json > two
+  cmp one two
+}
+
+@test "without a list of Peclet numbers that of the flow as it is; without a length that of the grains" {
+  sphsolve run carried.cfg -o own --json --set solute='{ diffusion = "1e-9 m^2/s"; length = "1 mm"; }' > own.json
+  /usr/bin/python3 -c '
+import json
+r = json.load(open("own.json"))
+assert len(r["peclet"]) == 1 and abs(r["peclet"][0] / (r["mean_velocity"] * 1e-3 / 1e-9) - 1) < 1e-9, r'
+  sphsolve run carried.cfg -o auto --json --set solute='{ peclet = [1.0]; }' > auto.json
+  /usr/bin/python3 -c '
+import json
+r = json.load(open("auto.json"))
+assert abs(r["length"] / (6 * 0.2e-3 / 2) - 1) < 0.01, r["length"]  # 6 times the wall plate over its two sides'
+}
+
+@test "explain foretells memory and time" {
+  sphsolve explain carried.cfg > explain.txt
+  grep -q "^closure " explain.txt
+  sphsolve explain carried.cfg --json > explain.json
+  /usr/bin/python3 -c '
+import json
+r = json.load(open("explain.json"))
+assert r["method"] == "solute" and r["size"] == [24, 1, 6] and r["memory_bytes"] > 1e6 and r["seconds"] > 0, r'
+}
+
+@test "what cannot be is said in one line" {
+  run -2 --separate-stderr sphsolve run carried.cfg -o x --error 5%
+  [[ $stderr == *"--error is of a scene that solves a flow"* ]]
+  run -2 --separate-stderr sphsolve run carried.cfg -o slit
+  [[ $stderr == *"slit.hdf"* ]]
+  cp slit.hdf alone.hdf
+  run -3 --separate-stderr sphsolve run carried.cfg -o x --set flow.file=alone.hdf
+  [[ $stderr == *"output.image"*"alone-image.hdf"* ]]
+  run -3 --separate-stderr sphsolve run carried.cfg -o x --set flow.file=carried.hdf
+  [[ $stderr == *"a run of method solute"* ]]
+  [ ! -e x.hdf ]
+}
