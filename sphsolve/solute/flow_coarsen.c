@@ -1,3 +1,5 @@
+#include <stdbool.h>
+
 #include "sphsolve/solute/flow_internal.h"
 
 enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_flow *c) {
