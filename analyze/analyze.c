@@ -8,6 +8,7 @@
 
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
+#include "analyze/dispersion.h"
 #include "analyze/history.h"
 #include "analyze/compatible_runs.h"
 #include "analyze/report/page.h"
@@ -32,6 +33,7 @@ enum command {
   COMMAND_HISTORY,
   COMMAND_SLICE,
   COMMAND_CONVERGE,
+  COMMAND_DISPERSION,
   COMMAND_REPORT
 };
 #define BIT(command) (1u << (command))
@@ -49,6 +51,9 @@ static const struct option_command commands[] = {
     {"converge", "RUN RUN... [-o DIR]",
      "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
      "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
+    {"dispersion", "RUN... [-o DIR]",
+     "how a solute spreads along and across the flow, against the Peclet number",
+     "analyze dispersion solute.hdf -o results", 1, -1},
     {"report", "RUN... -o report.html", "one self-contained page of all that the runs support",
      "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html", 1, -1},
     {0}};
@@ -56,7 +61,7 @@ static const struct option_command commands[] = {
 static const struct option_entry entries[] = {
     {"output", 'o', "DIR", OPTION_ALL,
      "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; report: the page"},
-    {"mix", 0, NULL, OPTION_ALL & ~BIT(COMMAND_SLICE),
+    {"mix", 0, NULL, OPTION_ALL & ~(BIT(COMMAND_SLICE) | BIT(COMMAND_DISPERSION)),
      "take runs of different models together (refused without)"},
     {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
      "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
@@ -123,7 +128,7 @@ static enum status read_runs(const struct options *options, struct run **runs, s
   TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
   for (size_t i = 0; i < count; i++) {
     const char *path = options_operand(options, i);
-    if (count > 1 && run_is_companion(path)) {
+    if (count > 1 && (run_is_companion(path) || dispersion_is(path))) {
       log_verbose("%s: no run but a model or a file beside a run, passed over", path);
       passed++;
       continue;
@@ -194,9 +199,22 @@ static const struct {
             {"history", history_analyze},
             {"converge", converge_analyze}};
 
+/* The operands that hold what a solute did; free with memory_free. */
+static enum status find_solutes(const struct options *options, const char ***paths, size_t *n) {
+  enum status status = STATUS_OK;
+  const size_t count = options_operand_count(options);
+  TRY(memory_allocate(paths, count, sizeof **paths, "names of files"));
+  for (size_t i = 0; i < count; i++)
+    if (dispersion_is(options_operand(options, i))) (*paths)[(*n)++] = options_operand(options, i);
+cleanup:
+  return status;
+}
+
 static enum status report_command(const struct options *options, const struct run *runs, size_t n) {
   enum status status = STATUS_OK;
   json_t *json = NULL;
+  const char **solutes = NULL;
+  size_t solute_count = 0;
   static const char *const ENDINGS[] = {".html", ".htm", NULL};
   const char *given = options_text(options, "output");
   char path[PATH_MAX];
@@ -205,7 +223,8 @@ static enum status report_command(const struct options *options, const struct ru
   TRY(output_name(given, ENDINGS, "a page is HTML (a browser prints it to PDF)", path,
                   sizeof path));
   TRY(output_allow(path));
-  TRY(page_write(runs, n, path, options_command_line(options), &json));
+  TRY(find_solutes(options, &solutes, &solute_count));
+  TRY(page_write(runs, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {
     json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
     putchar('\n');
@@ -213,7 +232,24 @@ static enum status report_command(const struct options *options, const struct ru
     printf("written: %s\n", path);
   }
 cleanup:
+  memory_free(&solutes);
   json_decref(json);
+  return status;
+}
+
+static enum status dispersion_command(const struct options *options) {
+  enum status status = STATUS_OK;
+  struct product product = {0};
+  const char **paths = NULL;
+  const size_t n = options_operand_count(options);
+  TRY(memory_allocate(&paths, n, sizeof *paths, "names of files"));
+  for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
+  TRY(product_start("dispersion", &product));
+  TRY(dispersion_analyze(paths, n, &product));
+  TRY(deliver(options, &product));
+cleanup:
+  memory_free(&paths);
+  product_free(&product);
   return status;
 }
 
@@ -223,6 +259,7 @@ static enum status run_command(const struct options *options) {
   struct run *runs = NULL;
   struct product product = {0};
   size_t n = 0;
+  if (strcmp(command, "dispersion") == 0) return dispersion_command(options);
   TRY(product_start(command, &product));
   TRY(read_runs(options, &runs, &n));
   bool report = strcmp(command, "report") == 0;

@@ -255,6 +255,11 @@ enum status run_read(const char *path, struct run *run) {
              "'sphsolve run SCENE.cfg -o OUT' wrote",
              path, what);
   }
+  if (h5_exists(file, "/solute"))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: what a solute does in a flow that another run solved: 'analyze dispersion %s' "
+             "shows it, and 'analyze report' beside the flow's own run",
+             path, path);
   TRY(read_attributes(file, run));
   TRY(name_run(run));
   TRY(read_history(file, run));

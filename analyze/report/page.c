@@ -78,6 +78,7 @@ static void write_contents(const struct page *page, bool budget) {
               {"levels", "Accuracy", page->n == 1 && page->runs[0].levels.count > 1},
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
               {"pdf", "Pore velocity", page->has[PART_PDF]},
+              {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
               {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
               {"history", "History", page->has[PART_HISTORY]},
               {"slice", "Slice", page->has[PART_SLICE] && !page->has_plane},
@@ -133,6 +134,9 @@ static enum status write_body(struct page *page) {
               "Probability density of the velocity along the driving force, raw and over the "
               "pore mean, with those of a slit, a tube, an exponential and a fitted "
               "power-exponential.");
+  page_figure(page, PART_DISPERSION, "Dispersion of a solute",
+              "How fast a solute spreads along and across the flow, over the molecular diffusion "
+              "coefficient, against the Peclet number; with the curve of beds of beads and sand.");
   page_figure(page, PART_DARCY, "Darcy&rsquo;s law",
               "Darcy velocity against hydraulic gradient with the fitted line.");
   page_figure(page, PART_HISTORY, "History",
@@ -191,10 +195,15 @@ static enum status compose(struct page *page, char **text, size_t *size) {
 
 #define PAGE_LIMIT 3000000 /* bytes; mail and browsers take it without thinking */
 
-enum status page_write(const struct run *runs, size_t n, const char *path, const char *command_line,
+enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
+                       size_t solute_count, const char *path, const char *command_line,
                        json_t **json) {
   enum status status = STATUS_OK;
-  struct page page = {.runs = runs, .n = n, .command_line = command_line};
+  struct page page = {.runs = runs,
+                      .n = n,
+                      .solutes = solutes,
+                      .solute_count = solute_count,
+                      .command_line = command_line};
   char *text = NULL;
   size_t size = 0;
   bool charts = asset_get(ASSET_DYGRAPH).size > 0;

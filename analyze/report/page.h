@@ -8,8 +8,10 @@
 #include "analyze/run_file.h"
 
 /* Writes the page to `path` (atomically) and its numbers, the JSON of every analysis in it, into
- * *json (a new object). `command_line` goes to the page's foot. */
-enum status page_write(const struct run *runs, size_t n, const char *path, const char *command_line,
+ * *json (a new object). `solutes`: files of what solutes did in the flows (dispersion.h).
+ * `command_line` goes to the page's foot. */
+enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
+                       size_t solute_count, const char *path, const char *command_line,
                        json_t **json);
 
 #endif

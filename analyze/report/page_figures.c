@@ -64,9 +64,10 @@ void page_figure(struct page *page, enum part part, const char *title, const cha
   const bool shown = page_is_worth_a_screen(page, part);
   fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", page_part_names[part], title,
           shown ? "" : "<details><summary>One value a run: show the figure</summary>");
-  if (part != PART_SLICE)
+  const bool still_only = part == PART_SLICE || part == PART_DISPERSION;
+  if (!still_only)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
-  if (!page->lean || part == PART_SLICE)
+  if (!page->lean || still_only)
     write_still(out, page_part_names[part], product->plot.data, product->width, product->height,
                 title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);

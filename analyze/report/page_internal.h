@@ -12,11 +12,13 @@
 #include "analyze/run_file.h"
 
 /* The analyses, each present or not as the runs support it. */
-enum part { PART_DARCY, PART_HISTORY, PART_PDF, PART_SLICE, PART_CONVERGE, PARTS };
+enum part { PART_DARCY, PART_HISTORY, PART_PDF, PART_SLICE, PART_CONVERGE, PART_DISPERSION, PARTS };
 
 struct page {
   const struct run *runs;
   size_t n;
+  const char *const *solutes;
+  size_t solute_count;
   const char *command_line;
   bool has[PARTS];
   struct product part[PARTS];

@@ -4,6 +4,7 @@
 
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
+#include "analyze/dispersion.h"
 #include "analyze/history.h"
 #include "analyze/pdf.h"
 #include "analyze/report/page_internal.h"
@@ -11,7 +12,8 @@
 #include "analyze/steady.h"
 #include "common/log.h"
 
-const char *const page_part_names[PARTS] = {"darcy", "history", "pdf", "slice", "converge"};
+const char *const page_part_names[PARTS] = {"darcy", "history",  "pdf",
+                                            "slice", "converge", "dispersion"};
 
 /* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
  */
@@ -34,6 +36,9 @@ static enum status run_part(struct page *page, enum part part) {
     break;
   case PART_SLICE:
     TRY(slice_analyze(first, &middle, product));
+    break;
+  case PART_DISPERSION:
+    TRY(dispersion_analyze(page->solutes, page->solute_count, product));
     break;
   default:
     TRY(converge_analyze(page->runs, page->n, product));
@@ -85,6 +90,7 @@ enum status page_analyse(struct page *page) {
   TRY(seeps(page, &permeable));
   if (permeable) TRY(run_part(page, PART_DARCY));
   TRY(run_part(page, PART_HISTORY));
+  if (page->solute_count > 0) TRY(run_part(page, PART_DISPERSION));
   if (all_have_snapshots(page)) {
     if (permeable) TRY(run_part(page, PART_PDF));
     TRY(run_part(page, PART_SLICE));

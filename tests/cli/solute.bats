@@ -82,3 +82,24 @@ assert r["method"] == "solute" and r["size"] == [24, 1, 6] and r["memory_bytes"]
   [[ $stderr == *"a run of method solute"* ]]
   [ ! -e x.hdf ]
 }
+
+@test "analyze dispersion shows the curve, and the report has it beside its flow" {
+  analyze dispersion carried.hdf -o shown > shown.txt
+  grep -q "formation factor F = " shown.txt
+  [ -s shown/dispersion.csv ]
+  /usr/bin/python3 - <<'P'
+import json
+
+run, shown = json.load(open("carried.json")), json.load(open("shown/dispersion.json"))["runs"][0]
+for key in ("peclet", "longitudinal", "transverse", "longitudinal_error"):
+    assert all(abs(a - b) <= 1e-9 * abs(a) for a, b in zip(run[key], shown[key])), key
+assert shown["closure"]["longitudinal"] == shown["longitudinal"]
+assert abs(shown["longitudinal_dispersivity_m"][1] / run["longitudinal_dispersivity"][1] - 1) < 1e-9
+P
+  analyze report slit.hdf carried.hdf -o page.html > /dev/null
+  grep -q 'id="dispersion"' page.html
+  run -3 --separate-stderr analyze darcy carried.hdf
+  [[ $stderr == *"analyze dispersion carried.hdf"* ]]
+  run -3 --separate-stderr analyze dispersion slit.hdf
+  [[ $stderr == *"no solute in it"* ]]
+}

@@ -1,0 +1,286 @@
+#include "analyze/dispersion.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/plot.h"
+#include "common/hdf5_file.h"
+#include "common/json_number.h"
+#include "common/memory.h"
+
+enum { LONGITUDINAL, TRANSVERSE, LONGITUDINAL_ERROR, TRANSVERSE_ERROR, COLUMNS };
+static const char *const column_names[COLUMNS] = {"longitudinal", "transverse",
+                                                  "longitudinal_error", "transverse_error"};
+static const char *const way_names[] = {"closure", "walk"};
+enum { WAYS = 2 };
+
+/* D* over D of one way, or of what is reported; arrays of `count`. */
+struct curve {
+  bool there;
+  double *column[COLUMNS];
+};
+
+struct solute_run {
+  const char *path;
+  char *name, *flow;
+  size_t count;
+  double *peclet;
+  struct curve best, way[WAYS];
+  double length, diffusion, porosity, speed, formation, formation_error, tortuosity, grain_size;
+};
+
+bool dispersion_is(const char *path) {
+  struct h5_file *file = NULL;
+  bool is = h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute");
+  h5_close(file);
+  error_clear();
+  return is;
+}
+
+static enum status read_curve(struct h5_file *file, const char *group, size_t count,
+                              struct curve *curve) {
+  enum status status = STATUS_OK;
+  for (int c = 0; c < COLUMNS; c++) {
+    char path[128];
+    size_t n;
+    snprintf(path, sizeof path, "%s/%s", group, column_names[c]);
+    if (!h5_exists(file, path)) goto cleanup;
+    TRY(h5_read(file, path, H5_F64, 1, &n, &curve->column[c]));
+    if (n != count)
+      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu values, not %zu as there are Peclet numbers",
+               h5_path(file), path, n, count);
+  }
+  curve->there = true;
+cleanup:
+  return status;
+}
+
+static enum status read_run(const char *path, struct solute_run *run) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  run->path = path;
+  TRY(h5_open(path, &file));
+  if (!h5_exists(file, "/solute"))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no solute in it; give the OUT.hdf of a scene with flow = { file = ...; } and "
+             "solute = { ... }",
+             path);
+  TRY(h5_read(file, "/solute/peclet", H5_F64, 1, &run->count, &run->peclet));
+  TRY(read_curve(file, "/solute", run->count, &run->best));
+  if (!run->best.there) TRY_FAIL(STATUS_INPUT, "%s: /solute holds no coefficients", path);
+  for (int w = 0; w < WAYS; w++) {
+    char group[64];
+    snprintf(group, sizeof group, "/solute/%s", way_names[w]);
+    TRY(read_curve(file, group, run->count, &run->way[w]));
+  }
+  if (h5_attribute_exists(file, "/run", "scene_name"))
+    TRY(h5_read_attribute_text(file, "/run", "scene_name", &run->name));
+  if (h5_attribute_exists(file, "/solute", "flow"))
+    TRY(h5_read_attribute_text(file, "/solute", "flow", &run->flow));
+  run->length = h5_attribute_or_nan(file, "/solute", "length");
+  run->diffusion = h5_attribute_or_nan(file, "/solute", "diffusion");
+  run->porosity = h5_attribute_or_nan(file, "/solute", "porosity");
+  run->speed = h5_attribute_or_nan(file, "/solute", "speed");
+  run->formation = h5_attribute_or_nan(file, "/solute", "formation_factor");
+  run->formation_error = h5_attribute_or_nan(file, "/solute", "formation_factor_error");
+  run->tortuosity = h5_attribute_or_nan(file, "/solute", "tortuosity");
+  run->grain_size = h5_attribute_or_nan(file, "/solute", "grain_size");
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+static void free_run(struct solute_run *run) {
+  memory_free(&run->name);
+  memory_free(&run->flow);
+  memory_free(&run->peclet);
+  for (int c = 0; c < COLUMNS; c++) {
+    memory_free(&run->best.column[c]);
+    for (int w = 0; w < WAYS; w++) memory_free(&run->way[w].column[c]);
+  }
+}
+
+static const char *name_of(const struct solute_run *run) {
+  return run->name != NULL && *run->name ? run->name : run->path;
+}
+
+/* D* / U, m; NAN without flow. */
+static double dispersivity(const struct solute_run *run, size_t i, double over_diffusion) {
+  return run->peclet[i] > 0 ? over_diffusion * run->length / run->peclet[i] : NAN;
+}
+
+/* Of packed beds of beads and sand, for 5 < Pe < 300 with the grain's diameter (Sahimi 1995,
+ * "Flow and Transport in Porous Media and Fractured Rock"; Bijeljic, Muggeridge, Blunt 2004 find
+ * the power 1.19 for 10 < Pe < 400): D_L / D = 1 / (F porosity) + Pe^1.2 / 2. */
+#define BED_FIRST 5
+#define BED_LAST 300
+static double bed(const struct solute_run *run, double peclet) {
+  return 1 / run->tortuosity + 0.5 * pow(peclet * run->grain_size / run->length, 1.2);
+}
+
+static void write_json(const struct solute_run *runs, size_t n, json_t *json) {
+  json_t *list = json_array();
+  for (size_t r = 0; r < n; r++) {
+    const struct solute_run *run = &runs[r];
+    json_t *object = json_object(), *lengths[2] = {json_array(), json_array()};
+    json_t *published = json_array();
+    json_object_set_new(object, "name", json_text(name_of(run)));
+    json_object_set_new(object, "path", json_text(run->path));
+    if (run->flow != NULL) json_object_set_new(object, "flow", json_text(run->flow));
+    json_object_set_new(object, "peclet", json_numbers(run->peclet, run->count));
+    for (int c = 0; c < COLUMNS; c++)
+      json_object_set_new(object, column_names[c], json_numbers(run->best.column[c], run->count));
+    for (size_t i = 0; i < run->count; i++) {
+      for (int c = 0; c < 2; c++)
+        json_array_append_new(lengths[c],
+                              json_number(dispersivity(run, i, run->best.column[c][i])));
+      json_array_append_new(published, json_number(bed(run, run->peclet[i])));
+    }
+    json_object_set_new(object, "longitudinal_dispersivity_m", lengths[0]);
+    json_object_set_new(object, "transverse_dispersivity_m", lengths[1]);
+    json_object_set_new(object, "longitudinal_of_beds", published);
+    for (int w = 0; w < WAYS; w++) {
+      json_t *way = json_object();
+      for (int c = 0; c < COLUMNS && run->way[w].there; c++)
+        json_object_set_new(way, column_names[c], json_numbers(run->way[w].column[c], run->count));
+      if (run->way[w].there)
+        json_object_set_new(object, way_names[w], way);
+      else
+        json_decref(way);
+    }
+    json_put_number(object, "length_m", run->length);
+    json_put_number(object, "grain_size_m", run->grain_size);
+    json_put_number(object, "diffusion_m2_per_s", run->diffusion);
+    json_put_number(object, "porosity", run->porosity);
+    json_put_number(object, "mean_velocity_m_per_s", run->speed);
+    json_put_number(object, "formation_factor", run->formation);
+    json_put_number(object, "formation_factor_error", run->formation_error);
+    json_put_number(object, "tortuosity", run->tortuosity);
+    json_array_append_new(list, object);
+  }
+  json_object_set_new(json, "runs", list);
+}
+
+static void write_csv(const struct solute_run *runs, size_t n, FILE *stream) {
+  fputs("run,peclet,longitudinal,longitudinal_error,transverse,transverse_error,"
+        "longitudinal_dispersivity_m,transverse_dispersivity_m\n",
+        stream);
+  for (size_t r = 0; r < n; r++)
+    for (size_t i = 0; i < runs[r].count; i++) {
+      double *const *column = runs[r].best.column;
+      csv_text(stream, name_of(&runs[r]));
+      fprintf(stream, ",%.10g,%.10g,%.4g,%.10g,%.4g,%.10g,%.10g\n", runs[r].peclet[i],
+              column[LONGITUDINAL][i], column[LONGITUDINAL_ERROR][i], column[TRANSVERSE][i],
+              column[TRANSVERSE_ERROR][i], dispersivity(&runs[r], i, column[LONGITUDINAL][i]),
+              dispersivity(&runs[r], i, column[TRANSVERSE][i]));
+    }
+}
+
+static void write_value(FILE *stream, double value, double error) {
+  fprintf(stream, "  %9.4g", value);
+  if (isfinite(error))
+    fprintf(stream, " +- %-6.2g%%", 100 * error);
+  else
+    fprintf(stream, " %-11s", "");
+}
+
+static void write_summary(const struct solute_run *runs, size_t n, FILE *stream) {
+  for (size_t r = 0; r < n; r++) {
+    const struct solute_run *run = &runs[r];
+    fprintf(stream, "%s\n  formation factor F = ", name_of(run));
+    write_value_with_error(stream, run->formation, run->formation * run->formation_error, "+-", "");
+    fprintf(stream,
+            ", D*/D without flow = %.4g, porosity %.4f\n  Pe = U length / D with the length "
+            "%.4g mm\n  %10s  %9s %10s   %9s %10s   %s\n",
+            1 / run->tortuosity, run->porosity, 1e3 * run->length, "Pe", "D_L/D", "", "D_T/D", "",
+            "D_L/U (mm)  D_T/U (mm)");
+    for (size_t i = 0; i < run->count; i++) {
+      double *const *column = run->best.column;
+      fprintf(stream, "  %10.4g", run->peclet[i]);
+      write_value(stream, column[LONGITUDINAL][i], column[LONGITUDINAL_ERROR][i]);
+      write_value(stream, column[TRANSVERSE][i], column[TRANSVERSE_ERROR][i]);
+      if (run->peclet[i] > 0)
+        fprintf(stream, "  %-10.4g  %.4g", 1e3 * dispersivity(run, i, column[LONGITUDINAL][i]),
+                1e3 * dispersivity(run, i, column[TRANSVERSE][i]));
+      fputc('\n', stream);
+    }
+    fputc('\n', stream);
+  }
+}
+
+/* Rows of Pe, D_L, its error, D_T, its error; without flow there is no place on the axis. */
+static void write_block(FILE *stream, const char *name, size_t r, const struct solute_run *run,
+                        const struct curve *curve) {
+  fprintf(stream, "$%s%zu << EOD\n", name, r);
+  for (size_t i = 0; i < run->count; i++) {
+    double *const *c = curve->column;
+    if (!(run->peclet[i] > 0)) continue;
+    fprintf(stream, "%.9g", run->peclet[i]);
+    for (int t = 0; t < 2; t++) {
+      const double value = c[t][i], error = c[LONGITUDINAL_ERROR + t][i];
+      if (value > 1e-9)
+        fprintf(stream, " %.9g %.6g %.6g", value, value * fmax(1 - error, 0.01),
+                value * (1 + error));
+      else
+        fputs(" NaN NaN NaN", stream);
+    }
+    fputc('\n', stream);
+  }
+  fputs("EOD\n", stream);
+}
+
+static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
+  for (size_t r = 0; r < n; r++) {
+    write_block(stream, "best", r, &runs[r], &runs[r].best);
+    const bool both = runs[r].way[0].there && runs[r].way[1].there;
+    for (int w = 0; w < WAYS && both; w++)
+      write_block(stream, way_names[w], r, &runs[r], &runs[r].way[w]);
+  }
+  fprintf(stream,
+          "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
+          "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
+          "set samples 300\nset key top left reverse Left spacing 1.3\n"
+          "bed(x) = x*%.9g > %d && x*%.9g < %d ? %.9g + 0.5*(x*%.9g)**1.2 : NaN\nplot ",
+          runs[0].grain_size / runs[0].length, BED_FIRST, runs[0].grain_size / runs[0].length,
+          BED_LAST, 1 / runs[0].tortuosity, runs[0].grain_size / runs[0].length);
+  for (size_t r = 0; r < n; r++) {
+    char title[400];
+    const bool both = runs[r].way[0].there && runs[r].way[1].there;
+    for (int t = 0; t < 2; t++) {
+      const int y = 2 + 3 * t;
+      if (r + (size_t)t > 0) fputs(", \\\n  ", stream);
+      fprintf(stream, "$best%zu using 1:%d:%d:%d with yerrorlines linewidth 1.6 ", r, y, y + 1,
+              y + 2);
+      plot_line_style(stream, 2 * r + (size_t)t);
+      plot_point_style(stream, 2 * r + (size_t)t);
+      snprintf(title, sizeof title, "%s, %s the flow", name_of(&runs[r]), t ? "across" : "along");
+      fputs(" title ", stream);
+      plot_text(stream, title);
+      if (both)
+        fprintf(stream,
+                ", \\\n  $walk%zu using 1:%d:%d:%d with yerrorbars pointtype %d linewidth 1.2 "
+                "linecolor rgb '#000000' %s",
+                r, y, y + 1, y + 2, t ? 4 : 6, t || r ? "notitle" : "title 'random walk'");
+    }
+  }
+  fputs(", \\\n  bed(x) with lines linewidth 1.6 dashtype 2 linecolor rgb '#888888' title "
+        "'beds in print, along: 1/({/:Italic F} porosity) + Pe^{1.2}/2'\n",
+        stream);
+}
+
+enum status dispersion_analyze(const char *const *paths, size_t n, struct product *product) {
+  enum status status = STATUS_OK;
+  struct solute_run *runs = NULL;
+  TRY(memory_allocate(&runs, n, sizeof *runs, "runs of a solute"));
+  for (size_t r = 0; r < n; r++) TRY(read_run(paths[r], &runs[r]));
+  write_json(runs, n, product->json);
+  write_csv(runs, n, product->csv.stream);
+  write_summary(runs, n, product->summary.stream);
+  write_plot(runs, n, product->plot.stream);
+  product->width = 800;
+  product->height = 600;
+cleanup:
+  for (size_t r = 0; r < n && runs != NULL; r++) free_run(&runs[r]);
+  memory_free(&runs);
+  return status;
+}
