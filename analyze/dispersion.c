@@ -264,7 +264,7 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
     }
   }
   fputs(", \\\n  bed(x) with lines linewidth 1.6 dashtype 2 linecolor rgb '#888888' title "
-        "'beds in print, along: 1/({/:Italic F} porosity) + Pe^{1.2}/2'\n",
+        "'beds in print, along: 1 / (F porosity) + Pe^1.2 / 2'\n",
         stream);
 }
 

@@ -36,6 +36,10 @@ static enum status solve_lattice(const struct solute_flow *flow, int coarsenings
     TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved[i + 1].value));
     solved[i + 1].seconds = clock_processor_seconds() - started;
     *done += coarsenings > 0 ? 1 : 8;
+    log_verbose("closure: cells of %.3g m, Pe %.3g: D_L/D %.5g, D_T/D %.5g; %d iterations, %.3g s",
+                flow->spacing[0] * closure.spacing, peclet, solved[i + 1].value.longitudinal,
+                solved[i + 1].value.transverse, solved[i + 1].value.iterations,
+                solved[i + 1].seconds);
     snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g", peclet, solved[i + 1].value.longitudinal);
     progress_update(progress, *done, note);
   }
