@@ -182,6 +182,24 @@ cleanup:
   return status;
 }
 
+/* Whether layer i of the pores along an axis is that of n - 1 - i, but for rounding, and layers
+ * differ at all. */
+static bool is_mirrored(const struct solute_flow *f, int axis) {
+  double difference = 0, change = 0, sum = 0;
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++) {
+        int x[3] = {i, j, k};
+        const double here = (double)f->volume[solute_flow_at(f, i, j, k)];
+        x[axis] = f->n[axis] - 1 - x[axis];
+        difference += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
+        x[axis] = (f->n[axis] - x[axis]) % f->n[axis]; /* that after (i, j, k) */
+        change += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
+        sum += fmin(here, 1 - here); /* cells that walls cut */
+      }
+  return difference < 0.01 * sum && change > 0.01 * sum;
+}
+
 enum status solute_flow_finish(struct solute_flow *f) {
   enum status status = STATUS_OK;
   for (int k = 0; k < f->n[2]; k++)
@@ -197,6 +215,10 @@ enum status solute_flow_finish(struct solute_flow *f) {
   if (f->speed > 0) {
     TRY(project(f));
     solute_flow_measure(f);
+    int most = 0;
+    for (int a = 1; a < 3; a++)
+      if (fabs(f->mean_velocity[a]) > fabs(f->mean_velocity[most])) most = a;
+    f->mirrored = is_mirrored(f, most);
   }
 cleanup:
   return status;

@@ -49,6 +49,11 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
   interrupt_start("the Peclet number at hand is solved first");
   TRY(solute_say_where(scene, solute_flow_read(scene->flow_path, &flow)));
   TRY(set_peclet(scene, &flow, &result));
+  if (flow.mirrored)
+    log_warning("%s: the sample is its own mirror image along the flow, which brings every "
+                "streamline back to its place: above Pe of some 10, D_L is more than the soil's; "
+                "take a flow along an axis that is not mirrored",
+                scene->path);
   log_verbose("flow: %d x %d x %d cells, porosity %.4f, U = %.3g m/s, grains of %.3g m, changed "
               "by %.2g to be free of divergence",
               flow.n[0], flow.n[1], flow.n[2], flow.porosity, flow.speed, flow.grain_size,

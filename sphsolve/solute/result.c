@@ -59,6 +59,8 @@ static enum status write_solute(struct h5_file *file, const struct scene *scene,
   TRY(h5_write_attribute(file, "/solute", "spacing", H5_F64, 3, flow->spacing));
   TRY(h5_write_attribute(file, "/solute", "size", H5_U64, 3, size));
   TRY(h5_write_attribute(file, "/solute", "dimensions", H5_I32, 1, &flow->dimensions));
+  const int mirrored = flow->mirrored;
+  TRY(h5_write_attribute(file, "/solute", "mirrored", H5_I32, 1, &mirrored));
   TRY(write_number(file, "speed", flow->speed));
   TRY(write_number(file, "porosity", flow->porosity));
   TRY(write_number(file, "isolated", flow->isolated));

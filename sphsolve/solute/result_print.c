@@ -54,6 +54,7 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
                  {"wall_time", r->wall_time}};
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     json_object_set_new(object, numbers[i].name, number_or_null(numbers[i].value));
+  json_object_set_new(object, "mirrored", json_boolean(flow->mirrored));
   json_object_set_new(object, "status", json_string(r->status));
   json_object_set_new(object, "flow", json_string(scene->flow_path));
   json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
