@@ -146,6 +146,11 @@ static void budget_drag(const struct isph *s, size_t i, double scale, const doub
     linear[a] = -s->drag_a[i] * (v[a] - own[a]);
     forchheimer[a] = -s->drag_b[i] * speed * (2 * (v[a] - own[a]) - (before[a] - own[a]));
   }
+  if (s->on.interfaces) {
+    const struct isph_interface *along = &s->interface[i];
+    isph_interface_turn(along, isph_interface_ratio(along->drag_a, s->drag_a[i]), linear);
+    isph_interface_turn(along, isph_interface_ratio(along->drag_b, s->drag_b[i]), forchheimer);
+  }
   give(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
   give(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }

@@ -54,6 +54,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
     TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
     TRY(memory_resize(&s->moment_lack, n, sizeof *s->moment_lack, what));
+    if (s->on.interfaces) TRY(memory_resize(&s->interface, n, sizeof *s->interface, what));
     if (s->on.moving_soil) {
       TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
       TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
@@ -211,6 +212,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   memset(s, 0, sizeof *s);
   s->scene = scene;
   s->on = *switches;
+  s->on.interfaces = isph_soils_differ(scene);
   s->relaxation_share = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
@@ -279,6 +281,7 @@ void isph_free(struct isph *s) {
                     &s->drag_a,
                     &s->drag_b,
                     &s->drag_left,
+                    &s->interface,
                     &s->soil_velocity,
                     &s->porosity_rate,
                     &s->kernel_sum,

@@ -2,7 +2,9 @@
 
 #include <math.h>
 
+#include "common/kernel.h"
 #include "sphsolve/isph/effects/porosity.h"
+#include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half
@@ -38,17 +40,38 @@ static struct box box_of(const struct isph *s, size_t k, double ahead, const dou
   return box;
 }
 
-static double share_of_box(const struct isph *s, const struct box *box, const double x[3]) {
+static double smoothing_of(const struct isph *s) {
   double spread = pow(s->soil_porosity_least, -1.0 / s->dimensions);
-  double h = 0.25 * s->scene->isph.support_ratio * s->spacing * spread, share = 1;
-  for (int a = 0; a < 3; a++)
-    share *= kernel_integral((x[a] - box->low[a]) / h) - kernel_integral((x[a] - box->high[a]) / h);
+  return 0.25 * s->scene->isph.support_ratio * s->spacing * spread;
+}
+
+static struct isph_share share_of_box(const struct isph *s, const struct box *box,
+                                      const double x[3]) {
+  double h = smoothing_of(s), part[3], first[3], second[3];
+  struct isph_share share = {.value = 1};
+  for (int a = 0; a < 3; a++) {
+    double from = x[a] - box->low[a], to = x[a] - box->high[a];
+    part[a] = kernel_integral(from / h) - kernel_integral(to / h);
+    share.value *= part[a];
+    if (!s->on.interfaces) continue;
+    first[a] = kernel_w(KERNEL_CUBIC, 1, fabs(from), h) - kernel_w(KERNEL_CUBIC, 1, fabs(to), h);
+    second[a] = copysign(kernel_dw(KERNEL_CUBIC, 1, fabs(from), h), from) -
+                copysign(kernel_dw(KERNEL_CUBIC, 1, fabs(to), h), to);
+  }
+  if (!s->on.interfaces) return share;
+  for (int a = 0; a < 3; a++) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    static const int own[3] = {0, 3, 5}, other[3] = {4, 2, 1}; /* of bend: aa, bc */
+    share.slope[a] = first[a] * part[b] * part[c];
+    share.bend[own[a]] = second[a] * part[b] * part[c];
+    share.bend[other[a]] = part[a] * first[b] * first[c];
+  }
   return share;
 }
 
 /* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
-static double share_left(const struct isph *s, const struct box *box, size_t next, double ahead,
-                         const double x[3]) {
+static struct isph_share share_left(const struct isph *s, const struct box *box, size_t next,
+                                    double ahead, const double x[3]) {
   for (; next < s->scene->region_count; next++) {
     if (s->scene->regions[next].type != REGION_POROUS) continue;
     struct box both = box_of(s, next, ahead, x);
@@ -57,8 +80,12 @@ static double share_left(const struct isph *s, const struct box *box, size_t nex
       both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
       overlap = overlap && both.low[a] < both.high[a];
     }
-    if (overlap)
-      return share_left(s, box, next + 1, ahead, x) - share_left(s, &both, next + 1, ahead, x);
+    if (overlap) {
+      struct isph_share all = share_left(s, box, next + 1, ahead, x),
+                        taken = share_left(s, &both, next + 1, ahead, x);
+      isph_share_add(&all, -1, &taken);
+      return all;
+    }
   }
   return share_of_box(s, box, x);
 }
@@ -76,19 +103,25 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   const struct scene *scene = s->scene;
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
+  struct isph_meeting meeting = {.least = INFINITY};
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
     struct box box = box_of(s, k, ahead, position);
-    if (share_of_box(s, &box, position) <= 0) continue;
+    if (share_of_box(s, &box, position).value <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    double w = share_left(s, &box, k + 1, ahead, position), d = region->grain_size;
+    const struct isph_share left = share_left(s, &box, k + 1, ahead, position);
+    double w = left.value, d = region->grain_size;
     double scale = over_eps ? region->porosity : 1; /* 1/G */
     if (w <= 0) continue;
     solid += w * (1 - region->porosity);
     share += w;
-    a += w * scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(region->porosity);
-    b += w * scale * region->beta / d * forchheimer_of(region->porosity);
+    double linear =
+        scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(region->porosity);
+    double forchheimer = scale * region->beta / d * forchheimer_of(region->porosity);
+    a += w * linear;
+    b += w * forchheimer;
+    if (s->on.interfaces) isph_meeting_add(&meeting, &left, linear, forchheimer);
     inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
     paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
@@ -108,6 +141,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     soil->b = b * weight * scale * forchheimer_of(eps) / forchheimer_of(own);
     soil->inertia = inertia_coefficient(eps) / (over_eps ? 1 : eps);
   }
+  if (s->on.interfaces) isph_meeting_split(&meeting, smoothing_of(s), soil);
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 
@@ -116,4 +150,18 @@ double isph_soil_minimum(const struct scene *scene) {
   for (size_t k = 0; k < scene->region_count; k++)
     if (scene->regions[k].type == REGION_POROUS) least = fmin(least, scene->regions[k].porosity);
   return least;
+}
+
+/* Whether two soils are there whose drag differs. */
+bool isph_soils_differ(const struct scene *scene) {
+  const struct region *first = NULL;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *r = &scene->regions[k];
+    if (r->type != REGION_POROUS) continue;
+    if (first == NULL) first = r;
+    if (r->porosity != first->porosity || r->grain_size != first->grain_size ||
+        r->alpha != first->alpha || r->beta != first->beta)
+      return !scene->isph.porosity_paper;
+  }
+  return false;
 }

@@ -32,7 +32,7 @@
 
 /* What of the physics is on; each flag is an effect of the plan. */
 struct isph_switches {
-  bool soil, moving_soil, drag_linear, drag_forchheimer;
+  bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides;
   uint32_t budget; /* terms of the effects on */
@@ -72,6 +72,12 @@ struct isph_column {
   double at[3];       /* its axis on the side */
   double front;       /* distance of the foremost particle behind the side, 0 .. spacing */
   double speed;       /* of the water there, inward: of the pores */
+};
+
+/* Where soils meet, drag along the interface is less than across it: isph/soil.c. */
+struct isph_interface {
+  double normal[3];                            /* unit; 0 away from interfaces */
+  double drag_a, drag_b, drag_left, mobility; /* along it, as isph's own are across */
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
@@ -145,6 +151,7 @@ struct isph {
   double *volume, *support;
   double *porosity, *soil_share;     /* NULL without soil */
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
+  struct isph_interface *interface;  /* NULL unless different soils are there */
   double (*soil_velocity)[3];        /* NULL unless soil moves */
   double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
@@ -250,13 +257,16 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
 struct soil_point {
   double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
   double inertia;         /* C_r / (eps G) */
-  double a, b;            /* drag coefficients over G, 1/s and 1/m */
+  double a, b;            /* drag coefficients over G, 1/s and 1/m; across an interface */
+  double normal[3];       /* of an interface between soils; 0 without */
+  double along_a, along_b;
   double velocity[3];
 };
 /* At a place, where moving soil stands a time `ahead` from now. */
 void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil);
 double isph_soil_minimum(const struct scene *scene);
+bool isph_soils_differ(const struct scene *scene);
 
 /* isph/wall.c */
 enum status isph_wall_create(struct isph *s);
@@ -301,6 +311,25 @@ double isph_energy_given(const struct isph *s, double relaxation_time, double dt
 void isph_energy_settle(struct isph *s, double (*displacement)[3], double available);
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
+
+/* The mobility between two particles: across an interface resistances add. */
+static inline double isph_mobility_between(double a, double b) {
+  return 2 * a * b / (a + b);
+}
+
+/* Drag along over drag across. */
+static inline double isph_interface_ratio(double along, double across) {
+  return across > 0 ? along / across : 1;
+}
+
+/* Makes of x, found with what holds across an interface, what is `along` times as large along it. */
+static inline void isph_interface_turn(const struct isph_interface *interface, double along,
+                                       double x[3]) {
+  const double *n = interface->normal;
+  double across = x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
+  if (n[0] == 0 && n[1] == 0 && n[2] == 0) return;
+  for (int a = 0; a < 3; a++) x[a] = along * x[a] + (1 - along) * across * n[a];
+}
 
 /* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);

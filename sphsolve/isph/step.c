@@ -33,6 +33,12 @@ static void update_volumes(struct isph *s) {
       s->inertia[i] = soil.inertia;
       s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
       s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
+      if (s->on.interfaces) {
+        struct isph_interface *interface = &s->interface[i];
+        memcpy(interface->normal, soil.normal, sizeof soil.normal);
+        interface->drag_a = s->on.drag_linear ? soil.along_a : 0;
+        interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
+      }
       if (s->on.moving_soil) {
         struct soil_point soon;
         isph_soil_at(s, s->position[i], SOON, &soon);
@@ -156,13 +162,22 @@ static void predict(struct isph *s, double dt) {
         left = drag_factor(t, s->drag_a[i], b, speed);
         s->drag_left[i] = left;
         for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
+        if (s->on.interfaces) {
+          struct isph_interface *along = &s->interface[i];
+          along->drag_left = drag_factor(t, along->drag_a, along->drag_b, speed);
+          along->mobility = along->drag_left * t / s->density;
+          isph_interface_turn(along, isph_interface_ratio(along->drag_b, b), force);
+        }
       }
       for (int a = 0; a < 3; a++) force[a] += applied->viscous[a] + applied->friction[a];
       for (size_t k = 0; k < s->on.own_count; k++)
         for (int a = 0; a < 3 && s->own_force[k] != NULL; a++) force[a] += s->own_force[k][i][a];
       s->mobility[i] = left * t / s->density;
-      for (int a = 0; a < 3; a++)
-        s->predicted[i][a] = own[a] + left * (v[a] - own[a] + t * force[a]);
+      double *to = s->predicted[i];
+      for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
+      if (s->on.interfaces)
+        isph_interface_turn(&s->interface[i], s->interface[i].drag_left / left, to);
+      for (int a = 0; a < 3; a++) to[a] += own[a];
     }
   }
 }
@@ -194,13 +209,20 @@ static void correct(struct isph *s) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
+      double edge[3] = {0}, carried[3] = {0}; /* grad ln k; the flux less k times the gradient */
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         double r[3];
         isph_separation(s, xi, s->position, chunk->pair[p], r);
-        add_drop(f, rho, s->volume[j] * (double)chunk->slope[p], pressure - s->pressure[j], r,
-                 reduced, own);
+        double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
+        add_drop(f, rho, weight, drop, r, reduced, own);
+        if (s->on.soil && s->mobility[j] != k) {
+          double more = weight * (isph_mobility_between(k, s->mobility[j]) / k - 1);
+          double fall = more * (drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]));
+          double steep = weight * log(k / s->mobility[j]);
+          for (int a = 0; a < 3; a++) carried[a] += fall * r[a], edge[a] += steep * r[a];
+        }
       }
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
@@ -222,11 +244,18 @@ static void correct(struct isph *s) {
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
+      double square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2], across = 0;
+      for (int a = 0; a < 3 && square > 0; a++) across += edge[a] * carried[a] / square;
+      for (int a = 0; a < 3; a++) reduced[a] += across * edge[a];
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
+      double change[3];
+      for (int a = 0; a < 3; a++)
+        change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+      if (s->on.interfaces) isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
       for (int a = 0; a < 3; a++) {
         double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
-        double old = s->velocity[i][a], step = k * gradient;
+        double old = s->velocity[i][a], step = change[a];
         s->applied[i].pressure[a] += gradient;
         if (again) {
           s->velocity[i][a] -= step;

@@ -1,0 +1,100 @@
+#include "sphsolve/isph/interface.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Shares of soil are smooth: at an interface both soils have one. Across it the same water flows
+ * through both and resistances add, along it both feel the same gradient and flows add:
+ *   across   a = sum w a,     b = sum w b
+ *   along    1/a = sum w / a, 1/sqrt(b) = sum w / sqrt(b)    (exact for a alone and for b alone)
+ * (Wiener 1912). The normal is the principal direction of
+ *   T = grad M grad M + BEND h^2 H H,   M = sum w ln a / sum w,  H its second derivatives,
+ * rank one at a plane interface and in a thin layer, where grad M is 0 in the middle but H is not.
+ * At a corner T has two directions, q = (l1 - l2)/(l1 + l2) of its eigenvalues fades to 0, and both
+ * means go to the geometric one: that of a checkerboard (Keller 1964). */
+
+/* Small, so that H speaks only where grad M is silent: boxes that make stairs of an oblique
+ * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
+ * with 0.1). */
+#define BEND 0.02
+
+void isph_share_add(struct isph_share *to, double scale, const struct isph_share *share) {
+  to->value += scale * share->value;
+  for (int a = 0; a < 3; a++) to->slope[a] += scale * share->slope[a];
+  for (int k = 0; k < 6; k++) to->bend[k] += scale * share->bend[k];
+}
+
+void isph_meeting_add(struct isph_meeting *m, const struct isph_share *w, double a, double b) {
+  const double drag = a > 0 ? a : b;
+  if (!(drag > 0)) return;
+  m->least = fmin(m->least, drag), m->most = fmax(m->most, drag);
+  m->linear += w->value / a, m->forchheimer += w->value / sqrt(b);
+  isph_share_add(&m->share, 1, w);
+  isph_share_add(&m->level, log(drag), w);
+}
+
+static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/* T of M = level / share. */
+static void find_tensor(const struct isph_meeting *m, double h, double tensor[6]) {
+  const struct isph_share *l = &m->level, *s = &m->share;
+  const double mean = l->value / s->value;
+  double g[3], bend[6];
+  for (int a = 0; a < 3; a++) g[a] = (l->slope[a] - mean * s->slope[a]) / s->value;
+  for (int a = 0; a < 3; a++)
+    for (int b = a; b < 3; b++)
+      bend[at[a][b]] = (l->bend[at[a][b]] - mean * s->bend[at[a][b]] - g[a] * s->slope[b] -
+                        g[b] * s->slope[a]) /
+                       s->value;
+  for (int a = 0; a < 3; a++)
+    for (int b = a; b < 3; b++) {
+      tensor[at[a][b]] = g[a] * g[b];
+      for (int c = 0; c < 3; c++)
+        tensor[at[a][b]] += BEND * h * h * bend[at[a][c]] * bend[at[c][b]];
+    }
+}
+
+/* The principal direction of a symmetric tensor without negative eigenvalues, by powers; its
+ * eigenvalue less the sum of the others, over the sum of all. */
+static double principal(const double t[6], double n[3]) {
+  const double trace = t[0] + t[3] + t[5];
+  int first = 0;
+  if (!(trace > 0)) return 0;
+  for (int a = 1; a < 3; a++)
+    if (t[at[a][a]] > t[at[first][first]]) first = a;
+  for (int a = 0; a < 3; a++) n[a] = t[at[first][a]] / trace;
+  for (int round = 0; round < 20; round++) {
+    double next[3], square = 0;
+    for (int a = 0; a < 3; a++) {
+      next[a] = (t[at[a][0]] * n[0] + t[at[a][1]] * n[1] + t[at[a][2]] * n[2]) / trace;
+      square += next[a] * next[a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = next[a] / sqrt(square);
+  }
+  double value = 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) value += n[a] * t[at[a][b]] * n[b];
+  return fmax(0, 2 * value / trace - 1);
+}
+
+/* Both means towards their geometric one, q from 1 to 0. */
+static void turn(double q, double *across, double *along) {
+  if (!(*along > 0) || !(*across > 0)) return;
+  const double factor = pow(*across / *along, 0.5 * (1 - q));
+  *across /= factor, *along *= factor;
+}
+
+void isph_meeting_split(const struct isph_meeting *m, double smoothing, struct soil_point *soil) {
+  const double w = m->share.value;
+  double tensor[6];
+  soil->along_a = soil->a, soil->along_b = soil->b;
+  memset(soil->normal, 0, sizeof soil->normal);
+  if (!(w > 0) || !(m->most > m->least * (1 + 1e-9))) return;
+  find_tensor(m, smoothing, tensor);
+  const double q = principal(tensor, soil->normal);
+  if (!(tensor[0] + tensor[3] + tensor[5] > 0)) return;
+  soil->along_a = w * w / m->linear;
+  soil->along_b = w * w * w / (m->forchheimer * m->forchheimer);
+  turn(q, &soil->a, &soil->along_a);
+  turn(q, &soil->b, &soil->along_b);
+}
