@@ -17,6 +17,8 @@
  * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
  * with 0.1). */
 #define BEND 0.02
+/* Neighbours' weight along an edge is at least this share of what it is without. */
+#define SHARE_LEAST 0.25
 
 void isph_share_add(struct isph_share *to, double scale, const struct isph_share *share) {
   to->value += scale * share->value;
@@ -43,9 +45,9 @@ static void find_tensor(const struct isph_meeting *m, double h, double tensor[6]
   for (int a = 0; a < 3; a++) g[a] = (l->slope[a] - mean * s->slope[a]) / s->value;
   for (int a = 0; a < 3; a++)
     for (int b = a; b < 3; b++)
-      bend[at[a][b]] = (l->bend[at[a][b]] - mean * s->bend[at[a][b]] - g[a] * s->slope[b] -
-                        g[b] * s->slope[a]) /
-                       s->value;
+      bend[at[a][b]] =
+          (l->bend[at[a][b]] - mean * s->bend[at[a][b]] - g[a] * s->slope[b] - g[b] * s->slope[a]) /
+          s->value;
   for (int a = 0; a < 3; a++)
     for (int b = a; b < 3; b++) {
       tensor[at[a][b]] = g[a] * g[b];
@@ -97,4 +99,25 @@ void isph_meeting_split(const struct isph_meeting *m, double smoothing, struct s
   soil->along_b = w * w * w / (m->forchheimer * m->forchheimer);
   turn(q, &soil->a, &soil->along_a);
   turn(q, &soil->b, &soil->along_b);
+}
+
+static double along(const double moment[6], const double n[3]) {
+  double sum = moment[0] + moment[3] + moment[5];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) sum -= n[a] * moment[at[a][b]] * n[b];
+  return sum;
+}
+
+/* Across an edge of mobility, along n = grad ln k, the gradient is what the flux between particles
+ * makes of it, sum V_j (k_ij/k_i) slope (q_i - q_j) r with the k_ij of the pressure's matrix: the
+ * flux is then the same on both sides, which k_i times the plain gradient is not. Along it, too, a
+ * neighbour counts by k_ij, but the gradient is exact for what is linear. */
+void isph_edge_close(const struct isph_edge *edge, double gradient[3]) {
+  double n[3], across = 0;
+  const double *g = edge->normal, size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  if (!(size > 0)) return;
+  for (int a = 0; a < 3; a++) n[a] = g[a] / size, across += n[a] * edge->flux[a];
+  const double share = along(edge->weighted, n) / along(edge->even, n);
+  for (int a = 0; a < 3; a++)
+    gradient[a] = n[a] * across + (edge->flux[a] - n[a] * across) / fmax(SHARE_LEAST, share);
 }

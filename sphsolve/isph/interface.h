@@ -2,6 +2,7 @@
 #ifndef TOSUI_SPHSOLVE_ISPH_INTERFACE_H
 #define TOSUI_SPHSOLVE_ISPH_INTERFACE_H
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "sphsolve/isph/state.h"
@@ -15,9 +16,9 @@ void isph_share_add(struct isph_share *to, double scale, const struct isph_share
 
 /* Sums over the soils at a place; start from {.least = INFINITY}. */
 struct isph_meeting {
-  double least, most;              /* drag of the soils here */
-  double linear, forchheimer;      /* sum of w/a, w/sqrt(b) */
-  struct isph_share share, level;  /* sum of w, w ln a */
+  double least, most;             /* drag of the soils here */
+  double linear, forchheimer;     /* sum of w/a, w/sqrt(b) */
+  struct isph_share share, level; /* sum of w, w ln a */
 };
 /* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its share w here. */
 void isph_meeting_add(struct isph_meeting *meeting, const struct isph_share *w, double a, double b);
@@ -25,5 +26,22 @@ void isph_meeting_add(struct isph_meeting *meeting, const struct isph_share *w, 
  * there is none). `smoothing`: h of the shares, m. */
 void isph_meeting_split(const struct isph_meeting *meeting, double smoothing,
                         struct soil_point *soil);
+
+/* The gradient of the pressure at a particle whose neighbours have other mobilities. */
+struct isph_edge {
+  double normal[3], flux[3], even[6], weighted[6];
+};
+/* A neighbour j of i: weight V_j slope, fall of q = P - rho f.x from i to j, r from j to i. */
+static inline void isph_edge_add(struct isph_edge *edge, double ki, double kj, double weight,
+                                 double fall, const double r[3]) {
+  const double more = weight * isph_mobility_between(ki, kj) / ki;
+  const double steep = ki == kj ? 0 : weight * log(ki / kj);
+  for (int a = 0, k = 0; a < 3; a++) {
+    edge->normal[a] += steep * r[a], edge->flux[a] += more * fall * r[a];
+    for (int b = a; b < 3; b++, k++)
+      edge->even[k] += weight * r[a] * r[b], edge->weighted[k] += more * r[a] * r[b];
+  }
+}
+void isph_edge_close(const struct isph_edge *edge, double gradient[3]);
 
 #endif

@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/output.h"
+#include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/output/recorder.h"
 
@@ -265,138 +266,6 @@ cleanup:
   return status;
 }
 
-/* Whether a box spans the domain but along `axis` (3: along every axis). */
-static bool spans(const struct isph *s, const double low[3], const double high[3], int axis) {
-  bool all = true;
-  for (int a = 0; a < 3; a++) {
-    double near = 1e-6 * s->spacing;
-    if (a != axis && !(s->dimensions == 2 && a == 1))
-      all = all && low[a] <= s->low[a] + near && high[a] >= s->high[a] - near;
-  }
-  return all;
-}
-
-/* The column of a permeameter: two sides of given head face each other, whole sides, and soil lies
- * in layers across. */
-struct column {
-  int axis;
-  double gradient; /* fall of head over the length of soil */
-  double fall;     /* of head, m, signed along the axis */
-  double inertia;  /* m: of the water set in motion, sum of length / porosity */
-};
-
-/* False if it is no such column. */
-static bool find_column(const struct isph *s, struct column *column) {
-  int *axis = &column->axis;
-  const struct isph_open_side *sides = s->sides;
-  if (s->side_count != 2 || s->wall_box_count > 1 || s->on.surface) return false;
-  *axis = sides[0].axis;
-  bool facing = sides[1].axis == *axis && sides[0].inward * sides[1].inward < 0;
-  for (int k = 0; k < 2; k++)
-    facing = facing && sides[k].kind == BOUNDARY_OPEN_HEAD &&
-             spans(s, sides[k].low, sides[k].high, *axis);
-  if (!facing) return false;
-  double length = 0, done = s->low[*axis];
-  column->inertia = s->high[*axis] - s->low[*axis];
-  while (done < s->high[*axis]) { /* from soil to soil along the axis */
-    double from = s->high[*axis], to = from, porosity = 1;
-    for (size_t k = 0; k < s->scene->region_count; k++) {
-      const struct region *region = &s->scene->regions[k];
-      if (region->type != REGION_POROUS || !(region->box[*axis + 3] > done)) continue;
-      if (!spans(s, region->box, region->box + 3, *axis)) return false;
-      if (fmax(region->box[*axis], done) < from)
-        from = fmax(region->box[*axis], done), to = region->box[*axis + 3],
-        porosity = region->porosity;
-    }
-    done = fmin(to, s->high[*axis]);
-    length += done - from;
-    column->inertia += (done - from) * (1 / porosity - 1);
-  }
-  column->fall = (sides[0].head - sides[1].head) * sides[0].inward;
-  column->gradient = column->fall / length;
-  return length > 0 && column->fall != 0;
-}
-
-/* A k is one after so many relaxation times; before, what is seen is the water's acceleration. */
-#define RELAXATIONS_LEAST 4.0
-
-/* By how much the mean over the second half of a time stays below what it relaxes to. */
-static double relaxation_deficit(double time, double relaxation) {
-  const double half = 0.5 * time / relaxation;
-  return (exp(-half) - exp(-2 * half)) / half;
-}
-
-/* The water's momentum, inertia dv/dt = drive (1 - v / v_inf), relaxes with the time inertia v_inf
- * / drive for friction that is linear in v, and faster else. False where it has not; else how far
- * the mean of the second half along `direction` (a unit vector) is from where it goes: the change
- * from its third quarter to its fourth, and what it has still to grow by. */
-static bool find_steadiness(const struct isph *s, const struct recorder *recorder,
-                            const double direction[3], double inertia, double drive,
-                            struct run_result *result) {
-  double third[3], fourth[3], v = 0, drift = 0;
-  recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
-  recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
-  for (int a = 0; a < 3; a++) {
-    v += direction[a] * result->darcy_velocity[a];
-    drift += direction[a] * (fourth[a] - third[a]);
-  }
-  const double relaxation = fabs(v) * inertia / drive;
-  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
-    log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
-                "as long",
-                s->scene->path, s->time);
-    return false;
-  }
-  result->k_error = hypot(isfinite(drift) ? drift / v : 0, relaxation_deficit(s->time, relaxation));
-  result->error.steadiness = result->k_error;
-  return true;
-}
-
-/* Mean of 1 / porosity over the water's volume. */
-static double mean_inertia(const struct isph *s) {
-  double sum[2] = {0};
-  for (size_t i = 0; i < s->count; i++) {
-    sum[0] += s->volume[i];
-    sum[1] += s->volume[i] / (s->porosity ? s->porosity[i] : 1);
-  }
-  ranks_sum_all(sum, 2);
-  return sum[0] > 0 ? sum[1] / sum[0] : 1;
-}
-
-/* A k only where the force drives water round a periodic box full of it, or heads drive it along a
- * column; in a tank v / i along gravity means nothing. Between heads v is the mean over the second
- * half of the run. */
-static void find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
-                   struct run_result *result) {
-  const struct scene *scene = plan->context.scene;
-  bool round = !plan->context.has_surface && !plan->context.has_inflow;
-  const double *g = scene->gravity, *force = scene->driving;
-  double direction[3] = {0};
-  struct column column;
-  for (int a = 0; a < 3; a++) round = round && (force[a] == 0 || scene->periodic[a]);
-  if (round) { /* v / i along the force stands */
-    const double drive = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
-    if (!(drive > 0) || !s->porosity) return;
-    for (int a = 0; a < 3; a++) direction[a] = force[a] / drive;
-    if (!find_steadiness(s, recorder, direction, mean_inertia(s), drive, result))
-      result->k = result->intrinsic_permeability = NAN;
-    return;
-  }
-  result->k = result->intrinsic_permeability = NAN;
-  if (!find_column(s, &column)) return;
-  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  if (!(strength > 0)) strength = GRAVITY_STANDARD;
-  direction[column.axis] = 1;
-  if (!find_steadiness(s, recorder, direction, column.inertia, strength * fabs(column.fall),
-                       result))
-    return;
-  recorder_mean_velocity(recorder, 0.5 * s->time, s->time, result->darcy_velocity);
-  result->k = result->darcy_velocity[column.axis] / column.gradient;
-  result->fall[column.axis] = column.gradient;
-  result->error.resolution = plan->expected.error;
-  result->intrinsic_permeability = result->k * s->kinematic_viscosity / strength;
-}
-
 /* Pairs of the busiest rank over the mean. */
 static double imbalance_of(const struct isph *s) {
   const double total = ranks_sum(s->pairs_now);
@@ -421,7 +290,7 @@ cleanup:
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     result_from_darcy(scene, velocity, result);
-    find_k(s, plan, recorder, result);
+    isph_find_k(s, plan, recorder, result);
     result->reynolds = isph_reynolds(s, result->darcy_velocity);
     result->steps = s->step;
     s->pair_interactions = ranks_sum(s->pair_interactions);

@@ -6,6 +6,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/plan/reynolds.h"
 
@@ -144,6 +145,9 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
   TRY(recorder_add_column(recorder, "front_high", "m", 3));
   TRY(recorder_add_column(recorder, "iterations", "1", 1));
   TRY(recorder_add_column(recorder, "particles", "1", 1));
+  double velocity;
+  if (isph_column_velocity(s, &velocity))
+    TRY(recorder_add_column(recorder, COLUMN_VELOCITY, "m/s", 1));
   for (int t = 0; t < BUDGET_TERMS; t++) {
     if (!budget_is_on(&s->budget, t)) continue;
     snprintf(name, sizeof name, "work_%s", budget_name(&s->budget, t));
@@ -236,7 +240,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
   struct whole whole;
   double *extra = NULL;
-  size_t n = 12 + BUDGET_TERMS + s->scene->region_count + s->scene->gauge_count +
+  size_t n = 13 + BUDGET_TERMS + s->scene->region_count + s->scene->gauge_count +
              s->scene->plane_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
@@ -258,6 +262,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     extra[c++] = s->periodic[a] ? whole.extreme[a] : fmin(whole.extreme[a], s->high[a]);
   extra[c++] = s->solve.iterations;
   extra[c++] = (double)s->total;
+  c += isph_column_velocity(s, &extra[c]);
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);

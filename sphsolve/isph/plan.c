@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "sphsolve/isph/pace.h"
+#include "sphsolve/isph/state.h"
 
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
@@ -32,9 +33,30 @@ static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
          (time - fast) / fmin(least, displacement / pace->speed_after);
 }
 
-/* Spacings that the two smeared ends of a layer of soil are off, together: 20 and 40 spacings of
- * gravel between two heads, -0.8 and +0.6 % of k. */
-#define SOIL_ENDS 0.2
+/* Spacings of the particles in the soil that the two smeared ends of a layer are off, together: 20
+ * spacings of soil between two heads, from grains of 1 um to 5 mm and porosity .1 to .9. */
+#define SOIL_ENDS 0.35
+
+/* The same of soils side by side round a periodic box, porosity .5 beside .3 in layers along and
+ * across and in a checkerboard: 0.5 to 2.4 % of k at 5 spacings a layer. */
+#define SOIL_LAYERS 0.2
+
+/* Spacings of the thinnest soil that does not fill the domain; INFINITY where soils are alike. */
+static double thinnest_layer(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  double thinnest = INFINITY;
+  for (size_t r = 0; r < scene->region_count && isph_soils_differ(scene); r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type != REGION_POROUS) continue;
+    for (int a = 0; a < 3; a++) {
+      const double length = region->box[a + 3] - region->box[a];
+      const bool used = context->lattice->dimensions == 3 || a != 1;
+      if (used && length < 0.999 * scene->domain_size[a])
+        thinnest = fmin(thinnest, length / context->spacing);
+    }
+  }
+  return thinnest;
+}
 
 /* Drag is implicit and exact in even soil, so that only the ends of layers between two heads count.
  * Elsewhere no k is asked for, or no estimate is known. */
@@ -56,14 +78,21 @@ static void expect_isph(struct plan *plan) {
   }
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
-    if (region->type == REGION_POROUS)
-      thinnest =
-          fmin(thinnest, (region->box[axis + 3] - region->box[axis]) / plan->context.spacing);
+    if (region->type != REGION_POROUS) continue;
+    const double particle =
+        plan->context.spacing * pow(region->porosity, -1.0 / plan->context.lattice->dimensions);
+    thinnest = fmin(thinnest, (region->box[axis + 3] - region->box[axis]) / particle);
   }
+  const double layer = thinnest_layer(&plan->context);
   if (heads == 2 && isfinite(thinnest)) {
     e->error = e->least = SOIL_ENDS / thinnest;
-    snprintf(e->why, sizeof e->why, "the ends of soil %.3g spacings long are known to %g of one",
-             thinnest, SOIL_ENDS);
+    snprintf(e->why, sizeof e->why,
+             "the ends of soil %.3g particles of its own long are known to %g of one", thinnest,
+             SOIL_ENDS);
+  } else if (round && isfinite(layer)) {
+    e->error = e->least = SOIL_LAYERS / layer;
+    snprintf(e->why, sizeof e->why,
+             "soils side by side, %.3g spacings thin, are known to %g of one", layer, SOIL_LAYERS);
   } else if (round && isfinite(thinnest)) {
     snprintf(e->why, sizeof e->why,
              "even soil is exact; where it ends beside water or walls no estimate is known");

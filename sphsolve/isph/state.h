@@ -76,7 +76,7 @@ struct isph_column {
 
 /* Where soils meet, drag along the interface is less than across it: isph/soil.c. */
 struct isph_interface {
-  double normal[3];                            /* unit; 0 away from interfaces */
+  double normal[3];                           /* unit; 0 away from interfaces */
   double drag_a, drag_b, drag_left, mobility; /* along it, as isph's own are across */
 };
 
@@ -322,7 +322,8 @@ static inline double isph_interface_ratio(double along, double across) {
   return across > 0 ? along / across : 1;
 }
 
-/* Makes of x, found with what holds across an interface, what is `along` times as large along it. */
+/* Makes of x, found with what holds across an interface, what is `along` times as large along it.
+ */
 static inline void isph_interface_turn(const struct isph_interface *interface, double along,
                                        double x[3]) {
   const double *n = interface->normal;

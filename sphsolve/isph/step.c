@@ -10,6 +10,7 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/ranks.h"
 
 static double size_of(const struct isph *s, double volume) {
@@ -209,7 +210,7 @@ static void correct(struct isph *s) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
-      double edge[3] = {0}, carried[3] = {0}; /* grad ln k; the flux less k times the gradient */
+      struct isph_edge edge = {.flux = {0}};
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
@@ -217,13 +218,11 @@ static void correct(struct isph *s) {
         isph_separation(s, xi, s->position, chunk->pair[p], r);
         double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
         add_drop(f, rho, weight, drop, r, reduced, own);
-        if (s->on.soil && s->mobility[j] != k) {
-          double more = weight * (isph_mobility_between(k, s->mobility[j]) / k - 1);
-          double fall = more * (drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]));
-          double steep = weight * log(k / s->mobility[j]);
-          for (int a = 0; a < 3; a++) carried[a] += fall * r[a], edge[a] += steep * r[a];
-        }
+        if (s->on.soil)
+          isph_edge_add(&edge, k, s->mobility[j], weight,
+                        drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
       }
+      if (s->on.soil) isph_edge_close(&edge, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
@@ -244,15 +243,13 @@ static void correct(struct isph *s) {
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
-      double square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2], across = 0;
-      for (int a = 0; a < 3 && square > 0; a++) across += edge[a] * carried[a] / square;
-      for (int a = 0; a < 3; a++) reduced[a] += across * edge[a];
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       double change[3];
       for (int a = 0; a < 3; a++)
         change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
-      if (s->on.interfaces) isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
+      if (s->on.interfaces)
+        isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
       for (int a = 0; a < 3; a++) {
         double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
         double old = s->velocity[i][a], step = change[a];

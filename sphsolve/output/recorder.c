@@ -129,16 +129,26 @@ static enum status reserve_row(struct recorder *recorder, size_t count) {
   return status;
 }
 
-void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
-                            double velocity[3]) {
-  double sum[3] = {0}, n = 0;
+static double mean_of(const struct recorder *recorder, int column, double from, double to) {
+  double sum = 0, n = 0;
   for (size_t r = 0; r < recorder->row_count; r++) {
     const double *row = recorder->rows + r * (size_t)recorder->width;
     if (row[0] < from || row[0] > to) continue;
-    n++;
-    for (int a = 0; a < 3; a++) sum[a] += row[3 + a];
+    n++, sum += row[column];
   }
-  for (int a = 0; a < 3; a++) velocity[a] = n > 0 ? sum[a] / n : NAN;
+  return n > 0 ? sum / n : NAN;
+}
+
+void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
+                            double velocity[3]) {
+  for (int a = 0; a < 3; a++) velocity[a] = mean_of(recorder, 3 + a, from, to);
+}
+
+double recorder_mean(const struct recorder *recorder, const char *name, double from, double to) {
+  for (size_t c = 0; c < recorder->column_count; c++)
+    if (!strcmp(recorder->columns[c].name, name))
+      return mean_of(recorder, recorder->columns[c].first, from, to);
+  return NAN;
 }
 
 /* The columns' names, and last what scene and model the rows are of. */

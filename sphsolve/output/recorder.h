@@ -67,6 +67,8 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
 /* Mean of the rows' Darcy velocity over times from .. to, s; NAN where there is no row. */
 void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
                             double velocity[3]);
+/* The same of a column of one component, registered under that name. */
+double recorder_mean(const struct recorder *recorder, const char *name, double from, double to);
 /* Interval of history rows the scene asks for, s; NAN: the method chooses. */
 double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
