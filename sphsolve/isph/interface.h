@@ -34,7 +34,7 @@ struct isph_edge {
 /* A neighbour j of i: weight V_j slope, fall of q = P - rho f.x from i to j, r from j to i. */
 static inline void isph_edge_add(struct isph_edge *edge, double ki, double kj, double weight,
                                  double fall, const double r[3]) {
-  const double more = weight * isph_mobility_between(ki, kj) / ki;
+  const double more = weight * 2 * kj / (ki + kj); /* isph_mobility_between over k_i */
   const double steep = ki == kj ? 0 : weight * log(ki / kj);
   for (int a = 0, k = 0; a < 3; a++) {
     edge->normal[a] += steep * r[a], edge->flux[a] += more * fall * r[a];

@@ -312,9 +312,11 @@ void isph_energy_settle(struct isph *s, double (*displacement)[3], double availa
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
 
-/* The mobility between two particles: across an interface resistances add. */
-static inline double isph_mobility_between(double a, double b) {
-  return 2 * a * b / (a + b);
+/* The mobility between two particles: across an edge resistances add. Water with a free surface
+ * keeps the plain mean, and the gradient that is the divergence's adjoint: its energy may not rise.
+ */
+static inline double isph_mobility_between(const struct isph *s, double a, double b) {
+  return s->on.surface ? 0.5 * (a + b) : 2 * a * b / (a + b);
 }
 
 /* Drag along over drag across. */

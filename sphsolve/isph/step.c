@@ -204,6 +204,7 @@ static void correct(struct isph *s) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
+  const bool edges = s->on.soil && !s->on.surface;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
@@ -218,11 +219,11 @@ static void correct(struct isph *s) {
         isph_separation(s, xi, s->position, chunk->pair[p], r);
         double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
         add_drop(f, rho, weight, drop, r, reduced, own);
-        if (s->on.soil)
+        if (edges)
           isph_edge_add(&edge, k, s->mobility[j], weight,
                         drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
       }
-      if (s->on.soil) isph_edge_close(&edge, reduced);
+      if (edges) isph_edge_close(&edge, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
