@@ -255,7 +255,7 @@ cleanup:
 
 /* Of a scene that takes a flow which is solved already; false: it is none. */
 static enum status find_flow(const struct options *options, struct job *job, bool *found) {
-  static const char *const others[] = {"error", "time", "tensor", "ranks", "resume"};
+  static const char *const others[] = {"time", "tensor", "ranks", "resume"};
   enum status status = STATUS_OK;
   TRY(read_scene(options, NULL, &job->scene));
   *found = *job->scene.flow_path;
@@ -264,6 +264,8 @@ static enum status find_flow(const struct options *options, struct job *job, boo
       TRY_FAIL(STATUS_USAGE,
                "--%s is of a scene that solves a flow; %s takes one that is solved: leave it out",
                others[i], job->scene.path);
+  if (*found && options_given(options, "error"))
+    TRY(parse_error(options_text(options, "error"), &job->scene.solute.error));
   if (!*found) scene_free(&job->scene);
 cleanup:
   return status;

@@ -150,6 +150,7 @@ struct scene {
     int peclet_count; /* 0: that of the flow as it is */
     double peclet[SOLUTE_PECLET_MAX];
     enum solute_way way;
+    double error; /* wanted of a walk, relative (--error); NAN: auto */
   } solute;
 
   enum switch_state turbulence, shifting;

@@ -5,7 +5,7 @@
 
 #include "sphsolve/scene/scene_internal.h"
 
-static const char *const way_names[] = {"closure", NULL};
+static const char *const way_names[] = {"closure", "walk", "both", NULL};
 
 #define DIM_DIFFUSION ((struct dimension){2, 0, -1})
 
@@ -70,6 +70,7 @@ enum status scene_read_solute(struct config *config, struct scene *scene) {
   TRY(read_peclet(config, group, scene));
   TRY(config_choice(config, group, "way", way_names, &way, NULL));
   scene->solute.way = (enum solute_way)way;
+  scene->solute.error = NAN;
 cleanup:
   return status;
 }

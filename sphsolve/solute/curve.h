@@ -15,4 +15,9 @@
  * error of resolution. */
 enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *result);
 
+/* By random walk: fills walk and record from length, count, peclet and wanted (curve_walk.c). Walked
+ * on the flow's cells, and on those taken two by two by two for the error of resolution, which is a
+ * third of the difference: that goes with the square of the spacing. */
+enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_result *result);
+
 #endif

@@ -4,6 +4,7 @@
 
 #include "common/interrupt.h"
 #include "common/log.h"
+#include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
 #include "common/ranks.h"
@@ -12,6 +13,8 @@
 #include "sphsolve/solute/cost.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/result.h"
+
+#define WALK_ERROR 0.03 /* of a walk, where the user says nothing */
 
 /* Those of the scene, or that of the flow as it is. */
 static enum status set_peclet(const struct scene *scene, const struct solute_flow *flow,
@@ -33,11 +36,30 @@ static enum status set_peclet(const struct scene *scene, const struct solute_flo
   return STATUS_OK;
 }
 
+/* Of two ways that know a coefficient the one that knows it better. */
+static void take_best(struct solute_result *r) {
+  for (int i = 0; i < r->count; i++) {
+    struct solute_estimate *best = &r->best[i];
+    const struct solute_estimate *walk = &r->walk[i].value;
+    *best = r->by_closure ? r->closure[i].value : *walk;
+    if (!r->by_closure || !r->by_walk) continue;
+    if (walk->longitudinal_error < best->longitudinal_error)
+      best->longitudinal = walk->longitudinal, best->longitudinal_error = walk->longitudinal_error;
+    if (walk->transverse_error < best->transverse_error)
+      best->transverse = walk->transverse, best->transverse_error = walk->transverse_error;
+  }
+}
+
 static enum status run_on_flow(const struct scene *scene, const char *prefix,
                                const char *command_line, bool json) {
   enum status status = STATUS_OK;
   struct solute_flow flow = {0};
-  struct solute_result result = {.status = "converged"};
+  struct solute_result result = {.status = "converged",
+                                 .formation = NAN,
+                                 .formation_error = NAN,
+                                 .tortuosity = NAN,
+                                 .wanted =
+                                     isnan(scene->solute.error) ? WALK_ERROR : scene->solute.error};
   char path[4200];
   const double started = clock_seconds();
   if (ranks_count() > 1)
@@ -58,8 +80,9 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
               "by %.2g to be free of divergence",
               flow.n[0], flow.n[1], flow.n[2], flow.porosity, flow.speed, flow.grain_size,
               flow.correction);
-  TRY(solute_curve_by_closure(&flow, &result));
-  for (int i = 0; i < result.count; i++) result.best[i] = result.closure[i].value;
+  if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, &result));
+  if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, &result));
+  take_best(&result);
   result.wall_time = clock_seconds() - started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
   if (json)
@@ -67,6 +90,9 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
   else if (log_level() > LOG_QUIET)
     solute_result_print(scene, &flow, &result, prefix);
 cleanup:
+  for (int i = 0; i < result.count && result.record != NULL; i++)
+    walk_record_free(&result.record[i]);
+  memory_free(&result.record);
   solute_flow_free(&flow);
   return status;
 }

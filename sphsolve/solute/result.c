@@ -47,6 +47,35 @@ cleanup:
   return status;
 }
 
+static enum status write_walk(struct h5_file *file, const struct solute_flow *flow,
+                              const struct solute_result *r) {
+  enum status status = STATUS_OK;
+  const double h = flow->spacing[0];
+#define COLUMN(name, member)                                                                       \
+  TRY(write_column(file, "walk/" name, r->count, r->walk, sizeof *r->walk,                         \
+                   offsetof(struct solute_walked, member)))
+  COLUMN("longitudinal", value.longitudinal);
+  COLUMN("transverse", value.transverse);
+  COLUMN("longitudinal_error", value.longitudinal_error);
+  COLUMN("transverse_error", value.transverse_error);
+  COLUMN("longitudinal_statistics", statistics[0]);
+  COLUMN("transverse_statistics", statistics[1]);
+  COLUMN("longitudinal_asymptotics", asymptotics[0]);
+  COLUMN("transverse_asymptotics", asymptotics[1]);
+  COLUMN("longitudinal_resolution", resolution[0]);
+  COLUMN("transverse_resolution", resolution[1]);
+#undef COLUMN
+  for (int i = 0; i < r->count; i++) {
+    char group[64];
+    const bool flows = r->peclet[i] > 0 && flow->speed > 0;
+    snprintf(group, sizeof group, "/solute/walk/%d", i);
+    TRY(walk_record_write(file, group, &r->record[i], h,
+                          flows ? h / flow->speed : h * h / r->diffusion));
+  }
+cleanup:
+  return status;
+}
+
 static enum status write_solute(struct h5_file *file, const struct scene *scene,
                                 const struct solute_flow *flow, const struct solute_result *r) {
   enum status status = STATUS_OK;
@@ -81,6 +110,7 @@ static enum status write_solute(struct h5_file *file, const struct scene *scene,
   COLUMN(transverse_error);
 #undef COLUMN
   if (r->by_closure) TRY(write_closure(file, r));
+  if (r->by_walk) TRY(write_walk(file, flow, r));
 cleanup:
   return status;
 }

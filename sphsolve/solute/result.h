@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/solute/volumes.h"
+#include "sphsolve/solute/walk.h"
 
 /* Of one way at one Peclet number, over the molecular diffusion coefficient. Errors are relative,
  * 95 %, NAN where unknown. */
@@ -24,14 +25,26 @@ struct solute_closed {
   double seconds; /* of processor */
 };
 
+/* The random walk at one Peclet number. */
+struct solute_walked {
+  struct solute_estimate value;
+  double statistics[2], asymptotics[2], resolution[2]; /* parts of the errors, as above */
+  bool settled; /* within the wanted error of statistics and asymptotics */
+  double seconds, steps, walkers;
+};
+
 struct solute_result {
-  const char *status; /* "converged" */
+  const char *status; /* "converged"; "steps": a walk took all of its steps, its error as it is */
   double length;      /* m, of the Peclet number */
   double diffusion;   /* m^2/s; NAN: only ratios are known */
   int count;
   double peclet[SOLUTE_PECLET_MAX];
   bool by_closure;
   struct solute_closed closure[SOLUTE_PECLET_MAX];
+  bool by_walk;
+  double wanted; /* relative error of a walk */
+  struct solute_walked walk[SOLUTE_PECLET_MAX];
+  struct walk_record *record;                     /* [count] of the walks, memory_allocate */
   struct solute_estimate best[SOLUTE_PECLET_MAX]; /* what is reported */
   /* Conduction through the pores: the formation factor F = 1 / (porosity D* / D) along the flow,
    * its relative error, and D / D*, often called the diffusive tortuosity. */

@@ -39,6 +39,22 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
     add(object, "longitudinal_dispersivity", dispersivity(r, i, e->longitudinal));
     add(object, "transverse_dispersivity", dispersivity(r, i, e->transverse));
   }
+  if (r->by_closure && r->by_walk)
+    for (int w = 0; w < 2; w++) {
+      static const char *const parts[] = {"longitudinal", "transverse", "longitudinal_error",
+                                          "transverse_error"};
+      json_t *way = json_object();
+      for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
+        json_object_set_new(way, parts[p], json_array());
+      for (int i = 0; i < r->count; i++) {
+        const struct solute_estimate *e = w ? &r->walk[i].value : &r->closure[i].value;
+        add(way, "longitudinal", e->longitudinal);
+        add(way, "transverse", e->transverse);
+        add(way, "longitudinal_error", e->longitudinal_error);
+        add(way, "transverse_error", e->transverse_error);
+      }
+      json_object_set_new(object, w ? "walk" : "closure", way);
+    }
   const struct {
     const char *name;
     double value;
@@ -71,22 +87,31 @@ static void print_value(double value, double error) {
     printf("  %10.4g +- ?      ", value);
 }
 
+static void print_row(const struct solute_result *r, int i, const struct solute_estimate *e) {
+  printf("%10.4g", r->peclet[i]);
+  print_value(e->longitudinal, e->longitudinal_error);
+  print_value(e->transverse, e->transverse_error);
+  if (r->peclet[i] > 0) printf("  %.3g", dispersivity(r, i, e->longitudinal));
+}
+
 void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
                          const struct solute_result *r, const char *prefix) {
   printf("flow       %s: U = %.4g m/s in pores of porosity %.4f\n", scene->flow_path, flow->speed,
          flow->porosity);
-  printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
-         100 * r->formation_error, 1 / r->tortuosity);
+  if (isfinite(r->formation))
+    printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
+           100 * r->formation_error, 1 / r->tortuosity);
   printf("length     %.4g m, of Pe = U length / D\n", r->length);
   printf("%10s  %10s    %-7s  %10s    %-7s  %s\n", "Pe", "D_L/D", "%", "D_T/D", "%",
          "dispersivity D_L/U, m");
   for (int i = 0; i < r->count; i++) {
-    const struct solute_estimate *e = &r->best[i];
-    printf("%10.4g", r->peclet[i]);
-    print_value(e->longitudinal, e->longitudinal_error);
-    print_value(e->transverse, e->transverse_error);
-    if (r->peclet[i] > 0) printf("  %.3g", dispersivity(r, i, e->longitudinal));
+    print_row(r, i, &r->best[i]);
     putchar('\n');
+    if (!r->by_closure || !r->by_walk) continue;
+    print_row(r, i, &r->closure[i].value);
+    puts("  closure");
+    print_row(r, i, &r->walk[i].value);
+    puts("  walk");
   }
   printf("files      %s.hdf\nnext       analyze dispersion %s.hdf -o results\n", prefix, prefix);
 }

@@ -193,11 +193,15 @@ cleanup:
   return status;
 }
 
+int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
+  return walk_moments_lags(&walk->moments, walk->settings.direction, walk->cells->dimensions,
+                           walk->diffusion, WALK_INTERVAL * walk->dt, lags);
+}
+
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict) {
   struct walk_lag lags[WALK_LAGS];
   const struct walk_cells *c = walk->cells;
-  const int count = walk_moments_lags(&walk->moments, walk->settings.direction, c->dimensions,
-                                      walk->diffusion, WALK_INTERVAL * walk->dt, lags);
+  const int count = walk_lags(walk, lags);
   *verdict = walk_moments_judge(lags, count, FORGET * c->widest * c->widest / walk->diffusion);
   if (walk->settings.most_steps > 0 && (double)walk->steps >= walk->settings.most_steps)
     return true;

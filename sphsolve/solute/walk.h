@@ -45,6 +45,8 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
                        struct walk *walk);
 /* One interval. Fails where a walker is lost. */
 enum status walk_advance(struct walk *walk);
+/* What the walkers have told so far; the number of lags. */
+int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]);
 /* Whether the verdict is within the tolerance, or the steps are used up. */
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict);
 void walk_end(struct walk *walk);
@@ -54,15 +56,31 @@ double walk_bytes(size_t walkers);
 double walk_cells_bytes(size_t cells, size_t with_pores);
 size_t walk_walkers(double tolerance);
 
-/* Everything that a walk is, bit for bit (walk_file.c). Reading takes the settings from the file
- * and fails where it is of other cells. */
+/* Everything that a walk is, bit for bit (walk_file.c). The file is ours by its checksum. Reading
+ * takes the settings from the file and fails where it is of other cells. */
 enum status walk_save(struct h5_file *file, const char *group, const struct walk *walk);
 enum status walk_load(struct h5_file *file, const char *group, const struct walk_cells *cells,
                       struct walk *walk);
 
-/* Results for readers, in SI: curves by lag, times of first passage. `speed` of the water, m/s, and
- * the diffusion coefficient, m^2/s. */
-enum status walk_write(struct h5_file *file, const char *group, const struct walk *walk,
-                       double speed, double diffusion);
+/* What readers want of a walk: curves by lag, times of first passage, tracks. */
+#define WALK_QUANTILES 200
+struct walk_record {
+  struct walk_verdict verdict;
+  struct walk_lag lags[WALK_LAGS];
+  int count;
+  bool settled; /* within the tolerance; else its steps were used up */
+  double walkers, steps, dt, flight, interval, not_carried, not_flown;
+  double plane[WALK_PLANES];
+  double passage[WALK_PLANES][WALK_QUANTILES]; /* when a share (q + 1/2) / 200 of the walkers has
+                                                  first passed; NAN: not by the end */
+  float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK], of which `tracked` are filled; owned */
+  size_t tracked;
+};
+/* Takes the tracks over. Free with walk_record_free. */
+enum status walk_record(struct walk *walk, struct walk_record *record);
+void walk_record_free(struct walk_record *record);
+/* In SI: the first spacing and the time unit are `length` m and `time` s. */
+enum status walk_record_write(struct h5_file *file, const char *group,
+                              const struct walk_record *record, double length, double time);
 
 #endif

@@ -1,13 +1,9 @@
-/* A walk in files: all of its bits, to go on from; and its results, to read. */
-#include <math.h>
+/* All bits of a walk, to go on from. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "sphsolve/solute/walk.h"
-
-#define QUANTILES 200 /* of times of first passage */
 
 /* One array of a walk: `count` rows of `words` 32-bit words, whatever they stand for. */
 struct part {
@@ -138,93 +134,5 @@ enum status walk_load(struct h5_file *file, const char *group, const struct walk
              h5_path(file));
 cleanup:
   if (status != STATUS_OK) walk_end(walk);
-  return status;
-}
-
-static enum status write_column(struct h5_file *file, const char *group, const char *name,
-                                const struct walk_lag *lags, int count, size_t offset,
-                                double unit) {
-  double values[WALK_LAGS];
-  char path[PATH];
-  const size_t dims[1] = {(size_t)count};
-  for (int k = 0; k < count; k++) {
-    memcpy(&values[k], (const char *)&lags[k] + offset, sizeof values[k]);
-    values[k] *= unit;
-  }
-  snprintf(path, sizeof path, "%s/%s", group, name);
-  return h5_write(file, path, H5_F64, 1, dims, values, false);
-}
-
-static int by_value(const void *a, const void *b) {
-  const float x = *(const float *)a, y = *(const float *)b;
-  return (x > y) - (x < y);
-}
-
-/* passage_time [planes][QUANTILES]: by when a share (q + 1/2) / QUANTILES of the walkers has first
- * passed the plane; NAN: not by the end. */
-static enum status write_passages(struct h5_file *file, const char *group, const struct walk *walk,
-                                  double length, double time) {
-  enum status status = STATUS_OK;
-  const size_t n = walk->settings.walkers, dims[2] = {WALK_PLANES, QUANTILES};
-  double quantiles[WALK_PLANES][QUANTILES], plane[WALK_PLANES];
-  char path[PATH];
-  float *sorted = NULL;
-  TRY(memory_allocate(&sorted, n, sizeof *sorted, "times of passage"));
-  for (int p = 0; p < WALK_PLANES; p++) {
-    plane[p] = length * walk->plane[p];
-    for (size_t w = 0; w < n; w++)
-      sorted[w] = walk->passage[p][w] > 0 ? walk->passage[p][w] : INFINITY;
-    qsort(sorted, n, sizeof *sorted, by_value);
-    for (size_t q = 0; q < QUANTILES; q++) {
-      const float at = sorted[(2 * q + 1) * n / (2 * QUANTILES)];
-      quantiles[p][q] = isfinite(at) ? time * (double)at : NAN;
-    }
-  }
-  snprintf(path, sizeof path, "%s/passage_distance", group);
-  TRY(h5_write(file, path, H5_F64, 1, dims, plane, false));
-  snprintf(path, sizeof path, "%s/passage_time", group);
-  TRY(h5_write(file, path, H5_F64, 2, dims, quantiles, false));
-cleanup:
-  memory_free(&sorted);
-  return status;
-}
-
-static enum status write_numbers(struct h5_file *file, const char *group, const struct walk *walk,
-                                 double time) {
-  enum status status = STATUS_OK;
-  const uint64_t walkers = walk->settings.walkers;
-  const double step = time * walk->dt, flight = (double)walk->step.flight * walk->cells->spacing[0];
-  TRY(h5_write_attribute(file, group, "walkers", H5_U64, 1, &walkers));
-  TRY(h5_write_attribute(file, group, "steps", H5_U64, 1, &walk->steps));
-  TRY(h5_write_attribute(file, group, "dt", H5_F64, 1, &step));
-  TRY(h5_write_attribute(file, group, "flight", H5_F64, 1, &flight));
-  TRY(h5_write_attribute(file, group, "not_carried", H5_U64, 1, &walk->kept.carried));
-  TRY(h5_write_attribute(file, group, "not_flown", H5_U64, 1, &walk->kept.flown));
-cleanup:
-  return status;
-}
-
-enum status walk_write(struct h5_file *file, const char *group, const struct walk *walk,
-                       double speed, double diffusion) {
-  enum status status = STATUS_OK;
-  struct walk_lag lags[WALK_LAGS];
-  const struct walk_cells *c = walk->cells;
-  const double length = c->spacing[0];
-  const double time = walk->settings.peclet > 0 ? length / speed : length * length / diffusion;
-  const int count = walk_moments_lags(&walk->moments, walk->settings.direction, c->dimensions,
-                                      walk->diffusion, WALK_INTERVAL * walk->dt, lags);
-  TRY(h5_make_group(file, group));
-  TRY(write_numbers(file, group, walk, time));
-#define COLUMN(name, member, unit)                                                                 \
-  TRY(write_column(file, group, name, lags, count, offsetof(struct walk_lag, member), unit))
-  COLUMN("lag", time, time);
-  COLUMN("longitudinal", longitudinal, 1);
-  COLUMN("longitudinal_error", longitudinal_error, 1);
-  COLUMN("transverse", transverse, 1);
-  COLUMN("transverse_error", transverse_error, 1);
-  COLUMN("velocity_correlation", correlation, 1);
-#undef COLUMN
-  if (walk->settings.peclet > 0) TRY(write_passages(file, group, walk, length, time));
-cleanup:
   return status;
 }

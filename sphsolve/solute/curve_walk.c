@@ -1,0 +1,139 @@
+/* D* / D over the Peclet numbers of a scene by random walk. */
+#include <math.h>
+#include <stdio.h>
+
+#include "common/interrupt.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/solute/curve.h"
+#include "sphsolve/solute/flow.h"
+
+#define SEED 20230723u
+#define MOST_STEPS 65536.0
+#define FIRST_LOOK 64u /* intervals before the first verdict */
+
+static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
+                             double peclet, struct progress *progress, double done, double weight,
+                             struct walk_record *record) {
+  enum status status = STATUS_OK;
+  struct walk walk = {0};
+  struct walk_verdict verdict;
+  uint64_t next = FIRST_LOOK;
+  char note[80];
+  snprintf(note, sizeof note, "Pe %.3g", peclet);
+  TRY(walk_begin(cells, settings, &walk));
+  for (;;) {
+    if (interrupt_requested())
+      TRY_FAIL(STATUS_INTERRUPTED, "interrupted; nothing of the solute is kept");
+    TRY(walk_advance(&walk));
+    progress_update(progress, done + weight * (double)walk.steps / settings->most_steps, note);
+    if (walk.moments.intervals < next) continue;
+    if (walk_done(&walk, &verdict)) break;
+    if (verdict.lag >= 0)
+      snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g +- %.2g %%", peclet, verdict.longitudinal,
+               100 * verdict.longitudinal_error);
+    next += next / 4;
+  }
+  TRY(walk_record(&walk, record));
+cleanup:
+  walk_end(&walk);
+  return status;
+}
+
+static void take(const struct walk_record *record, struct solute_walked *out) {
+  const struct walk_verdict *v = &record->verdict;
+  *out = (struct solute_walked){.value = {NAN, NAN, NAN, NAN},
+                                .settled = record->settled,
+                                .steps = record->steps,
+                                .walkers = record->walkers};
+  if (v->lag < 0) return;
+  out->value = (struct solute_estimate){v->longitudinal, v->transverse, v->longitudinal_error,
+                                        v->transverse_error};
+  out->statistics[0] = v->longitudinal_statistics, out->statistics[1] = v->transverse_statistics;
+  out->asymptotics[0] = v->longitudinal_drift, out->asymptotics[1] = v->transverse_drift;
+}
+
+/* What two lattices differ by, beyond what their own errors may make of it. */
+static double resolution(double fine, double coarse, double fine_error, double coarse_error) {
+  const double change = fabs(coarse / fine - 1) - hypot(fine_error, coarse_error * coarse / fine);
+  return isfinite(change) ? fmax(change, 0) / 3 : NAN;
+}
+
+static void compare(struct solute_walked *fine, const struct solute_walked *coarse) {
+  struct solute_estimate *f = &fine->value;
+  const struct solute_estimate *c = &coarse->value;
+  fine->resolution[0] =
+      resolution(f->longitudinal, c->longitudinal, f->longitudinal_error, c->longitudinal_error);
+  fine->resolution[1] =
+      resolution(f->transverse, c->transverse, f->transverse_error, c->transverse_error);
+  f->longitudinal_error = hypot(f->longitudinal_error, fine->resolution[0]);
+  f->transverse_error = hypot(f->transverse_error, fine->resolution[1]);
+}
+
+static enum status walk_lattice(const struct solute_flow *flow, const struct solute_result *r,
+                                struct progress *progress, double weight, double *done,
+                                struct walk_record *records, struct solute_walked *walked) {
+  enum status status = STATUS_OK;
+  struct walk_cells cells = {0};
+  TRY(walk_cells_make(flow, &cells));
+  for (int i = 0; i < r->count; i++, *done += weight) {
+    const double started = clock_processor_seconds();
+    struct walk_settings settings = {.peclet = r->peclet[i] * flow->spacing[0] / r->length,
+                                     .direction = {0, 0, 1},
+                                     .tolerance = r->wanted,
+                                     .most_steps = MOST_STEPS,
+                                     .seed = SEED + (uint32_t)i};
+    for (int a = 0; a < 3 && flow->speed > 0; a++)
+      settings.direction[a] = flow->mean_velocity[a] / flow->speed;
+    if (!(flow->speed > 0)) settings.peclet = 0;
+    TRY(walk_once(&cells, &settings, r->peclet[i], progress, *done, weight, &records[i]));
+    struct solute_walked *w = &walked[i];
+    take(&records[i], w);
+    w->seconds = clock_processor_seconds() - started;
+    log_verbose("walk: cells of %.3g m, Pe %.3g: D_L/D %.4g +- %.2g %%, D_T/D %.4g +- %.2g %%; "
+                "%.0f walkers, %.0f steps, %.3g s, %.3g M steps a second",
+                flow->spacing[0], r->peclet[i], w->value.longitudinal,
+                100 * w->value.longitudinal_error, w->value.transverse,
+                100 * w->value.transverse_error, w->walkers, w->steps, w->seconds,
+                1e-6 * w->walkers * w->steps / w->seconds);
+  }
+cleanup:
+  walk_cells_free(&cells);
+  return status;
+}
+
+enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_result *r) {
+  enum status status = STATUS_OK;
+  struct solute_flow half = {0};
+  struct solute_walked *walked = NULL;
+  struct walk_record *records = NULL;
+  struct progress progress;
+  bool twice = true;
+  double done = 0;
+  for (int a = 0; a < 3; a++)
+    twice = twice && (flow->n[a] == 1 || (flow->n[a] >= SOLUTE_CELLS_LEAST && flow->n[a] % 2 == 0));
+  progress_start(&progress, "walk", NULL, r->count * (twice ? 1.25 : 1));
+  TRY(memory_allocate(&r->record, (size_t)r->count, sizeof *r->record, "walks"));
+  if (twice) {
+    TRY(memory_allocate(&walked, (size_t)r->count, sizeof *walked, "walks"));
+    TRY(memory_allocate(&records, (size_t)r->count, sizeof *records, "walks"));
+    TRY(solute_flow_coarsen(flow, &half));
+    TRY(walk_lattice(&half, r, &progress, 0.25, &done, records, walked));
+  }
+  TRY(walk_lattice(flow, r, &progress, 1, &done, r->record, r->walk));
+  r->by_walk = true;
+  for (int i = 0; i < r->count; i++) {
+    if (!r->walk[i].settled) r->status = "steps";
+    if (twice) {
+      compare(&r->walk[i], &walked[i]);
+      r->walk[i].seconds += walked[i].seconds;
+    }
+  }
+cleanup:
+  progress_end(&progress);
+  for (int i = 0; i < r->count && records != NULL; i++) walk_record_free(&records[i]);
+  memory_free(&records);
+  memory_free(&walked);
+  solute_flow_free(&half);
+  return status;
+}
