@@ -6,10 +6,10 @@
 #include "common/memory.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 0.5 /* first spacings: the longest flight */
+#define WALK_FLIGHT 1.0 /* first spacings: the longest flight */
 #define WALK_WAY 0.5    /* the longest mean way with the water in a step */
-/* Walkers forget their pore in about its half width squared over 4 D. */
-#define FORGET 0.25
+/* The slowest wave across a box of width W fades in W^2 / (4 pi^2 D_T): twice that. */
+#define MEMORY 0.05
 /* Variance of a coefficient times its ways, and how many ways of each walker a result waits for. */
 #define WAYS_VARIANCE 6.0
 #define WAYS_EACH 4.0
@@ -198,11 +198,20 @@ int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
                            walk->diffusion, WALK_INTERVAL * walk->dt, lags);
 }
 
+/* For the widest way across the flow, time units at D_T = D. */
+static double memory(const struct walk *walk) {
+  const struct walk_cells *c = walk->cells;
+  double widest = 0;
+  for (int a = 0; a < 3; a++)
+    if ((c->dimensions == 3 || a != 1) && fabs(walk->settings.direction[a]) < 0.9)
+      widest = fmax(widest, c->n[a] / (double)c->stretch[a]);
+  return MEMORY * widest * widest / walk->diffusion;
+}
+
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict) {
   struct walk_lag lags[WALK_LAGS];
-  const struct walk_cells *c = walk->cells;
   const int count = walk_lags(walk, lags);
-  *verdict = walk_moments_judge(lags, count, FORGET * c->widest * c->widest / walk->diffusion);
+  *verdict = walk_moments_judge(lags, count, memory(walk));
   if (walk->settings.most_steps > 0 && (double)walk->steps >= walk->settings.most_steps)
     return true;
   return verdict->lag >= 0 &&

@@ -115,10 +115,7 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
       for (int i = 0; i < n[0]; i++) {
         const int x[3] = {i, j, k};
         cells->number[at(n, x)] = takes_part(f, corners, x) ? (int32_t)cells->count++ : -1;
-        const double share = (double)f->volume[at(n, x)];
-        cells->volume += share;
-        if (share > 0)
-          cells->widest = fmax(cells->widest, (double)f->distance[at(n, x)] / f->spacing[0]);
+        cells->volume += (double)f->volume[at(n, x)];
       }
   TRY(memory_allocate(&cells->cell, cells->count, sizeof(struct walk_cell), "cells of the walk"));
   TRY(memory_allocate(&cells->corner, cells->count, sizeof *cells->corner, "corners of cells"));

@@ -40,7 +40,6 @@ struct walk_cells {
   double spacing[3];      /* m */
   double fastest;         /* largest speed on a face, cells per time unit */
   double volume;          /* of the pores, cells */
-  double widest;          /* largest distance to a wall, first spacings */
 };
 
 /* The time unit is that in which the mean flow passes the first spacing. `flow` may be freed

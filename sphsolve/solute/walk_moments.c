@@ -7,6 +7,7 @@
 
 #define LEAST_WAYS 2          /* of each walker, for a lag to count */
 #define LEAST_COEFFICIENT 0.1 /* of D: errors of less, as across a slit, are relative to this */
+#define LEAST_SPREAD 0.5      /* D_T / D below which walls, not slowness, hold walkers together */
 #define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
 
 enum status walk_moments_begin(size_t walkers, const double stretch[3], struct walk_spot *start,
@@ -166,7 +167,7 @@ static double error_at(const double *value, const double *error, int k, int coun
   return hypot(*statistics, *drift);
 }
 
-struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, double least) {
+struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, double memory) {
   struct walk_verdict best = {.lag = -1};
   double along[WALK_LAGS], across[WALK_LAGS], along_error[WALK_LAGS], across_error[WALK_LAGS];
   for (int k = 0; k < count; k++) {
@@ -174,7 +175,7 @@ struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, d
     across[k] = lags[k].transverse, across_error[k] = lags[k].transverse_error;
   }
   for (int k = 1; k < count; k++) {
-    if (lags[k].time < least) continue;
+    if (lags[k].time * fmax(across[k], LEAST_SPREAD) < memory) continue;
     struct walk_verdict v = {.lag = k, .longitudinal = along[k], .transverse = across[k]};
     v.longitudinal_error =
         error_at(along, along_error, k, count, &v.longitudinal_statistics, &v.longitudinal_drift);

@@ -64,14 +64,16 @@ struct walk_lag {
 int walk_moments_lags(const struct walk_moments *moments, const double direction[3], int dimensions,
                       double diffusion, double interval, struct walk_lag lags[WALK_LAGS]);
 
-/* The result: the lag of at least `least` time units with the least error, which is that of the
- * statistics (95 %) and the change still to be seen at it and beyond, root of the sum of squares,
- * relative. */
+/* The result: of the lags that are longer than the walkers' memory the one with the least error,
+ * which is that of the statistics (95 %) and the change still to be seen at it and beyond, root of
+ * the sum of squares, relative. The memory is `memory` time units at D_T = D, less where they
+ * spread faster: before, a coefficient may stand still for a while between the molecular motion
+ * that pores slow down and the mechanical one that is still to come. */
 struct walk_verdict {
   int lag; /* -1: none yet */
   double longitudinal, transverse, longitudinal_error, transverse_error;
   double longitudinal_statistics, transverse_statistics, longitudinal_drift, transverse_drift;
 };
-struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, double least);
+struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, double memory);
 
 #endif

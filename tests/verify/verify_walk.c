@@ -1,0 +1,256 @@
+/* Dispersion and conduction in pores by random walk, against exact solutions and against the
+ * closure problem, and whether walkers that were even stay even. verify_walk [FILE.json] writes
+ * FILE.json (a list of case, status, reference, measured, bound, seconds). Measured is what is
+ * compared with the reference; bound the largest relative error that passes. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common/log.h"
+#include "sphsolve/solute/curve.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/walk.h"
+
+static FILE *json;
+static int count, failed;
+
+static void report(const char *name, double reference, double measured, double bound,
+                   double seconds) {
+  const double error = measured / reference - 1;
+  const bool pass = fabs(error) <= bound;
+  failed += !pass;
+  fprintf(json, "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": ",
+          count++ ? ",\n" : "[\n", name, pass ? "pass" : "fail", reference);
+  fprintf(json, isfinite(measured) ? "%.8g" : "null", measured);
+  fprintf(json, ", \"bound\": %g, \"seconds\": %.3g}", bound, seconds);
+  printf("%-56s %-4s %11.6g %11.6g %+7.3f %% (bound %.3g %%) %6.2f s\n", name,
+         pass ? "pass" : "FAIL", reference, measured, 100 * error, 100 * bound, seconds);
+  fflush(stdout);
+}
+
+static void must(enum status status) {
+  if (status == STATUS_OK) return;
+  fprintf(stderr, "verify_walk: %s\n", error_message());
+  exit(1);
+}
+
+typedef double distance_function(const void *, const double *);
+typedef void velocity_function(const void *, const double *, double *);
+
+/* In units of the box. */
+struct body {
+  double centre[3], radius;
+};
+
+static double slit_distance(const void *context, const double x[3]) {
+  const struct body *b = context;
+  return b->radius - fabs(x[0] - b->centre[0]);
+}
+static void slit_velocity(const void *context, const double x[3], double u[3]) {
+  const struct body *b = context;
+  const double y = (x[0] - b->centre[0]) / b->radius;
+  u[0] = u[1] = 0, u[2] = 1.5 * (1 - y * y);
+}
+
+static double tube_distance(const void *context, const double x[3]) {
+  const struct body *b = context;
+  return b->radius - hypot(x[0] - b->centre[0], x[1] - b->centre[1]);
+}
+static void tube_velocity(const void *context, const double x[3], double u[3]) {
+  const struct body *b = context;
+  const double r = 1 - tube_distance(context, x) / b->radius;
+  u[0] = u[1] = 0, u[2] = 2 * (1 - r * r);
+}
+
+/* Walls at 45 degrees to the axes x and z, where x - z is 0 or .5 of the box. */
+static double turned_distance(const void *context, const double x[3]) {
+  (void)context;
+  const double y = x[0] - x[2] - floor(x[0] - x[2]);
+  return (0.25 - fabs(y - 0.5)) * sqrt(0.5);
+}
+static void turned_velocity(const void *context, const double x[3], double u[3]) {
+  const double y = turned_distance(context, x) / (0.5 * sqrt(0.5));
+  u[0] = u[2] = 6 * y * (1 - y), u[1] = 0;
+}
+
+static double cylinder_distance(const void *context, const double x[3]) {
+  return -tube_distance(context, x);
+}
+static double ball_distance(const void *context, const double x[3]) {
+  const struct body *b = context;
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += pow(x[a] - b->centre[a], 2);
+  return sqrt(square) - b->radius;
+}
+/* Oblique, slower near the body: the projection bends it round. */
+static void past_cylinder(const void *context, const double x[3], double u[3]) {
+  const double share = fmin(1, 6 * fmax(cylinder_distance(context, x), 0));
+  u[0] = share, u[1] = 0.4 * share, u[2] = 0;
+}
+static void past_ball(const void *context, const double x[3], double u[3]) {
+  const double share = fmin(1, 6 * fmax(ball_distance(context, x), 0));
+  u[0] = share, u[1] = 0.4 * share, u[2] = 0.2 * share;
+}
+
+static struct walk_settings settings_of(const struct solute_flow *flow, double peclet_of_spacing) {
+  struct walk_settings s = {
+      .peclet = peclet_of_spacing, .direction = {0, 0, 1}, .tolerance = 0.01, .seed = 11};
+  for (int a = 0; a < 3 && flow->speed > 0; a++)
+    s.direction[a] = flow->mean_velocity[a] / flow->speed;
+  return s;
+}
+
+/* Until D_L is known as well as wanted; D_T too, where there is one. */
+static struct walk_lag walked(const struct solute_flow *flow, double peclet_of_spacing,
+                              double wanted, bool across, double *seconds) {
+  static struct walk walk;
+  struct walk_cells cells;
+  struct walk_verdict v;
+  const struct walk_settings s = settings_of(flow, peclet_of_spacing);
+  const double started = clock_processor_seconds();
+  must(walk_cells_make(flow, &cells));
+  must(walk_begin(&cells, &s, &walk));
+  do {
+    for (int i = 0; i < 16; i++) must(walk_advance(&walk));
+    walk_done(&walk, &v);
+  } while (v.lag < 0 || v.longitudinal_error > wanted || (across && v.transverse_error > wanted));
+  const struct walk_lag result = {.longitudinal = v.longitudinal,
+                                  .transverse = v.transverse,
+                                  .longitudinal_error = v.longitudinal_error,
+                                  .transverse_error = v.transverse_error};
+  walk_end(&walk);
+  walk_cells_free(&cells);
+  *seconds = clock_processor_seconds() - started;
+  return result;
+}
+
+static void taylor(const char *name, const int n[3], const struct body *body,
+                   distance_function *distance, velocity_function *velocity, double length,
+                   double factor, double peclet) {
+  const double h[3] = {1.0 / n[0], 1.0 / n[0], 1.0 / n[0]};
+  struct solute_flow flow;
+  char label[120];
+  double seconds;
+  must(solute_flow_build(n, h, distance, velocity, body, &flow));
+  const struct walk_lag d = walked(&flow, peclet * h[0] / length, 0.01, false, &seconds);
+  snprintf(label, sizeof label, "%s, Pe %g, %.0f cells", name, peclet, length * n[0]);
+  report(label, 1 + peclet * peclet / factor, d.longitudinal, 0.01, seconds);
+  report("  the same, within the error that is stated", 1 + peclet * peclet / factor,
+         d.longitudinal, d.longitudinal_error, 0);
+  solute_flow_free(&flow);
+}
+
+static void channels(void) {
+  const struct body slit = {{0.503, 0, 0}, 0.437}, tube = {{0.503, 0.497, 0}, 0.45};
+  for (double peclet = 1; peclet < 2000; peclet *= 10) {
+    taylor("slit, 1 + Pe^2/210", (int[3]){32, 1, 4}, &slit, slit_distance, slit_velocity,
+           2 * slit.radius, 210, peclet);
+    taylor("slit at 45 degrees", (int[3]){64, 1, 64}, NULL, turned_distance, turned_velocity,
+           0.5 * sqrt(0.5), 210, peclet);
+    taylor("tube, 1 + Pe^2/48", (int[3]){32, 32, 4}, &tube, tube_distance, tube_velocity,
+           tube.radius, 48, peclet);
+  }
+}
+
+/* The walk against the closure problem on the same flow, within 3 % and the errors that both state.
+ */
+static void beside_closure(const char *name, const int n[3], const struct body *body,
+                           distance_function *distance, velocity_function *velocity) {
+  const double h[3] = {1.0 / n[0], 1.0 / n[0], 1.0 / n[0]};
+  static struct solute_result r;
+  struct solute_flow flow;
+  must(solute_flow_build(n, h, distance, velocity, body, &flow));
+  r = (struct solute_result){.length = 1, .count = 5, .peclet = {0.1, 1, 10, 100, 1000}};
+  must(solute_curve_by_closure(&flow, &r));
+  for (int i = 0; i < r.count; i++) {
+    const struct solute_estimate *e = &r.closure[i].value;
+    char label[120];
+    double seconds;
+    const struct walk_lag w = walked(&flow, r.peclet[i] * h[0], 0.02, true, &seconds);
+    snprintf(label, sizeof label, "%s, D_L, Pe %g, beside the closure problem", name, r.peclet[i]);
+    report(label, e->longitudinal, w.longitudinal,
+           0.03 + hypot(w.longitudinal_error, e->longitudinal_error), seconds);
+    snprintf(label, sizeof label, "%s, D_T, Pe %g, beside the closure problem", name, r.peclet[i]);
+    report(label, e->transverse, w.transverse,
+           0.03 + hypot(w.transverse_error, e->transverse_error), 0);
+  }
+  solute_flow_free(&flow);
+}
+
+enum { SHELLS = 7, OCTANTS = 8, BINS = SHELLS * OCTANTS };
+
+static int bin_of(const struct walk_cells *c, const struct walker *w, const double centre[3]) {
+  static const float edges[SHELLS - 1] = {0.1f, 0.2f, 0.4f, 0.7f, 1.2f, 3};
+  const float d = walk_distance(c, w);
+  int shell = 0, octant = 0;
+  while (shell < SHELLS - 1 && d > edges[shell]) shell++;
+  for (int a = 0; a < 3; a++)
+    octant |= ((double)w->wrapped[a] + 0.5 + (double)w->x[a] > centre[a] * c->n[a]) << a;
+  return shell * OCTANTS + octant;
+}
+
+/* Chi-square of walkers around a ball after 1e5 steps, in shells from the wall and octants. */
+static void stays_even(double peclet_of_spacing) {
+  enum { SIDE = 24, SUB = 16, WALKERS = 4096, INTERVALS = 3136, EVERY = 16 };
+  const int n[3] = {SIDE, SIDE, SIDE};
+  const double h[3] = {1.0 / SIDE, 1.0 / SIDE, 1.0 / SIDE};
+  const struct body ball = {{0.496, 0.517, 0.508}, 0.304};
+  static struct walk walk;
+  struct solute_flow flow;
+  struct walk_cells c;
+  double share[BINS] = {0}, found[BINS] = {0}, volume = 0, all = 0, square = 0;
+  const double started = clock_processor_seconds();
+  must(solute_flow_build(n, h, ball_distance, past_ball, &ball, &flow));
+  must(walk_cells_make(&flow, &c));
+  for (size_t i = 0; i < c.count; i++)
+    for (int s = 0; s < SUB * SUB * SUB; s++) {
+      const int32_t at = c.place[i];
+      const int sub[3] = {s % SUB, s / SUB % SUB, s / SUB / SUB};
+      struct walker w = {.number = (int32_t)i,
+                         .wrapped = {at % SIDE, at / SIDE % SIDE, at / SIDE / SIDE, 0}};
+      for (int a = 0; a < 3; a++) w.x[a] = ((float)sub[a] + 0.5f) / SUB - 0.5f;
+      if (!(walk_distance(&c, &w) > 0)) continue;
+      volume++;
+      share[bin_of(&c, &w, ball.centre)]++;
+    }
+  struct walk_settings s = settings_of(&flow, peclet_of_spacing);
+  s.walkers = WALKERS;
+  must(walk_begin(&c, &s, &walk));
+  for (int i = 1; i <= INTERVALS; i++) {
+    must(walk_advance(&walk));
+    if (i % EVERY) continue;
+    all += WALKERS;
+    for (int w = 0; w < WALKERS; w++) found[bin_of(&c, &walk.walkers[w], ball.centre)]++;
+  }
+  for (int b = 0; b < BINS; b++) {
+    const double expected = share[b] / volume * all;
+    square += (found[b] - expected) * (found[b] - expected) / expected;
+  }
+  char label[120];
+  snprintf(label, sizeof label, "even after %.3g steps, U h / D = %g: chi-square",
+           (double)walk.steps, peclet_of_spacing);
+  report(label, BINS - 1, square, 3 * sqrt(2.0 / (BINS - 1)), clock_processor_seconds() - started);
+  walk_end(&walk);
+  walk_cells_free(&c);
+  solute_flow_free(&flow);
+}
+
+int main(int argc, char **argv) {
+  const struct body cylinder = {{0.503, 0.489, 0}, 0.36}, ball = {{0.503, 0.489, 0.51}, 0.42};
+  const char *out = argc > 1 ? argv[1] : "walk.json";
+  log_start("verify_walk", LOG_QUIET);
+  json = fopen(out, "w");
+  if (json == NULL) {
+    fprintf(stderr, "verify_walk: cannot write %s\n", out);
+    return 1;
+  }
+  channels();
+  beside_closure("cylinders", (int[3]){48, 48, 1}, &cylinder, cylinder_distance, past_cylinder);
+  beside_closure("spheres", (int[3]){32, 32, 32}, &ball, ball_distance, past_ball);
+  stays_even(0.01);
+  stays_even(10);
+  fprintf(json, "\n]\n");
+  fclose(json);
+  printf("%d cases, %d failed\n", count, failed);
+  return failed > 0;
+}
