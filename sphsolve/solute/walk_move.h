@@ -195,15 +195,32 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
   return low;
 }
 
+/* Whether the flight back, which ends with `way` and has this length in all, is mirrored as well: a
+ * straight one could pass a grain's edge. Only moves that could be made both ways keep walkers even.
+ */
+WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker *end,
+                                 walk_vector way, float length) {
+  float square = 0;
+  for (int a = 0; a < 3; a++) square += (way[a] / c->stretch[a]) * (way[a] / c->stretch[a]);
+  struct walker back = *end;
+  back.x -= walk_all(square > 0 ? length / sqrtf(square) : 0) * way;
+  walk_settle(c, &back);
+  return !(walk_distance(c, &back) > 0);
+}
+
 /* A flight that ends in grain: to the wall, mirrored there, and so on. */
-WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector way) {
+WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector way,
+                           float length) {
   const struct walker start = *w;
   for (int m = 0; m < WALK_MIRRORS; m++) {
     const struct walker from = *w;
     w->x += way;
     walk_settle(c, w);
     const float outside = walk_distance(c, w);
-    if (outside > 0) return true;
+    if (outside > 0) {
+      if (m == 0 || walk_mirrors_back(c, w, way, length)) return true;
+      break;
+    }
     struct walker hit;
     float normal[3], along = 0;
     const float share = walk_meet(c, &from, way, outside, &hit);
@@ -229,7 +246,7 @@ WALK_HOT bool walk_fly(const struct walk_cells *c, struct walker *w, walk_vector
     return true;
   }
   struct walker mirrored = *w;
-  const bool ended = walk_mirror(c, &mirrored, way);
+  const bool ended = walk_mirror(c, &mirrored, way, length);
   *w = mirrored;
   return ended;
 }
