@@ -199,7 +199,7 @@ tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/studies/tradeoff
 hard: all $(BUILD)/tests/hard_engine
 	$(Q)BUILD=$(BUILD) scripts/hard
-bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_scan
+bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan
 	$(Q)BUILD=$(BUILD) scripts/bench
 
 clean:

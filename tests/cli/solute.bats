@@ -40,6 +40,21 @@ assert abs(r["formation_factor"] * r["porosity"] - 1) < 1e-3
 P
 }
 
+@test "the random walk finds the same, within the error that it states" {
+  sphsolve run carried.cfg -o walked --json --error 5% --set 'solute.peclet=[30.0]' --set 'solute.way="both"' > walked.json
+  /usr/bin/python3 - <<'P'
+import json
+
+r = json.load(open("walked.json"))
+exact = 1 + 30**2 / 210
+d, error = r["walk"]["longitudinal"][0], r["walk"]["longitudinal_error"][0]
+assert r["status"] == "converged", r["status"]
+assert 0 < error < 0.06, error
+assert abs(d / exact - 1) < error, (d, error, exact)
+assert r["longitudinal_error"][0] == min(error, r["closure"]["longitudinal_error"][0])
+P
+}
+
 @test "the same bits for any number of threads" {
   sphsolve run carried.cfg -o again --json --threads 2 > again.json
   grep -v wall_time carried.json > one
