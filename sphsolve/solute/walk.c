@@ -6,7 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 1.0 /* first spacings: the longest flight */
+#define WALK_FLIGHT 1.0 /* first spacings: the longest flight, and a cell at most */
 #define WALK_WAY 0.5    /* the longest mean way with the water in a step */
 /* The slowest wave across a box of width W fades in W^2 / (4 pi^2 D_T): twice that. */
 #define MEMORY 0.05
@@ -79,6 +79,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   struct walk_settings *s = &walk->settings;
   if (s->walkers == 0) s->walkers = walk_walkers(s->tolerance);
   if (!(s->flight > 0)) s->flight = WALK_FLIGHT;
+  for (int a = 0; a < 3; a++) s->flight = fmin(s->flight, 1 / (double)cells->stretch[a]);
   if (s->walkers >= UINT32_MAX)
     return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
   walk->diffusion = s->peclet > 0 ? 1 / s->peclet : 1;

@@ -90,6 +90,18 @@ static bool takes_part(const struct solute_flow *f, const float *corners, const 
   return near;
 }
 
+static bool near_wall(const struct walk_cells *cells, int32_t place) {
+  const int *n = cells->n, x[3] = {place % n[0], place / n[0] % n[1], place / n[0] / n[1]};
+  for (int c = 0; c < 27; c++) {
+    const int step[3] = {c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1};
+    int y[3];
+    for (int a = 0; a < 3; a++) y[a] = (x[a] + step[a] + n[a]) % n[a];
+    const int32_t number = cells->number[at(n, y)];
+    if (number < 0 || !(cells->cell[number].least > 0)) return true;
+  }
+  return false;
+}
+
 enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cells) {
   enum status status = STATUS_OK;
   float *corners = NULL;
@@ -98,6 +110,7 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
     cells->n[a] = f->n[a], cells->spacing[a] = f->spacing[a];
     cells->stretch[a] = (float)(f->spacing[0] / f->spacing[a]);
   }
+  if (f->dimensions == 2) cells->stretch[1] = 1; /* nothing varies along y */
   if (f->count >= INT32_MAX)
     return FAIL(STATUS_INPUT, "a walk counts at most %d cells, not %zu", INT32_MAX - 1, f->count);
   TRY(memory_allocate(&corners, f->count, sizeof(float), "distances of corners"));
@@ -139,6 +152,8 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
           cell->least = fminf(cell->least, d);
         }
       }
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < cells->count; c++) cells->cell[c].near = near_wall(cells, cells->place[c]);
   for (int a = 0; a < 3 && f->speed > 0; a++)
     for (size_t c = 0; c < f->count; c++)
       cells->fastest = fmax(cells->fastest,

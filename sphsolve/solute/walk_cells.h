@@ -25,7 +25,8 @@ enum { WALK_0, WALK_X, WALK_Y, WALK_Z, WALK_SQUARE, WALK_CROSS_1, WALK_CROSS_2, 
 struct walk_cell {
   float u[WALK_TERMS][4]; /* along x, y, z, and 0: cells along the axis per time unit */
   float least;            /* distance to the wall of the nearest corner, first spacings */
-  float unused[3];
+  int32_t near;           /* whether a wall is in this cell or one of the 26 around it */
+  float unused[2];
 };
 
 struct walk_cells {

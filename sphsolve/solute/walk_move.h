@@ -53,8 +53,8 @@ WALK_HOT int32_t walk_number(const struct walk_cells *c, walk_place w) {
   return c->number[((int64_t)w[2] * c->n[1] + w[1]) * c->n[0] + w[0]];
 }
 
-/* Brings x back to -1/2 .. 1/2 and the cell with it, for ways of less than a box; false: that cell
- * is grain. */
+/* Brings x back to -1/2 .. 1/2 and the cell with it, for ways of at most a cell (two steps by
+ * rounding, in a box of one); false: that cell is grain. */
 WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   const walk_place n = {c->n[0], c->n[1], c->n[2], 1};
   const walk_vector up = w->x + walk_all(0.5f);
@@ -64,8 +64,10 @@ WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   w->x -= __builtin_convertvector(step, walk_vector);
   w->cell += step;
   w->wrapped += step;
-  w->wrapped += (w->wrapped < 0) & n;
-  w->wrapped -= (w->wrapped >= n) & n;
+  for (int turn = 0; turn < 2; turn++) {
+    w->wrapped += (w->wrapped < 0) & n;
+    w->wrapped -= (w->wrapped >= n) & n;
+  }
   w->number = walk_number(c, w->wrapped);
   return w->number >= 0;
 }
@@ -196,7 +198,8 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
 }
 
 /* Whether the flight back, which ends with `way` and has this length in all, is mirrored as well: a
- * straight one could pass a grain's edge. Only moves that could be made both ways keep walkers even.
+ * straight one could pass a grain's edge. Only moves that could be made both ways keep walkers
+ * even.
  */
 WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker *end,
                                  walk_vector way, float length) {
@@ -234,13 +237,13 @@ WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_ve
   return false;
 }
 
-/* A flight by `way` cells, of `length` first spacings; false: it found no end in the pore, and the
- * walker stays. */
+/* A flight by `way`, at most a cell, of `length` first spacings; false: it found no end in the
+ * pore, and the walker stays. */
 WALK_HOT bool walk_fly(const struct walk_cells *c, struct walker *w, walk_vector way,
                        float length) {
   struct walker end = *w;
   end.x += way;
-  const bool clear = c->cell[w->number].least > length, pore = walk_settle(c, &end);
+  const bool clear = !c->cell[w->number].near, pore = walk_settle(c, &end);
   if (clear || (pore && walk_in_pore(c, &end))) {
     *w = end;
     return true;

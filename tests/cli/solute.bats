@@ -86,8 +86,8 @@ assert r["method"] == "solute" and r["size"] == [24, 1, 6] and r["memory_bytes"]
 }
 
 @test "what cannot be is said in one line" {
-  run -2 --separate-stderr sphsolve run carried.cfg -o x --error 5%
-  [[ $stderr == *"--error is of a scene that solves a flow"* ]]
+  run -2 --separate-stderr sphsolve run carried.cfg -o x --time 60s
+  [[ $stderr == *"--time is of a scene that solves a flow"* ]]
   run -2 --separate-stderr sphsolve run carried.cfg -o slit
   [[ $stderr == *"slit.hdf"* ]]
   cp slit.hdf alone.hdf
