@@ -174,7 +174,8 @@ static enum status run_scene(const struct options *options, struct job *job, con
   double started = clock_seconds();
   const struct method *method = job->plan.context.method;
   status = method->run(&job->scene, &job->plan, &job->lattice, recorder, result);
-  if (status == STATUS_OK && result->k > 0 && result->error.level_count < 2)
+  const bool cascade = job->plan.goal.error > 0 || job->plan.goal.seconds > 0;
+  if (status == STATUS_OK && result->k > 0 && !cascade && result->error.level_count < 2)
     status = finish_error(job, result);
   result->wall_time = clock_seconds() - started;
   if (status == STATUS_OK && tensor != NULL) {

@@ -135,14 +135,15 @@ enum status page_levels(struct page *page) {
   fprintf(
       plot,
       "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
-      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset key bottom left\nset offsets graph "
+      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset key %s right\nset offsets graph "
       "0.1, graph "
       "0.15, graph 0.1, graph 0.1\n"
       "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
       "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "
       "0,1 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
       "rgb '%s' title 'result, 95 %%'\n",
-      gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high, plot_colours[0],
+      gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high,
+      levels->k[0] > levels->k[levels->count - 1] ? "top" : "bottom", plot_colours[0],
       estimated ? "$estimates using 1:2:3:4 with yerrorbars pointtype 4 linewidth 1.2 linecolor "
                   "rgb '"
                 : "",

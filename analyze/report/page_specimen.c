@@ -77,13 +77,14 @@ struct bar {
 };
 static void write_bars(FILE *stream, const struct bar *bars, size_t n, const char *caption) {
   const double width = 420.0, height = 150.0, foot = 34.0, head = 14.0;
+  const double side = 12.0; /* room for the names of the outer bars */
   double most = 0.0, step = width / (double)n;
   for (size_t i = 0; i < n; i++) most = fmax(most, bars[i].percent);
   if (!(most > 0.0)) return;
   fprintf(stream,
-          "<figure class=\"bars\"><svg viewBox=\"0 0 %g %g\" width=\"%g\" font-size=\"10\" "
+          "<figure class=\"bars\"><svg viewBox=\"%g 0 %g %g\" width=\"%g\" font-size=\"10\" "
           "text-anchor=\"middle\" fill=\"currentColor\">",
-          width, height, width);
+          -side, width + 2.0 * side, height, width + 2.0 * side);
   /* Letters of 10 are at most 6 wide: names and shares stand as close as the longest allows. */
   size_t longest = 7;
   for (size_t i = 0; i < n; i++)

@@ -16,7 +16,7 @@ static int column(double value, double most) {
 
 void level_bar_draw(const struct uncertainty *u, double to_speed, char *text, size_t size) {
   const struct error_level *first = &u->levels[0], *last = &u->levels[u->level_count - 1];
-  const double most = 1.05 * fmax(first->permeability, first->estimate * (1.0 + first->high));
+  const double most = 1.05 * first->permeability;
   const double low = isfinite(last->low) ? last->low : 0.0;
   const double high = isfinite(last->high) ? last->high : 0.0;
   const int from = column(last->estimate * (1.0 - low), most);
@@ -33,7 +33,7 @@ void level_bar_draw(const struct uncertainty *u, double to_speed, char *text, si
 
 void level_bar_show(const struct uncertainty *u, double to_speed) {
   char text[COLUMNS + 64];
-  if (u->level_count == 0 || !isatty(STDERR_FILENO)) return;
+  if (u->level_count < 2 || !isatty(STDERR_FILENO)) return;
   level_bar_draw(u, to_speed, text, sizeof text);
   log_info("%s", text);
 }

@@ -71,7 +71,8 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   if (c->tried > cascade_open_steps(c->plan, c->base)) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
-  if (c->uncertainty.level_count > 0 && clock_seconds() - c->started + next > c->seconds)
+  /* One lattice is no k: its error is not known. */
+  if (c->uncertainty.level_count > 1 && clock_seconds() - c->started + next > c->seconds)
     return false;
   size_t size[3], count;
   if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
@@ -270,10 +271,14 @@ static void estimate(struct cascade *c) {
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
-  if (n == 1 && c->fixed != 1) limit.low = limit.high = c->plan->expected.error;
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
+  /* One lattice says nothing of its error; its pores do. */
+  if (n == 1 && c->fixed != 1)
+    limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
+                                               WALL_SUBVOXEL, c->plan->context.spacing / h[0])
+                                 .error;
   b->needs = cascade_needs(c->plan, h[0]);
   b->extrapolated = limit.value;
   b->finest = k[0];
