@@ -26,7 +26,7 @@ static pthread_mutex_t one_thread = PTHREAD_MUTEX_INITIALIZER;
 const char *image_hdf5_dataset(const char *path) {
   struct stat info;
   if (stat(path, &info) == 0) return NULL;
-  for (const char *at = strstr(path, ":/"); at != NULL; at = strstr(at + 1, ":/")) {
+  for (const char *at = strchr(path, ':'); at != NULL; at = strchr(at + 1, ':')) {
     char *file = NULL;
     if (memory_copy_text(path, (size_t)(at - path), &file) != STATUS_OK) return NULL;
     const bool is_file = stat(file, &info) == 0 && S_ISREG(info.st_mode);
@@ -41,13 +41,21 @@ static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
   return n >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
 }
 
-static enum status name_datasets(struct h5_file *file) {
+/* What is in a group, for the message. */
+static void list_group(struct h5_file *file, const char *group, char list[200]) {
   size_t count = 0;
-  char **names = NULL, list[200] = "";
-  if (h5_list(file, "/", &count, &names) != STATUS_OK) error_clear();
+  char **names = NULL;
+  list[0] = '\0';
+  if (h5_list(file, group, &count, &names) != STATUS_OK) error_clear(); /* is none */
   for (size_t i = 0; i < count; i++)
-    snprintf(list + strlen(list), sizeof list - strlen(list), " /%s", names[i]);
+    snprintf(list + strlen(list), 200 - strlen(list), " %s/%s", strcmp(group, "/") ? group : "",
+             names[i]);
   h5_free_texts(count, &names);
+}
+
+static enum status name_datasets(struct h5_file *file) {
+  char list[200];
+  list_group(file, "/", list);
   return FAIL(STATUS_INPUT, "%s: an HDF5 file; name the dataset, as %s:/dataset (it has%s)",
               h5_path(file), h5_path(file), list);
 }
@@ -93,9 +101,18 @@ static enum status hdf5_open(const char *path, struct image *image) {
   image->dataset = dataset;
   TRY(h5_open(of_file, &dataset->file));
   if (name == NULL) TRY(name_datasets(dataset->file));
-  TRY(memory_copy_text(name, strlen(name), &dataset->name));
-  if (!h5_exists(dataset->file, name))
-    TRY_FAIL(STATUS_INPUT, "%s: has no dataset %s", of_file, name);
+  char list[200];
+  TRY(memory_allocate(&dataset->name, strlen(name) + 2, 1, "a name"));
+  sprintf(dataset->name, "%s%s", name[0] == '/' ? "" : "/", name);
+  name = dataset->name;
+  if (!h5_exists(dataset->file, name)) {
+    list_group(dataset->file, "/", list);
+    TRY_FAIL(STATUS_INPUT, "%s: has no dataset %s; it has%s", of_file, name, list);
+  }
+  list_group(dataset->file, name, list);
+  if (list[0] != '\0')
+    TRY_FAIL(STATUS_INPUT, "%s: %s is a group; name a dataset in it (it has%s)", of_file, name,
+             list);
   TRY(h5_shape(dataset->file, name, 3, &dataset->rank, dims));
   if (dataset->rank < 2)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %d axes; an image has 2 or 3, [z][y][x]", of_file, name,
@@ -126,7 +143,7 @@ static enum status read_block(const struct image *image, struct image_dataset *d
       dataset->rank == 2
           ? h5_read(dataset->file, dataset->name, dataset->type, 2, dims, &dataset->block)
           : h5_read_rows(dataset->file, dataset->name, dataset->type, 3, image->pages, page, dims,
-                          &dataset->block);
+                         &dataset->block);
   if (status != STATUS_OK) return status;
   dataset->first = page;
   dataset->count = dataset->rank == 2 ? 1 : dims[0];

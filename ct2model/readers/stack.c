@@ -12,6 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
+#include "ct2model/readers/byte_order.h"
 #include "ct2model/readers/image_hdf5.h"
 
 struct name_list {
@@ -219,6 +220,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
   if (raw != NULL && raw->given && stack->size[2] != raw->size[2])
     TRY_FAIL(STATUS_INPUT, "%s: %zu slices of %zux%zu, but --raw says %zu; correct it", first->path,
              stack->size[2], raw->size[0], raw->size[1], raw->size[2]);
+  if (raw != NULL && raw->given) TRY(byte_order_check(&stack->files[list->count / 2]));
 cleanup:
   return status;
 }

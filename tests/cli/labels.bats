@@ -108,7 +108,7 @@ with h5py.File("v.h5", "w") as file:
 END
   threshold() { ct2model build "$@" --void-ratio 0.8 --voxel-size 5um --json -o n.hdf --quiet | grep '"threshold_original"'; }
   raw=$(threshold v.raw --raw 28x24x20:u16le)
-  for image in v.npy big.npy v.h5:/group/v v.h5:/packed "v.h5:/packed --threads 4"; do
+  for image in v.npy big.npy v.h5:/group/v v.h5:group/v v.h5:/packed "v.h5:/packed --threads 4"; do
     [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
   done
   for image in float.npy v.h5:/double; do
@@ -116,9 +116,18 @@ END
   done
   ct2model build truth.npy --segmented 1 --voxel-size 5um -o truth.hdf --quiet
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset" "v.npy:/x no.HDF5"; do
+  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/group /group/v" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
+  done
+  # Headerless pixels read the wrong way round are told; those read the right way, and noise, are not.
+  /usr/bin/python3 -c 'import numpy as np
+np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng(1).integers(0, 65536, 13440).astype("u2").tofile("noise.raw")'
+  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be ^$"; do
+    file=${words%%:*} type=${words%% *}
+    run --separate-stderr ct2model info "$file" --raw "28x24x20:${type#*:}"
+    [ "$status" -eq 0 ]
+    [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $stderr"; false; }
   done
   cp v.h5 before.h5
   run ct2model build v.h5:/packed --void-ratio 0.8 --voxel-size 5um -o v.h5 --force

@@ -1,0 +1,53 @@
+#include "ct2model/readers/byte_order.h"
+
+#include <math.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+
+/* Numbers drawn at random have a roughness of 1.3 (uniform) to 1.4 (normal). A scan is smooth, but
+ * for its noise; its low bytes alone are random. */
+#define MUCH_ALIKE 2.0
+
+/* Mean difference of neighbours in a row over the mean distance from the mean; infinite where a
+ * pixel is not a number. */
+static double roughness(const float *pixels, size_t width, size_t height) {
+  const size_t n = width * height;
+  double mean = 0.0, distance = 0.0, step = 0.0;
+  for (size_t i = 0; i < n; i++) mean += (double)pixels[i] / (double)n;
+  if (!isfinite(mean)) return INFINITY;
+  for (size_t i = 0; i < n; i++) {
+    distance += fabs((double)pixels[i] - mean);
+    if (i % width > 0) step += fabs((double)pixels[i] - (double)pixels[i - 1]);
+  }
+  return distance > 0.0 ? step / distance : 0.0;
+}
+
+static char letter_of(enum pixel_type type) {
+  if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
+  return type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
+}
+
+enum status byte_order_check(const struct image *image) {
+  enum status status = STATUS_OK;
+  const size_t n = image->size[0] * image->size[1], bytes = pixel_size(image->type);
+  void *stored = NULL;
+  float *pixels = NULL;
+  if (bytes == 1) return STATUS_OK;
+  TRY(memory_allocate(&stored, n, bytes, "a slice"));
+  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
+  TRY(image->reader->read(image, image->pages / 2, stored));
+  pixels_to_float(pixels, stored, n, image->type);
+  const double given = roughness(pixels, image->size[0], image->size[1]);
+  pixels_swap(stored, n, image->type);
+  pixels_to_float(pixels, stored, n, image->type);
+  const double other = roughness(pixels, image->size[0], image->size[1]);
+  if (given > MUCH_ALIKE * other && other > 0.0)
+    log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
+                "is %c%zu%s meant in --raw?",
+                image->path, letter_of(image->type), 8 * bytes, image->swap ? "le" : "be");
+cleanup:
+  memory_free(&stored);
+  memory_free(&pixels);
+  return status;
+}
