@@ -22,6 +22,9 @@
 /* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
+/* Two and three coarse lattices err by more than their fits say, by up to so many times: from 14
+ * bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
+static const double few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
 static const struct stokes_goal side_goal = {.mean = 3e-4};
 /* Other sides change k by per cents, on four times the sites. */
 static const struct stokes_goal sides_goal = {.mean = 1e-3};
@@ -64,11 +67,12 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   *spacing = h * pow(CASCADE_SHRINKS, cascade_open_steps(c->plan, c->base) - c->tried);
-  if (c->uncertainty.level_count >= 3 && uncertainty_largest(&c->uncertainty) <= c->wanted)
-    return false;
+  const int last = cascade_open_steps(c->plan, c->base);
+  const bool enough = c->uncertainty.level_count >= CASCADE_ENOUGH || c->tried > last;
+  if (enough && uncertainty_largest(&c->uncertainty) <= c->wanted) return false;
   *why = "budget";
-  if (c->uncertainty.level_count >= 3 && finer_is_in_vain(c)) return false;
-  if (c->tried > cascade_open_steps(c->plan, c->base)) return false;
+  if (enough && finer_is_in_vain(c)) return false;
+  if (c->tried > last) return false;
   /* One thread does a processor second in a second, several less. */
   const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
   /* One lattice is no k: its error is not known. */
@@ -271,6 +275,10 @@ static void estimate(struct cascade *c) {
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
+  if (c->fixed == 0 && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
+    limit.low *= few_lattices[n];
+    limit.high *= few_lattices[n];
+  }
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;

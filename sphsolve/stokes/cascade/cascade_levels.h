@@ -11,6 +11,9 @@
 
 /* From one lattice to the next of an open cascade the spacing shrinks by this. */
 #define CASCADE_SHRINKS 1.4142135623730951
+/* From so many on, from the coarsest, an open cascade has an estimate that it may end with: fewer
+ * have seen little of how k scatters from lattice to lattice. */
+#define CASCADE_ENOUGH 4
 /* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
 #define CASCADE_FIXED 3
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
