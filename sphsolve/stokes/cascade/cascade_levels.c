@@ -135,7 +135,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     seconds += own;
     const struct error_forecast e =
         error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
-    if (i + 1 < CASCADE_ENOUGH && i < steps) continue;
+    if (i < LEVELS_LEAST - 1) continue; /* no estimate of use from fewer */
     levels[count++] =
         (struct predicted_level){.spacing = h / refined,
                                  .sites = sites,
