@@ -259,7 +259,7 @@ static void print_pores(const struct pipeline *pipeline) {
   bool enough;
   printf("pore widths       %.0f %% of the pore voxels touch a grain", 100.0 * m->touching);
   if (!isfinite(m->thickness_median)) {
-    printf("; the model is too large to measure widths\n");
+    printf("; pores too many voxels wide to be measured\n");
     return;
   }
   if (!pipeline_finer_size(pipeline, 0.05, size, &enough))
@@ -358,7 +358,7 @@ static void print_greys(const struct pipeline *pipeline) {
          pipeline_grey(pipeline, pipeline->phases.pore_peak),
          pipeline_grey(pipeline, pipeline->phases.grain_peak));
   if (isfinite(pipeline->phases.contrast_to_noise))
-    printf(", contrast %.3g times the noise", pipeline->phases.contrast_to_noise);
+    printf(", contrast %.3g times the spread of a peak", pipeline->phases.contrast_to_noise);
   putchar('\n');
   print_scan(pipeline);
 }

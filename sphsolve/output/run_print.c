@@ -82,8 +82,15 @@ enum status run_print_json(const struct run_result *result) {
   return STATUS_OK;
 }
 
+/* 0.0123 as "1.2", 1.57 as "157". */
+static const char *percent(double share, char text[32]) {
+  snprintf(text, 32, share < 0.995 ? "%.2g" : "%.0f", 100 * share);
+  return text;
+}
+
 static void print_part(const char *what, double share) {
-  if (isfinite(share)) printf("%s %.*g %%", what, share < 1 ? 2 : 3, 100 * share);
+  char text[32];
+  if (isfinite(share)) printf("%s %s %%", what, percent(share, text));
 }
 
 /* The parts of the error, and how the resolution's was found. */
@@ -138,12 +145,12 @@ static void print_verdict(const struct uncertainty *b) {
   for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
     if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
   if (!(parts[most].share > 0) || !(total > 0)) return;
-  printf("verdict    known to %.2g %%; most of it is %s: %s\n", 100 * total, parts[most].what,
-         parts[most].remedy);
+  print_part("verdict    known to", total);
+  printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
 }
 
 void run_print(const struct run_result *result, const char *prefix) {
-  char error[120] = "";
+  char error[120] = "", text[32];
   double low, high;
   uncertainty_total(&result->error, &low, &high);
   const double largest = fmax(low, high);
@@ -151,9 +158,8 @@ void run_print(const struct run_result *result, const char *prefix) {
                      : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
                                                           : " (resolution not counted)";
   if (isfinite(result->k) && largest > 1e-5)
-    snprintf(error, sizeof error, " +- %.*g %% (%.4g to %.4g)%s", largest < 1 ? 2 : 3,
-             100 * largest, 100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high),
-             from);
+    snprintf(error, sizeof error, " +- %s %% (%.4g to %.4g)%s", percent(largest, text),
+             100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high), from);
   else if (isfinite(result->k) && largest > 0)
     snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
   printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
