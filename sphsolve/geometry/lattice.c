@@ -134,7 +134,7 @@ cleanup:
 /* Number of sites whose centres lie inside a length. */
 static size_t sites_in(double length, double spacing) {
   double n = floor(length / spacing + 0.5 - 1e-9);
-  return n < 1 ? 1 : (size_t)n;
+  return n < 1 ? 1 : (size_t)fmin(n, 0x1p50);
 }
 
 static bool box_holds(const double box[6], const double x[3], int dimensions) {
@@ -147,7 +147,8 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
 
 /* Kind and region of a point: the last region that holds it. Soil is a property of space, water is
  * what fills it: a water region fills what it claims, in or out of soil, and a later porous region
- * does not take it away; soil that no water region covers is dry unless it is `saturated`. */
+ * does not take it away; soil that no water region covers is dry unless it is `saturated`, and
+ * where all soil starts full by itself it does not if it says `saturated = false`. */
 static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
                   uint16_t *region) {
   bool water = false;
@@ -170,7 +171,8 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
       *kind = SITE_EMPTY;
       break;
     case REGION_POROUS:
-      *kind = water || all_saturated || candidate->saturated ? SITE_FLUID : SITE_EMPTY;
+      *kind = water || candidate->saturated || (all_saturated && !candidate->dry) ? SITE_FLUID
+                                                                                  : SITE_EMPTY;
       break;
     case REGION_INFLOW:
       continue; /* a boundary, it fills nothing */

@@ -48,6 +48,8 @@ static bool settled(struct isph_settling *settling, double tolerance, double tim
 /* Filling (sum of V W, 1 in the bulk) up to twice, a spacing a step, and the pressure solve's own
  * bound on its residual, beyond which it fails. */
 #define KERNEL_SUM_MOST 2.0
+/* Filling beyond which a run says so, once: impacts reach 1.1. */
+#define KERNEL_SUM_TOLD 1.3
 /* Energy beyond this speed in spacings a step: see watchdog.h. */
 #define ENERGY_FLOOR 0.02
 /* Good steps after which a step that the effects choose may double again. */
@@ -119,6 +121,14 @@ static enum status judge(struct isph *s, double dt, double *share, char what[160
                                  flung[0] * flung[0],
                                  (uint64_t)flung[4]};
   const double fastest = leaders[1].value;
+  if (leaders[0].value > KERNEL_SUM_TOLD && s->crowded == 0)
+    log_warning(
+        "t = %.4g s: water is pressed to %.3g of its density at (%.4g, %.4g, %.4g) m; pressures "
+        "there mean nothing: walls or inflows leave it less room than it needs, or are too "
+        "fast for the spacing",
+        s->time, leaders[0].value, leaders[0].position[0], leaders[0].position[1],
+        leaders[0].position[2]);
+  if (leaders[0].value > KERNEL_SUM_TOLD) s->crowded = fmax(s->crowded, leaders[0].value);
   reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
   reading.share[WATCH_VELOCITY] = sqrt(fastest) * dt / s->spacing;
   if (s->total > 0)
@@ -305,6 +315,7 @@ cleanup:
     if (RANKS) recorder_set_measured(recorder, "pressure_setup_seconds", s->seconds_setup);
     recorder_set_fact(recorder, "iterations_mean",
                       s->solve.iterations_total / fmax(1, s->solve.solves));
+    if (s->crowded > 0) recorder_set_fact(recorder, "kernel_sum_most", s->crowded);
     recorder_set_fact(recorder, "residual", s->solve.residual);
     recorder_set_fact(recorder, "particles", (double)s->total);
     recorder_set_fact(recorder, "particles_lost", (double)s->lost_count);

@@ -9,6 +9,8 @@
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
 enum status isph_scales(struct plan *plan);
+/* isph/refuse.c: an error for scenes that cannot come out right. */
+enum status isph_refuse(const struct effect_context *context);
 enum status isph_cost(struct plan *plan, int threads);
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 

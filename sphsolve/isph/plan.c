@@ -106,6 +106,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   double n = (double)context->lattice->fluid_count;
+  enum status status = isph_refuse(context);
+  if (status != STATUS_OK) return status;
   double neighbours = context->lattice->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
                                                         : 3.14 * pow(scene->isph.support_ratio, 2);
   /* In that time what starts at rest falls half a spacing. */
@@ -126,7 +128,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
   struct isph_pace pace;
-  enum status status = isph_pace_predict(context, &pace);
+  status = isph_pace_predict(context, &pace);
   if (status != STATUS_OK) return status;
   plan->steps = isnan(plan->dt) ? steps_at(plan, &pace) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;

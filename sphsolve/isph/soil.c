@@ -28,6 +28,9 @@ static struct box box_of(const struct isph *s, size_t k, double ahead, const dou
     double low = region->box[a], high = region->box[a + 3],
            offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
+    /* Soil that moves away from a side leaves water behind. */
+    open_low = open_low && !(region->soil_velocity[a] > 0 && !s->periodic[a]);
+    open_high = open_high && !(region->soil_velocity[a] < 0 && !s->periodic[a]);
     if (s->dimensions == 2 && a == 1) open_low = open_high = true;
     if (s->periodic[a] && !(open_low && open_high)) {
       double length = s->high[a] - s->low[a];

@@ -214,6 +214,7 @@ struct isph {
   double budget_held[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions, pair_seconds;
   struct watchdog dog;
+  double crowded;    /* the largest kernel sum, once it has been told; 0 before */
   int64_t calm_from; /* step since which the watchdog has nothing to say */
   struct isph_settling {
     double since, reference[3];

@@ -70,6 +70,7 @@ struct region {
   double porosity, grain_size, alpha, beta;
   double soil_velocity[3]; /* moving soil, m/s */
   bool saturated;          /* full of water at the start also where no water region covers it */
+  bool dry;                /* dry there, even where soil would start full by itself */
   /* wall */
   bool slip;
   double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */

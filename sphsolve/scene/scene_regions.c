@@ -43,14 +43,15 @@ static enum status read_box(struct config *config, config_node *group, const str
 static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
-  bool porosity_given;
+  bool porosity_given, saturation_given;
   region->alpha = 1000;
   region->beta = 1.1;
   TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
   TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
   TRY(config_number(config, group, "alpha", &region->alpha, NULL));
   TRY(config_number(config, group, "beta", &region->beta, NULL));
-  TRY(config_bool(config, group, "saturated", &region->saturated, NULL));
+  TRY(config_bool(config, group, "saturated", &region->saturated, &saturation_given));
+  region->dry = saturation_given && !region->saturated;
   TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
   if (!porosity_given) TRY(config_error(config, group, "porosity is missing, like porosity = 0.4"));
   if (!(region->porosity > 0 && region->porosity <= 1))

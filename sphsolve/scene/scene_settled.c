@@ -33,7 +33,7 @@ static void put_region(FILE *stream, size_t number, const struct region *r) {
                            r->flux};
   for (int i = 0; i < 6; i++) fprintf(stream, " %.12g", r->box[i]);
   for (size_t i = 0; i < sizeof values / sizeof *values; i++) fprintf(stream, " %.12g", values[i]);
-  fprintf(stream, " %d %d %d\n", r->saturated, r->slip, (int)r->boundary);
+  fprintf(stream, " %d %d %d\n", r->saturated - r->dry, r->slip, (int)r->boundary);
 }
 
 static void put_all(FILE *stream, const struct scene *s) {

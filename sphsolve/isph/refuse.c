@@ -1,0 +1,144 @@
+/* Scenes that method isph cannot do right: each ends before the run with one line that says why,
+ * and what would work. */
+#include "sphsolve/isph/method.h"
+
+#include <math.h>
+
+/* Water within a kernel's support on both sides of a wall presses through it. The support is 2.4
+ * spacings, and particles keep a fifth of one from each face. */
+#define WALL_LEAST 2.0
+/* A row of particles brings a spacing of water; less than one never comes. */
+#define ROWS_LEAST 1.0
+
+static bool used(const struct effect_context *context, int a) {
+  return context->lattice->dimensions == 3 || a != 1;
+}
+
+/* Whether water or soil is at a site of the lattice; false outside. */
+static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double step) {
+  const double k = (double)at[axis] + step;
+  if (k < 0 || k >= (double)l->size[axis]) return false;
+  size_t x[3] = {at[0], at[1], at[2]};
+  x[axis] = (size_t)k;
+  return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
+}
+
+/* The first wall with water on both sides that is too thin. */
+static enum status check_walls(const struct effect_context *context) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  const double least = WALL_LEAST * context->spacing;
+  size_t site = 0;
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0]; i++, site++) {
+        const size_t at[3] = {i, j, k};
+        if (l->kind[site] != SITE_WALL || l->region == NULL || l->region[site] == 0) continue;
+        const struct region *wall = &scene->regions[l->region[site] - 1];
+        for (int a = 0; a < 3; a++) {
+          const double thick = wall->box[a + 3] - wall->box[a];
+          if (!used(context, a) || thick > least * (1 - 1e-6) || !is_wet(l, at, a, -1)) continue;
+          const double rows = fmax(1, round(thick / l->spacing[a]));
+          if (is_wet(l, at, a, rows))
+            return FAIL(STATUS_INPUT,
+                        "%s:%d: a wall %g m thick in %c with water on both sides lets pressure "
+                        "through; make it %g m thick, two spacings, or domain.spacing %g m",
+                        scene->path, wall->line, thick, "xyz"[a], least, thick / WALL_LEAST);
+        }
+      }
+  return STATUS_OK;
+}
+
+/* Area of an inflow's side, m^2 (m in 2-D): without the thinnest of its lengths. */
+static double area_of(const struct effect_context *context, const struct region *inflow) {
+  double area = 1, thinnest = INFINITY;
+  for (int a = 0; a < 3; a++) {
+    if (!used(context, a)) continue;
+    const double length = inflow->box[a + 3] - inflow->box[a];
+    area *= length, thinnest = fmin(thinnest, length);
+  }
+  return area / thinnest;
+}
+
+/* What flows in by fluxes needs room, or a side of given head to go out by. */
+static enum status check_inflows(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const struct lattice *l = context->lattice;
+  const struct region *first = NULL;
+  double in = 0, room = 0, site = 1;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type != REGION_INFLOW) continue;
+    if (region->boundary != BOUNDARY_FLUX) return STATUS_OK;
+    const double rows = region->flux * scene->end_time / context->spacing;
+    if (rows > 0 && rows < ROWS_LEAST)
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: an inflow of %g m/s brings %g m of water by scene.end_time, less than the "
+          "row of %g m that it comes in by; use a domain.spacing below %g m or a longer "
+          "scene.end_time",
+          scene->path, region->line, region->flux, region->flux * scene->end_time, context->spacing,
+          region->flux * scene->end_time);
+    in += region->flux * area_of(context, region);
+    if (region->flux > 0 && first == NULL) first = region;
+  }
+  if (!(in > 0)) return STATUS_OK;
+  for (int a = 0; a < 3; a++)
+    if (used(context, a)) site *= l->spacing[a];
+  for (size_t p = 0; p < l->count; p++) {
+    if (l->kind[p] != SITE_EMPTY) continue;
+    const struct region *region =
+        l->region != NULL && l->region[p] > 0 ? &scene->regions[l->region[p] - 1] : NULL;
+    room += site * (region != NULL && region->type == REGION_POROUS ? region->porosity : 1);
+  }
+  if (in * scene->end_time <= room) return STATUS_OK;
+  return FAIL(
+      STATUS_INPUT,
+      "%s:%d: inflows bring %g m^%d by scene.end_time into room for %g, full after %g s; end "
+      "before that, or give water a way out: an inflow region of given head or of flux < 0",
+      scene->path, first->line, in * scene->end_time, l->dimensions, room, room / in);
+}
+
+/* Soil that moves must not run into a closed side or a wall. */
+static enum status check_moving_soil(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const double near = 1e-6 * context->spacing;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *soil = &scene->regions[r];
+    if (soil->type != REGION_POROUS) continue;
+    for (int a = 0; a < 3; a++) {
+      const double v = soil->soil_velocity[a];
+      if (v == 0 || !used(context, a)) continue;
+      const double face = v > 0 ? soil->box[a + 3] : soil->box[a], end = face + v * scene->end_time;
+      double stop = scene->periodic[a] ? copysign(INFINITY, v) : v > 0 ? scene->domain_size[a] : 0;
+      for (size_t w = 0; w < scene->region_count; w++) {
+        const struct region *wall = &scene->regions[w];
+        bool beside = wall->type == REGION_WALL;
+        for (int b = 0; b < 3; b++)
+          if (b != a && used(context, b))
+            beside = beside && wall->box[b] < soil->box[b + 3] - near &&
+                     wall->box[b + 3] > soil->box[b] + near;
+        if (!beside) continue;
+        if (v > 0 && wall->box[a] >= face - near) stop = fmin(stop, wall->box[a]);
+        if (v < 0 && wall->box[a + 3] <= face + near) stop = fmax(stop, wall->box[a + 3]);
+      }
+      if (v > 0 ? end > stop + near : end < stop - near)
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: this soil moves into the wall at %g m in %c, which it reaches after %g "
+                    "s; end before that, or let it move slower",
+                    scene->path, soil->line, stop, "xyz"[a], (stop - face) / v);
+    }
+  }
+  return STATUS_OK;
+}
+
+enum status isph_refuse(const struct effect_context *context) {
+  enum status status = STATUS_OK;
+  TRY(check_walls(context));
+  if (isfinite(context->scene->end_time)) {
+    TRY(check_inflows(context));
+    TRY(check_moving_soil(context));
+  }
+cleanup:
+  return status;
+}

@@ -1,0 +1,77 @@
+#!/usr/bin/env bats
+# Method isph refuses what it cannot do right, with the reason and what would work; and does what is just within.
+
+bats_require_minimum_version 1.5.0
+load programs
+setup_file() {
+  programs_setup
+  export TANK=$ROOT/data-samples/scenes/still-tank.cfg
+}
+
+WATER='{ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; }'
+refused() { # WORDS END REGION
+  run sphsolve explain "$TANK" --set "scene.end_time=\"$2\"" --set "regions=($3)"
+  [ "$status" -eq 3 ] || { echo "exit $status: $output"; return 1; }
+  [ "${#lines[@]}" -eq 1 ] || { echo "$output"; return 1; }
+  [[ "$output" == *"$1"* ]] || { echo "$output"; return 1; }
+}
+taken() { # END REGION
+  sphsolve explain "$TANK" --set "scene.end_time=\"$1\"" --set "regions=($2)" > plan.txt
+}
+
+@test "a wall between two waters is two spacings thick, or refused with the thickness that works" {
+  refused "make it 0.02 m thick" 2s "$WATER, { type = \"wall\"; box = [\"0.09 m\", \"0\", \"0.1 m\", \"0.3 m\"]; }"
+  refused "or domain.spacing 0.0075 m" 2s "$WATER, { type = \"wall\"; box = [\"0\", \"0.09 m\", \"0.1 m\", \"0.105 m\"]; }"
+  taken 2s "$WATER, { type = \"wall\"; box = [\"0.08 m\", \"0\", \"0.1 m\", \"0.3 m\"]; }"
+  # Water on one side only: as thin as one likes.
+  taken 2s "$WATER, { type = \"wall\"; box = [\"0\", \"0\", \"0.2 m\", \"0.01 m\"]; }"
+  taken 2s "$WATER, { type = \"empty\"; box = [\"0.1 m\", \"0\", \"0.2 m\", \"0.3 m\"]; }, { type = \"wall\"; box = [\"0.1 m\", \"0\", \"0.11 m\", \"0.3 m\"]; }"
+}
+
+@test "two levels beside a wall of two spacings stay where they are" {
+  sphsolve run "$TANK" --set 'isph.dt="auto"' --set 'regions=({ type = "water"; box = ["0", "0", "0.08 m", "0.2 m"]; },
+    { type = "water"; box = ["0.1 m", "0", "0.2 m", "0.1 m"]; }, { type = "wall"; box = ["0.08 m", "0", "0.1 m", "0.3 m"]; })' -o two --json > two.json
+  analyze history two.hdf -o two
+  awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } END { exit !($at["velocity_rms"] < 1e-3) }' two/history.csv
+}
+
+@test "inflows: room for what comes in, and a row at least" {
+  corner='{ type = "inflow"; box = ["0", "0.2 m", "0.01 m", "0.3 m"]; flux = "0.1 m/s"; }'
+  refused "room for 0.02, full after 2 s" 6s "$WATER, $corner"
+  taken 1s "$WATER, $corner"
+  taken 6s "$WATER, $corner, { type = \"inflow\"; box = [\"0.19 m\", \"0\", \"0.2 m\", \"0.2 m\"]; head = \"0.2 m\"; }"
+  rain='{ type = "inflow"; box = ["0", "0.29 m", "0.2 m", "0.3 m"]; flux = "1 mm/s"; }'
+  refused "use a domain.spacing below 0.002 m" 2s "$WATER, $rain"
+  taken 12s "$WATER, $rain"
+}
+
+@test "soil that moves stops before walls; what it leaves behind is water" {
+  soil='{ type = "porous"; box = ["0", "0", "0.1 m", "0.2 m"]; porosity = 0.4; grain_size = "1 cm"; velocity = ["0.02 m/s", "0"]; }'
+  refused "which it reaches after 5 s" 10s "$soil, $WATER"
+  refused "the wall at 0.15 m in x" 10s "$soil, $WATER, { type = \"wall\"; box = [\"0.15 m\", \"0\", \"0.2 m\", \"0.3 m\"]; }"
+  sphsolve run "$TANK" --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set "regions=($soil, $WATER)" -o behind --quiet > behind.txt
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 - <<'END'
+import glob
+import h5py
+last = h5py.File(sorted(glob.glob("behind-*.hdf"))[-1])["VTKHDF"]
+x, porosity = last["Points"][:, 0], last["PointData/porosity"][:]
+assert porosity[x < 0.015].min() > 0.95, porosity[x < 0.015].min()
+assert porosity[(x > 0.08) & (x < 0.1)].max() < 0.45
+END
+}
+
+@test "saturated = false holds where soil would start full by itself; a spacing of nothing is refused" {
+  run sphsolve explain "$ROOT/data-samples/scenes/seepage-column.cfg" --set 'regions.[0].saturated=false'
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"no site holds water"* ]]
+  run sphsolve explain "$TANK" --set 'domain.spacing="1e-20 m"'
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"makes too many sites"* ]]
+}
+
+@test "water pressed beyond its density is said, once" {
+  sphsolve run "$TANK" --set 'scene.end_time="0.03 s"' --set 'isph.dt="auto"' --set 'regions=({ type = "water"; box = ["0.05 m", "0", "0.2 m", "0.25 m"]; },
+    { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; velocity = ["2 m/s", "0"]; })' -o pressed > pressed.txt 2> pressed.log
+  [ "$(grep -c "water is pressed to 1.3" pressed.log)" -eq 1 ]
+}
