@@ -39,80 +39,6 @@ double isph_reynolds(const struct isph *s, const double velocity[3]) {
                          s->kinematic_viscosity);
 }
 
-/* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
- */
-static bool solve_small(int n, double m[4][4], double b[4]) {
-  for (int c = 0; c < n; c++) {
-    int pivot = c;
-    for (int r = c + 1; r < n; r++)
-      if (fabs(m[r][c]) > fabs(m[pivot][c])) pivot = r;
-    if (!(fabs(m[pivot][c]) > 1e-6)) return false;
-    for (int k = 0; k < n; k++) {
-      double swap = m[c][k];
-      m[c][k] = m[pivot][k], m[pivot][k] = swap;
-    }
-    double swap = b[c];
-    b[c] = b[pivot], b[pivot] = swap;
-    for (int r = c + 1; r < n; r++) {
-      double f = m[r][c] / m[c][c];
-      for (int k = c; k < n; k++) m[r][k] -= f * m[c][k];
-      b[r] -= f * b[c];
-    }
-  }
-  for (int c = n - 1; c >= 0; c--) {
-    for (int k = c + 1; k < n; k++) b[c] -= m[c][k] * b[k];
-    b[c] /= m[c][c];
-  }
-  return true;
-}
-
-/* Separation of x from the nearest image of particle i, in units of its support; r < 1 counts. */
-static double scaled_separation(const struct isph *s, size_t i, const double point[3],
-                                double r[3]) {
-  double square = 0;
-  for (int a = 0; a < 3; a++) {
-    r[a] = s->position[i][a] - point[a];
-    if (s->dimensions == 2 && a == 1) r[a] = 0;
-    if (s->periodic[a]) {
-      double length = s->high[a] - s->low[a];
-      r[a] -= length * round(r[a] / length);
-    }
-    r[a] /= s->support[i];
-    square += r[a] * r[a];
-  }
-  return sqrt(square);
-}
-
-double isph_pressure_at(const struct isph *s, const double point[3]) {
-  enum { RIGHT = 16, WEIGHT = 20, PRESSURE, FILLED, COUNT };
-  double total[COUNT], m[4][4], b[4];
-  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
-#pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    double sum[COUNT] = {0};
-    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double r[3], w, slope, length = scaled_separation(s, i, point, r);
-      if (length >= 1) continue;
-      isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
-      double basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
-      for (int p = 0; p < n; p++) {
-        sum[RIGHT + p] += w * basis[p] * s->pressure[i];
-        for (int q = 0; q < n; q++) sum[4 * p + q] += w * basis[p] * basis[q];
-      }
-      sum[WEIGHT] += w, sum[PRESSURE] += w * s->pressure[i];
-      sum[FILLED] += w * s->volume[i] / pow(s->support[i], s->dimensions);
-    }
-    memcpy(s->sums[c], sum, sizeof sum);
-  }
-  isph_add_up(s, COUNT, total);
-  if (total[FILLED] < 0.1) return 0;
-  for (int p = 0; p < 4; p++) {
-    b[p] = total[RIGHT + p] / total[WEIGHT];
-    for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
-  }
-  return solve_small(n, m, b) ? b[0] : total[PRESSURE] / total[WEIGHT];
-}
-
 /* The part of the kernel that reaches beyond a side of the domain is made up for. */
 double isph_plane_flux(const struct isph *s, int axis, double position) {
   double flux;
@@ -161,6 +87,14 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
   for (size_t k = 0; k < s->scene->gauge_count; k++) {
     snprintf(name, sizeof name, "pressure_%s", s->scene->gauges[k].name);
     TRY(recorder_add_column(recorder, name, "Pa", 1));
+    snprintf(name, sizeof name, "velocity_%s", s->scene->gauges[k].name);
+    TRY(recorder_add_column(recorder, name, "m/s", 3));
+    if (!isph_has_head(s)) continue;
+    snprintf(name, sizeof name, "head_%s", s->scene->gauges[k].name);
+    TRY(recorder_add_column(recorder, name, "m", 1));
+    if (!s->on.surface) continue;
+    snprintf(name, sizeof name, "level_%s", s->scene->gauges[k].name);
+    TRY(recorder_add_column(recorder, name, "m", 1));
   }
   for (size_t k = 0; k < s->scene->plane_count; k++) {
     snprintf(name, sizeof name, "flux_%s", s->scene->planes[k].name);
@@ -240,7 +174,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
   struct whole whole;
   double *extra = NULL;
-  size_t n = 13 + BUDGET_TERMS + s->scene->region_count + s->scene->gauge_count +
+  size_t n = 13 + BUDGET_TERMS + s->scene->region_count + GAUGE_NUMBERS * s->scene->gauge_count +
              s->scene->plane_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
@@ -267,7 +201,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
   for (size_t k = 0; k < s->scene->gauge_count; k++)
-    extra[c++] = isph_pressure_at(s, s->scene->gauges[k].at);
+    c += isph_read_gauge(s, s->scene->gauges[k].at, &extra[c]);
   for (size_t k = 0; k < s->scene->plane_count; k++)
     extra[c++] = isph_plane_flux(s, s->scene->planes[k].axis, s->scene->planes[k].position);
   status = recorder_row(recorder, &row, extra);

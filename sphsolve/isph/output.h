@@ -4,6 +4,7 @@
 #define TOSUI_SPHSOLVE_ISPH_OUTPUT_H
 
 #include "common/error.h"
+#include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/output/recorder.h"
 
@@ -17,8 +18,6 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file);
 double isph_reynolds(const struct isph *s, const double velocity[3]);
 /* Volume integral of v_D over the bulk volume of the domain, m/s. */
 void isph_darcy_velocity(const struct isph *s, double velocity[3]);
-/* Pressure at a point by a linear fit of the particles around; 0 where there is no water. */
-double isph_pressure_at(const struct isph *s, const double point[3]);
 /* Water passing a plane, m^3/s, positive along the axis. */
 double isph_plane_flux(const struct isph *s, int axis, double position);
 

@@ -23,7 +23,7 @@
 #include "sphsolve/march/watchdog.h"
 
 #define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
-#define SUMS 24      /* at most at once */
+#define SUMS 36      /* at most at once */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no periodic image" */

@@ -7,7 +7,7 @@
 #include "sphsolve/output/history_file.h"
 #include "sphsolve/output/recorder.h"
 
-#define COLUMN_MAX 256
+#define COLUMN_MAX 1024
 #define NAMED_MAX 96
 
 struct column {

@@ -75,3 +75,21 @@ END
     { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; velocity = ["2 m/s", "0"]; })' -o pressed > pressed.txt 2> pressed.log
   [ "$(grep -c "water is pressed to 1.3" pressed.log)" -eq 1 ]
 }
+
+@test "a gauge reads head, velocity and level" {
+  sphsolve run "$TANK" --set 'scene.end_time="0.2 s"' -o still --quiet > still.txt
+  analyze history still.hdf -o still
+  last() { awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) k = i } END { print $k }' still/history.csv; }
+  within() { awk -v a="$1" -v b="$2" -v most="$3" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < most ^ 2) }'; }
+  for gauge in bottom mid; do # 20 cm of water, rows of 1 cm
+    within "$(last head_$gauge)" 0.2 5e-4
+    within "$(last level_$gauge)" 0.2 2e-3
+    within "$(last velocity_${gauge}_z)" 0 1e-3
+  done
+  # Between two heads those are read on both sides of the soil; there is no surface, and no level.
+  sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'scene.end_time="1 s"' -o still --quiet > still.txt
+  analyze history still.hdf -o still
+  within "$(last head_a)" 0.3 2e-3
+  within "$(last head_b)" 0.2 2e-3
+  run ! grep -q level_a still/history.csv
+}

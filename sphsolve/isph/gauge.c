@@ -1,0 +1,138 @@
+#include "sphsolve/isph/gauge.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
+ */
+static bool solve_small(int n, double m[4][4], double b[4]) {
+  for (int c = 0; c < n; c++) {
+    int pivot = c;
+    for (int r = c + 1; r < n; r++)
+      if (fabs(m[r][c]) > fabs(m[pivot][c])) pivot = r;
+    if (!(fabs(m[pivot][c]) > 1e-6)) return false;
+    for (int k = 0; k < n; k++) {
+      double swap = m[c][k];
+      m[c][k] = m[pivot][k], m[pivot][k] = swap;
+    }
+    double swap = b[c];
+    b[c] = b[pivot], b[pivot] = swap;
+    for (int r = c + 1; r < n; r++) {
+      double f = m[r][c] / m[c][c];
+      for (int k = c; k < n; k++) m[r][k] -= f * m[c][k];
+      b[r] -= f * b[c];
+    }
+  }
+  for (int c = n - 1; c >= 0; c--) {
+    for (int k = c + 1; k < n; k++) b[c] -= m[c][k] * b[k];
+    b[c] /= m[c][c];
+  }
+  return true;
+}
+
+/* Separation of x from the nearest image of particle i, in units of its support; r < 1 counts. */
+static double scaled_separation(const struct isph *s, size_t i, const double point[3],
+                                double r[3]) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    r[a] = s->position[i][a] - point[a];
+    if (s->dimensions == 2 && a == 1) r[a] = 0;
+    if (s->periodic[a]) {
+      double length = s->high[a] - s->low[a];
+      r[a] -= length * round(r[a] / length);
+    }
+    r[a] /= s->support[i];
+    square += r[a] * r[a];
+  }
+  return sqrt(square);
+}
+
+/* By moving least squares, exact for what is linear; 0 where there is no water. */
+static void fit(const struct isph *s, const double point[3], double value[4]) {
+  enum { VALUES = 4, RIGHT = 16, WEIGHT = RIGHT + 4 * VALUES, FILLED, COUNT };
+  _Static_assert(COUNT <= SUMS, "a gauge's sums");
+  double total[COUNT];
+  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r[3], w, slope, length = scaled_separation(s, i, point, r);
+      if (length >= 1) continue;
+      isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
+      const double *v = s->velocity[i], basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
+      const double values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
+      for (int p = 0; p < n; p++) {
+        for (int f = 0; f < VALUES; f++) sum[RIGHT + 4 * f + p] += w * basis[p] * values[f];
+        for (int q = 0; q < n; q++) sum[4 * p + q] += w * basis[p] * basis[q];
+      }
+      sum[WEIGHT] += w;
+      sum[FILLED] += w * s->volume[i] / pow(s->support[i], s->dimensions);
+    }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_add_up(s, COUNT, total);
+  for (int f = 0; f < VALUES; f++) {
+    double m[4][4], b[4];
+    value[f] = 0;
+    if (total[FILLED] < 0.1) continue;
+    for (int p = 0; p < 4; p++) {
+      b[p] = total[RIGHT + 4 * f + p] / total[WEIGHT];
+      for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
+    }
+    const double mean = b[0];
+    value[f] = solve_small(n, m, b) ? b[0] : mean;
+  }
+}
+
+double isph_pressure_at(const struct isph *s, const double point[3]) {
+  double value[4];
+  fit(s, point, value);
+  return value[0];
+}
+
+bool isph_has_head(const struct isph *s) {
+  const double *g = s->scene->gravity;
+  return g[0] != 0 || g[1] != 0 || g[2] != 0;
+}
+
+/* Thinner water than this is spray, and no level. */
+#define LEVEL_KERNEL_SUM 0.6
+#define LEVEL_REACH 0.75 /* a gauge between two columns sees both */
+
+/* Height of the highest water above or below the gauge, against gravity: half a particle above the
+ * outermost within LEVEL_REACH of its size of the line through it. NAN where there is none. */
+static double level_at(const struct isph *s, const double point[3], const double up[3]) {
+  double most = -INFINITY;
+#pragma omp parallel for schedule(static) reduction(max : most)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double r[3], along = 0, square = 0, height = 0, size = pow(s->volume[i], 1.0 / s->dimensions);
+      scaled_separation(s, i, point, r);
+      for (int a = 0; a < 3; a++) {
+        r[a] *= s->support[i];
+        along += r[a] * up[a], square += r[a] * r[a], height += s->position[i][a] * up[a];
+      }
+      if (square - along * along > pow(LEVEL_REACH * size, 2) ||
+          s->kernel_sum[i] < LEVEL_KERNEL_SUM)
+        continue;
+      most = fmax(most, height + 0.5 * size);
+    }
+  most = ranks_max(most);
+  return isfinite(most) ? most : NAN;
+}
+
+size_t isph_read_gauge(const struct isph *s, const double point[3], double *number) {
+  const double *g = s->scene->gravity, strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  size_t n = 4;
+  double up[3], height = 0;
+  fit(s, point, number);
+  if (!isph_has_head(s)) return n;
+  for (int a = 0; a < 3; a++) up[a] = -g[a] / strength, height += up[a] * point[a];
+  number[n++] = height + number[0] / (s->density * strength);
+  if (s->on.surface) number[n++] = level_at(s, point, up);
+  return n;
+}
