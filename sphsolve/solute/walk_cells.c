@@ -102,6 +102,16 @@ static bool near_wall(const struct walk_cells *cells, int32_t place) {
   return false;
 }
 
+#define BRICK 8 /* cells along a side */
+
+static void next_brick(const int n[3], int brick[3]) {
+  for (int a = 0; a < 3; a++) {
+    brick[a] += BRICK;
+    if (brick[a] < n[a] || a == 2) return;
+    brick[a] = 0;
+  }
+}
+
 enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cells) {
   enum status status = STATUS_OK;
   float *corners = NULL;
@@ -123,13 +133,15 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
         const int x[3] = {i, j, k};
         corners[at(n, x)] = (float)(corner_distance(f, x) / f->spacing[0]);
       }
-  for (int k = 0; k < n[2]; k++)
-    for (int j = 0; j < n[1]; j++)
-      for (int i = 0; i < n[0]; i++) {
-        const int x[3] = {i, j, k};
-        cells->number[at(n, x)] = takes_part(f, corners, x) ? (int32_t)cells->count++ : -1;
-        cells->volume += (double)f->volume[at(n, x)];
-      }
+  /* Brick by brick: cells beside each other lie near each other, whichever way a walker goes. */
+  for (int brick[3] = {0, 0, 0}; brick[2] < n[2]; next_brick(n, brick))
+    for (int c = 0; c < BRICK * BRICK * BRICK; c++) {
+      const int x[3] = {brick[0] + c % BRICK, brick[1] + c / BRICK % BRICK,
+                        brick[2] + c / BRICK / BRICK};
+      if (x[0] >= n[0] || x[1] >= n[1] || x[2] >= n[2]) continue;
+      cells->number[at(n, x)] = takes_part(f, corners, x) ? (int32_t)cells->count++ : -1;
+      cells->volume += (double)f->volume[at(n, x)];
+    }
   TRY(memory_allocate(&cells->cell, cells->count, sizeof(struct walk_cell), "cells of the walk"));
   TRY(memory_allocate(&cells->corner, cells->count, sizeof *cells->corner, "corners of cells"));
   TRY(memory_allocate(&cells->place, cells->count, sizeof(int32_t), "places of cells"));

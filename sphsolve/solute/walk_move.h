@@ -237,21 +237,25 @@ WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_ve
   return false;
 }
 
-/* A flight by `way`, at most a cell, of `length` first spacings; false: it found no end in the
- * pore, and the walker stays. */
-WALK_HOT bool walk_fly(const struct walk_cells *c, struct walker *w, walk_vector way,
-                       float length) {
-  struct walker end = *w;
-  end.x += way;
-  const bool clear = !c->cell[w->number].near, pore = walk_settle(c, &end);
-  if (clear || (pore && walk_in_pore(c, &end))) {
-    *w = end;
+/* A flight by `way`, at most a cell, as if there were no walls; its cell is fetched meanwhile. */
+WALK_HOT bool walk_take_off(const struct walk_cells *c, struct walker *end, walk_vector way) {
+  end->x += way;
+  const bool pore = walk_settle(c, end);
+  if (!pore) return false;
+  __builtin_prefetch(&c->cell[end->number]);
+  __builtin_prefetch((const char *)&c->cell[end->number] + 64);
+  return true;
+}
+
+/* The end of that flight, of `length` first spacings; false: it found none in the pore, and the
+ * walker stays. */
+WALK_HOT bool walk_land(const struct walk_cells *c, struct walker *w, const struct walker *end,
+                        bool pore, walk_vector way, float length) {
+  if (pore && (!c->cell[w->number].near || walk_in_pore(c, end))) {
+    *w = *end;
     return true;
   }
-  struct walker mirrored = *w;
-  const bool ended = walk_mirror(c, &mirrored, way, length);
-  *w = mirrored;
-  return ended;
+  return walk_mirror(c, w, way, length);
 }
 
 #endif

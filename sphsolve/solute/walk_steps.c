@@ -49,14 +49,21 @@ TARGETS static void move_block(const struct walk_cells *c, const struct walk_ste
                                struct walker *walkers, int count, uint64_t first, int steps,
                                struct walk_kept *kept) {
   float way[2][3][BLOCK];
+  struct walker end[BLOCK];
+  bool pore[BLOCK];
   for (int s = 0; s < steps; s++) {
     if (s % 2 == 0) draw_flights(c, step, walkers, count, first + (uint64_t)s, way);
     for (int w = 0; w < count; w++) {
       const walk_vector flight = {way[s % 2][0][w], way[s % 2][1][w], way[s % 2][2][w], 0};
       struct walker at = walkers[w];
       if (step->time > 0) kept->carried += !walk_carry(c, &at, step->time);
-      kept->flown += !walk_fly(c, &at, flight, step->flight);
       walkers[w] = at;
+      pore[w] = walk_take_off(c, &at, flight);
+      end[w] = at;
+    }
+    for (int w = 0; w < count; w++) {
+      const walk_vector flight = {way[s % 2][0][w], way[s % 2][1][w], way[s % 2][2][w], 0};
+      kept->flown += !walk_land(c, &walkers[w], &end[w], pore[w], flight, step->flight);
     }
   }
 }

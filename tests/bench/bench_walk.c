@@ -1,8 +1,7 @@
-/* Speed of the random walk on a flow of 240^3 cells past spheres, beside a plain implementation: one
- * walker after the other in the order they began, velocities between the faces (Pollock 1988) read
- * from the flow's arrays, functions of the library, flights into grain refused. Time is that of the
- * processor.
- *   bench_walk OUT.json [SIDE] [WALKERS] [INTERVALS] */
+/* Speed of the random walk on a flow of 240^3 cells past spheres, beside a plain implementation:
+ * one walker after the other in the order they began, velocities between the faces (Pollock 1988)
+ * read from the flow's arrays, functions of the library, flights into grain refused. Time is that
+ * of the processor. bench_walk OUT.json [SIDE] [WALKERS] [INTERVALS] */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -119,16 +118,16 @@ static double plain_steps(const struct solute_flow *f, struct plain *walkers, si
 
 static void add(json_t *list, const char *name, double measured, double bound, double seconds) {
   printf("%-64s %10.4g\n", name, measured);
-  json_array_append_new(
-      list, json_pack("{s:s, s:s, s:o, s:f, s:o, s:f}", "case", name, "status",
-                      isnan(bound) || measured >= bound ? "pass" : "fail", "reference", json_null(),
-                      "measured", measured, "bound", isnan(bound) ? json_null() : json_real(bound),
-                      "seconds", seconds));
+  json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:f, s:o, s:f}", "case", name, "status",
+                                        isnan(bound) || measured >= bound ? "pass" : "fail",
+                                        "reference", json_null(), "measured", measured, "bound",
+                                        isnan(bound) ? json_null() : json_real(bound), "seconds",
+                                        seconds));
 }
 
 int main(int argc, char **argv) {
-  const int side = argc > 2 ? atoi(argv[2]) : 240, intervals = argc > 4 ? atoi(argv[4]) : 48;
-  const size_t count = argc > 3 ? (size_t)atol(argv[3]) : 65536;
+  const int side = argc > 2 ? atoi(argv[2]) : 240, intervals = argc > 4 ? atoi(argv[4]) : 8;
+  const size_t count = argc > 3 ? (size_t)atol(argv[3]) : 2000000;
   static struct walk walk;
   struct solute_flow flow;
   struct walk_cells cells;
@@ -141,7 +140,8 @@ int main(int argc, char **argv) {
   double started = clock_processor_seconds();
   must(walk_cells_make(&flow, &cells));
   const double making = clock_processor_seconds() - started;
-  struct walk_settings s = {.peclet = PECLET_SPACING, .tolerance = 0.01, .walkers = count, .seed = 1};
+  struct walk_settings s = {
+      .peclet = PECLET_SPACING, .tolerance = 0.01, .walkers = count, .seed = 1};
   for (int a = 0; a < 3; a++) s.direction[a] = flow.mean_velocity[a] / flow.speed;
   must(walk_begin(&cells, &s, &walk));
   must(memory_allocate(&plain, count, sizeof *plain, "plain walkers"));
@@ -153,7 +153,7 @@ int main(int argc, char **argv) {
   for (int i = 0; i < intervals; i++) must(walk_advance(&walk));
   const double seconds = clock_processor_seconds() - started;
   const double million = 1e-6 * (double)count * intervals * WALK_INTERVAL;
-  const int plain_count = intervals * WALK_INTERVAL / 8;
+  const int plain_count = intervals * WALK_INTERVAL / 16;
   const double slow =
       plain_steps(&flow, plain, count, plain_count, walk.dt, (double)walk.step.flight);
   const double plain_speed = 1e-6 * (double)count * plain_count / slow;
