@@ -4,10 +4,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "common/memory.h"
+#include "common/json_number.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/walk.h"
 
 /* Bytes a cell: the flow; its cells, the coarser ones and the Krylov basis; closure variables and
  * sources (multigrid.h, closure.h). */
@@ -57,18 +58,30 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   for (int a = 0; a < 3; a++) padded *= flow.n[a] + 2;
   const double seconds =
       (SECONDS_ITERATION * padded * all * 9 / 8 + SECONDS_READ * padded) / threads;
-  const double bytes =
-      PROGRAM_BYTES + BYTES_FLOW * (double)flow.count + (BYTES_SOLVER + BYTES_CLOSURE) * padded;
+  const bool walks = scene->solute.way != SOLUTE_CLOSURE;
+  const bool closes = scene->solute.way != SOLUTE_WALK;
+  const double wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR : scene->solute.error;
+  const size_t walkers = walks ? walk_walkers(wanted) : 0;
+  const double sites = (double)flow.count;
+  const double by_closure = (BYTES_SOLVER + BYTES_CLOSURE) * padded;
+  const double by_walk =
+      walks ? walk_bytes(walkers) + walk_cells_bytes(flow.count, (size_t)(flow.porosity * sites))
+            : 0;
+  /* The projection takes what the closure problem does but its variables. */
+  const double bytes = PROGRAM_BYTES + BYTES_FLOW * sites +
+                       fmax(closes ? by_closure : BYTES_SOLVER * padded, by_walk);
   const double still = ERROR_RESOLUTION * pow(spacing / flow.grain_size, 2);
   const double error = still * hypot(1, largest * spacing / length / ERROR_PECLET);
   if (json) {
-    json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:[i,i,i], s:f, s:f, s:f, s:f, s:i, s:f, s:f}", "scene", scene->name,
-        "method", "solute", "flow", scene->flow_path, "size", flow.n[0], flow.n[1], flow.n[2],
-        "spacing", spacing, "porosity", flow.porosity, "mean_velocity", flow.speed, "length",
-        length, "peclet_numbers", count, "memory_bytes", bytes, "seconds", seconds);
+    json_t *object =
+        json_pack("{s:s, s:s, s:s, s:[i,i,i], s:f, s:f, s:f, s:f, s:i, s:f}", "scene", scene->name,
+                  "method", "solute", "flow", scene->flow_path, "size", flow.n[0], flow.n[1],
+                  flow.n[2], "spacing", spacing, "porosity", flow.porosity, "mean_velocity",
+                  flow.speed, "length", length, "peclet_numbers", count, "memory_bytes", bytes);
     if (object == NULL) TRY_FAIL(STATUS_RUN, "the JSON object cannot be made");
-    json_object_set_new(object, "expected_error", isfinite(error) ? json_real(error) : json_null());
+    json_put_number(object, "seconds", walks ? NAN : seconds);
+    json_put_number(object, "expected_error", closes ? error : wanted);
+    if (walks) json_object_set_new(object, "walkers", json_integer((json_int_t)walkers));
     json_dumpf(object, stdout, JSON_INDENT(2));
     putchar('\n');
     json_decref(object);
@@ -80,12 +93,19 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
          scene->flow_path, flow.n[0], flow.n[1], flow.n[2], spacing, flow.porosity, flow.speed);
   printf("length     %.4g m%s, of Pe = U length / D\n", length,
          isnan(given) ? " (6 grain volume / grain surface)" : "");
-  printf(
-      "closure    on the flow's cells and on those twice as large, %d Peclet number%s and none\n",
-      count, count == 1 ? "" : "s");
+  if (walks)
+    printf(
+        "walk       %zu walkers at each Peclet number, to %.2g %%; it takes as many steps as that "
+        "needs, and its time is not foretold\n",
+        walkers, 100 * wanted);
+  if (closes)
+    printf(
+        "closure    on the flow's cells and on those twice as large, %d Peclet number%s and none\n",
+        count, count == 1 ? "" : "s");
   printf("memory     %.3g MB\n", 1e-6 * bytes);
-  printf("time       about %.2g s on %d thread%s\n", seconds, threads, threads == 1 ? "" : "s");
-  if (isfinite(error))
+  if (closes)
+    printf("time       about %.2g s on %d thread%s\n", seconds, threads, threads == 1 ? "" : "s");
+  if (closes && isfinite(error))
     printf(
         "error      about %.2g %% of D* without flow, %.2g %% of D_L at Pe %.3g: %.3g cells across "
         "a grain; the flow's own is not in it\n",

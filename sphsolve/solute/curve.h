@@ -8,6 +8,7 @@
 /* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
  * large too. */
 #define SOLUTE_CELLS_LEAST 4
+#define SOLUTE_WALK_ERROR 0.03 /* of a walk, where the user says nothing */
 
 /* By the closure problem: fills closure, formation, formation_error and tortuosity of the result
  * from its length, count and peclet. Solved on the flow's cells and on those taken two by two by
@@ -15,9 +16,9 @@
  * error of resolution. */
 enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *result);
 
-/* By random walk: fills walk and record from length, count, peclet and wanted (curve_walk.c). Walked
- * on the flow's cells, and on those taken two by two by two for the error of resolution, which is a
- * third of the difference: that goes with the square of the spacing. */
+/* By random walk: fills walk and record from length, count, peclet and wanted (curve_walk.c).
+ * Walked on the flow's cells, and on those taken two by two by two for the error of resolution,
+ * which is a third of the difference: that goes with the square of the spacing. */
 enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_result *result);
 
 #endif

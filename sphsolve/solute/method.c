@@ -14,8 +14,6 @@
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/result.h"
 
-#define WALK_ERROR 0.03 /* of a walk, where the user says nothing */
-
 /* Those of the scene, or that of the flow as it is. */
 static enum status set_peclet(const struct scene *scene, const struct solute_flow *flow,
                               struct solute_result *result) {
@@ -58,8 +56,8 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
                                  .formation = NAN,
                                  .formation_error = NAN,
                                  .tortuosity = NAN,
-                                 .wanted =
-                                     isnan(scene->solute.error) ? WALK_ERROR : scene->solute.error};
+                                 .wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR
+                                                                      : scene->solute.error};
   char path[4200];
   const double started = clock_seconds();
   if (ranks_count() > 1)

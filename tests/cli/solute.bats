@@ -79,6 +79,7 @@ assert abs(r["length"] / (6 * 0.2e-3 / 2) - 1) < 0.01, r["length"]  # 6 times th
   sphsolve explain carried.cfg > explain.txt
   grep -q "^closure " explain.txt
   sphsolve explain carried.cfg --json > explain.json
+  sphsolve explain carried.cfg --set 'solute.way="walk"' | grep -q "^walk .* walkers"
   /usr/bin/python3 -c '
 import json
 r = json.load(open("explain.json"))
