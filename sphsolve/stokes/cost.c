@@ -16,7 +16,7 @@
 #define ADAMI 1.8
 /* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
 #define SECONDS_SITE 30e-9
-#define SECONDS_FLUID 140e-9
+#define SECONDS_FLUID 165e-9
 #define SECONDS_BUILD 1e-6
 
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,

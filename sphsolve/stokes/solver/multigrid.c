@@ -243,16 +243,22 @@ static void prolong(const struct stokes_multigrid_level *coarse,
   }
 }
 
-void stokes_multigrid_cycle(struct stokes_multigrid *m) {
-  const int last = m->level_count - 1;
-  for (int i = 0; i < last; i++) {
-    smooth(&m->levels[i], SWEEPS, true);
-    residual(&m->levels[i]);
-    restrict_residual(&m->levels[i], &m->levels[i + 1]);
+static void cycle(struct stokes_multigrid *m, int i, int visits) {
+  struct stokes_multigrid_level *l = &m->levels[i];
+  if (i == m->level_count - 1) {
+    smooth(l, SWEEPS_COARSEST, true);
+    return;
   }
-  smooth(&m->levels[last], SWEEPS_COARSEST, true);
-  for (int i = last - 1; i >= 0; i--) {
-    prolong(&m->levels[i + 1], &m->levels[i]);
-    smooth(&m->levels[i], SWEEPS, false);
+  smooth(l, SWEEPS, true);
+  for (int v = 0; v < visits; v++) {
+    residual(l);
+    restrict_residual(l, l + 1);
+    cycle(m, i + 1, visits);
+    prolong(l + 1, l);
+    smooth(l, SWEEPS, false);
   }
+}
+
+void stokes_multigrid_cycle(struct stokes_multigrid *m, int visits) {
+  cycle(m, 0, visits);
 }

@@ -6,14 +6,9 @@
 
 #include "common/memory.h"
 
-static float *field_of(const struct stokes_operator *op, int component) {
-  return op->field + (size_t)component * op->grid->rows * op->grid->stride;
-}
-
-/* Into the field of `slot`; `component` as of stokes_grid_post. */
-static void unpack(struct stokes_operator *op, const float *packed, int slot, int component) {
+void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot, int component) {
   const struct stokes_grid *grid = op->grid;
-  float *field = field_of(op, slot);
+  float *field = stokes_operator_field(op, slot);
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, packed + grid->row_start[row],
@@ -27,7 +22,7 @@ static const float *convolve(const struct stokes_operator *op,
                              const struct stokes_convolution *convolution, int component,
                              size_t row) {
   const struct stokes_grid *grid = op->grid;
-  const float *field = field_of(op, component), *rows[STOKES_CLASS_MAX][4];
+  const float *field = stokes_operator_field(op, component), *rows[STOKES_CLASS_MAX][4];
   const size_t j = row % grid->size[1], k = row / grid->size[1];
   for (int c = 0; c < convolution->class_count; c++) {
     const struct stokes_class *class = &convolution->classes[c];
@@ -88,11 +83,11 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
         for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + gamma * g[i]);
       }
       op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, corrected,
-                       field_of(op, a) + row * grid->stride);
+                       stokes_operator_field(op, a) + row * grid->stride);
     }
   }
   for (int a = 0; a < axes; a++)
-    stokes_grid_post(grid, op->stencil->axes[a], field_of(op, a), grid->stride * sizeof(float));
+    stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a), grid->stride * sizeof(float));
 }
 
 /* gamma L p on one row. */
@@ -113,7 +108,7 @@ static void divergence_row(const struct stokes_operator *op, size_t row, float *
   for (int a = 0; a < op->stencil->axis_count; a++) {
     const float *own = op->pore_gradient + (size_t)a * op->n;
     op->rows->pack(grid->mask + row * grid->chunks, grid->chunks,
-                   field_of(op, a) + row * grid->stride, corrected);
+                   stokes_operator_field(op, a) + row * grid->stride, corrected);
     const float *sum = convolve(op, &op->stencil->gradient[op->stencil->axes[a]], a, row);
     for (size_t i = start; i < end; i++) y[i] += sum[i - start] + own[i] * corrected[i - start];
   }
@@ -126,7 +121,7 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
   float *continuity = y + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack(op, p, axes, 3);
+    stokes_operator_unpack(op, p, axes, 3);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -146,7 +141,7 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
         if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
       }
     }
-    for (int a = 0; a < axes; a++) unpack(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
+    for (int a = 0; a < axes; a++) stokes_operator_unpack(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -170,7 +165,7 @@ void stokes_operator_apply_viscous(struct stokes_operator *op, int component, co
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack(op, x, 0, component);
+    stokes_operator_unpack(op, x, 0, component);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -186,7 +181,7 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack(op, p, op->stencil->axis_count, 3);
+    stokes_operator_unpack(op, p, op->stencil->axis_count, 3);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)

@@ -92,6 +92,15 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
                           const float *p_gradient, double flux[3]);
 
+/* The field of a slot, 0 to 3: [rows][stride], free between two calls of the above. */
+static inline float *stokes_operator_field(const struct stokes_operator *op, int slot) {
+  return op->field + (size_t)slot * op->grid->rows * op->grid->stride;
+}
+/* Within a parallel region: a packed vector into the field of `slot`, with its ghosts under way;
+ * `component` as of stokes_grid_post. */
+void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot,
+                            int component);
+
 /* out = B in at site i; in [axis_count][pitch]. */
 static inline void stokes_correct(const struct stokes_operator *op, size_t i, const float *in,
                                   size_t pitch, float out[3]) {

@@ -4,7 +4,9 @@
  * shape every slow mode has: blocks of sites share one value times kappa, which makes the coarse
  * operators of A^-1 exact for it. And over distances longer than a pore is wide the pressure obeys
  * Darcy's law with kappa as the local permeability, over shorter ones the Schur complement is of
- * order one (Cahouet, Chabard 1988): S~^-1 = local + (-div kappa grad)^-1. */
+ * order one (Cahouet, Chabard 1988): S~^-1 = local + (-div kappa grad)^-1. Where pores are tight,
+ * kappa varies by orders of magnitude, and this inverse has to be a good one: a two-grid cycle on
+ * the lattice's own sites (darcy.h) with a W-cycle below. */
 #ifndef TOSUI_SPHSOLVE_STOKES_PRECONDITION_H
 #define TOSUI_SPHSOLVE_STOKES_PRECONDITION_H
 

@@ -1,0 +1,19 @@
+/* Darcy's law on the lattice's own sites, with the local permeability kappa: over distances longer
+ * than a pore is wide the pressure of a Stokes flow obeys
+ *   (T p)_a = sum over the six neighbours b of (kappa_a + kappa_b) / (2 dx^2) (p_a - p_b) = r_a.
+ * Matrix-free: T is made again from kappa each time, and takes no memory. */
+#ifndef TOSUI_SPHSOLVE_STOKES_DARCY_H
+#define TOSUI_SPHSOLVE_STOKES_DARCY_H
+
+#include "sphsolve/stokes/solver/operator.h"
+
+/* Lays kappa [n] out for the calls below; it stands until the operator is used otherwise. */
+void stokes_darcy_begin(struct stokes_operator *op, const float *kappa);
+/* p = omega diag(T)^-1 r: a damped Jacobi sweep from p = 0. */
+void stokes_darcy_start(struct stokes_operator *op, const float *r, float *p);
+/* out = r - T p. */
+void stokes_darcy_residual(struct stokes_operator *op, const float *r, const float *p, float *out);
+/* p += omega diag(T)^-1 (r - T p). */
+void stokes_darcy_smooth(struct stokes_operator *op, const float *r, float *p);
+
+#endif
