@@ -243,9 +243,25 @@ static void prolong(const struct stokes_multigrid_level *coarse,
   }
 }
 
+/* Where nothing holds a constant, T is singular, and what rounding left of one in b would be taken
+ * up to two to the power of the levels times over. */
+static void remove_constant(struct stokes_multigrid_level *l) {
+  double sum = 0.0, mass = 0.0, sites = 0.0;
+  for (size_t i = 0; i < l->count; i++) {
+    if (!(l->inverse[i] > 0.0f)) continue;
+    sum += (double)l->b[i];
+    mass += (double)l->mass[i];
+    sites += 1.0;
+  }
+  if (!(sites > 0.0) || mass > 0.0) return;
+  for (size_t i = 0; i < l->count; i++)
+    if (l->inverse[i] > 0.0f) l->b[i] -= (float)(sum / sites);
+}
+
 static void cycle(struct stokes_multigrid *m, int i, int visits) {
   struct stokes_multigrid_level *l = &m->levels[i];
   if (i == m->level_count - 1) {
+    remove_constant(l);
     smooth(l, SWEEPS_COARSEST, true);
     return;
   }
