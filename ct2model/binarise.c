@@ -114,6 +114,18 @@ static void warn_of_contrast(struct pipeline *pipeline) {
                 advice);
 }
 
+/* A voxel's average over itself alone is a blur of 1 / sqrt(12) = .29 voxels. */
+#define BLUR_LEAST 0.2
+
+static void warn_of_sharpness(const struct scanner *scanner) {
+  const double blur = scanner->blur / scanner->unit;
+  if (scanner->known && blur < BLUR_LEAST)
+    log_warning("the edges are sharper (%.2g voxels) than a voxel's average: the image was "
+                "sharpened, or made of labels; where its surface lies between voxels is lost, and "
+                "no part of k's error holds that: give the scan as it was, or the labels",
+                blur);
+}
+
 static void warn_if_fragile(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
   const struct request *request = pipeline->request;
@@ -121,6 +133,7 @@ static void warn_if_fragile(struct pipeline *pipeline) {
   double threshold = pipeline->threshold_original, e = pipeline->void_ratio_original;
   double contrast = phases->grain_peak - phases->pore_peak;
   warn_of_contrast(pipeline);
+  warn_of_sharpness(&pipeline->scanner);
   double position = (threshold - phases->pore_peak) / contrast;
   if (position < 0.15 || position > 0.85)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "

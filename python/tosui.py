@@ -188,6 +188,10 @@ class Permeability:
     run: dict
     messages: str
 
+    def __repr__(self):
+        return (f"Permeability(k={self.k:.4g} m/s ({self.k_low:.4g} to {self.k_high:.4g}), K={self.K:.4g} m^2, "
+                f"{self.darcy:.4g} darcy, {self.status!r})")
+
     @property
     def K_low(self):
         return self.K * self.k_low / self.k if self.k else 0.0

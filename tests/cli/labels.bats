@@ -135,6 +135,25 @@ np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng
   cmp v.h5 before.h5
 }
 
+@test "labels dressed as greys are told by their edges; a scan's are not" {
+  /usr/bin/python3 - <<'END'
+import numpy as np
+noise = np.random.default_rng(5)
+z, y, x = np.indices((40, 36, 32))
+phase = lambda a, b, c: np.sin((x + a) / 3) + np.cos((y + b) / 2.5) + np.sin((z + c) / 4 + 1) > 0.2
+thirds = (-1 / 3, 0, 1 / 3)
+averaged = sum(phase(a, b, c) for a in thirds for b in thirds for c in thirds) / 27
+np.save("dressed.npy", 200 - 100 * phase(0, 0, 0) + noise.normal(0, 5, x.shape))
+np.save("averaged.npy", 200 - 100 * averaged + noise.normal(0, 5, x.shape))
+END
+  run --separate-stderr ct2model build dressed.npy --void-ratio 1.177 --voxel-size 4um -o dressed.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"edges are sharper (0.1 voxels)"* ]]
+  run --separate-stderr ct2model build averaged.npy --void-ratio 1.177 --voxel-size 4um -o averaged.hdf
+  [ "$status" -eq 0 ]
+  [ -z "$stderr" ]
+}
+
 @test "voxels that are no cubes become cubes" {
   ct2model build sphere.raw --raw 12x12x12:u8 --voxel-size 5um,5um,10um --segmented 0 --mirror none --json -o a.hdf > a.json
   /usr/bin/python3 - <<'END'

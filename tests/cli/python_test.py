@@ -37,6 +37,7 @@ class Module(unittest.TestCase):
         self.assertTrue(r.k_low <= r.k <= r.k_high and r.k_low < r.k_high)
         self.assertAlmostEqual(r.darcy, r.K / 9.869233e-13)
         self.assertAlmostEqual(r.K_high / r.K, r.k_high / r.k)
+        self.assertRegex(repr(r), r"^Permeability\(k=\S+ m/s \(\S+ to \S+\), K=\S+ m\^2, \S+ darcy, '\w+'\)$")
 
     def test_labels_and_axes(self):
         other = tosui.permeability(np.where(self.grain, 7, 3), "26.6666667 um", pore=3, mirror=False, error=None)
