@@ -2,11 +2,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "common/json_number.h"
 #include "sphsolve/solute/result.h"
-
-static json_t *number_or_null(double value) {
-  return isfinite(value) ? json_real(value) : json_null();
-}
 
 /* D_L / U, m; NAN without flow. */
 static double dispersivity(const struct solute_result *r, int i, double over_diffusion) {
@@ -14,7 +11,7 @@ static double dispersivity(const struct solute_result *r, int i, double over_dif
 }
 
 static void add(json_t *object, const char *name, double value) {
-  json_array_append_new(json_object_get(object, name), number_or_null(value));
+  json_array_append_new(json_object_get(object, name), json_number(value));
 }
 
 enum status solute_result_print_json(const struct scene *scene, const struct solute_flow *flow,
@@ -69,7 +66,7 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
                  {"flow_correction", flow->correction},
                  {"wall_time", r->wall_time}};
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-    json_object_set_new(object, numbers[i].name, number_or_null(numbers[i].value));
+    json_put_number(object, numbers[i].name, numbers[i].value);
   json_object_set_new(object, "mirrored", json_boolean(flow->mirrored));
   json_object_set_new(object, "status", json_string(r->status));
   json_object_set_new(object, "flow", json_string(scene->flow_path));
