@@ -13,6 +13,7 @@ fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; }
 regions = ( { type = "water"; box = ["0", "0", "1.2 mm", "0.3 mm"]; },
             { type = "wall"; box = ["0", "0", "0.2 mm", "0.3 mm"]; } );
 force = { body_acceleration = ["0", "-1 mm/s^2"]; };
+stokes = { tolerance = 1e-6; }; # the error that a solute's run states leaves that of the flow out
 END
   cat > carried.cfg <<'END'
 scene  = { name = "carried"; };
