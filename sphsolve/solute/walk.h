@@ -79,8 +79,8 @@ struct walk_record {
 /* Takes the tracks over. Free with walk_record_free. */
 enum status walk_record(struct walk *walk, struct walk_record *record);
 void walk_record_free(struct walk_record *record);
-/* In SI: the first spacing and the time unit are `length` m and `time` s. */
-enum status walk_record_write(struct h5_file *file, const char *group,
-                              const struct walk_record *record, double length, double time);
+/* In SI: the first spacing and the time unit are `length` m and `time` s. Tracks are in m after. */
+enum status walk_record_write(struct h5_file *file, const char *group, struct walk_record *record,
+                              double length, double time);
 
 #endif

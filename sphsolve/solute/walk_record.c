@@ -84,7 +84,24 @@ cleanup:
   return status;
 }
 
-enum status walk_record_write(struct h5_file *file, const char *group, const struct walk_record *r,
+/* Places of the first walkers, m from the centre of the first cell, in the box that repeats without end;
+ * `interval` s apart. */
+static enum status write_tracks(struct h5_file *file, const char *group, struct walk_record *r,
+                                double length, double time) {
+  enum status status = STATUS_OK;
+  const size_t dims[3] = {r->tracked, WALK_TRACKED, 3};
+  char path[PATH];
+  for (size_t t = 0; t < r->tracked; t++)
+    for (size_t w = 0; w < WALK_TRACKED; w++)
+      for (int a = 0; a < 3; a++) r->track[t][w][a] *= (float)length;
+  snprintf(path, sizeof path, "%.255s/track", group);
+  TRY(h5_write(file, path, H5_F32, 3, dims, r->track, true));
+  TRY(write_number(file, path, "interval", time * r->interval));
+cleanup:
+  return status;
+}
+
+enum status walk_record_write(struct h5_file *file, const char *group, struct walk_record *r,
                               double length, double time) {
   enum status status = STATUS_OK;
   TRY(h5_make_group(file, group));
@@ -104,6 +121,7 @@ enum status walk_record_write(struct h5_file *file, const char *group, const str
   COLUMN("velocity_correlation", correlation, 1);
 #undef COLUMN
   TRY(write_passages(file, group, r, length, time));
+  TRY(write_tracks(file, group, r, length, time));
 cleanup:
   return status;
 }
