@@ -44,11 +44,6 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
     error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
   TRY(status);
-  if (model.micro_porosity != NULL)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: holds soil with pores below the voxel, which no method solves yet; make it pore "
-             "or grain (ct2model build --segmented)",
-             scene->model_path);
   TRY(hash_file(scene->model_path, &lattice->model_hash));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
@@ -72,6 +67,10 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   }
   lattice->count = count;
   TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
+  if (model.micro_porosity != NULL) {
+    TRY(node_allocate(&lattice->micro_porosity, count, sizeof(float), "the soil"));
+    TRY(node_allocate(&lattice->micro_permeability, count, sizeof(float), "the soil"));
+  }
   const float *source = model.wall_distance;
   if (source == NULL) {
     /* The model's own surface: from its grey fraction, else the voxel faces. */
@@ -116,6 +115,10 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
         }
         bool grain = model.solid[from] != 0;
         lattice->kind[at] = grain ? SITE_WALL : SITE_FLUID;
+        if (lattice->micro_porosity != NULL) {
+          lattice->micro_porosity[at] = model.micro_porosity[from];
+          lattice->micro_permeability[at] = model.micro_permeability[from];
+        }
         double d = source[from];
         if (padded && !grain) d = fmin(d, room);
         lattice->wall_distance[at] = (float)d;
@@ -124,6 +127,10 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   sign_distances(lattice, own, end);
   node_share(lattice->kind, start, 1);
   node_share(lattice->wall_distance, start, sizeof *lattice->wall_distance);
+  if (lattice->micro_porosity != NULL) {
+    node_share(lattice->micro_porosity, start, sizeof *lattice->micro_porosity);
+    node_share(lattice->micro_permeability, start, sizeof *lattice->micro_permeability);
+  }
 cleanup:
   memory_free(&start);
   memory_free(&inner);
@@ -290,6 +297,8 @@ void lattice_free(struct lattice *lattice) {
   memory_free(&lattice->kind);
   memory_free(&lattice->wall_distance);
   memory_free(&lattice->region);
+  memory_free(&lattice->micro_porosity);
+  memory_free(&lattice->micro_permeability);
 }
 
 /* Distances lie first in the file, then regions. */

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "common/side_distance.h"
+#include "sphsolve/geometry/soil.h"
 
 /* Where a mirrored site comes from. */
 static size_t source(size_t i, size_t n) {
@@ -33,6 +34,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *
   float *distance = NULL;
   *mirrored = *wrapped;
   mirrored->kind = NULL, mirrored->wall_distance = NULL, mirrored->region = NULL;
+  mirrored->micro_porosity = mirrored->micro_permeability = NULL;
   TRY(distances_inside(wrapped, &distance));
   mirrored->size[0] = 2 * n[0], mirrored->size[1] = 2 * n[1];
   mirrored->count = 4 * wrapped->count;
@@ -41,12 +43,14 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *
   mirrored->wall_count = 4 * wrapped->wall_count;
   TRY(memory_allocate(&mirrored->kind, mirrored->count, 1, "a lattice"));
   TRY(memory_allocate(&mirrored->wall_distance, mirrored->count, sizeof *distance, "a lattice"));
+  if (wrapped->micro_porosity != NULL) TRY(lattice_soil_allocate(mirrored));
   for (size_t at = 0; at < mirrored->count; at++) {
     const size_t i = at % mirrored->size[0], j = at / mirrored->size[0] % mirrored->size[1];
     const size_t k = at / mirrored->size[0] / mirrored->size[1];
     const size_t from = (k * n[1] + source(j, n[1])) * n[0] + source(i, n[0]);
     mirrored->kind[at] = wrapped->kind[from];
     mirrored->wall_distance[at] = distance[from];
+    lattice_soil_copy(wrapped, from, mirrored, at);
   }
 cleanup:
   memory_free(&distance);
@@ -68,12 +72,14 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
   float *distance = NULL;
   *closed = *wrapped;
   closed->kind = NULL, closed->wall_distance = NULL, closed->region = NULL;
+  closed->micro_porosity = closed->micro_permeability = NULL;
   TRY(distances_inside(wrapped, &distance));
   closed->size[0] = n[0] + layers, closed->size[1] = n[1] + layers;
   closed->count = closed->size[0] * closed->size[1] * n[2];
   closed->wall_count += closed->count - wrapped->count;
   TRY(memory_allocate(&closed->kind, closed->count, 1, "a lattice"));
   TRY(memory_allocate(&closed->wall_distance, closed->count, sizeof *distance, "a lattice"));
+  if (wrapped->micro_porosity != NULL) TRY(lattice_soil_allocate(closed));
   for (size_t at = 0; at < closed->count; at++) {
     const size_t i = at % closed->size[0], j = at / closed->size[0] % closed->size[1];
     const size_t k = at / closed->size[0] / closed->size[1];
@@ -85,6 +91,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
     const size_t from = (k * n[1] + j) * n[0] + i;
     closed->kind[at] = wrapped->kind[from];
     closed->wall_distance[at] = fminf(distance[from], (float)side);
+    lattice_soil_copy(wrapped, from, closed, at);
   }
 cleanup:
   memory_free(&distance);

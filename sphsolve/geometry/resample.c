@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/geometry/soil.h"
 
 /* A spacing may be off by so much before several periods are taken instead of one; and so many at
  * most. */
@@ -24,6 +25,7 @@ bool lattice_is_mirrored(const struct lattice *l) {
     if (l->wall_distance != NULL && memcmp(l->wall_distance + low, l->wall_distance + high,
                                            plane * sizeof *l->wall_distance) != 0)
       return false;
+    if (!lattice_soil_same(l, low, high, plane)) return false;
   }
   return true;
 }
@@ -174,6 +176,8 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
     out->wall_count += !fluid;
   }
   if (fine->region) copy_regions(fine, out);
+  TRY(lattice_soil_resample(fine, out));
+  if (mirrored) lattice_soil_mirror(out);
 cleanup:
   if (status != STATUS_OK) lattice_free(out);
   return status;

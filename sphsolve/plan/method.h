@@ -24,6 +24,7 @@ struct method {
    * domains with every site water or wall; one that does not takes soil, inflow and surfaces. */
   bool resolves_pores;
   bool marches;         /* in time, to any end_time; else it finds the steady flow at once */
+  bool takes_soil;      /* sites of a model with pores below the voxel */
   bool solves_creeping; /* the steady flow without inertia; "auto" and advice use it for that */
   bool moves_walls;     /* from their place, not only along themselves */
   bool has_turbulence;  /* a model of it */

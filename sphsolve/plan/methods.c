@@ -83,7 +83,7 @@ static enum status refuse_contradictions(const struct scene *scene,
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow; give a gravity, body_acceleration or "
                        "pressure_gradient, or a region that moves");
-  if (lattice->wall_count == 0 && method->resolves_pores &&
+  if (lattice->wall_count == 0 && lattice->micro_porosity == NULL && method->resolves_pores &&
       (!method->marches || !isfinite(scene->end_time)))
     return scene_error(
         scene, AT_METHOD,
@@ -131,6 +131,12 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
                          "them with a water region, or write method = \"isph\"",
                          method->name, lattice->count - lattice->fluid_count - lattice->wall_count,
                          lattice->count);
+    if (lattice->micro_porosity != NULL && !method->takes_soil)
+      return scene_error(scene, AT_METHOD,
+                         "the model has soil with pores below the voxel, through which method %s "
+                         "has no flow; write method = \"stokes\", or make it pore or grain "
+                         "(ct2model build)",
+                         method->name);
     if (!(scene->fluid.viscosity > 0))
       return scene_error(scene, AT_VISCOSITY,
                          "method %s needs a viscosity greater than 0, like \"1e-3 Pa s\"",

@@ -324,7 +324,8 @@ cleanup:
 }
 
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
-  if (!context->has_wall || context->scene->steady_tolerance == 0 || context->has_moving_wall ||
+  const bool soil = context->lattice != NULL && context->lattice->micro_porosity != NULL;
+  if (!(context->has_wall || soil) || context->scene->steady_tolerance == 0 || context->has_moving_wall ||
       !(context->reynolds < REYNOLDS_CREEPING))
     return false;
   snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
@@ -344,6 +345,7 @@ const struct method method_stokes = {.name = "stokes",
                                      .effects = stokes_effects,
                                      .resolves_pores = true,
                                      .solves_creeping = true,
+                                     .takes_soil = true,
                                      .wall_layers = 4,
                                      .takes = takes,
                                      .scales = stokes_scales,

@@ -8,6 +8,10 @@
 
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
+  if (context->lattice->micro_porosity != NULL && context->scene->stokes.wall == WALL_ADAMI)
+    return scene_error(context->scene, AT_METHOD,
+                       "stokes.wall = \"adami\" knows no soil with pores below the voxel, which the "
+                       "model has; leave it out");
   context->kernel = context->scene->stokes.kernel;
   context->support = stokes_support(context->scene, context->spacing) * context->spacing;
   context->smoothing_length =

@@ -16,6 +16,7 @@
 #define ACTIVE_BYTES 108.0
 #define BASIS_MIN 3
 #define BASIS_MAX 24
+#define BASIS_SOIL 8 /* at least, where there is soil: a short one costs more there */
 int stokes_solver_basis(double sites, double active) {
   const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
   return (int)fmax(BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
@@ -34,10 +35,23 @@ static int threads_for(size_t active) {
   return (int)(wanted < most ? wanted : most);
 }
 
+/* Momentum and continuity of a residual as they are weighed against each other. */
+static void balance(const struct stokes_operator *op, float *y) {
+  const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
+  if (op->soil == NULL) return;
+  const float *weight = op->soil->balance;
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < n; i++) {
+    for (size_t a = 0; a < axes; a++) y[a * n + i] *= weight[i];
+    y[axes * n + i] /= weight[i];
+  }
+}
+
 static void apply(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
   stokes_operator_apply(&s->operator, x, y);
   stokes_operator_clear_plane(&s->operator, y);
+  balance(&s->operator, y);
 }
 
 static void precondition(void *system, const float *x, float *work, float *y) {
@@ -52,6 +66,7 @@ static void precondition(void *system, const float *x, float *work, float *y) {
 static double adjoint_correction(const struct stokes_solver *s) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_grid *grid = &s->grid;
+  const float *weight = s->operator.soil ? s->operator.soil->balance : NULL;
   double sum = 0.0;
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     double own = 0.0;
@@ -59,8 +74,9 @@ static double adjoint_correction(const struct stokes_solver *s) {
       double momentum = 0.0;
       for (size_t a = 0; a < axes; a++)
         momentum += s->x[a * n + i] * (double)s->residual[a * n + i];
-      own += momentum / (double)s->operator.parabola[i] - s->x[axes * n + i] *(double)
-                            s->residual[axes * n + i];
+      double continuity = (double)s->residual[axes * n + i];
+      if (weight) momentum /= (double)weight[i], continuity *= (double)weight[i];
+      own += momentum / (double)s->operator.parabola[i] - s->x[axes * n + i] * continuity;
     }
     sum += stokes_grid_weight(grid, row) * own;
   }
@@ -74,6 +90,7 @@ static void find_residual(struct stokes_solver *s) {
   double *component = (double *)(void *)(s->krylov.basis + begin);
   stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
   stokes_operator_clear_plane(&s->operator, s->residual);
+  balance(&s->operator, s->residual);
   s->exact = true;
 }
 
@@ -95,7 +112,11 @@ void stokes_solver_measure(struct stokes_solver *s, bool anew) {
       sums[0] += fabs(force * s->x[a * n + i]);
     }
   const float *continuity = s->residual + axes * n;
-  for (size_t i = 0; i < n; i++) sums[1] += (double)continuity[i] * (double)continuity[i];
+  for (size_t i = 0; i < n; i++) {
+    double open = (double)continuity[i];
+    if (op->soil) open *= (double)op->soil->balance[i];
+    sums[1] += open * open;
+  }
   ranks_sum_all(sums, 2);
   s->divergence = sums[0] > 0.0 ? sqrt(sums[1] / sums[0]) : INFINITY;
   const double more = s->walls_move ? 0.0 : adjoint_correction(s);
@@ -139,7 +160,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   const int threads = omp_get_max_threads();
   memset(s, 0, sizeof *s);
   s->bulk_count = lattice->bulk_count;
-  if (lattice->fluid_count == lattice->count)
+  if (lattice->fluid_count == lattice->count && lattice->micro_porosity == NULL)
     TRY_FAIL(STATUS_INPUT, "scene: no wall holds the fluid back, so a steady flow does not exist; "
                            "add a wall, or choose method wcsph and an end_time");
   TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing,
@@ -156,11 +177,12 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
   omp_set_num_threads(threads_for(s->grid.active));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
-                            s->velocity_unit, &s->operator));
+                            s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  TRY(stokes_krylov_build(length, stokes_solver_basis((double)lattice->count, (double)active),
-                          &s->krylov));
+  int basis = stokes_solver_basis((double)lattice->count, (double)active);
+  if (s->operator.soil && basis < BASIS_SOIL) basis = BASIS_SOIL;
+  TRY(stokes_krylov_build(length, basis, &s->krylov));
   s->residual = s->krylov.basis;
   s->krylov.system = s;
   s->krylov.apply = apply;

@@ -7,6 +7,8 @@
 /* Of a flow that is solved but for rounding. */
 #define RESIDUAL_EXACT 1e-6
 
+#define RESIDUAL_ROUNDING 1e-7
+
 /* Where neither the residual nor the velocity is said to be good enough. */
 #define RESIDUAL_DEFAULT 1e-6
 
@@ -24,7 +26,9 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
 double stokes_solver_mean_error(const struct stokes_solver *s) {
   const double left = s->residual_now / s->residual_before;
   const double q = s->walls_move ? left : left * left;
-  if (s->residual_now <= RESIDUAL_EXACT) return fmin(s->change, RESIDUAL_EXACT);
+  /* Where all of the flux is in soil its share of the first residual is anything. */
+  const double exact = s->operator.soil ? RESIDUAL_ROUNDING : RESIDUAL_EXACT;
+  if (s->residual_now <= exact) return fmin(s->change, RESIDUAL_EXACT);
   return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;
 }
 

@@ -110,3 +110,49 @@ END
   wrong 2 "leave --segmented out" $GREYS --micro 90..160 --micro-permeability 2um --segmented 0
   wrong 3 "not the measured 0.1" $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 0.1
 }
+
+@test "stokes solves soil with the pores; wcsph and bad fields are refused" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+def write(name, n, k, solid=None):
+    with h5py.File(name, "w") as f:
+        m = f.create_group("model")
+        m["solid"] = np.zeros((4, 4, 24), "u1") if solid is None else solid
+        m.attrs["spacing"] = [1e-5] * 3
+        m["micro_porosity"], m["micro_permeability"] = n.astype("f4"), k.astype("f4")
+x = np.broadcast_to(np.arange(24), (4, 4, 24))
+soil = (x >= 16).astype(float)
+write("soil.hdf", .35 * soil, 1e-12 * soil)
+write("one.hdf", .35 * soil, 0 * soil)
+write("wide.hdf", .35 * soil, 1e-9 * soil)
+write("grain.hdf", .35 * soil, 1e-12 * soil, (x == 20).astype("u1"))
+END
+  sed 's/file = "s.hdf"/file = "soil.hdf"/' > soil.cfg <<'END'
+scene = { name = "soil"; };
+model = { file = "s.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-1e-3 m/s^2"]; };
+END
+  sphsolve run soil.cfg -o soil-run --json > soil.json
+  sphsolve explain soil.cfg | grep -q "stokes_soil_drag"
+  /usr/bin/python3 - <<'END'
+import json, math
+k, n, h, s = .01, .35, 8, 4
+exact = (h**3 / 3 + 2 * h * k + math.sqrt(k * n) / math.tanh(s / math.sqrt(k / n)) * h * h + k * s) / (h + s) * 1e-10
+run = json.load(open("soil.json"))
+assert abs(run["intrinsic_permeability"] * run["k_finest"] / run["k"] / exact - 1) < .005, run["intrinsic_permeability"] / exact
+END
+  refused() { # WORDS ARGUMENTS
+    local words=$1
+    shift
+    run --separate-stderr sphsolve run soil.cfg -o refused "$@"
+    [[ "$status" -eq 3 && "$stderr" == *"$words"* ]] || { echo "$*: $status $stderr"; false; }
+    [ "${#stderr_lines[@]}" -eq 1 ]
+  }
+  refused "through which method wcsph" --set scene.method=wcsph
+  refused "above 0" --set model.file=one.hdf
+  refused "square of a voxel" --set model.file=wide.hdf
+  refused "not 0 in the grain" --set model.file=grain.hdf
+  refused "knows no soil" --set stokes.wall=adami
+}

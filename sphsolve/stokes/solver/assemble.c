@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/stokes/effects/soil_viscosity.h"
 #include "sphsolve/stokes/effects/wall_subvoxel.h"
 #include "sphsolve/geometry/moment.h"
 #include "sphsolve/geometry/wall_shape.h"
@@ -14,6 +15,11 @@
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
   double moment[3][3];    /* sum over pore sites of g_ab times the vector to b */
+  double surface;         /* of D: what the surface of soil beside a pore takes of it */
+  double plain[3][3];     /* where there is soil: the moment without the links' mobilities, */
+  double drawn[3][3];     /* and with them, less that which B inverts */
+  double towards[3];      /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
+  double beside[3];       /* its length along each axis without signs, of the sites beside */
   struct wall_shape wall; /* the nearest; without where there is none */
   bool smooth;            /* the wall distances are those of a surface */
 };
@@ -40,6 +46,63 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
 }
 
+/* A link to or from soil, or one between pores of a site that has such links. */
+static void add_soil(const struct stokes_operator *op, const struct stokes_offset *offset,
+                     const struct stokes_soil_site *own, const struct stokes_soil_site *other,
+                     struct site_sums *sums) {
+  const struct stokes_stencil *stencil = op->stencil;
+  const double mobility = stokes_soil_weight(own->mobility, other->mobility);
+  const double drawn = mobility / own->relative; /* of the pressure's difference */
+  sums->diagonal += offset->viscous * stokes_soil_weight(own->viscosity, other->viscosity);
+  sums->pore_sum += offset->viscous * mobility;
+  if (!own->soil && other->soil)
+    sums->surface += offset->viscous * stokes_soil_parabola(other->slip);
+  for (int a = 0; a < stencil->axis_count; a++) {
+    const double g = offset->gradient[stencil->axes[a]];
+    sums->pore_gradient[a] += g * mobility;
+    const double jump = (other->relative - own->relative) / (other->relative + own->relative);
+    sums->towards[a] += g * jump;
+    if (offset->step[0] * offset->step[0] + offset->step[1] * offset->step[1] +
+            offset->step[2] * offset->step[2] ==
+        1)
+      sums->beside[a] += offset->step[stencil->axes[a]] != 0 ? jump : 0.0;
+    for (int c = 0; c < stencil->axis_count; c++) {
+      const int axis = stencil->axes[c];
+      const double moment = g * offset->step[axis] * stencil->spacing[axis];
+      sums->moment[a][c] += drawn * moment;
+      sums->plain[a][c] += moment;
+    }
+  }
+}
+
+/* Jumps (M_b - M_a) / (M_b + M_a) on both sides of a site add up to more than one alone can. */
+#define BOTH_SIDES 1.1
+
+/* Pressure is continuous at the surface of soil: along it the links' differences are drawn by their
+ * mobilities, and the moment with them; across it the gradient jumps as the mobility does, and
+ * differences so drawn are those of the site's own gradient: m = T m T + n (n m' n) n, T = 1 - n n,
+ * m' without mobilities. */
+static void join_soil(int axes, struct site_sums *sums) {
+  double n[3] = {0}, length = 0.0, across = 0.0;
+  for (int a = 0; a < axes; a++) length = hypot(length, sums->towards[a]);
+  memcpy(sums->drawn, sums->moment, sizeof sums->drawn);
+  if (length > 1e-6)
+    for (int a = 0; a < axes; a++) n[a] = sums->towards[a] / length;
+  for (int a = 0; a < axes; a++)
+    for (int c = 0; c < axes; c++) across += n[a] * sums->plain[a][c] * n[c];
+  if (length > 1e-6) moment_free_normal(axes, n, sums->moment);
+  for (int a = 0; length > 1e-6 && a < axes; a++)
+    for (int c = 0; c < axes; c++) sums->moment[a][c] += (across - 1.0) * n[a] * n[c];
+  /* A layer one site thick has a surface on both sides, and no normal in the sum. */
+  for (int a = 0; a < axes; a++) {
+    if (fabs(sums->beside[a]) < BOTH_SIDES) continue;
+    for (int c = 0; c < axes; c++) sums->moment[a][c] = sums->moment[c][a] = 0.0;
+    sums->moment[a][a] = sums->plain[a][a];
+  }
+  for (int a = 0; a < axes; a++)
+    for (int c = 0; c < axes; c++) sums->drawn[a][c] -= sums->moment[a][c];
+}
+
 static void add_pore(const struct stokes_operator *op, const struct stokes_offset *offset,
                      struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
@@ -60,17 +123,25 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
   *sums = (struct site_sums){.smooth = true};
+  struct stokes_soil_site own = {0};
+  if (op->soil) own = stokes_soil_at(op->soil, op->lattice, site);
+  /* At the walls of soil the velocity is linear to the wall, with soil's viscosity. */
+  const double viscosity = own.soil ? stokes_soil_weight(own.viscosity, own.viscosity) : 1.0;
   double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
   for (int o = 0; o < stencil->offset_count; o++) {
     const struct stokes_offset *offset = &stencil->offsets[o];
     const size_t row = stokes_grid_row(grid, at[1], at[2], offset->step[1], offset->step[2]);
     const long x = ((long)at[0] + offset->step[0]) % (long)nx;
     const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
-    if (stokes_grid_is_active(grid, row, i)) {
+    if (stokes_grid_is_active(grid, row, i) && op->soil) {
+      const struct stokes_soil_site to = stokes_soil_at(op->soil, op->lattice, other);
+      add_soil(op, offset, &own, &to, sums);
+    } else if (stokes_grid_is_active(grid, row, i)) {
       add_pore(op, offset, sums);
     } else if (op->lattice->kind[other] == SITE_WALL) {
       const double before = sums->diagonal;
       add_wall(op, offset, site, other, sums);
+      sums->diagonal += (viscosity - 1.0) * (sums->diagonal - before);
       linear += sums->diagonal - before;
     } else {
       /* a pore that cannot flow: at rest */
@@ -78,14 +149,16 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
+  if (op->soil) join_soil(stencil->axis_count, sums);
   if (linear > 0.0) wall_shape_find(op->lattice, site, stencil->unit, &sums->wall);
   const double curvature = sums->wall.curvature * stencil->unit;
-  if (sums->parabola > 0.0) {
+  if (sums->parabola > 0.0 && !own.soil) {
     const double d_a = fmax(distance(op, site), WALL_DISTANCE_FLOOR);
     sums->parabola /= 1.0 - 0.5 * d_a * curvature;
     sums->diagonal += fmax(sums->parabola * curvature / d_a, -0.5 * linear);
   }
-  sums->parabola = fmin(sums->parabola, WALL_PARABOLA_MAX);
+  sums->parabola = fmin(sums->parabola + sums->surface, WALL_PARABOLA_MAX);
+  if (own.soil) sums->diagonal += (1.0 - sums->parabola) / own.permeability;
 }
 
 static void store(struct stokes_operator *op, size_t n, const struct site_sums *sums) {
@@ -102,6 +175,9 @@ static void store(struct stokes_operator *op, size_t n, const struct site_sums *
     for (int c = a; c < axes; c++)
       op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
     op->pore_gradient[(size_t)a * op->n + n] = (float)sums->pore_gradient[a];
+    for (int c = 0; op->soil && c < axes; c++)
+      op->soil->drawn[(size_t)a * op->n + n] +=
+          (float)(sums->drawn[a][c] * op->force[op->stencil->axes[c]]);
     if (op->drag) op->drag[(size_t)a * op->n + n] = (float)sums->drag[op->stencil->axes[a]];
   }
 }
@@ -119,6 +195,7 @@ static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *li
         stokes_grid_row(grid, row % grid->size[1], row / grid->size[1], step[1], step[2]);
     uint8_t *at = line + STOKES_REACH;
     for (size_t i = 0; i < nx; i++) at[i] = (uint8_t)stokes_grid_is_active(grid, other, i);
+    for (size_t i = 0; op->soil && i < nx; i++) at[i] &= !stokes_soil_is(op->soil, op->lattice, other * nx + i);
     for (size_t i = 0; i < STOKES_REACH; i++) {
       at[nx + i] = at[i % nx];
       at[-1 - (long)i] = at[nx - 1 - i % nx];
@@ -151,7 +228,7 @@ static enum status build_sites(struct stokes_operator *op) {
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       struct site_sums sums = whole;
-      if (!inner[i])
+      if (!inner[i] || (op->soil && stokes_soil_is(op->soil, op->lattice, row * nx + i)))
         sum_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
       store(op, n++, &sums);
     }
@@ -161,21 +238,38 @@ cleanup:
   return status;
 }
 
-/* A line of sites along an axis ends at a wall: the site beyond, or SIZE_MAX. */
-static size_t wall_beside(const struct lattice *l, const size_t at[3], size_t site, int axis,
-                          bool up) {
+/* The site beside one along an axis. */
+static size_t beside(const struct lattice *l, const size_t at[3], size_t site, int axis, bool up) {
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
   const size_t last = (l->size[axis] - 1) * step[axis];
-  const size_t other = up ? (at[axis] + 1 < l->size[axis] ? site + step[axis] : site - last)
-                          : (at[axis] > 0 ? site - step[axis] : site + last);
-  return l->kind[other] == SITE_WALL ? other : SIZE_MAX;
+  return up ? (at[axis] + 1 < l->size[axis] ? site + step[axis] : site - last)
+            : (at[axis] > 0 ? site - step[axis] : site + last);
+}
+
+/* A line of sites along an axis ends at a wall, or at the surface of soil. */
+static bool ends_line(const struct stokes_operator *op, size_t other) {
+  return op->lattice->kind[other] == SITE_WALL ||
+         (op->soil && stokes_soil_is(op->soil, op->lattice, other));
 }
 
 static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
+  if (op->soil && stokes_soil_is(op->soil, op->lattice, site)) return false; /* its velocity does not end at a wall */
   for (int c = 0; c < op->stencil->axis_count; c++)
     for (int up = 0; up < 2; up++)
-      if (wall_beside(op->lattice, at, site, op->stencil->axes[c], up) != SIZE_MAX) return true;
+      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up)))
+        return true;
   return false;
+}
+
+/* Half-way to soil the slope is what its slip leaves of a wall's. */
+static struct stokes_wall_quadrature soil_quadrature(const struct stokes_operator *op, size_t other,
+                                                     int axis) {
+  const struct stokes_soil_site soil = stokes_soil_at(op->soil, op->lattice, other);
+  struct stokes_wall_quadrature end = stokes_wall_quadrature(0.5, 0.5, op->stencil->spacing[axis]);
+  const double left = 1.0 / (1.0 + 2.0 * soil.slip);
+  end.velocity *= left;
+  end.force *= left * fmax(1.0 - 8.0 * soil.permeability, -8.0);
+  return end;
 }
 
 static struct stokes_edge find_edge(const struct stokes_operator *op, const size_t at[3],
@@ -188,8 +282,15 @@ static struct stokes_edge find_edge(const struct stokes_operator *op, const size
     double share = 0.0;
     for (int up = 0; up < 2; up++) {
       const int a = op->stencil->axes[c];
-      const size_t other = wall_beside(l, at, site, a, up);
-      if (other == SIZE_MAX) continue;
+      const size_t other = beside(l, at, site, a, up);
+      if (!ends_line(op, other)) continue;
+      if (l->kind[other] != SITE_WALL) {
+        const struct stokes_wall_quadrature end = soil_quadrature(op, other, a);
+        velocity += end.velocity;
+        force += end.force;
+        share = 1.0;
+        continue;
+      }
       const struct stokes_wall_quadrature end =
           stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
       const struct region *region = stokes_wall_region(op, other);
@@ -260,7 +361,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
                                   const struct scene *scene, enum wall_scheme wall,
                                   double stabilisation, double velocity_unit,
-                                  struct stokes_operator *op) {
+                                  const double force[3], struct stokes_operator *op) {
   enum status status = STATUS_OK;
   memset(op, 0, sizeof *op);
   op->stencil = stencil;
@@ -268,9 +369,10 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   op->lattice = lattice;
   op->scene = scene;
   op->velocity_unit = velocity_unit;
+  memcpy(op->force, force, sizeof op->force);
   op->wall = wall;
   op->rows = stokes_rows_best();
-  op->stabilisation = stabilisation;
+  op->stabilisation = op->laplace = stabilisation;
   op->components = stencil->axis_count + 1;
   op->n = grid->active;
   op->threads = omp_get_max_threads();
@@ -287,9 +389,12 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   if (walls_move(scene))
     TRY(memory_allocate(&op->drag, axes * op->n, sizeof *op->drag, "drag of moving walls"));
   TRY(memory_allocate(&op->row_flux, 3 * grid->rows, sizeof *op->row_flux, "flux of the rows"));
+  TRY(stokes_soil_build(lattice, grid, force, stencil->unit, &op->soil));
+  if (op->soil) op->laplace *= stokes_stencil_moment(stencil);
+  const size_t slots = op->soil ? 4 * STOKES_SOIL_SUMS : 4;
   const size_t ghosts = 2 * (size_t)(grid->reach + grid->images) * grid->size[1];
-  TRY(memory_allocate_sparse(&op->field, 4 * grid->rows * grid->stride, sizeof *op->field,
-                             4 * (grid->row_end - grid->row_begin + ghosts) * grid->stride,
+  TRY(memory_allocate_sparse(&op->field, slots * grid->rows * grid->stride, sizeof *op->field,
+                             slots * (grid->row_end - grid->row_begin + ghosts) * grid->stride,
                              "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
@@ -308,6 +413,7 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->pore_gradient);
   memory_free(&op->correction);
   memory_free(&op->drag);
+  stokes_soil_free(&op->soil);
   memory_free(&op->edges);
   memory_free(&op->edge_start);
   memory_free(&op->edge_moving);

@@ -16,6 +16,48 @@ void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int
   stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
 }
 
+#define NEXT_SUM 4 /* slots from the fields of one sum over soils to those of the next */
+
+static void scale_row(const struct stokes_operator *op, size_t row, const float *packed,
+                      const float *weight, float *field) {
+  const struct stokes_grid *grid = op->grid;
+  const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
+  float *scaled = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
+  for (size_t i = 0; i < count; i++) scaled[i] = weight[start + i] * packed[i];
+  op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, scaled,
+                   field + row * grid->stride);
+}
+
+/* The fields that the sums over links to soil are taken of. */
+static void unpack_weighted(struct stokes_operator *op, const struct stokes_weights *weights,
+                            const float *packed, int slot, int component) {
+  const struct stokes_grid *grid = op->grid;
+#pragma omp for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
+    for (int s = 0; s < weights->count; s++)
+      scale_row(op, row, packed + grid->row_start[row], weights->value[s],
+                stokes_operator_field(op, slot + s * NEXT_SUM));
+  for (int s = 0; s < weights->count; s++)
+    stokes_grid_post(grid, component, stokes_operator_field(op, slot + s * NEXT_SUM),
+                     grid->stride * sizeof(float));
+}
+
+static void unpack_viscous(struct stokes_operator *op, const float *packed, int slot,
+                           int component) {
+  if (op->soil)
+    unpack_weighted(op, &op->soil->viscosity, packed, slot, component);
+  else
+    stokes_operator_unpack(op, packed, slot, component);
+}
+
+static void unpack_pressure(struct stokes_operator *op, const float *packed) {
+  const int slot = op->stencil->axis_count;
+  if (op->soil)
+    unpack_weighted(op, &op->soil->mobility, packed, slot, 3);
+  else
+    stokes_operator_unpack(op, packed, slot, 3);
+}
+
 /* Packed values of one convolution of one field on one row; the result lies in the buffers of the
  * thread. */
 static const float *convolve(const struct stokes_operator *op,
@@ -37,10 +79,41 @@ static const float *convolve(const struct stokes_operator *op,
   return packed;
 }
 
+/* The same with weights, where there is soil; in a buffer of its own. */
+static const float *convolve_weighted(const struct stokes_operator *op,
+                                      const struct stokes_convolution *convolution, int slot,
+                                      size_t row, const struct stokes_weights *weights) {
+  const struct stokes_grid *grid = op->grid;
+  const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
+  const float *sum = convolve(op, convolution, slot, row);
+  if (!op->soil->rows[row]) return sum; /* weights are 1 and 0 */
+  float *out =
+      op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size - 2 * grid->stride;
+  for (size_t i = 0; i < count; i++) out[i] = weights->value[0][start + i] * sum[i];
+  for (int s = 1; s < weights->count; s++) {
+    sum = convolve(op, convolution, slot + s * NEXT_SUM, row);
+    for (size_t i = 0; i < count; i++) out[i] += weights->value[s][start + i] * sum[i];
+  }
+  return out;
+}
+
+static const float *convolve_viscous(const struct stokes_operator *op, int slot, size_t row) {
+  const struct stokes_convolution *laplace = &op->stencil->laplace;
+  return op->soil ? convolve_weighted(op, laplace, slot, row, &op->soil->viscosity)
+                  : convolve(op, laplace, slot, row);
+}
+
+static const float *convolve_mobile(const struct stokes_operator *op,
+                                    const struct stokes_convolution *convolution, int slot,
+                                    size_t row) {
+  return op->soil ? convolve_weighted(op, convolution, slot, row, &op->soil->mobility)
+                  : convolve(op, convolution, slot, row);
+}
+
 static void viscous_row(const struct stokes_operator *op, int component, size_t row, const float *x,
                         bool add, float *y) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  const float *sum = convolve(op, &op->stencil->laplace, component, row);
+  const float *sum = convolve_viscous(op, component, row);
   for (size_t i = start; i < end; i++)
     y[i] = (add ? y[i] : 0.0f) + op->diagonal[i] * x[i] - sum[i - start];
 }
@@ -51,9 +124,11 @@ static void gradient_row(const struct stokes_operator *op, size_t row, const flo
   for (int a = 0; a < op->stencil->axis_count; a++) {
     const float *own = op->pore_gradient + (size_t)a * n;
     const float *sum =
-        convolve(op, &op->stencil->gradient[op->stencil->axes[a]], op->components - 1, row);
+        convolve_mobile(op, &op->stencil->gradient[op->stencil->axes[a]], op->components - 1, row);
     float *out = y + (size_t)a * n;
     for (size_t i = start; i < end; i++) out[i] = sum[i - start] - own[i] * p[i];
+    if (op->soil)
+      for (size_t i = start; i < end; i++) out[i] /= op->soil->relative[i];
   }
 }
 
@@ -63,6 +138,21 @@ static void correct(const struct stokes_operator *op, size_t start, size_t end, 
     float corrected[3];
     stokes_correct(op, i, y, op->n, corrected);
     for (int a = 0; a < op->stencil->axis_count; a++) y[(size_t)a * op->n + i] = corrected[a];
+  }
+}
+
+/* Packed values in place: the flux of a site of soil over its mobility, whose links have theirs; and
+ * the fields of it. */
+static void unpack_flux(struct stokes_operator *op, size_t row, int slot, float *packed) {
+  const struct stokes_grid *grid = op->grid;
+  const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
+  float *scaled = packed + grid->stride;
+  for (int s = 0; s < op->soil->mobility.count; s++) {
+    const float *weight = op->soil->mobility.value[s] + start;
+    for (size_t i = 0; i < count; i++)
+      scaled[i] = weight[i] * packed[i] / op->soil->relative[start + i];
+    op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, scaled,
+                     stokes_operator_field(op, slot + s * NEXT_SUM) + row * grid->stride);
   }
 }
 
@@ -80,22 +170,35 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
       for (int b = 0; b < axes; b++) {
         const float *c = op->correction + stokes_symmetric(axes, a, b) * op->n + start;
         const float *v = x + (size_t)b * op->n + start, *g = gradient + (size_t)b * op->n + start;
+        if (op->soil) {
+          const float *m = op->soil->relative + start;
+          for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + gamma * m[i] * g[i]);
+          continue;
+        }
         for (size_t i = 0; i < count; i++) corrected[i] += c[i] * (v[i] + gamma * g[i]);
+      }
+      if (op->soil) {
+        unpack_flux(op, row, a, corrected);
+        continue;
       }
       op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, corrected,
                        stokes_operator_field(op, a) + row * grid->stride);
     }
   }
-  for (int a = 0; a < axes; a++)
+  for (int a = 0; a < axes; a++) {
     stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a), grid->stride * sizeof(float));
+    for (int s = 1; op->soil && s < op->soil->mobility.count; s++)
+      stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * NEXT_SUM),
+                       grid->stride * sizeof(float));
+  }
 }
 
 /* gamma L p on one row. */
 static void stabilisation_row(const struct stokes_operator *op, size_t row, const float *p,
                               float *y) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  const float gamma = (float)op->stabilisation;
-  const float *sum = convolve(op, &op->stencil->laplace, op->components - 1, row);
+  const float gamma = (float)op->laplace;
+  const float *sum = convolve_mobile(op, &op->stencil->laplace, op->components - 1, row);
   for (size_t i = start; i < end; i++) y[i] = gamma * (op->pore_sum[i] * p[i] - sum[i - start]);
 }
 
@@ -109,7 +212,9 @@ static void divergence_row(const struct stokes_operator *op, size_t row, float *
     const float *own = op->pore_gradient + (size_t)a * op->n;
     op->rows->pack(grid->mask + row * grid->chunks, grid->chunks,
                    stokes_operator_field(op, a) + row * grid->stride, corrected);
-    const float *sum = convolve(op, &op->stencil->gradient[op->stencil->axes[a]], a, row);
+    if (op->soil)
+      for (size_t i = start; i < end; i++) corrected[i - start] /= op->soil->mobility.value[0][i];
+    const float *sum = convolve_mobile(op, &op->stencil->gradient[op->stencil->axes[a]], a, row);
     for (size_t i = start; i < end; i++) y[i] += sum[i - start] + own[i] * corrected[i - start];
   }
 }
@@ -121,7 +226,7 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
   float *continuity = y + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    stokes_operator_unpack(op, p, axes, 3);
+    unpack_pressure(op, p);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -141,7 +246,8 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
         if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
       }
     }
-    for (int a = 0; a < axes; a++) stokes_operator_unpack(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
+    for (int a = 0; a < axes; a++)
+      unpack_viscous(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -165,7 +271,7 @@ void stokes_operator_apply_viscous(struct stokes_operator *op, int component, co
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    stokes_operator_unpack(op, x, 0, component);
+    unpack_viscous(op, x, 0, component);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)
@@ -181,7 +287,7 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
   const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
-    stokes_operator_unpack(op, p, op->stencil->axis_count, 3);
+    unpack_pressure(op, p);
     for (int part = 0; part < STOKES_PARTS; part++) {
       stokes_grid_await(grid, part);
 #pragma omp for schedule(static)

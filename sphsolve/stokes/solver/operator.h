@@ -20,6 +20,7 @@
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/stokes/solver/grid.h"
+#include "sphsolve/stokes/solver/soil.h"
 #include "sphsolve/stokes/solver/stencil.h"
 #include "sphsolve/scene/scene.h"
 
@@ -41,9 +42,11 @@ struct stokes_operator {
   const struct lattice *lattice;
   const struct scene *scene; /* may be NULL */
   double velocity_unit;      /* m/s */
+  double force[3];           /* that drives; where there is soil, it is part of the gradient */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
   double stabilisation;      /* s: gamma of the equations */
+  double laplace;            /* and before L: where there is soil, L and div G cancel for linear p */
   int components;            /* axis_count velocities, then the pressure */
   size_t n;                  /* active sites; vectors are [components][n] */
   float *diagonal;           /* [n] of A */
@@ -56,7 +59,9 @@ struct stokes_operator {
   size_t *edge_start;        /* [rows + 1] */
   float (*edge_moving)[3];   /* and what moving walls add; NULL: none moves */
   double *row_flux;          /* [rows][3] */
-  float *field;              /* [4][rows][stride] unpacked vectors; two in double precision */
+  struct stokes_soil *soil;  /* weights of links to soil; NULL: there is none, all are 1 */
+  float *field;              /* [4][rows][stride] unpacked vectors; two in double precision; where
+                              * there is soil as many more, for the second of its sums */
   float *scratch;            /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;
@@ -64,12 +69,12 @@ struct stokes_operator {
 
 /* Distances and kinds of sites come from `lattice`; all three must outlive the operator.
  * `scene` (may be NULL) gives walls their velocity and slip; velocity_unit is that of the lattice
- * units in m/s. */
+ * units in m/s; force as of stokes_operator_residual. */
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
                                   const struct scene *scene, enum wall_scheme wall,
                                   double stabilisation, double velocity_unit,
-                                  struct stokes_operator *op);
+                                  const double force[3], struct stokes_operator *op);
 void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */

@@ -4,10 +4,12 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/solver/darcy.h"
 
 #define KAPPA_TOLERANCE 0.03
 #define KAPPA_ITERATIONS 400
+#define SOIL_SWEEPS 3
 /* Sweeps of Jacobi after the coarse velocities. With one, open fibres take twice the iterations;
  * three gain nothing. */
 #define VELOCITY_SWEEPS 2
@@ -49,7 +51,17 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
     for (size_t i = 0; i < n; i++) d[i] = r[i] / op->diagonal[i] + beta * d[i];
     rho = next;
   }
+  /* Soil of low permeability counts for nothing in that norm, and is solved by its own diagonal. */
+  for (int sweep = 0; op->soil && sweep < SOIL_SWEEPS; sweep++) {
+    stokes_operator_apply_viscous(op, -1, pc->kappa, Ad);
+    for (size_t i = 0; i < n; i++)
+      if (op->soil->relative[i] < 1.0f) pc->kappa[i] += (1.0f - Ad[i]) / op->diagonal[i];
+  }
   for (size_t i = 0; i < n; i++) pc->kappa[i] = fmaxf(pc->kappa[i], 0.5f / op->diagonal[i]);
+  for (size_t i = 0; op->soil && i < n; i++) {
+    const double m = (double)op->soil->relative[i];
+    pc->darcy[i] = m < 1.0 ? fminf(pc->kappa[i], (float)stokes_soil_permeability(m)) : pc->kappa[i];
+  }
 cleanup:
   memory_free(&r);
   memory_free(&d);
@@ -105,13 +117,22 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], *size = grid->size;
   struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
-  float *kappa = op->field; /* by lattice site */
+  float *kappa = op->field, *darcy = kappa; /* by lattice site */
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
                      pc->kappa + grid->row_start[row], kappa + row * grid->stride);
   if (RANKS) slabs_post(&grid->slabs, 0, kappa, size[1] * grid->stride * sizeof *kappa, 1);
   ranks_wait();
+  if (op->soil) {
+    darcy = op->field + grid->rows * grid->stride;
+#pragma omp parallel for schedule(static)
+    for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
+      op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
+                       pc->darcy + grid->row_start[row], darcy + row * grid->stride);
+    if (RANKS) slabs_post(&grid->slabs, 0, darcy, size[1] * grid->stride * sizeof *darcy, 1);
+    ranks_wait();
+  }
   restrict_packed(pc, pc->kappa, false, v, v->mass);
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % size[1], k = row / size[1];
@@ -122,7 +143,8 @@ static void fill_levels(struct stokes_preconditioner *pc) {
       const size_t c = ((k / 2) * v->size[1] + j / 2) * v->size[0] + i / 2;
       /* An odd pressure is zero on the mirror planes, half a spacing away. */
       if (grid->mirrored && grid->parity[3] < 0.0f && (k == 0 || k + 1 == stokes_grid_planes(grid)))
-        p->mass[c] += (float)(1.0 / (op->stencil->spacing[2] * op->stencil->spacing[2])) * here;
+        p->mass[c] += (float)(1.0 / (op->stencil->spacing[2] * op->stencil->spacing[2])) *
+                      darcy[row * grid->stride + i];
       for (int a = 0; a < op->stencil->axis_count; a++) {
         const int axis = op->stencil->axes[a];
         const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
@@ -131,10 +153,16 @@ static void fill_levels(struct stokes_preconditioner *pc) {
         if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;
         size_t next[3] = {i, j, k};
         next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
-        const float there = kappa[(next[2] * size[1] + next[1]) * grid->stride + next[0]];
+        const size_t beside = (next[2] * size[1] + next[1]) * grid->stride + next[0];
+        const float there = kappa[beside];
         if (there == 0.0f) continue;
         v->face[axis][c] += t * here * there;
-        p->face[axis][c] += t * 0.5f * (here + there);
+        if (op->soil) { /* in series, as it jumps */
+          const float low = darcy[row * grid->stride + i], high = darcy[beside];
+          p->face[axis][c] += t * 2.0f * low * high / (low + high);
+        } else {
+          p->face[axis][c] += t * 0.5f * (here + there);
+        }
       }
     }
   }
@@ -151,6 +179,7 @@ enum status stokes_preconditioner_build(struct stokes_operator *op,
   for (int a = 0; a < 3; a++)
     coarse[a] = ((a == 2 ? stokes_grid_planes(op->grid) : op->grid->size[a]) + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
+  if (op->soil) TRY(memory_allocate(&pc->darcy, op->n, sizeof *pc->darcy, "preconditioner"));
   TRY(solve_kappa(pc));
   const int shared = STOKES_SHARED_LEVELS - 1;
   TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->velocity));
@@ -164,8 +193,36 @@ cleanup:
 
 void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
   memory_free(&pc->kappa);
+  memory_free(&pc->darcy);
   stokes_multigrid_free(&pc->velocity);
   stokes_multigrid_free(&pc->pressure);
+}
+
+/* A constant pressure does nothing, but single precision tells it from the small differences that
+ * soil needs. Odd pressures have none. */
+static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
+  const struct stokes_grid *grid = pc->op->grid;
+  double sum = 0.0;
+  if (grid->mirrored && grid->parity[3] < 0.0f) return;
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    double own = 0.0;
+    for (size_t i = grid->row_start[row]; i < grid->row_start[row + 1]; i++) own += (double)p[i];
+    sum += stokes_grid_weight(grid, row) * own;
+  }
+  const float mean = (float)(ranks_sum(sum) / (double)grid->flowing);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < pc->op->n; i++) p[i] -= mean;
+}
+
+/* Where there is soil: its own diagonal, and the coarse levels. */
+static void solve_soil_pressure(struct stokes_preconditioner *pc, const float *r, float *p) {
+  struct stokes_multigrid_level *coarse = &pc->pressure.levels[0];
+  restrict_packed(pc, r, false, coarse, coarse->b);
+  stokes_multigrid_cycle(&pc->pressure, 1);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < pc->op->n; i++) p[i] = r[i] * (1.0f + 0.5f / pc->darcy[i]);
+  prolong_packed(pc, coarse, false, p);
+  take_mean_away(pc, p);
 }
 
 /* p = S~^-1 r: a two-grid cycle of Darcy's law, a sweep of Jacobi before and after the coarse
@@ -197,8 +254,7 @@ static void solve_velocity(struct stokes_preconditioner *pc, int axis, const flo
   for (int sweep = 0; sweep < VELOCITY_SWEEPS; sweep++) {
     stokes_operator_apply_viscous(op, axis, y, product);
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < op->n; i++)
-      y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
+    for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
   }
 }
 
@@ -207,12 +263,20 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
   struct stokes_operator *op = pc->op;
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   float *p = y + axes * n, *r = work, *product = work + axes * n;
-  solve_pressure(pc, x + axes * n, product, p);
+  const float *balance = op->soil ? op->soil->balance : NULL, *continuity = x + axes * n;
+  if (balance) {
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < n; i++) product[i] = continuity[i] * balance[i];
+    solve_soil_pressure(pc, product, p);
+  } else {
+    solve_pressure(pc, continuity, product, p);
+  }
   stokes_operator_apply_gradient(op, p, r);
   for (size_t a = 0; a < axes; a++) {
     float *ra = r + a * n;
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < n; i++) ra[i] = x[a * n + i] - op->parabola[i] * ra[i];
+    for (size_t i = 0; i < n; i++)
+      ra[i] = (balance ? x[a * n + i] / balance[i] : x[a * n + i]) - op->parabola[i] * ra[i];
     solve_velocity(pc, op->stencil->axes[a], ra, product, y + a * n);
   }
   stokes_operator_clear_plane(op, y);

@@ -17,6 +17,8 @@
 struct stokes_preconditioner {
   struct stokes_operator *op;
   float *kappa; /* [n] */
+  float *darcy; /* [n] the permeability that the pressure sees: kappa, but no more than soil has of
+                 * its own, whose surface is dragged along by the pores; kappa where there is none */
   struct stokes_multigrid velocity, pressure;
 };
 

@@ -20,6 +20,27 @@ static void unpack_double(struct stokes_operator *op, int component, const doubl
   stokes_grid_await(grid, 1);
 }
 
+/* The fields that sums over links to soil are taken of. */
+static void unpack_weighted(struct stokes_operator *op, int component,
+                            const struct stokes_weights *weights, const double *packed) {
+  const struct stokes_grid *grid = op->grid;
+  for (int s = 0; s < weights->count; s++) {
+    double *field = (double *)(void *)op->field + (size_t)s * grid->rows * grid->stride;
+#pragma omp for schedule(static)
+    for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+      size_t n = grid->row_start[row];
+      double *out = field + row * grid->stride;
+      memset(out, 0, grid->stride * sizeof *out);
+      for (size_t c = 0; c < grid->chunks; c++)
+        for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1, n++)
+          out[c * STOKES_LANES + (size_t)__builtin_ctz(bits)] =
+              (double)weights->value[s][n] * packed[n];
+    }
+    stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
+    stokes_grid_await(grid, 1);
+  }
+}
+
 static const double *convolve_field(const struct stokes_operator *op,
                                     const struct stokes_convolution *convolution,
                                     const double *field, size_t row) {
@@ -43,9 +64,31 @@ static const double *convolve_field(const struct stokes_operator *op,
   return packed;
 }
 
+/* `weights` are those that the fields were unpacked with; NULL: there is no soil. */
 static const double *convolve_double(const struct stokes_operator *op,
-                                     const struct stokes_convolution *convolution, size_t row) {
-  return convolve_field(op, convolution, (const double *)(const void *)op->field, row);
+                                     const struct stokes_convolution *convolution,
+                                     const struct stokes_weights *weights, size_t row) {
+  const struct stokes_grid *grid = op->grid;
+  const double *field = (const double *)(const void *)op->field;
+  const double *sum = convolve_field(op, convolution, field, row);
+  if (weights == NULL || !op->soil->rows[row]) return sum;
+  const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
+  double *out = (double *)(void *)(op->scratch +
+                                   ((size_t)omp_get_thread_num() + 1) * op->scratch_size) -
+                grid->stride;
+  for (size_t i = 0; i < count; i++) out[i] = (double)weights->value[0][start + i] * sum[i];
+  for (int s = 1; s < weights->count; s++) {
+    sum = convolve_field(op, convolution, field + (size_t)s * grid->rows * grid->stride, row);
+    for (size_t i = 0; i < count; i++) out[i] += (double)weights->value[s][start + i] * sum[i];
+  }
+  return out;
+}
+
+static const struct stokes_weights *mobility_of(const struct stokes_operator *op) {
+  return op->soil ? &op->soil->mobility : NULL;
+}
+static const struct stokes_weights *viscosity_of(const struct stokes_operator *op) {
+  return op->soil ? &op->soil->viscosity : NULL;
 }
 
 /* What the pressure does on one row: its gradient, before correction, and the stabilisation. */
@@ -54,21 +97,26 @@ static void pressure_terms(const struct stokes_operator *op, size_t row, const d
   const int axes = op->stencil->axis_count;
   const size_t n = op->n, start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
   for (int a = 0; a < axes; a++) {
-    const double *sum = convolve_double(op, &op->stencil->gradient[op->stencil->axes[a]], row);
+    const double *sum =
+        convolve_double(op, &op->stencil->gradient[op->stencil->axes[a]], mobility_of(op), row);
     const float *own = op->pore_gradient + (size_t)a * n;
     float *raw = residual + (size_t)a * n;
     for (size_t i = start; i < end; i++) raw[i] = (float)(sum[i - start] - (double)own[i] * p[i]);
+    if (op->soil)
+      for (size_t i = start; i < end; i++)
+        raw[i] = raw[i] / op->soil->relative[i] - op->soil->drawn[(size_t)a * n + i];
   }
-  const double *sum = convolve_double(op, &op->stencil->laplace, row);
+  const double *sum = convolve_double(op, &op->stencil->laplace, mobility_of(op), row);
   for (size_t i = start; i < end; i++)
     residual[(size_t)axes * n + i] =
-        (float)(-op->stabilisation * ((double)op->pore_sum[i] * p[i] - sum[i - start]));
+        (float)(-op->laplace * ((double)op->pore_sum[i] * p[i] - sum[i - start]));
 }
 
 static void divergence_terms(const struct stokes_operator *op, int axis, size_t row,
                              const double *v, float *continuity) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  const double *sum = convolve_double(op, &op->stencil->gradient[op->stencil->axes[axis]], row);
+  const double *sum =
+      convolve_double(op, &op->stencil->gradient[op->stencil->axes[axis]], mobility_of(op), row);
   const float *own = op->pore_gradient + (size_t)axis * op->n;
   for (size_t i = start; i < end; i++)
     continuity[i] -= (float)(sum[i - start] + (double)own[i] * v[i]);
@@ -78,7 +126,7 @@ static void divergence_terms(const struct stokes_operator *op, int axis, size_t 
 static void viscous_terms(const struct stokes_operator *op, int axis, size_t row, double force,
                           const double *v, float *momentum) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
-  const double *sum = convolve_double(op, &op->stencil->laplace, row);
+  const double *sum = convolve_double(op, &op->stencil->laplace, viscosity_of(op), row);
   const float *drag = op->drag ? op->drag + (size_t)axis * op->n : NULL;
   for (size_t i = start; i < end; i++)
     momentum[i] =
@@ -127,7 +175,7 @@ static void adami_terms(const struct stokes_operator *op, size_t row, const doub
   }
 }
 
-/* packed = component of B (v + gamma g p). */
+/* packed = component of B (v + gamma g p), over the mobility where there is soil. */
 static void correct(const struct stokes_operator *op, int axis, const double *x,
                     const float *gradient, double *packed) {
   const int axes = op->stencil->axis_count;
@@ -137,9 +185,19 @@ static void correct(const struct stokes_operator *op, int axis, const double *x,
     for (int a = 0; a < axes; a++) {
       const size_t at = (size_t)a * op->n + i;
       packed[i] += (double)op->correction[stokes_symmetric(axes, axis, a) * op->n + i] *
-                   (x[at] + op->stabilisation * (double)gradient[at]);
+                   (op->soil ? x[at] / (double)op->soil->relative[i] +
+                                   op->stabilisation * (double)gradient[at]
+                             : x[at] + op->stabilisation * (double)gradient[at]);
     }
   }
+}
+
+static void unpack_linked(struct stokes_operator *op, int component,
+                          const struct stokes_weights *weights, const double *packed) {
+  if (weights)
+    unpack_weighted(op, component, weights, packed);
+  else
+    unpack_double(op, component, packed);
 }
 
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
@@ -150,13 +208,13 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
   float *continuity = residual + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack_double(op, 3, p);
+    unpack_linked(op, 3, mobility_of(op), p);
 #pragma omp for schedule(static)
     for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
       if (grid->row_start[row] < grid->row_start[row + 1]) pressure_terms(op, row, p, residual);
     for (int a = 0; a < axes; a++) {
       correct(op, a, x, residual, work);
-      unpack_double(op, op->stencil->axes[a], work);
+      unpack_linked(op, op->stencil->axes[a], mobility_of(op), work);
 #pragma omp for schedule(static)
       for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])
@@ -170,7 +228,7 @@ void stokes_operator_residual(struct stokes_operator *op, const double force[3],
     }
     for (int a = 0; a < axes; a++) {
       const double *v = x + (size_t)a * op->n;
-      unpack_double(op, op->stencil->axes[a], v);
+      unpack_linked(op, op->stencil->axes[a], viscosity_of(op), v);
 #pragma omp for schedule(static)
       for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
         if (grid->row_start[row] < grid->row_start[row + 1])

@@ -122,6 +122,15 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], enum k
   return STATUS_OK;
 }
 
+double stokes_stencil_moment(const struct stokes_stencil *s) {
+  double sum = 0.0;
+  for (int o = 0; o < s->offset_count; o++)
+    for (int a = 0; a < s->axis_count; a++)
+      sum += s->offsets[o].gradient[s->axes[a]] * s->offsets[o].step[s->axes[a]] *
+             s->spacing[s->axes[a]];
+  return sum / s->axis_count;
+}
+
 /* Compact supports have the least error for grains of few sites (docs/physics/stokes.md). */
 double stokes_support(const struct scene *scene, double spacing) {
   if (!isnan(scene->stokes.support)) return scene->stokes.support / spacing;

@@ -34,6 +34,9 @@ struct stokes_stencil {
 /* The support of method stokes, in spacings, where the scene's sites are `spacing` (m) apart. */
 double stokes_support(const struct scene *scene, double spacing);
 
+/* Mean over the axes of sum of g_ab r_ab: 1 but for the error of the kernel's sums. */
+double stokes_stencil_moment(const struct stokes_stencil *stencil);
+
 enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
                                  double support, struct stokes_stencil *stencil);
 

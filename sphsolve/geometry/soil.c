@@ -1,0 +1,100 @@
+#include "sphsolve/geometry/soil.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+enum status lattice_soil_allocate(struct lattice *l) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(&l->micro_porosity, l->count, sizeof *l->micro_porosity, "the soil"));
+  TRY(memory_allocate(&l->micro_permeability, l->count, sizeof *l->micro_permeability, "the soil"));
+cleanup:
+  return status;
+}
+
+/* The sites of another lattice beneath one along an axis, and how much of them; `more` sites beyond
+ * on each side count whole. */
+#define COVERED_MOST 64
+struct covered {
+  size_t count, index[COVERED_MOST];
+  double share[COVERED_MOST];
+};
+
+static struct covered cover(size_t i, double spacing, size_t size, double fine_spacing,
+                            size_t more) {
+  struct covered c = {0};
+  const double turn = more > 0 ? (double)size : 0.0; /* no index below 0 */
+  const double low = (double)i * spacing / fine_spacing - (double)more + turn;
+  const double high = low + spacing / fine_spacing + 2.0 * (double)more;
+  for (double at = floor(low + 1e-9); at < high - 1e-9 && c.count < COVERED_MOST; at += 1.0) {
+    c.index[c.count] = (size_t)at % size;
+    c.share[c.count++] = fmin(high, at + 1.0) - fmax(low, at);
+  }
+  return c;
+}
+
+/* False where all of them are walls. */
+static bool take_mean(const struct lattice *fine, const struct covered c[3], struct lattice *out,
+                      size_t site) {
+  double pores = 0.0, soils = 0.0, porosity = 0.0, logarithm = 0.0;
+  for (size_t k = 0; k < c[2].count; k++)
+    for (size_t j = 0; j < c[1].count; j++)
+      for (size_t i = 0; i < c[0].count; i++) {
+        const double share = c[0].share[i] * c[1].share[j] * c[2].share[k];
+        const size_t at =
+            (c[2].index[k] * fine->size[1] + c[1].index[j]) * fine->size[0] + c[0].index[i];
+        if (fine->kind[at] != SITE_FLUID) continue;
+        if (!lattice_is_soil(fine, at)) {
+          pores += share;
+          continue;
+        }
+        soils += share;
+        porosity += share * (double)fine->micro_porosity[at];
+        logarithm += share * log((double)fine->micro_permeability[at]);
+      }
+  if (soils <= pores) return pores > 0.0;
+  out->micro_porosity[site] = (float)((pores + porosity) / (pores + soils));
+  out->micro_permeability[site] = (float)exp(logarithm / soils);
+  return true;
+}
+
+enum status lattice_soil_resample(const struct lattice *fine, struct lattice *out) {
+  enum status status = STATUS_OK;
+  if (fine->micro_porosity == NULL) return STATUS_OK;
+  TRY(memory_allocate(&out->micro_porosity, out->count, sizeof(float), "the soil"));
+  TRY(memory_allocate(&out->micro_permeability, out->count, sizeof(float), "the soil"));
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < out->size[1] * out->size[2]; row++) {
+    for (size_t i = 0; i < out->size[0]; i++) {
+      const size_t at[3] = {i, row % out->size[1], row / out->size[1]}; // NOLINT: has rows
+      const size_t site = row * out->size[0] + i;
+      bool found = out->kind[site] != SITE_FLUID;
+      /* Walls lie between sites: a fluid site may cover walls alone, beside what it is. */
+      for (size_t more = 0; more < 3 && !found; more++) {
+        struct covered c[3];
+        for (int a = 0; a < 3; a++)
+          c[a] = cover(at[a], out->spacing[a], fine->size[a], fine->spacing[a], more);
+        found = take_mean(fine, c, out, site);
+      }
+    }
+  }
+cleanup:
+  return status;
+}
+
+bool lattice_soil_same(const struct lattice *l, size_t low, size_t high, size_t count) {
+  if (l->micro_porosity == NULL) return true;
+  return memcmp(l->micro_porosity + low, l->micro_porosity + high, count * sizeof(float)) == 0 &&
+         memcmp(l->micro_permeability + low, l->micro_permeability + high, count * sizeof(float)) ==
+             0;
+}
+
+void lattice_soil_mirror(struct lattice *l) {
+  const size_t plane = l->size[0] * l->size[1], nz = l->size[2];
+  for (size_t k = 0; l->micro_porosity != NULL && k < nz / 2; k++) {
+    const size_t from = k * plane, to = (nz - 1 - k) * plane;
+    memcpy(l->micro_porosity + to, l->micro_porosity + from, plane * sizeof(float));
+    memcpy(l->micro_permeability + to, l->micro_permeability + from, plane * sizeof(float));
+  }
+}

@@ -1,0 +1,170 @@
+#include "sphsolve/stokes/solver/soil.h"
+
+#include <math.h>
+
+#include "common/memory.h"
+#include "sphsolve/geometry/percolation.h"
+#include "sphsolve/geometry/soil.h"
+#include "sphsolve/stokes/effects/soil_drag.h"
+#include "sphsolve/stokes/effects/soil_viscosity.h"
+
+/* Against that of the most permeable soil; soil of more than ENCLOSED_BELOW, spacing^2, leaves
+ * pores what they are. */
+#define ENCLOSED 500.0
+#define ENCLOSED_BELOW 5e-3
+#define ENCLOSED_POROSITY 0.999
+
+bool stokes_soil_is(const struct stokes_soil *s, const struct lattice *l, size_t site) {
+  return (s->enclosed && s->enclosed[site]) || lattice_is_soil(l, site);
+}
+
+static enum status find_enclosed(const struct lattice *l, const double driving[3],
+                                 struct stokes_soil *s) {
+  enum status status = STATUS_OK;
+  struct lattice pores = *l;
+  uint8_t *flowing = NULL;
+  bool flows;
+  double most = 0.0;
+  pores.kind = NULL;
+  TRY(memory_allocate(&pores.kind, l->count, 1, "the soil"));
+  TRY(memory_allocate(&flowing, l->count, 1, "labels of the pores"));
+  TRY(memory_allocate(&s->enclosed, l->count, 1, "the soil"));
+  for (size_t i = 0; i < l->count; i++)
+    pores.kind[i] = lattice_is_soil(l, i) ? SITE_WALL : l->kind[i];
+  TRY(percolation_find(&pores, driving, false, flowing, &flows));
+  for (size_t i = 0; i < l->count; i++) {
+    s->enclosed[i] = pores.kind[i] == SITE_FLUID && flowing[i] != PERCOLATION_FLOWS;
+    most = fmax(most, (double)l->micro_permeability[i]);
+  }
+  s->enclosed_permeability = ENCLOSED * most / (s->unit * s->unit);
+  if (s->enclosed_permeability > ENCLOSED * ENCLOSED_BELOW) memory_free(&s->enclosed);
+cleanup:
+  memory_free(&pores.kind);
+  memory_free(&flowing);
+  return status;
+}
+
+/* Harmonic mean of two mobilities over a pore's, less what the first column has of it. */
+static double left_by_pores(double a, double b) {
+  return 2.0 * a * b / (a + b) - stokes_soil_mobility_to_pore(a) * stokes_soil_mobility_to_pore(b);
+}
+
+struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct lattice *l,
+                                       size_t site) {
+  const bool enclosed = s->enclosed && s->enclosed[site];
+  if (!enclosed && !lattice_is_soil(l, site))
+    return (struct stokes_soil_site){.permeability = INFINITY,
+                                     .slip = INFINITY,
+                                     .relative = 1.0,
+                                     .viscosity = {1.0},
+                                     .mobility = {1.0}};
+  const double n = enclosed ? ENCLOSED_POROSITY : (double)l->micro_porosity[site];
+  const double k = enclosed ? s->enclosed_permeability
+                            : (double)l->micro_permeability[site] / (s->unit * s->unit);
+  const double m = stokes_soil_mobility(k);
+  const double viscosity = stokes_soil_viscosity_to_pore(n, k);
+  const double second =
+      s->pivot > 0.0 ? left_by_pores(m, s->pivot) / sqrt(left_by_pores(s->pivot, s->pivot)) : 0.0;
+  return (struct stokes_soil_site){
+      .soil = true,
+      .permeability = k,
+      .slip = stokes_soil_slip(n, k),
+      .relative = m,
+      .viscosity = {viscosity, sqrt(fmax(1.0 / n - viscosity * viscosity, 0.0))},
+      .mobility = {stokes_soil_mobility_to_pore(m),
+                   sqrt(fmax(left_by_pores(m, m) - second * second, 0.0)), second}};
+}
+
+/* Soils whose mobilities differ by less are taken as one in the sums. */
+#define SOILS_ALIKE 1.05
+
+/* A mobility that occurs, in the middle of all; 0 where they are alike. */
+static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
+  double least = INFINITY, most = 0.0, pivot = 0.0;
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t i = 0; i < l->count; i++) {
+      if (!stokes_soil_is(s, l, i)) continue;
+      const double k = s->enclosed && s->enclosed[i]
+                           ? s->enclosed_permeability
+                           : (double)l->micro_permeability[i] / (s->unit * s->unit);
+      const double m = stokes_soil_mobility(k), middle = sqrt(least * most);
+      if (pass == 0)
+        least = fmin(least, m), most = fmax(most, m);
+      else if (pivot == 0.0 || fabs(log(m / middle)) < fabs(log(pivot / middle)))
+        pivot = m;
+    }
+  return most > SOILS_ALIKE * least ? pivot : 0.0;
+}
+
+/* Where the velocity falls within a tenth of a site beneath the surface of soil, the viscosity
+ * between soils is nothing beside the drag, and the second column is left out. */
+#define THIN_LAYER 0.1
+
+/* sqrt(k / n), the largest. */
+static double boundary_layer(const struct stokes_soil *s, const struct lattice *l) {
+  double most = 0.0;
+  for (size_t i = 0; i < l->count; i++)
+    if (lattice_is_soil(l, i))
+      most = fmax(most, (double)l->micro_permeability[i] / (double)l->micro_porosity[i]);
+  return sqrt(most) / s->unit;
+}
+
+static enum status allocate(size_t n, int count, struct stokes_weights *weights) {
+  enum status status = STATUS_OK;
+  weights->count = count;
+  for (int s = 0; s < count; s++)
+    TRY(memory_allocate(&weights->value[s], n, sizeof *weights->value[s], "the soil"));
+cleanup:
+  return status;
+}
+
+enum status stokes_soil_build(const struct lattice *lattice, const struct stokes_grid *grid,
+                              const double driving[3], double unit, struct stokes_soil **built) {
+  enum status status = STATUS_OK;
+  struct stokes_soil *s = NULL;
+  if (lattice->micro_porosity == NULL) return STATUS_OK;
+  TRY(memory_allocate(built, 1, sizeof **built, "the soil"));
+  s = *built;
+  s->unit = unit;
+  TRY(memory_allocate(&s->drawn, (size_t)lattice->dimensions * grid->active, sizeof *s->drawn,
+                      "the soil"));
+  TRY(find_enclosed(lattice, driving, s));
+  s->pivot = find_pivot(s, lattice);
+  TRY(allocate(grid->active, boundary_layer(s, lattice) > THIN_LAYER ? 2 : 1, &s->viscosity));
+  TRY(allocate(grid->active, s->pivot > 0.0 ? 3 : 2, &s->mobility));
+  TRY(memory_allocate(&s->relative, grid->active, sizeof *s->relative, "the soil"));
+  TRY(memory_allocate(&s->balance, grid->active, sizeof *s->balance, "the soil"));
+  TRY(memory_allocate(&s->rows, grid->rows, sizeof *s->rows, "the soil"));
+#pragma omp parallel for schedule(static)
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    size_t n = grid->row_start[row];
+    for (size_t i = 0; i < grid->size[0]; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      const struct stokes_soil_site at = stokes_soil_at(s, lattice, row * grid->size[0] + i);
+      for (int v = 0; v < s->viscosity.count; v++)
+        s->viscosity.value[v][n] = (float)at.viscosity[v];
+      for (int v = 0; v < s->mobility.count; v++) s->mobility.value[v][n] = (float)at.mobility[v];
+      s->relative[n] = (float)at.relative;
+      s->balance[n] = (float)sqrt(at.relative);
+      s->rows[row] = s->rows[row] || at.soil;
+      n++;
+    }
+  }
+cleanup:
+  return status;
+}
+
+void stokes_soil_free(struct stokes_soil **soil) {
+  struct stokes_soil *s = *soil;
+  if (s == NULL) return;
+  for (int v = 0; v < STOKES_SOIL_SUMS; v++) {
+    memory_free(&s->viscosity.value[v]);
+    memory_free(&s->mobility.value[v]);
+  }
+  memory_free(&s->enclosed);
+  memory_free(&s->drawn);
+  memory_free(&s->relative);
+  memory_free(&s->balance);
+  memory_free(&s->rows);
+  memory_free(soil);
+}

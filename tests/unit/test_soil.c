@@ -1,0 +1,100 @@
+/* Soil with pores below the sites, in method stokes; more in tests/verify/verify_micro.c. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "common/memory.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/geometry/soil.h"
+#include "sphsolve/stokes/step.h"
+
+/* Layers across x: water from 0 to `water`, soil beyond. */
+static void layers(size_t water, size_t soil, double n, double k, struct lattice *l) {
+  *l = (struct lattice){.dimensions = 3, .size = {water + soil, 2, 2}};
+  l->count = 4 * l->size[0];
+  l->bulk_count = (double)l->count;
+  l->fluid_count = l->count;
+  for (int a = 0; a < 3; a++) l->spacing[a] = 1.0;
+  assert_int_equal(memory_allocate(&l->kind, l->count, 1, "kind"), STATUS_OK);
+  assert_int_equal(memory_allocate(&l->wall_distance, l->count, sizeof(float), "d"), STATUS_OK);
+  assert_int_equal(lattice_soil_allocate(l), STATUS_OK);
+  for (size_t s = 0; s < l->count; s++) {
+    l->kind[s] = SITE_FLUID;
+    l->wall_distance[s] = 100.0f;
+    if (s % l->size[0] < water) continue;
+    l->micro_porosity[s] = (float)n;
+    l->micro_permeability[s] = (float)k;
+  }
+}
+
+static double permeability(const struct lattice *l, int axis) {
+  struct stokes_solver s;
+  double driving[3] = {0.0};
+  driving[axis] = 1.0;
+  assert_int_equal(stokes_solver_build(l, NULL, 1.8, WALL_SUBVOXEL, 1.0, driving, &s), STATUS_OK);
+  assert_int_equal(stokes_solver_run(&s, &(struct stokes_goal){.residual = 1e-6}), STATUS_OK);
+  const double k = s.mean[axis];
+  stokes_solver_free(&s);
+  return k;
+}
+
+/* v and stress continuous at the surface; slip sqrt(k n) (Beavers, Joseph 1967). */
+static void test_channel_over_soil(void **state) {
+  (void)state;
+  for (double k = 1e-8; k < 2.0; k *= 100.0) {
+    struct lattice l;
+    const double n = 0.35, h = 4.0, s = 4.0, r = sqrt(k / n), slip = sqrt(k * n) / tanh(s / r);
+    const double exact = (h * h * h / 3.0 + h * k + slip * h * h + k * s + k * h) / (h + s);
+    layers(8, 8, n, k, &l);
+    assert_true(fabs(permeability(&l, 2) / exact - 1.0) < 0.003);
+    lattice_free(&l);
+  }
+}
+
+static void test_layers_in_series(void **state) {
+  (void)state;
+  for (double k = 1e-4; k < 2.0; k *= 10.0) {
+    struct lattice l;
+    layers(8, 8, 0.35, k, &l);
+    assert_true(fabs(permeability(&l, 0) / (2.0 * k) - 1.0) < 0.01);
+    lattice_free(&l);
+  }
+}
+
+/* Uniform soil is Darcy's, whatever the direction. */
+static void test_soil_alone(void **state) {
+  (void)state;
+  struct lattice l;
+  layers(0, 8, 0.4, 1e-5, &l);
+  for (int axis = 0; axis < 3; axis++)
+    assert_true(fabs(permeability(&l, axis) / 1e-5 - 1.0) < 1e-5);
+  lattice_free(&l);
+}
+
+static void test_resampled(void **state) {
+  (void)state;
+  struct lattice l, fine, coarse;
+  layers(8, 8, 0.35, 1e-4, &l);
+  assert_int_equal(lattice_resample(&l, 0.5, 0.0, &fine), STATUS_OK);
+  assert_int_equal(lattice_resample(&l, 2.0, 0.0, &coarse), STATUS_OK);
+  for (size_t i = 0; i < fine.size[0]; i++) {
+    assert_true(lattice_is_soil(&fine, i) == (i >= 16));
+    if (i >= 16) assert_float_equal(fine.micro_permeability[i], 1e-4f, 1e-9f);
+  }
+  for (size_t i = 0; i < coarse.size[0]; i++) assert_true(lattice_is_soil(&coarse, i) == (i >= 4));
+  lattice_free(&fine);
+  lattice_free(&coarse);
+  lattice_free(&l);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_channel_over_soil), cmocka_unit_test(test_layers_in_series),
+      cmocka_unit_test(test_soil_alone), cmocka_unit_test(test_resampled)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
