@@ -329,6 +329,7 @@ enum status isph_find_neighbours(struct isph *s) {
   }
   TRY(ranks_agree(status));
   TRY(isph_find_ghosts(s));
+  if (s->on.surface) TRY(isph_find_enclosed(s));
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->near != NULL) find_near(s);

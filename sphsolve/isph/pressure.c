@@ -98,6 +98,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
   }
   for (size_t i = s->local.begin; i < s->local.end; i++) fixed += s->tied[i];
   s->closed = ranks_sum(fixed) == 0;
+  isph_enclosed_source(s, s->source);
 }
 
 static void multiply_chunks(const struct isph *s, bool outer, const double *x, double *y) {

@@ -127,6 +127,7 @@ struct isph {
   double shift[27][3];           /* of the periodic images */
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
+  double shift_stiffness;        /* of grad C on the lattice, in spacings; see shifting.h */
   double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
@@ -159,6 +160,8 @@ struct isph {
   float (*correction)[9];            /* L, gradient correction */
   float (*moment_lack)[6];           /* C of isph/moment.c; NULL without soil */
   double *surface;                   /* 0 bulk .. 1 surface; NULL without */
+  double (*body)[2];      /* number of the body of water it belongs to, and the most that one of it
+                             is on the surface; NULL without a surface */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
   double *drag_left;      /* B: share of v_D left by the drag; NULL without */
@@ -182,8 +185,10 @@ struct isph {
   struct isph_cells cells, wall_cells;
   uint32_t *wall_order;
   uint32_t *order, *cell_of;
-  void *scratch; /* for the sort: 3 doubles a particle */
-  bool closed;   /* no row fixes the pressure: the constant is removed */
+  void *scratch;         /* for the sort: 3 doubles a particle */
+  size_t enclosed_count; /* bodies of water that fill their room */
+  double *enclosed;      /* their numbers */
+  bool closed;           /* no row fixes the pressure: the constant is removed */
   struct isph_solve solve;
 
   /* boundary */
@@ -345,6 +350,14 @@ enum status isph_solve_failed(struct isph *s, double error, int iterations);
 void isph_multiply(struct isph *s, double *x, double *y);
 /* Collective: a.b */
 double isph_dot(struct isph *s, const double *a, const double *b);
+
+/* isph/enclosed.c, all collective: the bodies of water without a surface, where there are some
+ * with. After the search, before the surface travels. */
+enum status isph_find_enclosed(struct isph *s);
+/* Takes from what their rows ask for the mean, which nothing can give. */
+void isph_enclosed_source(struct isph *s, double *source);
+/* Sets the constant of their pressure. */
+void isph_enclosed_level(struct isph *s);
 
 /* isph/open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);

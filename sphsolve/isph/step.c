@@ -340,7 +340,9 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
     near = surface_near(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
-  shift_of(s->gradient_sum[i], h, speed, dt, size_of(s, s->volume[i]), weight, step);
+  double size = size_of(s, s->volume[i]);
+  double most = s->on.surface ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
+  shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, step);
   const float *g = s->gradient[i];
   for (int a = 0; a < 3; a++)
@@ -462,6 +464,7 @@ enum status isph_advance(struct isph *s, double dt) {
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
+  isph_enclosed_level(s);
   if (s->on.surface) part(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);

@@ -1,7 +1,14 @@
 /* Particle shifting by concentration (Lind et al. 2012; Skillen et al. 2013): particles drift from
  * where they crowd to where they are sparse,
- *   dx = - min(A U dt, h) h grad C,  C = sum V W,  U the larger of the particle's speed and h |S|,
- * at most a tenth of a particle. The velocity goes along with the particle, v += dx . grad v, which
+ *   dx = - min(A U dt h, most) grad C,  C = sum V W,
+ * U the larger of the particle's speed and h |S|, most = 0.8 r^2 / s, r the particle's size; at
+ * most a tenth of it.
+ * s is the stiffness of grad C against displacements of neighbours, found on the lattice: a step
+ * of r^2 / s just undoes such a displacement, one of 2 r^2 / s turns it over at full size. With
+ * h^2, which Skillen et al. bound it by and which is 2.3 r^2 / s, particles change sides every
+ * step, the divergence with them, and under a surface the pressure of all water is 0 and twice its
+ * value in turn. Without a surface steps are half as long, A U dt h is below 2 r^2 / s by itself,
+ * and the bound is h^2. The velocity goes along with the particle, v += dx . grad v, which
  * is what keeps shifting from diffusing momentum. A surface particle is not shifted, and one that
  * has the surface among its neighbours only along it (Khayyer, Gotoh, Shimizu 2017, eq. 13): C
  * falls towards the void whether or not particles are evenly spread, and a shift up that fall
@@ -18,12 +25,13 @@
 #include "sphsolve/isph/state.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
+#define SHIFT_SHARE 0.8     /* of r^2 / s: nothing is turned over */
 #define SHIFT_MOST 0.1      /* of the particle's size */
 
 /* `gradient_sum` = - grad C. */
 static inline void shift_of(const double gradient_sum[3], double h, double speed, double dt,
-                            double size, double weight, double shift[3]) {
-  double scale = fmin(SHIFT_STRENGTH * speed * dt, h) * h * weight;
+                            double size, double most, double weight, double shift[3]) {
+  double scale = weight * fmin(SHIFT_STRENGTH * speed * dt * h, most);
   double length =
       scale * sqrt(gradient_sum[0] * gradient_sum[0] + gradient_sum[1] * gradient_sum[1] +
                    gradient_sum[2] * gradient_sum[2]);
