@@ -97,7 +97,7 @@ def each_bound_within_ten_steps():
     for name, word, text, sets, dt, ends in (
             ("wcsph, density", "density", streams(), [], 1e-5, 4),
             ("wcsph, energy", "energy", MOVING, [f"wcsph.dt={unstable:.17g} s", "wcsph.force_dt=true", "scene.steady_tolerance=0"], unstable, 0),
-            ("isph, density", "density", scene((0.4, 0.1), 0.01, [("water", (0.2, 0, 0.4, 0.1), ""), ("porous", (0, 0, 0.15, 0.1), soil(0.1, 0.01) + 'velocity = ["9 m/s", "0"];')], 0.027, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 4),
+            ("isph, density", "density", scene((0.4, 0.1), 0.01, [("water", (0.2, 0, 0.4, 0.1), ""), ("porous", (0, 0, 0.15, 0.1), soil(0.2, 0.01) + 'velocity = ["9 m/s", "0"];')], 0.027, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 4),
             ("isph, energy", "energy", scene((0.7, 0.2), 0.01, nozzle, 0.07, gravity=0, isph='dt = "1 ms";', interval=1e-3), [], 1e-3, 0),
             ("isph, residual", "residual", scene((0.16, 0.06), 0.01, [("water", (0.08, 0, 0.16, 0.05), ""), ("porous", (0, 0, 0.06, 0.06), soil(0.3, 1e-12) + 'velocity = ["1 m/s", "0"];')], 0.1, isph='dt = "1 ms"; tolerance = 1e-140;'), [], 1e-3, 4)):
         run, backs, acted, left, before = seen(text, sets, dt)
@@ -116,7 +116,9 @@ def each_bound_within_ten_steps():
             forces = 19 * abs(run.history["momentum"][-1, 0] - run.history["momentum"][0, 0])
             yield row(f"{name}: pressure that nothing returns, of what walls give", f"{returned['why']}; the piston gives .2 m of pressure and the step before the nozzle takes .18, together 19 times what they leave the water", abs(run.impulse["projection"][0]) / forces, 0, returned["bound"])
         yield row(f"{name}: dt after {len(backs)} steps back, over the first", "each halves it; three are allowed", backs[-1][3] / dt, 0.5 ** len(backs), 1e-4 * 0.5 ** len(backs))
-        yield holds(f"{name}: each goes back to a state before the bound was left", "", all(to < left * dt * (1 + 1e-5) for _, _, to, _ in backs[:1]) and all(to < t for t, _, to, _ in backs), str(backs)[:150])
+        # A solve fails at the time its step begins, which a state kept there shares.
+        earlier = all(to <= t if word == "residual" else to < t for t, _, to, _ in backs)
+        yield holds(f"{name}: each goes back to a state before the bound was left", "", earlier and all(to < left * dt * (1 + 1e-5) for _, _, to, _ in backs[:1]), str(backs)[:150])
         yield row(f"{name}: exit code", "interfaces.md: 4 after three", run.code, ends, 0)
         if ends == 0:
             yield holds(f"{name}: the record has every step back", "", len(run.backs) == len(backs), "; ".join(run.backs)[:150])
