@@ -100,7 +100,7 @@ static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, s
   for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-    double r[3] = {0}, weight = scale * s->wall_volume * (double)chunk->wall_slope[p];
+    double r[3] = {0}, weight = scale * isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
     isph_separation(s, x, s->boundary_position, entry, r);
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
       const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);

@@ -238,7 +238,8 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
         isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
                     &slope);
         w *= s->kernel_w, slope *= s->kernel_slope;
-        add_sums(s->wall_volume, w, slope, r, &kernel_sum, gradient_sum, wall_moment);
+        add_sums(isph_wall_volume(s, candidates[k] & PAIR_MASK), w, slope, r, &kernel_sum,
+                 gradient_sum, wall_moment);
         chunk->wall[chunk->wall_count + k] = candidates[k];
         chunk->wall_slope[chunk->wall_count + k] = (float)slope;
       }
@@ -261,10 +262,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   return STATUS_OK;
 }
 
-enum status isph_probe(const struct isph *s, const double x[3], double *kernel_sum,
+enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]) {
   uint32_t candidates[CANDIDATES];
-  double he = s->scene->isph.support_ratio * s->spacing, w, slope;
+  double he = support, w, slope;
   *kernel_sum = 0;
   velocity[0] = velocity[1] = velocity[2] = 0;
   size_t n = collect(s, &s->cells, NULL, s->position, x, he, candidates);

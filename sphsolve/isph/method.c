@@ -322,7 +322,7 @@ cleanup:
     recorder_set_fact(recorder, "particles_left", (double)s->left_count);
     recorder_set_fact(recorder, "particles_entered", (double)s->entered_count);
     result->conservation = (struct conservation){.known = true,
-                                                 .start = lattice->fluid_count,
+                                                 .start = s->start_count,
                                                  .entered = s->entered_count,
                                                  .left = s->left_count,
                                                  .lost = s->lost_count,

@@ -20,10 +20,72 @@ static bool used(const struct isph *s, int a) {
   return !(s->dimensions == 2 && a == 1);
 }
 
+/* Soil whose porosity a place on a side has, by sharp edges; 1 for free water. */
+static double porosity_at(const struct isph *s, const double x[3]) {
+  double porosity = 1, near = 1e-6 * s->spacing;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    bool inside = region->type == REGION_POROUS;
+    for (int a = 0; a < 3; a++)
+      if (used(s, a))
+        inside = inside && x[a] >= region->box[a] - near && x[a] <= region->box[a + 3] + near;
+    if (inside) porosity = region->porosity;
+  }
+  return porosity;
+}
+
+/* A window of one porosity: its columns stand as far apart as the particles behind it. */
+static enum status add_side(struct isph *s, struct isph_open_side side) {
+  double middle[3];
+  size_t columns = 1;
+  for (int a = 0; a < 3; a++) middle[a] = 0.5 * (side.low[a] + side.high[a]);
+  middle[side.axis] = side.edge;
+  side.porosity = porosity_at(s, middle);
+  const double apart = s->spacing * pow(side.porosity, -1.0 / s->dimensions);
+  for (int a = 0; a < 3; a++) {
+    double width = side.high[a] - side.low[a];
+    side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / apart));
+    side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
+    columns *= (size_t)side.cells[a];
+  }
+  side.first = s->column_count;
+  s->column_count += columns;
+  enum status status =
+      memory_resize(&s->sides, s->side_count + 1, sizeof *s->sides, "inflow regions");
+  if (status == STATUS_OK) s->sides[s->side_count++] = side;
+  return status;
+}
+
+/* Cuts a window where soil begins or ends along it, first along one axis, then the other. */
+static enum status cut(struct isph *s, const struct isph_open_side *side) {
+  const double near = 1e-6 * s->spacing;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    if (region->type != REGION_POROUS) continue;
+    bool touches = true;
+    for (int a = 0; a < 3; a++)
+      if (used(s, a))
+        touches = touches && (a == side->axis ? side->edge >= region->box[a] - near &&
+                                                    side->edge <= region->box[a + 3] + near
+                                              : side->low[a] < region->box[a + 3] - near &&
+                                                    side->high[a] > region->box[a] + near);
+    for (int e = 0; e < 6 && touches; e++) {
+      const int a = e % 3;
+      if (a == side->axis || !used(s, a)) continue;
+      if (!(region->box[e] > side->low[a] + near && region->box[e] < side->high[a] - near))
+        continue;
+      struct isph_open_side below = *side, above = *side;
+      below.high[a] = above.low[a] = region->box[e];
+      enum status status = cut(s, &below);
+      return status == STATUS_OK ? cut(s, &above) : status;
+    }
+  }
+  return add_side(s, *side);
+}
+
 enum status isph_open_create(struct isph *s) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
-  TRY(memory_allocate(&s->sides, scene->region_count, sizeof *s->sides, "inflow regions"));
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_INFLOW) continue;
@@ -47,16 +109,7 @@ enum status isph_open_create(struct isph *s) {
     side.head = region->head, side.flux = region->flux;
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
-    size_t columns = 1;
-    for (int a = 0; a < 3; a++) {
-      double width = side.high[a] - side.low[a];
-      side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / s->spacing));
-      side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
-      columns *= (size_t)side.cells[a];
-    }
-    side.first = s->column_count;
-    s->column_count += columns;
-    s->sides[s->side_count++] = side;
+    TRY(cut(s, &side));
   }
   TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
   TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front,
@@ -65,18 +118,19 @@ cleanup:
   return status;
 }
 
-/* Layers of a column: one more than of a wall, for the foremost moves away from the side. */
-static int column_layers(const struct isph *s) {
-  return isph_wall_layers(s) + 1;
+/* Particles of a column: one more than a support takes, for the foremost moves away from the side.
+ */
+static int column_layers(const struct isph *s, const struct isph_column *column) {
+  return (int)ceil(s->support_max / column->pitch - 1e-9) + 1;
 }
 
 static void place_column(struct isph *s, size_t c) {
   const struct isph_column *column = &s->columns[c];
   const struct isph_open_side *side = &s->sides[column->side];
   if (column->dry) return;
-  for (int l = 0; l < column_layers(s); l++)
+  for (int l = 0; l < column_layers(s, column); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
-        side->edge - side->inward * (s->column_front[c] + l * s->spacing);
+        side->edge - side->inward * (s->column_front[c] + l * column->pitch);
 }
 
 enum status isph_open_fill(struct isph *s, size_t *capacity) {
@@ -92,12 +146,24 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       memcpy(column->at, x, sizeof x);
       column->side = k;
       column->first = s->boundary_count;
-      s->column_front[side->first + (size_t)c] = 0.5 * s->spacing;
+      /* As much water in each as in a particle of free water, by the smeared porosity there. */
+      double area = 1, porosity = 1;
+      for (int a = 0; a < 3; a++)
+        if (used(s, a) && a != side->axis) area *= side->pitch[a];
+      if (s->on.soil) {
+        struct soil_point soil;
+        isph_soil_at(s, x, 0, &soil);
+        porosity = soil.porosity;
+      }
+      column->pitch =
+          side->porosity < 1 || porosity < 1 ? s->wall_volume / (porosity * area) : s->spacing;
+      column->volume = area * column->pitch;
+      s->column_front[side->first + (size_t)c] = 0.5 * column->pitch;
       column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
       if (column->dry) continue;
-      for (int l = 0; l < column_layers(s); l++) {
-        x[side->axis] = side->edge - side->inward * (l + 0.5) * s->spacing;
-        enum status status = isph_wall_add(s, capacity, x, side->kind, k);
+      for (int l = 0; l < column_layers(s, column); l++) {
+        x[side->axis] = side->edge - side->inward * (l + 0.5) * column->pitch;
+        enum status status = isph_wall_add(s, capacity, x, side->kind, k, column->volume);
         if (status != STATUS_OK) return status;
       }
     }
@@ -152,9 +218,10 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
   }
   size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
   size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
+  const struct isph_column *column = &s->columns[side->first + c];
   double *front = &s->column_front[side->first + c];
-  if (fabs(volume / s->wall_volume - 1) < SAME_SPACING && *front > 0.5 * s->spacing)
-    *front = fmin(fabs(x[side->axis] - side->edge), s->spacing);
+  if (fabs(volume / column->volume - 1) < SAME_SPACING && *front > 0.5 * column->pitch)
+    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch);
 }
 
 static bool is_outside(const struct isph *s, const double x[3]) {
@@ -284,7 +351,9 @@ enum status isph_open_measure(struct isph *s) {
     double velocity[3];
     if (column->dry || side->kind == BOUNDARY_OPEN_FLUX || !isph_answers_for(s, column->at))
       continue;
-    status = isph_probe(s, column->at, &seen[c][0], velocity);
+    const double size = s->dimensions == 3 ? cbrt(column->volume) : sqrt(column->volume);
+    const double support = fmin(s->support_max, s->scene->isph.support_ratio * size);
+    status = isph_probe(s, column->at, support, &seen[c][0], velocity);
     if (status != STATUS_OK) worst = status;
     seen[c][1] = velocity[side->axis];
   }
@@ -315,18 +384,16 @@ cleanup:
 static enum status admit(struct isph *s, size_t c) {
   const struct isph_column *column = &s->columns[c];
   const struct isph_open_side *side = &s->sides[column->side];
-  double x[3], velocity[3] = {0}, porosity = 1, volume = 1;
+  double x[3], velocity[3] = {0}, porosity = 1;
   memcpy(x, column->at, sizeof x);
   x[side->axis] -= side->inward * s->column_front[c];
-  for (int a = 0; a < 3; a++)
-    if (used(s, a)) volume *= side->pitch[a];
   if (s->on.soil) {
     struct soil_point soil;
     isph_soil_at(s, x, 0, &soil);
     porosity = soil.porosity;
   }
   velocity[side->axis] = side->inward * column->speed * porosity;
-  double mass = porosity * s->density * volume;
+  double mass = porosity * s->density * column->volume;
   /* The last in the order of all. */
   if (ranks_own() + 1 == ranks_count()) {
     enum status status = isph_add_particle(s, x, velocity, mass);
@@ -345,14 +412,14 @@ enum status isph_open_move(struct isph *s, double dt) {
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;
-    double path = fmin(column->speed * dt, 0.9 * s->spacing); /* one particle a step */
+    double path = fmin(column->speed * dt, 0.9 * column->pitch); /* one particle a step */
     double *front = &s->column_front[c];
     *front -= path;
-    if (*front > 1.1 * s->spacing) *front -= s->spacing; /* nothing has left */
+    if (*front > 1.1 * column->pitch) *front -= column->pitch; /* nothing has left */
     if (*front <= 0) {
       enum status status = admit(s, c);
       if (status != STATUS_OK) return status;
-      *front += s->spacing;
+      *front += column->pitch;
     }
     place_column(s, c);
   }

@@ -144,106 +144,6 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
   return STATUS_OK;
 }
 
-/* A water site inside a porous box holds eps0 of a full site's water, by the box's sharp edge: the
- * sum of the masses is then exact, and the smoothed porosity spreads the particles by itself. */
-static void site_state(const struct isph *s, const double x[3], double *porosity,
-                       const double **velocity) {
-  static const double still[3] = {0};
-  *porosity = 1;
-  *velocity = still;
-  for (size_t k = 0; k < s->scene->region_count; k++) {
-    const struct region *region = &s->scene->regions[k];
-    bool inside = true;
-    for (int a = 0; a < 3; a++)
-      if (s->dimensions == 3 || a != 1)
-        inside = inside && x[a] >= region->box[a] && x[a] < region->box[a + 3];
-    if (inside && region->type == REGION_POROUS) *porosity = region->porosity;
-    if (inside && region->type == REGION_WATER) *velocity = region->velocity;
-  }
-}
-
-static bool boxes_meet(const struct isph *s, const double p[6], const double q[6]) {
-  const double near = 1e-6 * s->spacing;
-  for (int a = 0; a < 3; a++)
-    if ((s->dimensions == 3 || a != 1) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near))
-      return false;
-  return true;
-}
-
-/* The water region that alone fills the place of x; NULL where others have a part in it. */
-static const struct region *filled_by(const struct isph *s, const double x[3]) {
-  const struct region *regions = s->scene->regions, *found = NULL;
-  const size_t n = s->scene->region_count;
-  for (size_t k = 0; k < n && found == NULL; k++) {
-    bool inside = regions[k].type == REGION_WATER;
-    for (int a = 0; a < 3; a++)
-      if (s->dimensions == 3 || a != 1)
-        inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
-    if (inside) found = &regions[k];
-  }
-  for (size_t k = 0; k < n && found != NULL; k++) {
-    const struct region *other = &regions[k];
-    const bool cuts =
-        other->type == REGION_WATER ||
-        ((other->type == REGION_WALL || other->type == REGION_EMPTY) && other > found);
-    if (other != found && cuts && boxes_meet(s, other->box, found->box)) return NULL;
-  }
-  return found;
-}
-
-/* Sites lie a spacing apart from the domain's corner, whatever the box of water: the rows of a box
- * that is no whole number of them are drawn over it, so that its water is all there and stands
- * evenly. `volume` of the site goes with them. */
-static void fit_box(const struct isph *s, const struct lattice *lattice, double x[3],
-                    double *volume) {
-  const struct region *region = filled_by(s, x);
-  if (region == NULL) return;
-  for (int a = 0; a < 3; a++) {
-    if (s->dimensions == 2 && a == 1) continue;
-    const double dx = lattice->spacing[a], low = region->box[a], length = region->box[a + 3] - low;
-    const double first = floor((low - lattice->origin[a]) / dx + 1e-9) + 1;
-    const double last = ceil((low + length - lattice->origin[a]) / dx - 1e-9) - 1;
-    const double rows = fmax(1, last - first + 1), pitch = length / rows;
-    const double row = round((x[a] - lattice->origin[a]) / dx) - first;
-    const double place = low + (row + 0.5) * pitch;
-    /* Rows that fit stay where they are, to the bit. */
-    if (fabs(pitch / dx - 1) < 1e-9 && fabs(place - x[a]) < 1e-6 * dx) continue;
-    x[a] = place;
-    *volume *= pitch / dx;
-  }
-}
-
-/* Each rank takes a run of the sites with water. */
-static enum status place_water(struct isph *s, const struct lattice *lattice) {
-  const size_t fluid = lattice->fluid_count, ranks = (size_t)ranks_count();
-  const size_t first = fluid * (size_t)ranks_own() / ranks;
-  const size_t end = fluid * ((size_t)ranks_own() + 1) / ranks;
-  enum status status = isph_reserve(s, end > first ? end - first : 1);
-  if (status != STATUS_OK) return status;
-  double volume = lattice->spacing[0] * lattice->spacing[2], porosity;
-  if (s->dimensions == 3) volume *= lattice->spacing[1];
-  size_t site = 0;
-  for (size_t k = 0; k < lattice->size[2]; k++)
-    for (size_t j = 0; j < lattice->size[1]; j++)
-      for (size_t i = 0; i < lattice->size[0]; i++, site++) {
-        if (lattice->kind[site] != SITE_FLUID) continue;
-        if (s->next_id < first || s->next_id >= end) {
-          s->next_id++;
-          continue;
-        }
-        double x[3] = {lattice->origin[0] + (double)i * lattice->spacing[0],
-                       lattice->origin[1] + (double)j * lattice->spacing[1],
-                       lattice->origin[2] + (double)k * lattice->spacing[2]};
-        double share = volume;
-        const double *velocity;
-        fit_box(s, lattice, x, &share);
-        site_state(s, x, &porosity, &velocity);
-        status = isph_add_particle(s, x, velocity, porosity * s->density * share);
-        if (status != STATUS_OK) return status;
-      }
-  return STATUS_OK;
-}
-
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s) {
   enum status status = STATUS_OK;
@@ -287,7 +187,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   TRY(isph_open_create(s));
   TRY(isph_wall_create(s));
-  TRY(place_water(s, lattice));
+  TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
   isph_budget_begin(s);
 cleanup:
@@ -361,6 +261,7 @@ void isph_free(struct isph *s) {
                     &s->wall_boxes,
                     &s->boundary_position,
                     &s->boundary_pressure,
+                    &s->boundary_volume,
                     &s->boundary_kind,
                     &s->boundary_box,
                     &s->sides,

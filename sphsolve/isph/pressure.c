@@ -68,17 +68,17 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
-          double a = 2 * vol * s->wall_volume * ki * slope * stretch;
+          double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
           diagonal += a, tied += a;
           source += a * (held * s->boundary_pressure[j] +
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
           continue;
         }
         const double *vw = isph_wall_velocity(s, j);
-        walled += 2 * vol * s->wall_volume * ki * slope;
+        walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-        double image = 2 * s->wall_volume * slope;
+        double image = 2 * isph_wall_volume(s, j) * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
         for (int a = 0; a < 3; a++) divergence += image * mirror[a] * (vi[a] - vw[a]) * r[a];
       }
@@ -153,6 +153,14 @@ enum status isph_solve_failed(struct isph *s, double error, int iterations) {
               worst[3], worst[0], worst[1], worst[2], error, iterations);
 }
 
+/* Least energy that a solution is measured by: that of a pressure gradient 1e-8 of the driving
+ * force's, far above what rounding leaves of the rows where the force alone drives even water. */
+static double energy_least(struct isph *s) {
+  const double *f = s->force, gradient = 1e-8 * s->density;
+  const double square = gradient * gradient * (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  return square > 0 ? square * isph_dot(s, s->volume, s->mobility) : 0;
+}
+
 enum status isph_solve_pressure(struct isph *s) {
   size_t n = s->count;
   double *x = s->pressure, *b = s->source;
@@ -182,14 +190,14 @@ enum status isph_solve_pressure(struct isph *s) {
   /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
    * the velocities the pressure makes: one tolerance means the same whatever the number of
    * particles (the plain norm of r asks for more the smoother b is on its scale). */
-  double error = 0, rz = 0, energy = 0;
+  double error = 0, rz = 0, energy = 0, least = fmax(energy_least(s), 1e-300);
   int iteration = 0;
   for (;; iteration++) {
     multigrid_apply(s, r, z);
     double rz_new = isph_dot(s, r, z), beta = iteration > 0 ? rz_new / rz : 0;
     double whole = fmax(isph_dot(s, x, b), solve->energy);
     rz = rz_new;
-    error = sqrt(fabs(rz) / fmax(whole, 1e-300));
+    error = sqrt(fabs(rz) / fmax(whole, least));
     energy = whole;
     if (!(rz > 0) || !(error > tolerance) || iteration == ITERATIONS_MAX) break;
 #pragma omp parallel for schedule(static)

@@ -61,16 +61,18 @@ struct isph_open_side {
   double head, flux;
   double velocity[3]; /* of its boundary particles, where the flux is given */
   int cells[3];       /* columns across the rectangle */
-  double pitch[3];    /* their widths; along `axis` the spacing */
+  double pitch[3];    /* their widths; along `axis` the spacing of free water */
+  double porosity;    /* of the soil there, by its sharp edge */
   size_t first;       /* of its columns; those above the head are there, but dry */
 };
 
 /* A file of boundary particles behind one cell of a window, that moves with the water. */
 struct isph_column {
   size_t side, first; /* first of its boundary particles */
+  double pitch;       /* of its particles, along the axis */
+  double volume;      /* of each */
   bool dry;           /* above the head: air, and no particles */
   double at[3];       /* its axis on the side */
-  double front;       /* distance of the foremost particle behind the side, 0 .. spacing */
   double speed;       /* of the water there, inward: of the pores */
 };
 
@@ -139,6 +141,7 @@ struct isph {
 
   size_t count, capacity;  /* of the particles here: the own ones, and ghosts before and after */
   size_t total;            /* of all ranks */
+  size_t start_count;      /* of all ranks, at the start */
   struct ghosts local;     /* this rank computes [local.begin, local.end) */
   size_t *chunk_partition; /* [ranks + 1]: in chunks of all */
   double *layer_start;     /* [layers of cells + 1]: particles of all before it; NULL on one rank */
@@ -197,6 +200,7 @@ struct isph {
   size_t boundary_count;
   double (*boundary_position)[3];
   double *boundary_pressure; /* open sides of given head; NULL without any */
+  double *boundary_volume;   /* NULL without open sides: all have wall_volume */
   uint8_t *boundary_kind;
   uint16_t *boundary_box; /* wall box, or open side */
   size_t side_count, column_count;
@@ -255,6 +259,8 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);
 #define ISPH_COPY_BYTES 72.0 /* per particle */
 
+/* isph/place.c: the water at the start, start_count particles on all ranks. */
+enum status isph_place_water(struct isph *s, const struct lattice *lattice);
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
@@ -278,7 +284,7 @@ bool isph_soils_differ(const struct scene *scene);
 enum status isph_wall_create(struct isph *s);
 void isph_wall_move(struct isph *s, double dt);
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
-                          enum boundary_kind kind, size_t box);
+                          enum boundary_kind kind, size_t box, double volume);
 int isph_wall_layers(const struct isph *s);
 /* Along which axes boundary particle j at xj (its periodic image) mirrors a particle at xi (1 or 0
  * each), and its distance from the wall over that of xi. */
@@ -375,9 +381,14 @@ enum status isph_open_measure(struct isph *s);
 enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
-/* isph/cells.c: kernel sum of water at a point, and the mean velocity of water there. */
-enum status isph_probe(const struct isph *s, const double x[3], double *kernel_sum,
+/* isph/cells.c: kernel sum of water at a point within a support, and the mean velocity of water
+ * there. */
+enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]);
+/* Bulk volume of boundary particle j. */
+static inline double isph_wall_volume(const struct isph *s, size_t j) {
+  return s->boundary_volume != NULL ? s->boundary_volume[j] : s->wall_volume;
+}
 
 /* Whether nothing acts on water with a surface but itself and walls. */
 static inline bool isph_is_free(const struct isph *s) {

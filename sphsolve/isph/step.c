@@ -232,13 +232,13 @@ static void correct(struct isph *s) {
           if (!s->on.soil) continue;
           double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-          double weight = s->wall_volume * (double)chunk->wall_slope[p];
+          double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
           for (int a = 0; a < 3; a++)
             present[a] -= s->soil_share[i] * (1 - mirror[a]) * weight * r[a] * r[a];
           continue;
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
-        double weight = s->wall_volume * (double)chunk->wall_slope[p] * stretch;
+        double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
         double drop = pressure - held * s->boundary_pressure[j];
         double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
         for (int a = 0; a < 3; a++)
@@ -315,8 +315,8 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, &ratio);
     gap = fmax(gap, surface_gap(s, i, r, mirror));
-    trace +=
-        s->wall_volume * (double)chunk->wall_slope[p] * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    trace += isph_wall_volume(s, chunk->wall[p] & PAIR_MASK) * (double)chunk->wall_slope[p] *
+             (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   }
   if (gap == 0) return 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
@@ -341,7 +341,8 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   double size = size_of(s, s->volume[i]);
-  double most = s->on.surface ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
+  double most =
+      s->on.surface && !isph_is_free(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, step);
   const float *g = s->gradient[i];

@@ -19,7 +19,7 @@ static bool used(const struct isph *s, int a) {
 }
 
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
-                          enum boundary_kind kind, size_t box) {
+                          enum boundary_kind kind, size_t box, double volume) {
   if (s->boundary_count == *capacity) {
     size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
     enum status status =
@@ -28,6 +28,8 @@ enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
       status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
     if (status == STATUS_OK)
       status = memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls");
+    if (status == STATUS_OK && s->on.open_sides)
+      status = memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls");
     if (status != STATUS_OK) return status;
     *capacity = n;
   }
@@ -35,6 +37,7 @@ enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
   memcpy(s->boundary_position[j], x, sizeof(double[3]));
   s->boundary_kind[j] = (uint8_t)kind;
   s->boundary_box[j] = (uint16_t)box;
+  if (s->boundary_volume != NULL) s->boundary_volume[j] = volume;
   return STATUS_OK;
 }
 
@@ -59,7 +62,7 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
           outside = outside || at[a] < 0 || at[a] >= n[a];
         }
         if (!outside || isph_open_side_behind(s, x) >= 0) continue;
-        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, 0);
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, 0, s->wall_volume);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -90,7 +93,7 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
         for (size_t later = index + 1; later < s->wall_box_count; later++)
           taken = taken || in_box(s, &s->wall_boxes[later], x);
         if (taken) continue;
-        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, index);
+        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, index, s->wall_volume);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -117,6 +120,7 @@ enum status isph_wall_create(struct isph *s) {
       box->velocity[a] = region->velocity[a];
     }
   }
+  s->wall_volume = pow(s->spacing, s->dimensions);
   TRY(fill_tank(s, &capacity));
   TRY(isph_open_fill(s, &capacity));
   for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
@@ -126,7 +130,8 @@ enum status isph_wall_create(struct isph *s) {
   TRY(memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls"));
   if (s->side_count > 0)
     TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
-  s->wall_volume = pow(s->spacing, s->dimensions);
+  if (s->boundary_volume != NULL)
+    TRY(memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls"));
   TRY(isph_sort_walls(s));
   isph_wall_move(s, 0);
 cleanup:

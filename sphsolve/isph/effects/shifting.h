@@ -7,8 +7,8 @@
  * of r^2 / s just undoes such a displacement, one of 2 r^2 / s turns it over at full size. With
  * h^2, which Skillen et al. bound it by and which is 2.3 r^2 / s, particles change sides every
  * step, the divergence with them, and under a surface the pressure of all water is 0 and twice its
- * value in turn. Without a surface steps are half as long, A U dt h is below 2 r^2 / s by itself,
- * and the bound is h^2. The velocity goes along with the particle, v += dx . grad v, which
+ * value in turn. Where no force presses the water together, or without a surface, where steps are
+ * half as long and A U dt h below 2 r^2 / s by itself, the bound is h^2. The velocity goes along with the particle, v += dx . grad v, which
  * is what keeps shifting from diffusing momentum. A surface particle is not shifted, and one that
  * has the surface among its neighbours only along it (Khayyer, Gotoh, Shimizu 2017, eq. 13): C
  * falls towards the void whether or not particles are evenly spread, and a shift up that fall

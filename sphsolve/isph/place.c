@@ -1,0 +1,334 @@
+/* Where the water stands at the start. */
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/state.h"
+
+/* Free water has a particle on each site of the lattice. In soil a site holds only eps of that, and
+ * a particle made of it would be as much smaller than those that come in from outside, and see as
+ * much less: beside a full particle its kernel's support, a spacing and a half wide, misses walls
+ * and voids. So the water of soil is drawn over particles of the mass of all others, in rows
+ * eps^(-1/dimensions) spacings apart over the box that the soil's wet sites fill. By the soil's
+ * sharp edge: the sum of the masses is then exact, and the smoothed porosity spreads the particles
+ * by itself. */
+
+/* A site's water. */
+struct site {
+  double x[3], width[3]; /* m; the width 1 along an axis that is not used */
+  double porosity, volume;
+  size_t porous, water; /* its regions, region_count for none */
+  const double *velocity;
+};
+
+/* The wet sites of one soil in one region of water, and the rows drawn over them. */
+struct block {
+  double low[3], high[3];
+  double porosity, whole; /* mass of a particle */
+  const double *velocity;
+  int rows[3];
+  size_t first; /* of its cells, and their number */
+  size_t count;
+};
+
+struct cell {
+  double mass, moment[3]; /* sum of mass times place */
+};
+
+struct blocks {
+  size_t count;
+  struct block *block;
+  struct cell *cell;
+  uint32_t *of; /* [regions * (regions + 1)]: number + 1 of the block of (porous, water) */
+};
+
+static bool used(const struct isph *s, int a) {
+  return s->dimensions == 3 || a != 1;
+}
+
+static void find_regions(const struct isph *s, struct site *site) {
+  static const double still[3] = {0};
+  site->porous = site->water = s->scene->region_count;
+  site->porosity = 1;
+  site->velocity = still;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    bool inside = true;
+    for (int a = 0; a < 3; a++)
+      if (used(s, a))
+        inside = inside && site->x[a] >= region->box[a] && site->x[a] < region->box[a + 3];
+    if (inside && region->type == REGION_POROUS)
+      site->porous = k, site->porosity = region->porosity;
+    if (inside && region->type == REGION_WATER) site->water = k, site->velocity = region->velocity;
+  }
+}
+
+static bool boxes_meet(const struct isph *s, const double p[6], const double q[6]) {
+  const double near = 1e-6 * s->spacing;
+  for (int a = 0; a < 3; a++)
+    if ((s->dimensions == 3 || a != 1) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near))
+      return false;
+  return true;
+}
+
+/* The water region that alone fills the place of x; NULL where others have a part in it. */
+static const struct region *filled_by(const struct isph *s, const double x[3]) {
+  const struct region *regions = s->scene->regions, *found = NULL;
+  const size_t n = s->scene->region_count;
+  for (size_t k = 0; k < n && found == NULL; k++) {
+    bool inside = regions[k].type == REGION_WATER;
+    for (int a = 0; a < 3; a++)
+      if (s->dimensions == 3 || a != 1)
+        inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
+    if (inside) found = &regions[k];
+  }
+  for (size_t k = 0; k < n && found != NULL; k++) {
+    const struct region *other = &regions[k];
+    const bool cuts =
+        other->type == REGION_WATER ||
+        ((other->type == REGION_WALL || other->type == REGION_EMPTY) && other > found);
+    if (other != found && cuts && boxes_meet(s, other->box, found->box)) return NULL;
+  }
+  return found;
+}
+
+/* Sites lie a spacing apart from the domain's corner, whatever the box of water: the rows of a box
+ * that is no whole number of them are drawn over it, so that its water is all there and stands
+ * evenly. */
+static void fit_box(const struct isph *s, const struct lattice *lattice, struct site *site) {
+  const struct region *region = filled_by(s, site->x);
+  if (region == NULL) return;
+  for (int a = 0; a < 3; a++) {
+    if (!used(s, a)) continue;
+    const double dx = lattice->spacing[a], low = region->box[a], length = region->box[a + 3] - low;
+    const double first = floor((low - lattice->origin[a]) / dx + 1e-9) + 1;
+    const double last = ceil((low + length - lattice->origin[a]) / dx - 1e-9) - 1;
+    const double rows = fmax(1, last - first + 1), pitch = length / rows;
+    const double row = round((site->x[a] - lattice->origin[a]) / dx) - first;
+    const double place = low + (row + 0.5) * pitch;
+    /* Rows that fit stay where they are, to the bit. */
+    if (fabs(pitch / dx - 1) < 1e-9 && fabs(place - site->x[a]) < 1e-6 * dx) continue;
+    site->x[a] = place;
+    site->width[a] = pitch;
+    site->volume *= pitch / dx;
+  }
+}
+
+/* Calls take for each site of water, in their order; stops at its first failure. */
+static enum status for_sites(struct isph *s, const struct lattice *lattice,
+                             enum status (*take)(struct isph *s, const struct site *site,
+                                                 void *context),
+                             void *context) {
+  double volume = lattice->spacing[0] * lattice->spacing[2];
+  if (s->dimensions == 3) volume *= lattice->spacing[1];
+  size_t index = 0;
+  for (size_t k = 0; k < lattice->size[2]; k++)
+    for (size_t j = 0; j < lattice->size[1]; j++)
+      for (size_t i = 0; i < lattice->size[0]; i++, index++) {
+        if (lattice->kind[index] != SITE_FLUID) continue;
+        const size_t at[3] = {i, j, k};
+        struct site site = {.volume = volume};
+        for (int a = 0; a < 3; a++) {
+          site.x[a] = lattice->origin[a] + (double)at[a] * lattice->spacing[a];
+          site.width[a] = used(s, a) ? lattice->spacing[a] : 1;
+        }
+        fit_box(s, lattice, &site);
+        find_regions(s, &site);
+        enum status status = take(s, &site, context);
+        if (status != STATUS_OK) return status;
+      }
+  return STATUS_OK;
+}
+
+static struct block *block_of(const struct isph *s, const struct blocks *blocks,
+                              const struct site *site) {
+  const size_t n = s->scene->region_count;
+  if (!(site->porosity < 1)) return NULL;
+  return &blocks->block[blocks->of[site->porous * (n + 1) + site->water] - 1];
+}
+
+/* The blocks and the boxes that their sites fill. */
+static enum status bound(struct isph *s, const struct site *site, void *context) {
+  struct blocks *blocks = context;
+  const size_t n = s->scene->region_count;
+  if (!(site->porosity < 1)) return STATUS_OK;
+  uint32_t *number = &blocks->of[site->porous * (n + 1) + site->water];
+  if (*number == 0) {
+    enum status status =
+        memory_resize(&blocks->block, blocks->count + 1, sizeof *blocks->block, "regions");
+    if (status != STATUS_OK) return status;
+    struct block *block = &blocks->block[blocks->count++];
+    *block = (struct block){.porosity = site->porosity, .velocity = site->velocity};
+    for (int a = 0; a < 3; a++) block->low[a] = INFINITY, block->high[a] = -INFINITY;
+    *number = (uint32_t)blocks->count;
+  }
+  struct block *block = &blocks->block[*number - 1];
+  for (int a = 0; a < 3; a++) {
+    block->low[a] = fmin(block->low[a], site->x[a] - 0.5 * site->width[a]);
+    block->high[a] = fmax(block->high[a], site->x[a] + 0.5 * site->width[a]);
+  }
+  return STATUS_OK;
+}
+
+/* Rows along each axis, the shortest first, so that a cell holds as much as a free particle. */
+static void draw_rows(const struct isph *s, struct block *block) {
+  double volume = pow(s->spacing, s->dimensions) / block->porosity;
+  bool drawn[3] = {false, false, false};
+  block->count = 1;
+  block->whole = block->porosity * s->density;
+  for (int left = s->dimensions; left > 0; left--) {
+    int axis = -1;
+    for (int a = 0; a < 3; a++)
+      if (used(s, a) && !drawn[a] &&
+          (axis < 0 || block->high[a] - block->low[a] < block->high[axis] - block->low[axis]))
+        axis = a;
+    const double length = block->high[axis] - block->low[axis];
+    block->rows[axis] = (int)fmax(1, round(length / pow(volume, 1.0 / left)));
+    volume /= length / block->rows[axis];
+    block->whole *= length / block->rows[axis];
+    block->count *= (size_t)block->rows[axis];
+    drawn[axis] = true;
+  }
+  if (s->dimensions == 2) block->rows[1] = 1;
+}
+
+/* What of the site's length along axis a lies in row r of the block. */
+static double overlap(const struct block *block, const struct site *site, int a, int r) {
+  const double pitch = (block->high[a] - block->low[a]) / block->rows[a];
+  const double low = fmax(site->x[a] - 0.5 * site->width[a], block->low[a] + r * pitch);
+  const double high = fmin(site->x[a] + 0.5 * site->width[a], block->low[a] + (r + 1) * pitch);
+  return fmax(0, high - low) / site->width[a];
+}
+
+/* Gives a site's water to the cells that share its room. */
+static enum status share_out(struct isph *s, const struct site *site, void *context) {
+  const struct blocks *blocks = context;
+  const struct block *block = block_of(s, blocks, site);
+  if (block == NULL) return STATUS_OK;
+  int from[3], to[3];
+  for (int a = 0; a < 3; a++) {
+    const double pitch = (block->high[a] - block->low[a]) / block->rows[a];
+    const double low = (site->x[a] - 0.5 * site->width[a] - block->low[a]) / pitch;
+    const double high = (site->x[a] + 0.5 * site->width[a] - block->low[a]) / pitch;
+    from[a] = (int)fmax(0, floor(low + 1e-9));
+    to[a] = (int)fmin(block->rows[a] - 1, ceil(high - 1e-9) - 1);
+  }
+  for (int k = from[2]; k <= to[2]; k++)
+    for (int j = from[1]; j <= to[1]; j++)
+      for (int i = from[0]; i <= to[0]; i++) {
+        const int at[3] = {i, j, k};
+        double share = site->porosity * s->density * site->volume;
+        for (int a = 0; a < 3; a++)
+          if (used(s, a)) share *= overlap(block, site, a, at[a]);
+        const size_t row = (size_t)k * (size_t)block->rows[1] + (size_t)j;
+        struct cell *cell = &blocks->cell[block->first + row * (size_t)block->rows[0] + (size_t)i];
+        cell->mass += share;
+        for (int a = 0; a < 3; a++) {
+          const double pitch = (block->high[a] - block->low[a]) / block->rows[a];
+          const double low = fmax(site->x[a] - 0.5 * site->width[a], block->low[a] + at[a] * pitch);
+          const double high =
+              fmin(site->x[a] + 0.5 * site->width[a], block->low[a] + (at[a] + 1) * pitch);
+          cell->moment[a] += share * (used(s, a) ? 0.5 * (low + high) : site->x[a]);
+        }
+      }
+  return STATUS_OK;
+}
+
+/* Cells that walls or other soil leave less than this share of go to the fullest beside them. */
+#define SHARE_LEAST 0.5
+
+static void merge_slivers(const struct block *block, struct cell *cell) {
+  const int *rows = block->rows;
+  const size_t stride[3] = {1, (size_t)rows[0], (size_t)rows[0] * (size_t)rows[1]};
+  for (size_t c = 0; c < block->count; c++) {
+    if (!(cell[c].mass > 0 && cell[c].mass < SHARE_LEAST * block->whole)) continue;
+    size_t best = c;
+    for (int a = 0; a < 3; a++) {
+      const int at = (int)(c / stride[a] % (size_t)rows[a]);
+      if (at > 0 && cell[c - stride[a]].mass > cell[best].mass) best = c - stride[a];
+      if (at < rows[a] - 1 && cell[c + stride[a]].mass > cell[best].mass) best = c + stride[a];
+    }
+    if (best == c) continue;
+    cell[best].mass += cell[c].mass;
+    for (int a = 0; a < 3; a++) cell[best].moment[a] += cell[c].moment[a];
+    cell[c].mass = 0;
+  }
+}
+
+struct filling {
+  const struct blocks *blocks;
+  size_t first, end; /* of all particles, those of this rank */
+};
+
+static enum status add(struct isph *s, const struct filling *filling, const double x[3],
+                       const double velocity[3], double mass) {
+  if (s->next_id >= filling->first && s->next_id < filling->end)
+    return isph_add_particle(s, x, velocity, mass);
+  s->next_id++;
+  return STATUS_OK;
+}
+
+static enum status fill_site(struct isph *s, const struct site *site, void *context) {
+  const struct filling *filling = context;
+  if (site->porosity < 1) return STATUS_OK;
+  return add(s, filling, site->x, site->velocity, s->density * site->volume);
+}
+
+static enum status count_free(struct isph *s, const struct site *site, void *context) {
+  (void)s;
+  if (!(site->porosity < 1)) ++*(size_t *)context;
+  return STATUS_OK;
+}
+
+/* The cells of all blocks with their water. */
+static enum status make_blocks(struct isph *s, const struct lattice *lattice,
+                               struct blocks *blocks) {
+  enum status status = STATUS_OK;
+  const size_t n = s->scene->region_count;
+  size_t cells = 0;
+  TRY(memory_allocate(&blocks->of, n * (n + 1), sizeof *blocks->of, "regions"));
+  TRY(for_sites(s, lattice, bound, blocks));
+  for (size_t b = 0; b < blocks->count; b++) {
+    draw_rows(s, &blocks->block[b]);
+    blocks->block[b].first = cells;
+    cells += blocks->block[b].count;
+  }
+  TRY(memory_allocate(&blocks->cell, cells, sizeof *blocks->cell, "water in soil"));
+  TRY(for_sites(s, lattice, share_out, blocks));
+  for (size_t b = 0; b < blocks->count; b++)
+    merge_slivers(&blocks->block[b], blocks->cell + blocks->block[b].first);
+cleanup:
+  return status;
+}
+
+/* Each rank takes a run of the particles. */
+enum status isph_place_water(struct isph *s, const struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  struct blocks blocks = {0};
+  struct filling filling = {.blocks = &blocks};
+  const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
+  size_t total = 0;
+  if (s->on.soil) TRY(make_blocks(s, lattice, &blocks));
+  TRY(for_sites(s, lattice, count_free, &total));
+  for (size_t b = 0; b < blocks.count; b++)
+    for (size_t c = 0; c < blocks.block[b].count; c++)
+      total += blocks.cell[blocks.block[b].first + c].mass > 0;
+  filling.first = total * own / ranks, filling.end = total * (own + 1) / ranks;
+  TRY(isph_reserve(s, filling.end > filling.first ? filling.end - filling.first : 1));
+  TRY(for_sites(s, lattice, fill_site, &filling));
+  for (size_t b = 0; b < blocks.count; b++)
+    for (size_t c = 0; c < blocks.block[b].count; c++) {
+      const struct cell *cell = &blocks.cell[blocks.block[b].first + c];
+      double x[3];
+      if (!(cell->mass > 0)) continue;
+      for (int a = 0; a < 3; a++) x[a] = cell->moment[a] / cell->mass;
+      TRY(add(s, &filling, x, blocks.block[b].velocity, cell->mass));
+    }
+  s->start_count = total;
+cleanup:
+  memory_free(&blocks.block);
+  memory_free(&blocks.cell);
+  memory_free(&blocks.of);
+  return status;
+}
