@@ -41,7 +41,7 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
   for (int a = 0; a < 3; a++) middle[a] = 0.5 * (side.low[a] + side.high[a]);
   middle[side.axis] = side.edge;
   side.porosity = porosity_at(s, middle);
-  const double apart = s->spacing * pow(side.porosity, -1.0 / s->dimensions);
+  const double apart = s->spacing * pow(s->fullest / side.porosity, 1.0 / s->dimensions);
   for (int a = 0; a < 3; a++) {
     double width = side.high[a] - side.low[a];
     side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / apart));
@@ -155,8 +155,9 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
         isph_soil_at(s, x, 0, &soil);
         porosity = soil.porosity;
       }
-      column->pitch =
-          side->porosity < 1 || porosity < 1 ? s->wall_volume / (porosity * area) : s->spacing;
+      column->pitch = side->porosity < 1 || porosity < 1
+                          ? s->wall_volume * s->fullest / (porosity * area)
+                          : s->spacing;
       column->volume = area * column->pitch;
       s->column_front[side->first + (size_t)c] = 0.5 * column->pitch;
       column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);

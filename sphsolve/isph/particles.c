@@ -185,6 +185,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
     if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
   }
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
+  TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   TRY(isph_wall_create(s));
   TRY(isph_place_water(s, lattice));

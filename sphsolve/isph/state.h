@@ -208,6 +208,7 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
+  double fullest; /* mass of a particle over that of a spacing of free water */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
 
@@ -261,6 +262,8 @@ void isph_copy_free(struct isph_copy *copy);
 
 /* isph/place.c: the water at the start, start_count particles on all ranks. */
 enum status isph_place_water(struct isph *s, const struct lattice *lattice);
+/* Before it and isph_open_create: what each particle is to hold. */
+enum status isph_choose_mass(struct isph *s, const struct lattice *lattice);
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
