@@ -80,9 +80,10 @@ END
   "$BIN/sphsolve" run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=model.hdf --set output.image=false -o bare --quiet
   [ -e bare-0000.hdf ]
   [ ! -e bare-image.hdf ]
-  run --separate-stderr "$BIN/analyze" darcy pore*.hdf --json
+  run --separate-stderr "$BIN/analyze" darcy pore*.hdf --json --verbose
   [ "$status" -eq 0 ]
   [[ "$stderr" == *"pore-image.hdf: no run"* ]]
+  [[ "$stderr" == *"no runs but models or files beside a run: passed over"* ]]
   [[ "$output" == *'"runs_in_fit": 1'* ]]
 }
 
