@@ -122,13 +122,17 @@ static bool file_is(const char *a, const char *b) {
          of_a.st_ino == of_b.st_ino;
 }
 
-static enum status read_runs(const struct options *options, struct run **runs, size_t *n) {
+/* The operands that are runs. `solutes`: the caller shows those that hold what a solute did. */
+static enum status read_runs(const struct options *options, bool solutes, struct run **runs,
+                             size_t *n) {
   enum status status = STATUS_OK;
   size_t count = options_operand_count(options), passed = 0;
   TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
   for (size_t i = 0; i < count; i++) {
     const char *path = options_operand(options, i);
-    if (count > 1 && (run_is_companion(path) || dispersion_is(path))) {
+    const bool solute = count > 1 && dispersion_is(path);
+    if (solutes && solute) continue;
+    if (solute || (count > 1 && run_is_companion(path))) {
       log_verbose("%s: no run but a model or a file beside a run, passed over", path);
       passed++;
       continue;
@@ -261,8 +265,8 @@ static enum status run_command(const struct options *options) {
   size_t n = 0;
   if (strcmp(command, "dispersion") == 0) return dispersion_command(options);
   TRY(product_start(command, &product));
-  TRY(read_runs(options, &runs, &n));
-  bool report = strcmp(command, "report") == 0;
+  const bool report = strcmp(command, "report") == 0;
+  TRY(read_runs(options, report, &runs, &n));
   /* A study of the resolution has a model for each spacing. */
   bool levels = report || strcmp(command, "converge") == 0;
   TRY(compatible_runs_check(runs, n, levels, options_given(options, "mix")));

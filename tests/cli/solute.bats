@@ -113,7 +113,9 @@ for key in ("peclet", "longitudinal", "transverse", "longitudinal_error"):
 assert shown["closure"]["longitudinal"] == shown["longitudinal"]
 assert abs(shown["longitudinal_dispersivity_m"][1] / run["longitudinal_dispersivity"][1] - 1) < 1e-9
 P
-  analyze report slit.hdf carried.hdf -o page.html > /dev/null
+  analyze report slit.hdf carried.hdf -o page.html > /dev/null 2> said
+  run grep 'passed over' said
+  [ "$status" -eq 1 ]
   grep -q 'id="dispersion"' page.html
   run -3 --separate-stderr analyze darcy carried.hdf
   [[ $stderr == *"analyze dispersion carried.hdf"* ]]
