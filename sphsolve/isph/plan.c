@@ -122,7 +122,9 @@ enum status isph_cost(struct plan *plan, int threads) {
                        "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
-  plan->bytes_fluid = 516 + 1.3 * neighbours * 12;
+  plan->bytes_fluid = 518 + 1.3 * neighbours * 12;
+  if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
+  if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

@@ -13,7 +13,7 @@
 #define GRID 40.0
 #define SITE 6.0
 #define WALL 31.0
-#define HELD 440.0
+#define HELD 456.0
 #define LAYERS 1.25
 #define GHOST 240.0
 
