@@ -31,11 +31,13 @@ enum status stokes_cost(struct plan *plan, int threads) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
   plan->dt = 0.0;
-  if (l->wall_count == 0) return STATUS_OK; /* the run says what is wrong */
-  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid) : 5.0 * sites;
+  if (l->wall_count == 0 && l->micro_porosity == NULL) return STATUS_OK; /* the run says what is wrong */
+  const bool soil = l->micro_porosity != NULL;
+  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
   plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0, 0.0));
-  plan->bytes_wall = 31.0;
-  plan->bytes_fluid = fluid > 0.0 ? (plan->bytes_method - 31.0 * (sites - fluid)) / fluid : 31.0;
+  plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);
+  plan->bytes_fluid =
+      fluid > 0.0 ? (plan->bytes_method - plan->bytes_wall * (sites - fluid)) / fluid : plan->bytes_wall;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;
   const struct stokes_goal goal = stokes_goal_of(plan->context.scene);
   plan->steps = round(stokes_iterations(&plan->shape, &goal, wall));

@@ -17,14 +17,19 @@
 #define BASIS_MIN 3
 #define BASIS_MAX 24
 #define BASIS_SOIL 8 /* at least, where there is soil: a short one costs more there */
-int stokes_solver_basis(double sites, double active) {
+/* And where there is soil: two fields of the lattice and the unpacked fields of two more sums; and of
+ * an active site five weights, mobility and its root, the force that links draw, permeability. */
+#define SOIL_SITE_BYTES 40.0
+#define SOIL_ACTIVE_BYTES 44.0
+int stokes_solver_basis(double sites, double active, bool soil) {
   const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
-  return (int)fmax(BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
+  return (int)fmax(soil ? BASIS_SOIL : BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
 }
 
-double stokes_solver_bytes(double sites, double active) {
-  return SITE_BYTES * sites +
-         (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active))) * active;
+double stokes_solver_bytes(double sites, double active, bool soil) {
+  const double more = soil ? SOIL_SITE_BYTES * sites + SOIL_ACTIVE_BYTES * active : 0.0;
+  return SITE_BYTES * sites + more +
+         (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active, soil))) * active;
 }
 
 /* Threads that so many sites keep busy; waiting for more costs longer than they help. */
@@ -180,8 +185,8 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
                             s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
-  int basis = stokes_solver_basis((double)lattice->count, (double)active);
-  if (s->operator.soil && basis < BASIS_SOIL) basis = BASIS_SOIL;
+  const int basis =
+      stokes_solver_basis((double)lattice->count, (double)active, s->operator.soil != NULL);
   TRY(stokes_krylov_build(length, basis, &s->krylov));
   s->residual = s->krylov.basis;
   s->krylov.system = s;

@@ -51,9 +51,9 @@ enum status stokes_solver_build_half(const struct lattice *lattice, const struct
 void stokes_solver_free(struct stokes_solver *solver);
 
 /* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
- * solved, takes. */
-int stokes_solver_basis(double sites, double active);
-double stokes_solver_bytes(double sites, double active);
+ * solved, takes; with `soil` where the model has some. */
+int stokes_solver_basis(double sites, double active, bool soil);
+double stokes_solver_bytes(double sites, double active, bool soil);
 
 /* After x was changed from outside: residual, mean and divergence of it. */
 void stokes_solver_restart(struct stokes_solver *solver);

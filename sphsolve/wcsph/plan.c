@@ -278,7 +278,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   const double split = cascade_seconds(scene, plan, true);
   plan->seconds += split / threads;
   if (split > 0)
-    plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
+    plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count, false);
   plan->expected = error_forecast_of(&plan->shape, &method_wcsph, scene->wcsph.wall, 1);
   return STATUS_OK;
 }

@@ -156,3 +156,53 @@ END
   refused "not 0 in the grain" --set model.file=grain.hdf
   refused "knows no soil" --set stokes.wall=adami
 }
+
+@test "soil: memory is what explain says, and k is the same on 1, 2 and 3 ranks" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # Spheres of grain and of soil at random in a periodic box, two kinds of soil; and the same with all soil pore.
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+rng, n, dx = np.random.default_rng(4), 32, 1e-5
+grid = np.stack(np.meshgrid(*[np.arange(n) + .5] * 3, indexing="ij"))
+def spheres(share, low, high):
+    d = np.full((n, n, n), 1e9)
+    while (d < 0).mean() < share:
+        away = np.abs(grid - rng.uniform(0, n, 3).reshape(3, 1, 1, 1))
+        d = np.minimum(d, np.sqrt((np.minimum(away, n - away) ** 2).sum(0)) - rng.uniform(low, high))
+    return d
+grain, soil = spheres(.35, 2, 3), spheres(.5, 2.5, 3.5)
+k = np.where((soil < 0) & (grain >= 0), np.where(grid[0] < n / 2, .01, .03), 0) * dx**2
+for name in "aggregates.hdf", "pores.hdf":
+    with h5py.File(name, "w") as f:
+        m = f.create_group("model")
+        m["solid"], m["wall_distance"] = (grain < 0).astype("u1"), (grain * dx).astype("f4")
+        m["grain_fraction"] = np.clip(.5 - grain, 0, 1).astype("f4")
+        m.attrs["spacing"] = [dx] * 3
+        if name == "aggregates.hdf":
+            m["micro_porosity"], m["micro_permeability"] = np.where(k > 0, .35, 0).astype("f4"), k.astype("f4")
+END
+  local name n
+  for name in aggregates pores; do
+    sed "s/file = \"soil.hdf\"/file = \"$name.hdf\"/" soil.cfg > $name.cfg
+    sphsolve explain $name.cfg --json > $name-plan.json
+    sphsolve run $name.cfg --set stokes.tolerance=1e-6 -o $name-run --quiet
+  done
+  /usr/bin/python3 - <<'END'
+import h5py, json
+for name in "aggregates", "pores":
+    plan = json.load(open(f"{name}-plan.json"))
+    peak = float(h5py.File(f"{name}-run.hdf")["run/timing"].attrs["memory_peak_bytes"])
+    said = plan["memory_method_bytes"]
+    print(f"{name}: peak {peak / 1e6:.2f} MB, said {said / 1e6:.2f} MB")
+    assert abs(peak / said - 1) < .15
+    assert peak < plan["memory_bytes"]
+END
+  command -v sphsolve-mpi > /dev/null || skip "the memory is as said; sphsolve-mpi is not built (make check MPI=1)"
+  command -v mpirun > /dev/null || skip "the memory is as said; mpirun is not installed"
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+  export OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_mpi_yield_when_idle=1
+  for n in 1 2 3; do
+    timeout 60 mpirun -np $n sphsolve-mpi run aggregates.cfg --set stokes.tolerance=1e-6 -o "ranks$n" --quiet
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/ranks.py" aggregates-run.hdf "ranks$n.hdf" 1e-6 run@k
+  done
+}

@@ -84,7 +84,8 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return false;
   }
   const double share = (double)c->base->fluid_count / (double)c->base->count;
-  return stokes_solver_bytes((double)count, share * (double)count) < memory_available();
+  return stokes_solver_bytes((double)count, share * (double)count,
+                             c->base->micro_porosity != NULL) < memory_available();
 }
 
 struct stokes_goal cascade_goal(const struct cascade *c) {
@@ -138,7 +139,8 @@ static double permeability_of(const struct stokes_solver *s) {
  * again as parts are uneven and have ghosts. */
 #define RANK_SPARE 1.3
 static bool have_room(const struct lattice *lattice) {
-  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count);
+  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count,
+                                           lattice->micro_porosity != NULL);
   return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
 }
 

@@ -141,7 +141,8 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
                                  .sites = sites,
                                  .error = fmin(1.0, OPEN_SHARE * e.error),
                                  .seconds = seconds,
-                                 .bytes = stokes_solver_bytes(half * sites, half * phi * sites)};
+                                 .bytes = stokes_solver_bytes(half * sites, half * phi * sites,
+                                                              base->micro_porosity != NULL)};
   }
   return count;
 }

@@ -391,7 +391,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   TRY(memory_allocate(&op->row_flux, 3 * grid->rows, sizeof *op->row_flux, "flux of the rows"));
   TRY(stokes_soil_build(lattice, grid, force, stencil->unit, &op->soil));
   if (op->soil) op->laplace *= stokes_stencil_moment(stencil);
-  const size_t slots = op->soil ? 4 * STOKES_SOIL_SUMS : 4;
+  const size_t slots = op->soil ? 4 * (size_t)stokes_soil_sums(op->soil) : 4;
   const size_t ghosts = 2 * (size_t)(grid->reach + grid->images) * grid->size[1];
   TRY(memory_allocate_sparse(&op->field, slots * grid->rows * grid->stride, sizeof *op->field,
                              slots * (grid->row_end - grid->row_begin + ghosts) * grid->stride,
@@ -400,6 +400,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                       "row buffers"));
   TRY(build_sites(op));
   TRY(build_edges(op));
+  if (op->soil) memory_free(&op->soil->enclosed);
   return STATUS_OK;
 cleanup:
   stokes_operator_free(op);

@@ -61,7 +61,7 @@ struct stokes_operator {
   double *row_flux;          /* [rows][3] */
   struct stokes_soil *soil;  /* weights of links to soil; NULL: there is none, all are 1 */
   float *field;              /* [4][rows][stride] unpacked vectors; two in double precision; where
-                              * there is soil as many more, for the second of its sums */
+                              * there is soil as many for each of its sums */
   float *scratch;            /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;

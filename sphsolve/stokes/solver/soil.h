@@ -28,7 +28,8 @@ struct stokes_soil {
   double unit; /* m */
   /* [sites] Pores that lead nowhere but through soil. Nothing but soil limits what flows through
    * them: they are soil of ENCLOSED times the permeability of the most permeable soil, which is
-   * wrong by no more than that part of their resistance. NULL: there are none. */
+   * wrong by no more than that part of their resistance. NULL: there are none, or the operator is
+   * assembled. */
   uint8_t *enclosed;
   double enclosed_permeability; /* spacing^2 */
   double pivot;                 /* mobility of the second column over a pore's; 0: there are two */
@@ -43,6 +44,12 @@ struct stokes_soil {
    * surface of soil. */
   float *drawn;
 };
+
+/* The most that an operator has. */
+static inline int stokes_soil_sums(const struct stokes_soil *soil) {
+  const int viscosity = soil->viscosity.count, mobility = soil->mobility.count;
+  return viscosity > mobility ? viscosity : mobility;
+}
 
 /* What a site is, in lattice units. */
 struct stokes_soil_site {
