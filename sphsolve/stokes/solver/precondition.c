@@ -264,7 +264,7 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   float *p = y + axes * n, *r = work, *product = work + axes * n;
   const float *balance = op->soil ? op->soil->balance : NULL, *continuity = x + axes * n;
-  if (balance) {
+  if (op->soil) { /* also of a rank without sites, which has no balance */
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++) product[i] = continuity[i] * balance[i];
     solve_soil_pressure(pc, product, p);
