@@ -186,11 +186,14 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
                       note);
     state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
-    if (state.stalled == STALLED_MOST)
+    if (state.stalled == STALLED_MOST) {
+      char soil[STOKES_STUCK];
+      stokes_solver_stuck(s, soil);
       TRY_FAIL(STATUS_NUMERIC,
-               "%s: no progress after %ld iterations at a residual of %.1e; stokes.tolerance = "
+               "%s: no progress after %ld iterations at a residual of %.1e%s; stokes.tolerance = "
                "%.1g accepts it",
-               job->scene->path, s->iterations, s->residual_now, 2.0 * s->residual_now);
+               job->scene->path, s->iterations, s->residual_now, soil, 2.0 * s->residual_now);
+    }
   }
 cleanup:
   return status;

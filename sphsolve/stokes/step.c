@@ -2,6 +2,9 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdio.h>
+
+#include "sphsolve/geometry/soil.h"
 
 #define ROUND_REDUCTION 0.25
 /* Of a flow that is solved but for rounding. */
@@ -61,6 +64,19 @@ bool stokes_solver_converged(struct stokes_solver *s, const struct stokes_goal *
   return stokes_solver_mean_error(s) <= goal->mean;
 }
 
+void stokes_solver_stuck(const struct stokes_solver *s, char text[STOKES_STUCK]) {
+  const struct lattice *l = s->operator.lattice;
+  double least = INFINITY;
+  text[0] = '\0';
+  if (l->micro_porosity == NULL) return;
+  for (size_t i = 0; i < l->count; i++)
+    if (lattice_is_soil(l, i)) least = fmin(least, (double)l->micro_permeability[i]);
+  snprintf(text, STOKES_STUCK,
+           ": soil of k_micro = %.2g m^2, %.1e spacing^2, is hard to solve; a model with it as "
+           "grain bounds k from below, one with k_micro = 0.01 spacing^2 from above",
+           least, least / (s->stencil.unit * s->stencil.unit));
+}
+
 enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal *goal) {
   double best = INFINITY;
   if (s->grid.active_all == 0) return STATUS_OK;
@@ -70,8 +86,10 @@ enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal 
     stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
     best = fmin(best, s->residual_now);
   }
+  char soil[STOKES_STUCK];
+  stokes_solver_stuck(s, soil);
   return FAIL(STATUS_NUMERIC,
-              "stokes: no progress after %ld iterations at a residual of %.1e; a larger "
+              "stokes: no progress after %ld iterations at a residual of %.1e%s; a larger "
               "stokes.tolerance accepts it",
-              s->iterations, s->residual_now);
+              s->iterations, s->residual_now, soil);
 }
