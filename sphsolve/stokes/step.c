@@ -71,10 +71,12 @@ void stokes_solver_stuck(const struct stokes_solver *s, char text[STOKES_STUCK])
   if (l->micro_porosity == NULL) return;
   for (size_t i = 0; i < l->count; i++)
     if (lattice_is_soil(l, i)) least = fmin(least, (double)l->micro_permeability[i]);
+  const double relative = least / (s->stencil.unit * s->stencil.unit);
+  if (relative >= 0.01) return;
   snprintf(text, STOKES_STUCK,
            ": soil of k_micro = %.2g m^2, %.1e spacing^2, is hard to solve; a model with it as "
            "grain bounds k from below, one with k_micro = 0.01 spacing^2 from above",
-           least, least / (s->stencil.unit * s->stencil.unit));
+           least, relative);
 }
 
 enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal *goal) {
