@@ -9,9 +9,10 @@
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   if (context->lattice->micro_porosity != NULL && context->scene->stokes.wall == WALL_ADAMI)
-    return scene_error(context->scene, AT_METHOD,
-                       "stokes.wall = \"adami\" knows no soil with pores below the voxel, which the "
-                       "model has; leave it out");
+    return scene_error(
+        context->scene, AT_METHOD,
+        "stokes.wall = \"adami\" knows no soil with pores below the voxel, which the "
+        "model has; leave it out");
   context->kernel = context->scene->stokes.kernel;
   context->support = stokes_support(context->scene, context->spacing) * context->spacing;
   context->smoothing_length =
@@ -31,13 +32,15 @@ enum status stokes_cost(struct plan *plan, int threads) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
   plan->dt = 0.0;
-  if (l->wall_count == 0 && l->micro_porosity == NULL) return STATUS_OK; /* the run says what is wrong */
+  if (l->wall_count == 0 && l->micro_porosity == NULL)
+    return STATUS_OK; /* the run says what is wrong */
   const bool soil = l->micro_porosity != NULL;
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
   plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0, 0.0));
   plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);
-  plan->bytes_fluid =
-      fluid > 0.0 ? (plan->bytes_method - plan->bytes_wall * (sites - fluid)) / fluid : plan->bytes_wall;
+  plan->bytes_fluid = fluid > 0.0
+                          ? (plan->bytes_method - plan->bytes_wall * (sites - fluid)) / fluid
+                          : plan->bytes_wall;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;
   const struct stokes_goal goal = stokes_goal_of(plan->context.scene);
   plan->steps = round(stokes_iterations(&plan->shape, &goal, wall));

@@ -16,7 +16,7 @@
 #define SIDES_BYTES 6.25
 #define ROW_BYTES 48.0 /* of a row: its start twice, its flux, its mask; on every rank */
 #define SITE_BYTES 5.0
-#define SOIL_BYTES 8.0 /* of each, where there is soil */
+#define SOIL_BYTES 8.0      /* of each, where there is soil */
 #define SOLUTION_BYTES 32.0 /* a fluid site of the first lattice: velocity, pressure */
 #define FLOOD_SITE 7.0
 #define FLOOD_FLUID 4.0
@@ -35,10 +35,12 @@ double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {
   const bool soil = l->micro_porosity != NULL;
   const double fields = soil ? SOIL_BYTES : 0.0;
   if (!(sides > 0.0)) return 0.0;
-  return (SIDES_BYTES + 1.25 * fields) * sides + (SITE_BYTES + fields) * (second + sites / ranks) + held +
+  return (SIDES_BYTES + 1.25 * fields) * sides + (SITE_BYTES + fields) * (second + sites / ranks) +
+         held +
          fmax((FLOOD_SITE + FLOOD_FLUID * phi) * sides,
               stokes_solver_bytes(sides, phi * sides, soil) / ranks) +
-         stokes_solver_bytes(second, phi * second, soil) / ranks + SOLUTION_BYTES * phi * first / ranks +
+         stokes_solver_bytes(second, phi * second, soil) / ranks +
+         SOLUTION_BYTES * phi * first / ranks +
          ROW_BYTES * (second / ((double)l->size[0] / cascade_fixed_ratios[1]) +
                       sides / (2 * side_of(sides, l)));
 }

@@ -17,8 +17,9 @@
 #define BASIS_MIN 3
 #define BASIS_MAX 24
 #define BASIS_SOIL 8 /* at least, where there is soil: a short one costs more there */
-/* And where there is soil: two fields of the lattice and the unpacked fields of two more sums; and of
- * an active site five weights, mobility and its root, the force that links draw, permeability. */
+/* And where there is soil: two fields of the lattice and the unpacked fields of two more sums; and
+ * of an active site five weights, mobility and its root, the force that links draw, permeability.
+ */
 #define SOIL_SITE_BYTES 40.0
 #define SOIL_ACTIVE_BYTES 44.0
 int stokes_solver_basis(double sites, double active, bool soil) {

@@ -48,8 +48,8 @@ bool stokes_solver_round(struct stokes_solver *s) {
     s->iterations += done;
     s->exact = false;
     /* The walls of Adami are no part of the operator, only of the residual. */
-    stokes_solver_measure(s, s->operator.wall == WALL_ADAMI ||
-                                 reached * s->residual_now < EXACT_BELOW);
+    stokes_solver_measure(s,
+                          s->operator.wall == WALL_ADAMI || reached * s->residual_now<EXACT_BELOW);
   }
   omp_set_num_threads(threads);
   return done > 0 || s->residual_now == 0.0;
