@@ -218,7 +218,7 @@ static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
 static void solve_soil_pressure(struct stokes_preconditioner *pc, const float *r, float *p) {
   struct stokes_multigrid_level *coarse = &pc->pressure.levels[0];
   restrict_packed(pc, r, false, coarse, coarse->b);
-  stokes_multigrid_cycle(&pc->pressure, 1);
+  stokes_multigrid_cycle(&pc->pressure, 2);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < pc->op->n; i++) p[i] = r[i] * (1.0f + 0.5f / pc->darcy[i]);
   prolong_packed(pc, coarse, false, p);
