@@ -3,6 +3,8 @@
 #   make check   install what is missing, build, and run all fast tests
 #   make         build the three programs into build/bin; MPI=1: sphsolve-mpi too
 BUILD ?= build
+# The same folder by its full name is the same build: nothing is made again.
+override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
 PREFIX ?= /usr/local
 MPI ?= 0
 V ?= 0
