@@ -34,7 +34,8 @@ static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
 }
 
 /* Spacings of the particles in the soil that the two smeared ends of a layer are off, together: 20
- * spacings of soil between two heads, from grains of 1 um to 5 mm and porosity .1 to .9. */
+ * spacings of soil between two heads, from grains of 1 um to 5 mm and porosity .1 to .9; round a
+ * periodic box .1 of them at porosity .3, .26 at .1, and the same at half the spacing. */
 #define SOIL_ENDS 0.35
 
 /* The same of soils side by side round a periodic box, porosity .5 beside .3 in layers along and
@@ -58,6 +59,33 @@ static double thinnest_layer(const struct effect_context *context) {
   return thinnest;
 }
 
+/* Whether soil fills less than the sites that are no wall: beside it is free water. */
+static bool beside_water(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  double soil = 0, site = 1;
+  for (int a = 0; a < 3; a++) site *= context->lattice->spacing[a];
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const double *box = scene->regions[r].box;
+    if (scene->regions[r].type == REGION_POROUS)
+      soil += (box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]);
+  }
+  return soil > 0 && soil < 0.999 * site * (double)context->lattice->fluid_count;
+}
+
+/* The error that a user has in mind who gives none. */
+#define USUAL_ERROR 0.03
+
+/* Of soil whose thinnest layer is so many of its own particles thick; and what would be enough. */
+static void expect_ends(struct error_forecast *e, double thinnest, double spacing) {
+  e->error = e->least = SOIL_ENDS / thinnest;
+  int n = snprintf(e->why, sizeof e->why,
+                   "the ends of soil %.3g particles of its own long are known to %g of one",
+                   thinnest, SOIL_ENDS);
+  if (e->error > USUAL_ERROR)
+    snprintf(e->why + n, sizeof e->why - (size_t)n, "; domain.spacing = \"%.2g mm\" for %g %%",
+             1e3 * spacing * USUAL_ERROR / e->error, 100 * USUAL_ERROR);
+}
+
 /* Drag is implicit and exact in even soil, so that only the ends of layers between two heads count.
  * Elsewhere no k is asked for, or no estimate is known. */
 static void expect_isph(struct plan *plan) {
@@ -76,6 +104,8 @@ static void expect_isph(struct plan *plan) {
           region->box[a + 3] - region->box[a] < region->box[axis + 3] - region->box[axis])
         axis = a;
   }
+  for (int a = 0; heads == 0 && a < 3; a++)
+    if (fabs(scene->driving[a]) > fabs(scene->driving[axis])) axis = a;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
@@ -85,17 +115,16 @@ static void expect_isph(struct plan *plan) {
   }
   const double layer = thinnest_layer(&plan->context);
   if (heads == 2 && isfinite(thinnest)) {
-    e->error = e->least = SOIL_ENDS / thinnest;
-    snprintf(e->why, sizeof e->why,
-             "the ends of soil %.3g particles of its own long are known to %g of one", thinnest,
-             SOIL_ENDS);
+    expect_ends(e, thinnest, plan->context.spacing);
   } else if (round && isfinite(layer)) {
     e->error = e->least = SOIL_LAYERS / layer;
     snprintf(e->why, sizeof e->why,
              "soils side by side, %.3g spacings thin, are known to %g of one", layer, SOIL_LAYERS);
+  } else if (round && beside_water(&plan->context)) {
+    expect_ends(e, thinnest, plan->context.spacing);
   } else if (round && isfinite(thinnest)) {
     snprintf(e->why, sizeof e->why,
-             "even soil is exact; where it ends beside water or walls no estimate is known");
+             "even soil is exact; where it ends beside walls no estimate is known");
   } else {
     snprintf(e->why, sizeof e->why,
              "no k is asked for; fronts and surfaces are good to about a spacing");

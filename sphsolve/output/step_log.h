@@ -10,10 +10,11 @@
 
 #define STEP_LIMITS_MAX 16
 
+#define STEP_BACK_CAUSE 240
 struct step_back {
   double time, back_to; /* s: when bounds were left, and of the state gone back to */
   double dt;            /* s: from then on */
-  char cause[160];
+  char cause[STEP_BACK_CAUSE];
 };
 
 struct step_log {

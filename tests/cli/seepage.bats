@@ -95,3 +95,29 @@ END
   within "$(last head_b)" 0.2 2e-3
   run ! grep -q level_a still/history.csv
 }
+
+@test "water faster than anything can drive it: told with the speed, the place and the reason, and the step is not halved to nothing" {
+  # Without shifting particles clump and one is flung away; steps chosen by its speed alone would shrink without end.
+  run sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'regions.[0].porosity=0.3' --set 'isph.dt="auto"' \
+    --set 'scene.end_time="60 s"' --set 'effects.shifting="off"' -o flung --quiet
+  [ "$status" -eq 4 ]
+  last=${lines[-1]}
+  [[ "$last" == *"where forces, heads and walls give "*" m/s at most, in free water, after 3 halvings"* ]]
+  [[ "$last" == *"without shifting particles clump"* ]]
+  [[ "$last" =~ \(now\ ([0-9.e-]+)\ s\) ]]
+  awk -v dt="${BASH_REMATCH[1]}" 'BEGIN { exit !(dt > 1e-9) }'
+}
+
+@test "explain knows the ends of soil round a periodic box, and the spacing that would do" {
+  cat > layer.cfg <<'END'
+scene = { name = "layer"; method = "isph"; end_time = "1 s"; };
+domain = { size = ["0.08 m", "0.4 m"]; spacing = "1 cm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.08 m", "0.4 m"]; },
+  { type = "porous"; box = ["0", "0.1 m", "0.08 m", "0.3 m"]; porosity = 0.1; grain_size = "1 cm"; } );
+force = { gravity = ["0", "-9.80665 m/s^2"]; };
+END
+  sphsolve explain layer.cfg > layer.txt
+  grep -q '^error  *about 5.5 %: the ends of soil 6.32 particles of its own long' layer.txt
+  grep -q 'domain.spacing = "5.4 mm" for 3 %' layer.txt
+}

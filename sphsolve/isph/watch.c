@@ -1,0 +1,219 @@
+#include "sphsolve/isph/watch.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/units.h"
+#include "sphsolve/isph/output.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Filling (sum of V W, 1 in the bulk) up to twice, a spacing a step, and the pressure solve's own
+ * bound on its residual, beyond which it fails. */
+#define KERNEL_SUM_MOST 2.0
+/* Filling beyond which a run says so, once: impacts reach 1.1. */
+#define KERNEL_SUM_TOLD 1.3
+/* Filling below which water without a surface has a gap. */
+#define KERNEL_SUM_GAP 0.7
+/* Energy beyond this speed in spacings a step: see watchdog.h. */
+#define ENERGY_FLOOR 0.02
+/* Speed over what drives the water. Jets of an impact reach some 5 times. Without it the step,
+ * which is shortened in proportion to the fastest particle, follows one that is lost in its
+ * equations to nothing, and no other bound is left. */
+#define SPEED_MOST 100.0
+
+double isph_given_speed(const struct isph *s) {
+  double speed = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    const double *v = region->velocity, *u = region->soil_velocity;
+    double own = fmax(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
+                      sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+    if (region->boundary == BOUNDARY_FLUX) own = fmax(own, fabs(region->flux));
+    if (region->boundary == BOUNDARY_HEAD)
+      own = fmax(own, sqrt(2 * s->scene->driving[2] * -region->head));
+    if (own > speed) speed = own;
+  }
+  return speed;
+}
+
+/* A fall through the whole domain, or for so long round it; a head without gravity, which stands
+ * for a pressure; a drop of one particle that its surface tension draws together. */
+double isph_speed_most(const struct isph *s) {
+  const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  double square = 0, head = 0, speed = isph_given_speed(s);
+  bool round = false;
+  for (int a = 0; a < 3; a++) {
+    const double length = s->high[a] - s->low[a];
+    if (s->dimensions == 3 || a != 1) square += length * length;
+    round = round || (s->periodic[a] && f[a] != 0);
+  }
+  for (size_t k = 0; k < s->side_count; k++)
+    if (s->sides[k].kind == BOUNDARY_OPEN_HEAD) head = fmax(head, fabs(s->sides[k].head));
+  speed += sqrt(2 * force * sqrt(square)) + (round ? force * s->time : 0);
+  speed += sqrt(2 * GRAVITY_STANDARD * head);
+  speed += sqrt(s->scene->fluid.surface_tension / (s->density * s->spacing));
+  return speed / s->soil_porosity_least;
+}
+
+/* A particle that leads: of a rank, then of all. */
+struct leader {
+  double value, position[3], kernel_sum, square;
+  uint64_t id;
+};
+
+static enum status lead(struct leader leaders[2]) {
+  enum status status = STATUS_OK;
+  struct leader *all = NULL;
+  size_t n = 0;
+  TRY(isph_gather(leaders, 2, sizeof *leaders, &all, &n));
+  for (size_t k = 0; k < n; k++)
+    if (k < 2 || all[k].value > leaders[k % 2].value) leaders[k % 2] = all[k];
+cleanup:
+  memory_free(&all);
+  return status;
+}
+
+enum status isph_judge(struct isph *s, double dt, double *share, struct isph_trip *trip) {
+  enum status status = STATUS_OK;
+  struct watch_reading reading = {{0}};
+  const double *f = s->force;
+  struct leader leaders[2] = {{0}}; /* densest, fastest */
+  double squares;
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double *v = s->velocity[i], *x = s->position[i];
+      double eps = s->porosity != NULL ? s->porosity[i] : 1;
+      double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
+      const double values[2] = {s->kernel_sum[i], square};
+      sum += square;
+      for (int k = 0; k < 2; k++)
+        if (values[k] > leaders[k].value)
+          leaders[k] =
+              (struct leader){values[k], {x[0], x[1], x[2]}, s->kernel_sum[i], square, s->id[i]};
+    }
+    s->sums[c][0] = sum;
+  }
+  isph_add_up(s, 1, &squares);
+  TRY(lead(leaders));
+  const double *flung = s->flung;
+  if (flung[0] * flung[0] > leaders[1].value)
+    leaders[1] = (struct leader){flung[0] * flung[0],
+                                 {flung[1], flung[2], flung[3]},
+                                 0,
+                                 flung[0] * flung[0],
+                                 (uint64_t)flung[4]};
+  const double fastest = sqrt(leaders[1].value), most = isph_speed_most(s);
+  if (leaders[0].value > KERNEL_SUM_TOLD && s->crowded == 0)
+    log_warning(
+        "t = %.4g s: water is pressed to %.3g of its density at (%.4g, %.4g, %.4g) m; pressures "
+        "there mean nothing: walls or inflows leave it less room than it needs, or are too "
+        "fast for the spacing",
+        s->time, leaders[0].value, leaders[0].position[0], leaders[0].position[1],
+        leaders[0].position[2]);
+  if (leaders[0].value > KERNEL_SUM_TOLD) s->crowded = fmax(s->crowded, leaders[0].value);
+  reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
+  reading.share[WATCH_VELOCITY] = fastest * dt / s->spacing;
+  if (fastest > SPEED_MOST * most && most > 0) reading.share[WATCH_VELOCITY] = INFINITY;
+  if (s->total > 0)
+    reading.share[WATCH_ENERGY] =
+        watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
+                        sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), isph_given_speed(s),
+                        ENERGY_FLOOR * s->spacing / dt);
+  reading.share[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
+  trip->bound = watchdog_worst(&reading, share);
+  const struct leader *first = &leaders[trip->bound == WATCH_DENSITY ? 0 : 1];
+  memcpy(trip->position, first->position, sizeof trip->position);
+  trip->kernel_sum = first->kernel_sum;
+  if (s->total == 0) goto cleanup;
+  int n = snprintf(trip->what, sizeof trip->what,
+                   "%s: particle %llu at (%.4g, %.4g, %.4g) m, kernel sum %.3g, speed %.3g m/s",
+                   watchdog_name(trip->bound), (unsigned long long)first->id, first->position[0],
+                   first->position[1], first->position[2], first->kernel_sum, sqrt(first->square));
+  if (trip->bound == WATCH_VELOCITY && fastest > SPEED_MOST * most && most > 0)
+    snprintf(trip->what + n, sizeof trip->what - (size_t)n,
+             ", where forces, heads and walls give %.3g m/s at most", most);
+cleanup:
+  return status;
+}
+
+/* "in the soil regions.[1]", "in free water beside the soil regions.[1]", "in free water". */
+static void name_place(const struct isph *s, const double x[3], char *text, size_t size) {
+  double nearest = s->scene->isph.support_ratio * s->spacing;
+  size_t beside = s->scene->region_count;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *region = &s->scene->regions[k];
+    double square = 0;
+    if (region->type != REGION_POROUS) continue;
+    for (int a = 0; a < 3; a++) {
+      if (s->dimensions == 2 && a == 1) continue;
+      const double y = x[a] - s->soil_offset[k][a];
+      const double out = fmax(0, fmax(region->box[a] - y, y - region->box[a + 3]));
+      square += out * out;
+    }
+    if (sqrt(square) <= nearest) nearest = sqrt(square), beside = k;
+  }
+  if (beside == s->scene->region_count)
+    snprintf(text, size, "in free water");
+  else
+    snprintf(text, size, "in %s regions.[%zu]",
+             nearest > 0 ? "free water beside the soil" : "the soil", beside);
+}
+
+/* What a user can do about it. */
+static const char *remedy_of(const struct isph *s, const struct isph_trip *trip) {
+  const bool unsolved = !(s->solve.residual <= 1e3 * s->scene->isph.tolerance);
+  if (unsolved && s->on.soil)
+    return "neighbours differ too much in how freely water moves, as beside soil so fine that it "
+           "holds the water; make it a wall, or its grain_size larger";
+  if (s->scene->shifting == SWITCH_OFF)
+    return "without shifting particles clump; leave effects.shifting at \"auto\"";
+  if (!isnan(s->scene->isph.dt))
+    return "the time step is too long for these speeds; use isph.dt = \"auto\"";
+  if (trip->bound == WATCH_DENSITY)
+    return "water has less room than it needs; give what walls and inflows press a way out, or let "
+           "them go slower";
+  if (!s->on.relaxation)
+    return "without relaxation water thins out and crowds; leave isph.alpha as it is";
+  if (!s->on.surface && trip->kernel_sum > 0 && trip->kernel_sum < KERNEL_SUM_GAP)
+    return "the water has a gap there that none fills; use a smaller domain.spacing";
+  return "the spacing is too coarse for what drives the water here; use a smaller domain.spacing "
+         "or a smaller isph.dt";
+}
+
+enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double dt,
+                           const struct isph_trip *trip, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  const double time = s->time;
+  const char *remedy = remedy_of(s, trip);
+  const bool go_on = watchdog_trip(&s->dog, time);
+  char saved[4200] = "", place[96] = "";
+  if (trip->bound != WATCH_RESIDUAL) name_place(s, trip->position, place, sizeof place);
+  if (s->dog.kept) {
+    TRY(isph_go_back(s, copy));
+    TRY(recorder_go_back(recorder, copy->time));
+  }
+  if (go_on) {
+    struct step_back back = {.time = time, .back_to = copy->time, .dt = dt / 2};
+    snprintf(back.cause, sizeof back.cause, "%s", trip->what);
+    log_warning("t = %.4g s: %s; back to t = %.4g s, time steps halved to %.3g s", time, trip->what,
+                copy->time, back.dt);
+    TRY(step_log_back(recorder_step_log(recorder), &back));
+    goto cleanup;
+  }
+  if (s->dog.kept) {
+    TRY(isph_write_checkpoint(s, recorder));
+    snprintf(saved, sizeof saved, "; %s holds the last good state, t = %.4g s",
+             recorder_checkpoint_name(recorder), copy->time);
+  }
+  status = FAIL(STATUS_NUMERIC,
+                "step %lld, t = %.4g s: %s%s%s, after %d halvings of the time step "
+                "(now %.3g s): %s%s",
+                (long long)s->step, time, trip->what, *place ? ", " : "", place, s->dog.halvings,
+                dt, remedy, saved);
+cleanup:
+  return status;
+}

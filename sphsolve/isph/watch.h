@@ -1,0 +1,26 @@
+/* Whether a step left the bounds of what can be, and what then. */
+#ifndef TOSUI_SPHSOLVE_ISPH_WATCH_H
+#define TOSUI_SPHSOLVE_ISPH_WATCH_H
+
+#include "sphsolve/isph/state.h"
+#include "sphsolve/output/recorder.h"
+
+/* What has left its bounds, and where. */
+struct isph_trip {
+  char what[STEP_BACK_CAUSE];
+  enum watch_bound bound;
+  double position[3], kernel_sum; /* of the particle that leads; kernel_sum 0: none does */
+};
+
+/* What drives water beside the force: walls, soil, heads and fluxes, as a speed, m/s. */
+double isph_given_speed(const struct isph *s);
+/* The most that all that drives the water can give it in its pores, m/s; 0 where nothing does. */
+double isph_speed_most(const struct isph *s);
+/* Collective: looks at the state after a step of length dt. The share it uses of the bounds. */
+enum status isph_judge(struct isph *s, double dt, double *share, struct isph_trip *trip);
+/* Collective: back to the last good state with half the step, or the end with that state in the
+ * checkpoint. */
+enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double dt,
+                           const struct isph_trip *trip, struct recorder *recorder);
+
+#endif
