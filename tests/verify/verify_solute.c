@@ -9,31 +9,9 @@
 #include "common/log.h"
 #include "sphsolve/solute/closure.h"
 #include "sphsolve/solute/curve.h"
+#include "tests/verify/rows.h"
 
 static const double pi = 3.14159265358979323846;
-static FILE *json;
-static int count, failed;
-
-static void report(const char *name, double reference, double measured, double bound,
-                   double seconds) {
-  const double error = measured / reference - 1;
-  const bool pass = fabs(error) <= bound;
-  failed += !pass;
-  fprintf(json, "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": ",
-          count++ ? ",\n" : "[\n", name, pass ? "pass" : "fail", reference);
-  fprintf(json, isfinite(measured) ? "%.8g" : "null", measured);
-  fprintf(json, ", \"bound\": %g, \"seconds\": %.3g}", bound, seconds);
-  printf("%-48s %-4s %12.6g %12.6g %+8.3f %% (bound %g %%) %6.2f s\n", name, pass ? "pass" : "FAIL",
-         reference, measured, 100 * error, 100 * bound, seconds);
-  fflush(stdout);
-}
-
-static void must(enum status status) {
-  if (status == STATUS_OK) return;
-  fprintf(stderr, "verify_solute: %s\n", error_message());
-  exit(1);
-}
-
 /* A body given by its distance and its flow; lengths in units of the box. */
 struct body {
   double centre[3], radius, along[3]; /* `along`: unit vector of the flow */
@@ -245,18 +223,10 @@ static void arrays(void) {
 }
 
 int main(int argc, char **argv) {
-  const char *out = argc > 1 ? argv[1] : "solute.json";
   log_start("verify_solute", LOG_QUIET);
-  json = fopen(out, "w");
-  if (json == NULL) {
-    fprintf(stderr, "verify_solute: cannot write %s\n", out);
-    return 1;
-  }
+  rows_open(argc > 1 ? argv[1] : "solute.json");
   slits_and_tubes();
   turned_slits();
   arrays();
-  fprintf(json, "\n]\n");
-  fclose(json);
-  printf("%d cases, %d failed\n", count, failed);
-  return failed > 0;
+  return rows_close();
 }

@@ -13,6 +13,7 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/distance.h"
 #include "sphsolve/stokes/step.h"
+#include "tests/verify/rows.h"
 
 /* A geometry: signed distance to the wall at a point, for four parameters. */
 struct geometry {
@@ -24,25 +25,7 @@ struct geometry {
   double driving[3];
 };
 
-static FILE *json, *data;
-static int count, failed;
-
-static void write_row(const char *name, const char *status, double reference, double measured,
-                      double bound, double seconds) {
-  fprintf(json,
-          "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": %.8g, "
-          "\"bound\": %g, \"seconds\": %.3g}",
-          count++ ? ",\n" : "[\n", name, status, reference, measured, bound, seconds);
-  printf("%-44s %-4s %12.6g %12.6g %+9.4f %% (bound %g %%) %6.2f s\n", name, status, reference,
-         measured, 100.0 * (measured / reference - 1.0), 100.0 * bound, seconds);
-}
-
-static void report(const char *name, double reference, double measured, double bound,
-                   double seconds) {
-  const bool pass = fabs(measured / reference - 1.0) <= bound;
-  failed += !pass;
-  write_row(name, pass ? "pass" : "fail", reference, measured, bound, seconds);
-}
+static FILE *data;
 
 /* Largest velocity along the force over the superficial one, of the last solve. */
 static double peak;
@@ -221,7 +204,7 @@ static void series(const char *name, double reference, double published, struct 
   report(title, published > 0.0 ? published : reference, c.value, bound_limit, total);
   if (published > 0.0) {
     snprintf(title, sizeof title, "%s, extrapolated, K = 41.99", name);
-    write_row(title, "skip", reference, c.value, bound_limit, total);
+    rows_write(title, "skip", reference, c.value, c.value / reference - 1, bound_limit, total);
   }
   printf(
       "  observed order %.2f%s, grid convergence index of the finest %.2g %%, its error %.2g %%\n",
@@ -298,11 +281,7 @@ static void voxel_models(const char *folder) {
     FILE *file = fopen(path, "rb");
     if (!file || memory_allocate(&solid, voxels, 1, "voxels") != STATUS_OK ||
         fread(solid, 1, voxels, file) != voxels) {
-      fprintf(json,
-              "%s{\"case\": \"%s\", \"status\": \"skip\", \"reference\": %g, "
-              "\"measured\": null, \"bound\": 0.05, \"seconds\": 0}",
-              count++ ? ",\n" : "[\n", models[m].file, models[m].k);
-      printf("%-44s skip: not found\n", path);
+      skip(models[m].file, models[m].k, 0.05);
     } else {
       double k[3], total = 0.0;
       for (size_t split = 1; split <= 3; split++) {
@@ -333,11 +312,7 @@ static void directions(const char *folder) {
   FILE *file = fopen(path, "rb");
   if (!file || memory_allocate(&solid, voxels, 1, "voxels") != STATUS_OK ||
       fread(solid, 1, voxels, file) != voxels) {
-    fprintf(json,
-            "%s{\"case\": \"sand60_e0725\", \"status\": \"skip\", \"reference\": null, "
-            "\"measured\": null, \"bound\": 0.05, \"seconds\": 0}",
-            count++ ? ",\n" : "[\n");
-    printf("%-44s skip: not found\n", path);
+    skip("sand60_e0725", NAN, 0.05);
   } else {
     double here[3], seconds[3];
     for (int a = 0; a < 3; a++) here[a] = voxel_model(solid, n, 1, a, &seconds[a]);
@@ -362,14 +337,13 @@ static void plot(const char *folder) {
 }
 
 int main(int argc, char **argv) {
-  setvbuf(stdout, NULL, _IOLBF, 0);
   const char *folder = argc > 1 ? argv[1] : ".", *source = argc > 2 ? argv[2] : "../shared/data";
   char path[1024];
   snprintf(path, sizeof path, "%s/stokes.json", folder);
-  json = fopen(path, "w");
+  rows_open(path);
   snprintf(path, sizeof path, "%s/stokes.dat", folder);
   data = fopen(path, "w");
-  if (!json || !data) {
+  if (!data) {
     fprintf(stderr, "verify_stokes: cannot write to %s\n", folder);
     return 1;
   }
@@ -380,10 +354,7 @@ int main(int argc, char **argv) {
   arrays();
   voxel_models(source);
   directions(source);
-  fprintf(json, "\n]\n");
-  fclose(json);
   fclose(data);
   plot(folder);
-  printf("%d cases, %d failed\n", count, failed);
-  return failed > 0;
+  return rows_close();
 }

@@ -10,29 +10,7 @@
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 #include "sphsolve/solute/walk.h"
-
-static FILE *json;
-static int count, failed;
-
-static void report(const char *name, double reference, double measured, double bound,
-                   double seconds) {
-  const double error = measured / reference - 1;
-  const bool pass = fabs(error) <= bound;
-  failed += !pass;
-  fprintf(json, "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": ",
-          count++ ? ",\n" : "[\n", name, pass ? "pass" : "fail", reference);
-  fprintf(json, isfinite(measured) ? "%.8g" : "null", measured);
-  fprintf(json, ", \"bound\": %g, \"seconds\": %.3g}", bound, seconds);
-  printf("%-56s %-4s %11.6g %11.6g %+7.3f %% (bound %.3g %%) %6.2f s\n", name,
-         pass ? "pass" : "FAIL", reference, measured, 100 * error, 100 * bound, seconds);
-  fflush(stdout);
-}
-
-static void must(enum status status) {
-  if (status == STATUS_OK) return;
-  fprintf(stderr, "verify_walk: %s\n", error_message());
-  exit(1);
-}
+#include "tests/verify/rows.h"
 
 typedef double distance_function(const void *, const double *);
 typedef void velocity_function(const void *, const double *, double *);
@@ -93,8 +71,10 @@ static void past_ball(const void *context, const double x[3], double u[3]) {
 }
 
 static struct walk_settings settings_of(const struct solute_flow *flow, double peclet_of_spacing) {
-  struct walk_settings s = {
-      .peclet = peclet_of_spacing, .direction = {0, 0, 1}, .tolerance = 0.01, .seed = (uint32_t)count};
+  struct walk_settings s = {.peclet = peclet_of_spacing,
+                            .direction = {0, 0, 1},
+                            .tolerance = 0.01,
+                            .seed = (uint32_t)rows_count};
   for (int a = 0; a < 3 && flow->speed > 0; a++)
     s.direction[a] = flow->mean_velocity[a] / flow->speed;
   return s;
@@ -237,20 +217,12 @@ static void stays_even(double peclet_of_spacing) {
 
 int main(int argc, char **argv) {
   const struct body cylinder = {{0.503, 0.489, 0}, 0.36}, ball = {{0.503, 0.489, 0.51}, 0.42};
-  const char *out = argc > 1 ? argv[1] : "walk.json";
   log_start("verify_walk", LOG_QUIET);
-  json = fopen(out, "w");
-  if (json == NULL) {
-    fprintf(stderr, "verify_walk: cannot write %s\n", out);
-    return 1;
-  }
+  rows_open(argc > 1 ? argv[1] : "walk.json");
   channels();
   beside_closure("cylinders", (int[3]){48, 48, 1}, &cylinder, cylinder_distance, past_cylinder);
   beside_closure("spheres", (int[3]){32, 32, 32}, &ball, ball_distance, past_ball);
   stays_even(0.01);
   stays_even(10);
-  fprintf(json, "\n]\n");
-  fclose(json);
-  printf("%d cases, %d failed\n", count, failed);
-  return failed > 0;
+  return rows_close();
 }

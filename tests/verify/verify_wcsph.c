@@ -1,6 +1,6 @@
 /* Flows in time of method wcsph against their series solutions, with the settings a scene gets by
  * default.
- *   verify_wcsph OUT.json
+ *   verify_wcsph [FILE.json]
  * writes a list of case, status, reference, measured, bound, seconds. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -13,33 +13,14 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/wcsph/plan.h"
-
-static FILE *json;
-static int count, failed;
-
-static void record(const char *name, double reference, double measured, double error, double bound,
-                   bool pass, double seconds) {
-  failed += !pass;
-  fprintf(json,
-          "%s{\"case\": \"%s\", \"status\": \"%s\", \"reference\": %.8g, \"measured\": %.8g, "
-          "\"bound\": %g, \"seconds\": %.3g}",
-          count++ ? ",\n" : "[\n", name, pass ? "pass" : "fail", reference, measured, bound,
-          seconds);
-  printf("%-48s %-4s %12.6g %12.6g %+8.3f %% (bound %g %%) %6.2f s\n", name, pass ? "pass" : "FAIL",
-         reference, measured, 100.0 * error, 100.0 * bound, seconds);
-  fflush(stdout);
-}
+#include "tests/verify/rows.h"
 
 /* The error is taken over `scale`. */
 static void report_over(const char *name, double reference, double measured, double scale,
                         double bound, double seconds) {
   const double error = (measured - reference) / scale;
-  record(name, reference, measured, error, bound, fabs(error) <= bound, seconds);
-}
-
-static void report(const char *name, double reference, double measured, double bound,
-                   double seconds) {
-  report_over(name, reference, measured, reference, bound, seconds);
+  rows_write(name, fabs(error) <= bound ? "pass" : "fail", reference, measured, error, bound,
+             seconds);
 }
 
 struct flow {
@@ -293,23 +274,17 @@ static void taylor_green(void) {
     const double order = log2(fabs(coarse - 1.0) / fabs(fine - 1.0));
     printf("  energy over the exact one %.4f (25), %.4f (50); order %.2f\n", coarse, fine, order);
     snprintf(title, sizeof title, "Taylor-Green, Re %g, order (at least 1)", reynolds[r]);
-    record(title, 1.0, order, order - 1.0, 0.0, order >= 1.0, clock_seconds() - started);
+    rows_write(title, order >= 1.0 ? "pass" : "fail", 1.0, order, order - 1.0, 0.0,
+               clock_seconds() - started);
   }
 }
 
 int main(int argc, char **argv) {
   omp_set_num_threads(1);
-  json = argc > 1 ? fopen(argv[1], "w") : NULL;
-  if (!json) {
-    fprintf(stderr, "usage: verify_wcsph OUT.json\n");
-    return 1;
-  }
+  rows_open(argc > 1 ? argv[1] : "wcsph.json");
   start_ups(false, KERNEL_QUINTIC);
   start_ups(false, KERNEL_WENDLAND);
   start_ups(true, KERNEL_QUINTIC);
   taylor_green();
-  fprintf(json, "\n]\n");
-  fclose(json);
-  printf("%d cases, %d failed\n", count, failed);
-  return failed > 0;
+  return rows_close();
 }
