@@ -6,7 +6,7 @@
 #include "analyze/uncertainty.h"
 #include "analyze/compatible_runs.h"
 #include "analyze/plot.h"
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 #include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -30,22 +30,22 @@ struct series {
 
 static enum status measure(const struct run *run, struct level *level) {
   enum status status = STATUS_OK;
-  struct steady steady;
+  struct average average;
   if (!run_has_permeability(run))
     TRY_FAIL(STATUS_INPUT,
              "%s: the run has no driving force along its flow, so it has no permeability",
              run->path);
-  TRY(steady_darcy(run, &steady));
+  TRY(average_darcy(run, &average));
   double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
                         run->driving[2] * run->driving[2]);
   level->run = run;
   level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
   if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);
-  level->permeability = steady.mean * run->viscosity / (run->density * driving);
-  level->error = steady.error95 / fabs(steady.mean);
-  if (!steady.is_steady)
-    log_warning("%s: not steady (drifts by %.1f %%); its k is not final", run->path,
-                100.0 * fabs(steady.drift / steady.mean));
+  level->permeability = average.mean * run->viscosity / (run->density * driving);
+  level->error = average.error95 / fabs(average.mean);
+  if (!average.without_drift)
+    log_warning("%s: the Darcy velocity still drifts by %.1f %%; its k is not final", run->path,
+                100.0 * fabs(average.drift / average.mean));
 cleanup:
   return status;
 }

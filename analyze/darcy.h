@@ -7,11 +7,11 @@
 
 #include "analyze/product.h"
 #include "analyze/run_file.h"
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 
 /* A fit of v = k i to runs that may be compared. Errors are 95 % half widths; NAN: unknown. */
 struct darcy_fit {
-  size_t count;                  /* runs in the fit (steady ones only) */
+  size_t count;                  /* runs in the fit: those without drift */
   double k, k_error;             /* m/s */
   double intrinsic_permeability; /* m^2 */
   double r_squared;              /* through the origin, about zero; NAN below two runs */

@@ -13,7 +13,7 @@
 
 /* What one run contributes. */
 struct point {
-  struct steady steady;
+  struct average average;
   size_t group;
   double gradient, k;
 };
@@ -22,7 +22,7 @@ struct darcy_table {
   const struct run *runs;
   size_t n, groups;
   struct point *points;
-  struct darcy_fit *fits;   /* [groups]; count 0 where no run of the group is steady */
+  struct darcy_fit *fits;   /* [groups]; count 0 where all runs of the group drift */
   const struct run **first; /* [groups] */
   struct tensor tensor;     /* of the first run that holds one */
   bool has_tensor;
@@ -49,15 +49,15 @@ static enum status collect(struct darcy_table *table) {
                "%s: the run has no permeability: neither does a force drive water round, nor two "
                "heads along a column; take the flux of a plane (analyze history), or leave it out",
                run->path);
-    TRY(steady_darcy(run, &point->steady));
+    TRY(average_darcy(run, &point->average));
     point->group = group[i];
     point->gradient = run->hydraulic_gradient;
-    point->k = point->steady.mean / point->gradient;
+    point->k = point->average.mean / point->gradient;
     if (table->first[group[i]] == NULL) table->first[group[i]] = run;
-    if (!point->steady.is_steady)
-      log_warning("%s: not steady: the Darcy velocity still drifts by %.1f %% over the averaged "
+    if (!point->average.without_drift)
+      log_warning("%s: the Darcy velocity still drifts by %.1f %% over the averaged "
                   "rows, so the run is left out of the fit; run it longer",
-                  run->path, 100.0 * fabs(point->steady.drift / point->steady.mean));
+                  run->path, 100.0 * fabs(point->average.drift / point->average.mean));
   }
 cleanup:
   memory_free(&group);
@@ -75,10 +75,10 @@ static enum status fit_group(struct darcy_table *table, size_t g) {
   double *gradient = columns, *velocity = columns + table->n, *error = columns + 2 * table->n;
   for (size_t i = 0; i < table->n; i++) {
     const struct point *point = &table->points[i];
-    if (point->group != g || !point->steady.is_steady) continue;
+    if (point->group != g || !point->average.without_drift) continue;
     gradient[count] = point->gradient;
-    velocity[count] = point->steady.mean;
-    error[count++] = point->steady.error95;
+    velocity[count] = point->average.mean;
+    error[count++] = point->average.error95;
   }
   if (count > 0)
     TRY(darcy_fit(gradient, velocity, error, count, run->viscosity / run->density,
@@ -157,18 +157,18 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     json_put_number(group, "density_kg_per_m3", first->density);
     for (size_t i = 0; i < table->n; i++) {
       const struct point *point = &table->points[i];
-      const struct steady *steady = &point->steady;
+      const struct average *average = &point->average;
       if (point->group != g) continue;
       json_array_append_new(
           rows,
           json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:I}", "path",
                     json_text(table->runs[i].path), "name", json_text(table->runs[i].name),
                     "hydraulic_gradient", json_number(point->gradient), "darcy_velocity_m_per_s",
-                    json_number(steady->mean), "darcy_velocity_error_m_per_s",
-                    json_number(steady->error95), "k_m_per_s", json_number(point->k),
-                    "drift_m_per_s", json_number(steady->drift), "steady", steady->is_steady,
-                    "averaged_from_s", json_number(steady->from_time), "averaged_rows",
-                    (json_int_t)steady->rows));
+                    json_number(average->mean), "darcy_velocity_error_m_per_s",
+                    json_number(average->error95), "k_m_per_s", json_number(point->k),
+                    "drift_m_per_s", json_number(average->drift), "steady", average->without_drift,
+                    "averaged_from_s", json_number(average->from_time), "averaged_rows",
+                    (json_int_t)average->rows));
     }
     json_object_set_new(group, "runs", rows);
     json_array_append_new(groups, group);
@@ -186,8 +186,9 @@ static void write_csv(const struct darcy_table *table, FILE *stream) {
     const struct point *point = &table->points[i];
     fprintf(stream, "%zu,", point->group + 1);
     csv_text(stream, table->runs[i].name);
-    fprintf(stream, ",%.10g,%.10g,%.6g,%.10g,%d,%.6g\n", point->gradient, point->steady.mean,
-            point->steady.error95, point->k, point->steady.is_steady, point->steady.from_time);
+    fprintf(stream, ",%.10g,%.10g,%.6g,%.10g,%d,%.6g\n", point->gradient, point->average.mean,
+            point->average.error95, point->k, point->average.without_drift,
+            point->average.from_time);
   }
 }
 
@@ -207,21 +208,21 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
       const struct point *point = &table->points[i];
       if (point->group != g) continue;
       fprintf(stream, "  %-26.60s %10.5g %14.6g ", table->runs[i].name, point->gradient,
-              point->steady.mean);
-      if (isfinite(point->steady.error95))
-        fprintf(stream, "%7.2f %%", 100.0 * point->steady.error95 / fabs(point->steady.mean));
+              point->average.mean);
+      if (isfinite(point->average.error95))
+        fprintf(stream, "%7.2f %%", 100.0 * point->average.error95 / fabs(point->average.mean));
       else
         fprintf(stream, "%9s", "unknown");
       fprintf(stream, " %12.5g  ", 100.0 * point->k);
-      if (!point->steady.is_steady)
-        fputs("NOT STEADY, left out\n", stream);
-      else if (point->steady.rows == 1)
+      if (!point->average.without_drift)
+        fputs("DRIFTS, left out\n", stream);
+      else if (point->average.rows == 1)
         fputs("one value\n", stream);
       else
-        fprintf(stream, "from %.4g s, %zu rows\n", point->steady.from_time, point->steady.rows);
+        fprintf(stream, "from %.4g s, %zu rows\n", point->average.from_time, point->average.rows);
     }
     if (fit->count == 0) {
-      fputs("  k: none, since no run is steady; run longer\n\n", stream);
+      fputs("  k: none, since every run still drifts; run longer\n\n", stream);
       continue;
     }
     const double scale = fit->intrinsic_permeability / fit->k;
@@ -260,15 +261,15 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
   double widest = 0.0, lowest = 0.0;
   for (size_t i = 0; i < table->n; i++) {
     widest = fmax(widest, table->points[i].gradient);
-    lowest = fmin(lowest, 110.0 * table->points[i].steady.mean);
+    lowest = fmin(lowest, 110.0 * table->points[i].average.mean);
   }
   for (size_t g = 0; g < table->groups; g++) {
     fprintf(stream, "$group%zu << EOD\n", g);
     for (size_t i = 0; i < table->n; i++) {
       const struct point *point = &table->points[i];
       if (point->group != g) continue;
-      double error = isfinite(point->steady.error95) ? point->steady.error95 : 0.0;
-      fprintf(stream, "%.9g %.9g %.6g\n", point->gradient, 100.0 * point->steady.mean,
+      double error = isfinite(point->average.error95) ? point->average.error95 : 0.0;
+      fprintf(stream, "%.9g %.9g %.6g\n", point->gradient, 100.0 * point->average.mean,
               100.0 * error);
     }
     fputs("EOD\n", stream);
@@ -300,7 +301,7 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
     if (table->fits[g].count > 0)
       snprintf(title, sizeof title, "%s: k = %.3g cm/s", name, 100.0 * table->fits[g].k);
     else
-      snprintf(title, sizeof title, "%s: not steady", name);
+      snprintf(title, sizeof title, "%s: drifts", name);
     fputs(" title ", stream);
     plot_text(stream, title);
   }

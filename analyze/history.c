@@ -26,9 +26,9 @@ static enum status measure(const struct run *run, struct run_history *h) {
   const struct history_column *step = run_column(run, "step", 1);
   h->stationary = strcmp(run->method, "stokes") == 0;
   if (h->stationary)
-    TRY(steady_darcy(run, &h->steady));
+    TRY(average_darcy(run, &h->average));
   else
-    TRY(steady_find(h->times, h->velocity, h->rows, &h->steady));
+    TRY(average_record(h->times, h->velocity, h->rows, &h->average));
   for (size_t i = 0; h->stationary && step != NULL && i < h->rows; i++)
     h->times[i] = step->values[i];
   const struct history_column *density = run_column(run, "density_max", 1);
@@ -70,7 +70,7 @@ static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
 }
 
 static void fill_json(const struct run_history *h, json_t *object) {
-  const struct steady *s = &h->steady;
+  const struct average *s = &h->average;
   json_object_set_new(object, "path", json_text(h->run->path));
   json_object_set_new(object, "name", json_text(h->run->name));
   json_object_set_new(object, "method", json_text(h->run->method));
@@ -79,7 +79,7 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "stationary", json_boolean(h->stationary));
   json_object_set_new(object, h->stationary ? "iterations" : "end_time_s",
                       json_number(h->times[h->rows - 1]));
-  json_object_set_new(object, "steady", json_boolean(s->is_steady));
+  json_object_set_new(object, "steady", json_boolean(s->without_drift));
   json_put_number(object, "steady_from_s", s->from_time);
   json_put_number(object, "darcy_velocity_m_per_s", s->mean);
   json_put_number(object, "darcy_velocity_error_m_per_s", s->error95);
@@ -149,23 +149,23 @@ static void write_csv(const struct run *runs, size_t n, FILE *stream) {
 }
 
 static void write_summary(const struct run_history *table, size_t n, FILE *stream) {
-  fprintf(stream, "  %-26s %14s %14s %14s %9s %12s %11s\n", "run", "end", "steady from", "v (m/s)",
+  fprintf(stream, "  %-26s %14s %14s %14s %9s %12s %11s\n", "run", "end", "mean from", "v (m/s)",
           "+- 95 %", "max density", "status");
   for (size_t i = 0; i < n; i++) {
     const struct run_history *h = &table[i];
-    char end[32], from[32] = "not steady", density[32] = "-", error[32] = "unknown";
-    const double percent = 100.0 * h->steady.error95 / fabs(h->steady.mean);
+    char end[32], from[32] = "drifts", density[32] = "-", error[32] = "unknown";
+    const double percent = 100.0 * h->average.error95 / fabs(h->average.mean);
     snprintf(end, sizeof end, h->stationary ? "%.4g iterations" : "%.4g s", h->times[h->rows - 1]);
     if (h->stationary)
       snprintf(from, sizeof from, "stationary");
-    else if (h->steady.is_steady)
-      snprintf(from, sizeof from, "%.4g s", h->steady.from_time);
+    else if (h->average.without_drift)
+      snprintf(from, sizeof from, "%.4g s", h->average.from_time);
     if (isfinite(h->density_peak))
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
-    if (isfinite(h->steady.error95))
+    if (isfinite(h->average.error95))
       snprintf(error, sizeof error, percent < 100.0 ? "%.2g %%" : "%.0f %%", percent);
     fprintf(stream, "  %-26.60s %14s %14s %14.6g %9s %12s %11s\n", h->run->name, end, from,
-            h->steady.mean, error, density, h->run->status);
+            h->average.mean, error, density, h->run->status);
   }
 }
 

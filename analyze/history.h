@@ -8,14 +8,14 @@
 #include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 
 struct run_history {
   const struct run *run;
   size_t rows;
   double *times, *velocity; /* velocity along the driving force */
   bool stationary;          /* a stationary solution: rows are iterations, `times` their numbers */
-  struct steady steady;
+  struct average average;
   double density_peak; /* highest density_max over the reference, 1.08: 8 %; NAN if unknown */
   double density_mean; /* of the last snapshot over the reference; NAN if unknown */
   struct pdf density;  /* of the last snapshot's density / reference; no bins if all are equal */

@@ -9,7 +9,7 @@
 #include "analyze/pdf.h"
 #include "analyze/report/page_internal.h"
 #include "analyze/slice.h"
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 #include "common/log.h"
 
 const char *const page_part_names[PARTS] = {"darcy", "history",  "pdf",
@@ -57,15 +57,15 @@ static bool all_driven(const struct page *page) {
 }
 
 /* A tank that fills or sloshes is driven by gravity and has no permeability: of method isph only
- * runs with a steady seepage count. */
+ * runs whose seepage does not drift count. */
 static enum status seeps(const struct page *page, bool *result) {
   enum status status = STATUS_OK;
   *result = all_driven(page);
   for (size_t i = 0; *result && i < page->n; i++) {
-    struct steady steady;
+    struct average average;
     if (strcmp(page->runs[i].method, "isph") != 0) continue;
-    TRY(steady_darcy(&page->runs[i], &steady));
-    *result = steady.is_steady;
+    TRY(average_darcy(&page->runs[i], &average));
+    *result = average.without_drift;
   }
 cleanup:
   return status;

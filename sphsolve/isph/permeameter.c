@@ -7,6 +7,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/march/monitor.h"
 
 /* Whether a box spans the domain but along `axis` (3: along every axis). */
 static bool spans(const struct isph *s, const double low[3], const double high[3], int axis) {
@@ -68,16 +69,11 @@ static bool find_column(const struct isph *s, struct column *column) {
 /* A k is one after so many relaxation times; before, what is seen is the water's acceleration. */
 #define RELAXATIONS_LEAST 10.0
 
-/* By how much the mean over the second half of a time stays below what it relaxes to. */
-static double relaxation_deficit(double time, double relaxation) {
-  const double half = 0.5 * time / relaxation;
-  return (exp(-half) - exp(-2 * half)) / half;
-}
-
-/* The water's momentum, inertia dv/dt = drive (1 - v / v_inf), relaxes with the time inertia v_inf
- * / drive for friction that is linear in v, and faster else. False where it has not; else how far
- * v, the mean of the second half, is from where it goes: the change from its third quarter to its
- * fourth, and what it has still to grow by. */
+/* The water's momentum balance
+ *   inertia dv/dt = drive (1 - v / v_inf)
+ * relaxes with the time inertia v_inf / drive for friction that is linear in v, and faster else.
+ * False where the run is too short for that; else the steadiness of v, the mean of the second half:
+ * the change from its third quarter to its fourth, and what it has still to grow by. */
 static bool find_steadiness(const struct isph *s, double v, double third, double fourth,
                             double inertia, double drive, struct run_result *result) {
   const double relaxation = fabs(v) * inertia / drive, drift = fourth - third;
@@ -87,7 +83,8 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
                 s->scene->path, s->time);
     return false;
   }
-  result->k_error = hypot(isfinite(drift) ? drift / v : 0, relaxation_deficit(s->time, relaxation));
+  result->k_error =
+      hypot(isfinite(drift) ? drift / v : 0, monitor_relaxation_deficit(s->time, relaxation));
   result->error.steadiness = result->k_error;
   return true;
 }

@@ -34,6 +34,12 @@ static double mean_of(const struct monitor *monitor, size_t begin, size_t end, i
   return sum / (double)(end - begin);
 }
 
+/* The mean of exp(-t/T) from t = time/2 to time. */
+double monitor_relaxation_deficit(double time, double relaxation) {
+  const double half = 0.5 * time / relaxation;
+  return (exp(-half) - exp(-2 * half)) / half;
+}
+
 /* Standard deviation of 8 batch means of rows [begin, end) about their own line; the trend is
  * drift's part. Not divided by the root of their number: slow wander that a longer run would still
  * meet looks like this. */

@@ -1,4 +1,6 @@
-/* Whether a series has settled, and to what: a mean with an error that counts noise and drift. */
+/* Steadiness: how much of the change of a flow is still to come, relative. Of a sampled series it
+ * is extrapolated, with a mean and an error that counts its noise too; of a flow whose relaxation
+ * time is known it follows from that. */
 #ifndef TOSUI_SPHSOLVE_MARCH_MONITOR_H
 #define TOSUI_SPHSOLVE_MARCH_MONITOR_H
 
@@ -19,7 +21,7 @@ struct monitor_verdict {
   bool steady;
   double mean[MONITOR_COMPONENTS];
   double error; /* of mean[0], relative, 95 %: its wander and the change still to come */
-  double drift; /* its part that is drift */
+  double drift; /* its part that is change still to come */
 };
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
@@ -27,5 +29,9 @@ void monitor_free(struct monitor *monitor);
 /* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about
  * a mean that has stopped moving. `least`: samples before anything may be called steady. */
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
+
+/* By how much, relative, the mean over the second half of `time` (s) stays below what the value
+ * relaxes to as 1 - exp(-t / relaxation). */
+double monitor_relaxation_deficit(double time, double relaxation);
 
 #endif

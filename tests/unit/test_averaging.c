@@ -1,5 +1,5 @@
 /* Steady point and mean of histories whose answers are known. */
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -19,33 +19,33 @@ static double noise(uint64_t *state) {
 static void test_start_up_is_dropped(void **state) {
   (void)state;
   uint64_t seed = 1;
-  struct steady steady;
+  struct average average;
   for (int i = 0; i < ROWS; i++) {
     times[i] = 1e-3 * i;
     values[i] = 2.0 * (1.0 - exp(-i / 20.0)) * (1.0 + 0.02 * noise(&seed));
   }
-  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
-  assert_true(steady.is_steady);
-  assert_in_range(steady.first, 60, 200); /* exp(-3) of 2 is above the noise before 60 */
-  assert_true(fabs(steady.mean - 2.0) < 0.003);
-  assert_true(fabs(steady.mean - 2.0) <= 2.0 * steady.error95);
+  assert_int_equal(average_record(times, values, ROWS, &average), STATUS_OK);
+  assert_true(average.without_drift);
+  assert_in_range(average.first, 60, 200); /* exp(-3) of 2 is above the noise before 60 */
+  assert_true(fabs(average.mean - 2.0) < 0.003);
+  assert_true(fabs(average.mean - 2.0) <= 2.0 * average.error95);
 }
 
 static void test_drift_is_not_steady(void **state) {
   (void)state;
-  struct steady steady;
+  struct average average;
   for (int i = 0; i < ROWS; i++) {
     times[i] = i;
     values[i] = exp(i / 60.0); /* a run that blows up */
   }
-  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
-  assert_false(steady.is_steady);
+  assert_int_equal(average_record(times, values, ROWS, &average), STATUS_OK);
+  assert_false(average.without_drift);
 }
 
 /* Rows that crowd where the value is high must not pull the mean. */
 static void test_uneven_rows_are_weighted_by_time(void **state) {
   (void)state;
-  struct steady steady;
+  struct average average;
   double t = 0.0;
   for (int i = 0; i < ROWS; i++) {
     double phase = fmod(t, 1.0);
@@ -53,19 +53,19 @@ static void test_uneven_rows_are_weighted_by_time(void **state) {
     times[i] = t;
     t += phase < 0.5 ? 0.05 : 0.01;
   }
-  assert_int_equal(steady_find(times, values, ROWS, &steady), STATUS_OK);
-  assert_true(fabs(steady.mean - 2.0) < 0.15); /* a plain mean gives 2.67 */
+  assert_int_equal(average_record(times, values, ROWS, &average), STATUS_OK);
+  assert_true(fabs(average.mean - 2.0) < 0.15); /* a plain mean gives 2.67 */
 }
 
 static void test_few_rows(void **state) {
   (void)state;
-  struct steady steady;
+  struct average average;
   values[0] = 5.0;
   times[0] = 0.0;
-  assert_int_equal(steady_find(times, values, 1, &steady), STATUS_OK);
-  assert_true(steady.mean == 5.0);
-  assert_false(steady.is_steady);
-  assert_true(isnan(steady.error95));
+  assert_int_equal(average_record(times, values, 1, &average), STATUS_OK);
+  assert_true(average.mean == 5.0);
+  assert_false(average.without_drift);
+  assert_true(isnan(average.error95));
 }
 
 int main(void) {

@@ -1,4 +1,4 @@
-#include "analyze/steady.h"
+#include "analyze/averaging.h"
 
 #include <math.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-static const double steady_drift = 0.05;
+static const double drift_allowed = 0.05;
 
 /* Linear interpolation onto n even instants. Times must not fall. */
 static void resample(const double *times, const double *values, size_t n, double *even) {
@@ -46,54 +46,54 @@ static double mean_of(const double *values, size_t n) {
   return sum_compensated(values, n) / (double)n;
 }
 
-enum status steady_find(const double *times, const double *values, size_t n,
-                        struct steady *steady) {
+enum status average_record(const double *times, const double *values, size_t n,
+                           struct average *average) {
   enum status status = STATUS_OK;
   double *even = NULL;
-  memset(steady, 0, sizeof *steady);
+  memset(average, 0, sizeof *average);
   if (n < 5) {
-    steady->first = n - 1;
-    steady->rows = 1;
-    steady->from_time = times[n - 1];
-    steady->mean = values[n - 1];
-    steady->standard_error = steady->error95 = NAN;
-    steady->drift = n > 1 ? values[n - 1] - values[n - 2] : NAN;
-    steady->is_steady = n > 1 && fabs(steady->drift) <= steady_drift * fabs(steady->mean);
+    average->first = n - 1;
+    average->rows = 1;
+    average->from_time = times[n - 1];
+    average->mean = values[n - 1];
+    average->standard_error = average->error95 = NAN;
+    average->drift = n > 1 ? values[n - 1] - values[n - 2] : NAN;
+    average->without_drift = n > 1 && fabs(average->drift) <= drift_allowed * fabs(average->mean);
     return STATUS_OK;
   }
   TRY(memory_allocate(&even, n, sizeof *even, "history"));
   resample(times, values, n, even);
-  steady->first = truncation_point(even, n);
-  steady->rows = n - steady->first;
-  steady->from_time =
-      times[0] + (times[n - 1] - times[0]) * (double)steady->first / (double)(n - 1);
-  batch_means(even + steady->first, steady->rows, &steady->mean, &steady->standard_error);
-  size_t half = steady->rows / 2;
-  steady->drift = mean_of(even + n - half, half) - mean_of(even + steady->first, half);
-  double batches = floor(sqrt((double)steady->rows));
-  double sampling = student_t95(batches - 1.0) * steady->standard_error;
-  steady->error95 = fmax(sampling, fabs(steady->drift));
-  steady->is_steady = fabs(steady->drift) <= steady_drift * fabs(steady->mean);
+  average->first = truncation_point(even, n);
+  average->rows = n - average->first;
+  average->from_time =
+      times[0] + (times[n - 1] - times[0]) * (double)average->first / (double)(n - 1);
+  batch_means(even + average->first, average->rows, &average->mean, &average->standard_error);
+  size_t half = average->rows / 2;
+  average->drift = mean_of(even + n - half, half) - mean_of(even + average->first, half);
+  double batches = floor(sqrt((double)average->rows));
+  double sampling = student_t95(batches - 1.0) * average->standard_error;
+  average->error95 = fmax(sampling, fabs(average->drift));
+  average->without_drift = fabs(average->drift) <= drift_allowed * fabs(average->mean);
 cleanup:
   memory_free(&even);
   return status;
 }
 
-enum status steady_darcy(const struct run *run, struct steady *steady) {
+enum status average_darcy(const struct run *run, struct average *average) {
   enum status status = STATUS_OK;
   size_t rows = 0;
   double *times = NULL, *values = NULL;
   if (strcmp(run->method, "stokes") == 0 && isfinite(run->darcy_velocity[0])) {
-    memset(steady, 0, sizeof *steady);
-    steady->rows = 1;
-    for (int d = 0; d < 3; d++) steady->mean += run->darcy_velocity[d] * run->direction[d];
-    steady->standard_error = NAN;
-    steady->error95 = run->k_error * fabs(steady->mean);
-    steady->is_steady = !(run->k_error > steady_drift);
+    memset(average, 0, sizeof *average);
+    average->rows = 1;
+    for (int d = 0; d < 3; d++) average->mean += run->darcy_velocity[d] * run->direction[d];
+    average->standard_error = NAN;
+    average->error95 = run->k_error * fabs(average->mean);
+    average->without_drift = !(run->k_error > drift_allowed);
     return STATUS_OK;
   }
   TRY(run_darcy_series(run, &rows, &times, &values));
-  TRY(steady_find(times, values, rows, steady));
+  TRY(average_record(times, values, rows, average));
 cleanup:
   memory_free(&times);
   memory_free(&values);
