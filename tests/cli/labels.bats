@@ -2,11 +2,9 @@
 # Segmented images, NumPy arrays and HDF5 datasets as they come from other programs.
 
 bats_require_minimum_version 1.5.0
+load programs
 setup_file() {
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$PWD/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   # A sphere of share 0.216 in a cube of 320 um, 12 voxels a side, off the middle; 1 is grain, 0 pore; and with three labels.
   /usr/bin/python3 - <<'END'
 n, r = 12, (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 12
@@ -24,7 +22,6 @@ force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
 END
   export CUBE="--raw 12x12x12:u8 --voxel-size 26.666667um --mirror none"
 }
-setup() { cd "$BATS_FILE_TMPDIR"; }
 
 @test "k of smoothed labels is that of the sphere: Zick and Homsy within 2 %" {
   ct2model build sphere.raw $CUBE --segmented 0 --json -o s.hdf > s.json

@@ -2,11 +2,9 @@
 # Soil with pores below the voxel, from labels and greys to the model.
 
 bats_require_minimum_version 1.5.0
+load programs
 setup_file() {
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$PWD/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  cd "$BATS_FILE_TMPDIR"
+  programs_setup
   # Along x: 8 voxels of pore (1), 8 of soil (3), 8 of grain (2); and a grey scan of two grains (200) and a ball of soil (125).
   /usr/bin/python3 - <<'END'
 import random
@@ -32,7 +30,6 @@ force = { body_acceleration = ["0", "0", "-1e-3 m/s^2"]; };
 END
   export LAYERS="layers.raw --raw 24x24x24:u8 --voxel-size 5um" GREYS="greys.raw --raw 32x32x32:u8 --voxel-size 5um --mirror none"
 }
-setup() { cd "$BATS_FILE_TMPDIR"; }
 
 @test "a label as soil: written beside the walls, mirrored, turned and resampled; its pores count" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"

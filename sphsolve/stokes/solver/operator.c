@@ -219,83 +219,78 @@ static void divergence_row(const struct stokes_operator *op, size_t row, float *
   }
 }
 
-void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y) {
+/* What the equations of one row of sites need: x as it came in, y as it goes out. */
+typedef void row_function(const struct stokes_operator *op, size_t row, const float *x, float *y);
+
+/* In a parallel region: all rows that have sites; those at other ranks' last, when the values from
+ * there have come. */
+static void for_rows(const struct stokes_operator *op, row_function *function, const float *x,
+                     float *y) {
   const struct stokes_grid *grid = op->grid;
+  for (int part = 0; part < STOKES_PARTS; part++) {
+    stokes_grid_await(grid, part);
+#pragma omp for schedule(static)
+    for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
+      const size_t row = stokes_grid_nth(grid, part, n);
+      if (grid->row_start[row] < grid->row_start[row + 1]) function(op, row, x, y);
+    }
+  }
+}
+
+static void pressure_row(const struct stokes_operator *op, size_t row, const float *x, float *y) {
+  const size_t pressure = (size_t)op->stencil->axis_count * op->n;
+  gradient_row(op, row, x + pressure, y);
+  stabilisation_row(op, row, x + pressure, y + pressure);
+}
+
+static void continuity_row(const struct stokes_operator *op, size_t row, const float *x, float *y) {
+  (void)x;
+  divergence_row(op, row, y + (size_t)op->stencil->axis_count * op->n);
+}
+
+static void momentum_row(const struct stokes_operator *op, size_t row, const float *x, float *y) {
+  const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
+  correct(op, start, end, y);
+  for (int a = 0; a < op->stencil->axis_count; a++) {
+    float *ya = y + (size_t)a * op->n;
+    for (size_t i = start; i < end; i++) ya[i] *= op->parabola[i];
+    viscous_row(op, a, row, x + (size_t)a * op->n, true, ya);
+  }
+}
+
+static void one_component_row(const struct stokes_operator *op, size_t row, const float *x,
+                              float *y) {
+  viscous_row(op, 0, row, x, false, y);
+}
+
+void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y) {
   const int axes = op->stencil->axis_count;
-  const float *p = x + (size_t)axes * op->n;
-  float *continuity = y + (size_t)axes * op->n;
 #pragma omp parallel num_threads(op->threads)
   {
-    unpack_pressure(op, p);
-    for (int part = 0; part < STOKES_PARTS; part++) {
-      stokes_grid_await(grid, part);
-#pragma omp for schedule(static)
-      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
-        const size_t row = stokes_grid_nth(grid, part, n);
-        if (grid->row_start[row] == grid->row_start[row + 1]) continue;
-        gradient_row(op, row, p, y);
-        stabilisation_row(op, row, p, continuity);
-      }
-    }
+    unpack_pressure(op, x + (size_t)axes * op->n);
+    for_rows(op, pressure_row, x, y);
     unpack_corrected(op, x, y);
-    for (int part = 0; part < STOKES_PARTS; part++) {
-      stokes_grid_await(grid, part);
-#pragma omp for schedule(static)
-      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
-        const size_t row = stokes_grid_nth(grid, part, n);
-        if (grid->row_start[row] < grid->row_start[row + 1]) divergence_row(op, row, continuity);
-      }
-    }
+    for_rows(op, continuity_row, x, y);
     for (int a = 0; a < axes; a++)
       unpack_viscous(op, x + (size_t)a * op->n, a, op->stencil->axes[a]);
-    for (int part = 0; part < STOKES_PARTS; part++) {
-      stokes_grid_await(grid, part);
-#pragma omp for schedule(static)
-      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
-        const size_t row = stokes_grid_nth(grid, part, n);
-        const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
-        if (start == end) continue;
-        correct(op, start, end, y);
-        for (int a = 0; a < axes; a++) {
-          float *ya = y + (size_t)a * op->n;
-          for (size_t i = start; i < end; i++) ya[i] *= op->parabola[i];
-          viscous_row(op, a, row, x + (size_t)a * op->n, true, ya);
-        }
-      }
-    }
+    for_rows(op, momentum_row, x, y);
   }
 }
 
 void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y) {
-  const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
     unpack_viscous(op, x, 0, component);
-    for (int part = 0; part < STOKES_PARTS; part++) {
-      stokes_grid_await(grid, part);
-#pragma omp for schedule(static)
-      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
-        const size_t row = stokes_grid_nth(grid, part, n);
-        if (grid->row_start[row] < grid->row_start[row + 1]) viscous_row(op, 0, row, x, false, y);
-      }
-    }
+    for_rows(op, one_component_row, x, y);
   }
 }
 
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y) {
-  const struct stokes_grid *grid = op->grid;
 #pragma omp parallel num_threads(op->threads)
   {
     unpack_pressure(op, p);
-    for (int part = 0; part < STOKES_PARTS; part++) {
-      stokes_grid_await(grid, part);
-#pragma omp for schedule(static)
-      for (size_t n = 0; n < stokes_grid_part(grid, part); n++) {
-        const size_t row = stokes_grid_nth(grid, part, n);
-        if (grid->row_start[row] < grid->row_start[row + 1]) gradient_row(op, row, p, y);
-      }
-    }
+    for_rows(op, gradient_row, p, y);
   }
 }
 
