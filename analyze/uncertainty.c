@@ -53,6 +53,7 @@ void uncertainty_json(const struct uncertainty *u, json_t *object) {
   json_put_number(object, "dlnk_dvoid_ratio", u->slope_void_ratio);
   json_object_set_new(object, "dlnk_dvoid_ratio_solved", json_boolean(u->slope_solved));
   json_put_number(object, "dlnk_dthreshold", u->slope_threshold);
+  json_put_number(object, "dlnk_dlnk_micro", u->slope_micro);
 }
 
 static void write_part(FILE *stream, const char *what, double share) {
@@ -74,6 +75,7 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   write_part(stream, ", steadiness ", u->steadiness);
   write_part(stream, ", void ratio ", u->void_ratio);
   write_part(stream, ", threshold ", u->threshold);
+  write_part(stream, ", soil below the voxel ", u->micro);
   write_part(stream, "; together ", uncertainty_total(u));
   if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * u->slope_void_ratio);

@@ -11,15 +11,16 @@
  * sides        how the sample's sides are closed
  * void_ratio   the model's void ratio off the measured one
  * threshold    from the uncertainty of the measured void ratio
+ * micro        from the uncertainty of the permeability of soil below the voxel
  * averaging    over time
  * steadiness   the change still to come, or what the solver left
- * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, and ln k in a
- * tube that the sample fills, less ln k. */
+ * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, d ln k / d ln of
+ * the permeability of soil below the voxel, and ln k in a tube that the sample fills, less ln k. */
 #define UNCERTAINTY_PARTS_MEMBERS                                                                  \
-  double resolution, scan, sides, void_ratio, threshold, averaging, steadiness;                    \
-  double slope_void_ratio, slope_threshold, sides_closed;
+  double resolution, scan, sides, void_ratio, threshold, micro, averaging, steadiness;             \
+  double slope_void_ratio, slope_threshold, slope_micro, sides_closed;
 
-enum { UNCERTAINTY_SHARES = 7, UNCERTAINTY_PARTS = 10 };
+enum { UNCERTAINTY_SHARES = 8, UNCERTAINTY_PARTS = 12 };
 struct uncertainty_parts {
   union {
     struct {

@@ -76,6 +76,7 @@ static void write_contents(const struct page *page, bool budget) {
     bool there;
   } list[] = {{"flow", "Flow", page->has_flow},
               {"levels", "Accuracy", page->n == 1 && page->runs[0].levels.count > 1},
+              {"soil", "Soil", page_has_soil(page)},
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
               {"pdf", "Pore velocity", page->has[PART_PDF]},
               {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
@@ -127,6 +128,7 @@ static enum status write_body(struct page *page) {
   verdict_write(json_object_get(page->data, "verdict"), has_tensor ? &tensor : NULL, out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
+  TRY(page_soil(page));
   page_figure(page, PART_CONVERGE, "Accuracy and its cost",
               "k against spacing with the extrapolation, and its deviation from the "
               "extrapolated k against wall-clock time.");

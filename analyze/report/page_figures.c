@@ -13,7 +13,7 @@
 #include "common/memory.h"
 
 /* The plot of `body` as a still picture; a page without one is better than no page. */
-static void write_still(FILE *out, const char *name, const char *body, int width, int height,
+void page_still(FILE *out, const char *name, const char *body, int width, int height,
                         const char *title) {
   char *svg = NULL;
   if (plot_svg(name, body, width, height, &svg) != STATUS_OK) {
@@ -68,7 +68,7 @@ void page_figure(struct page *page, enum part part, const char *title, const cha
   if (!still_only)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
   if (!page->lean || still_only)
-    write_still(out, page_part_names[part], product->plot.data, product->width, product->height,
+    page_still(out, page_part_names[part], product->plot.data, product->width, product->height,
                 title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
@@ -84,7 +84,7 @@ enum status page_calibration(FILE *out, const json_t *calibration, const struct 
   page_calibration_plot(calibration, plot);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<figure><div class=\"charts\" data-part=\"calibration\"></div>", out);
-  write_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
+  page_still(out, "calibration", body, 1200, 480, "Calibration of the threshold");
   fprintf(out,
           "<figcaption>Void ratio against the grey threshold, and the histogram of grey values; at "
           "the resolution of the model and of the scan. Dashed: the model&rsquo;s threshold%s."
@@ -151,7 +151,7 @@ enum status page_levels(struct page *page) {
       estimated ? "' title 'estimate so far, resolution alone', " : "", plot_colours[1]);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<section id=\"levels\"><h2>Accuracy and its cost</h2><figure>", page->out);
-  write_still(page->out, "levels", body, 760, 420, "k of each lattice against processor time");
+  page_still(page->out, "levels", body, 760, 420, "k of each lattice against processor time");
   fputs("<figcaption>k on each lattice, from the coarsest to the finest, against the processor "
         "time of the "
         "lattices so far; what they together say of the limit; and the result with its "

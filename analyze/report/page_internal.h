@@ -43,5 +43,12 @@ void page_figure(struct page *page, enum part part, const char *title, const cha
 enum status page_calibration(FILE *out, const json_t *calibration, const struct page_model *model);
 enum status page_levels(struct page *page);
 enum status page_flow_section(struct page *page);
+/* The plot of `body` (gnuplot) as a still picture of that size in points. */
+void page_still(FILE *out, const char *name, const char *body, int width, int height,
+                const char *title);
+
+/* What soil with pores below the sites does, in the first run that page has: page_soil.c. */
+bool page_has_soil(const struct page *page);
+enum status page_soil(struct page *page);
 
 #endif

@@ -140,6 +140,7 @@ static const struct {
                 {"sides", "a larger sample is needed"},
                 {"void_ratio", "build the model nearer to the measured void ratio"},
                 {"threshold", "measure the void ratio more precisely"},
+                {"micro", "measure the permeability of the soil below the voxel more precisely"},
                 {"averaging", "run longer"},
                 {"steadiness", "run longer"}};
 

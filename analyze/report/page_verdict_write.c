@@ -60,8 +60,8 @@ static void write_budget(const json_t *budget, FILE *out) {
   static const struct {
     const char *key, *name;
   } parts[] = {{"resolution", "resolution"}, {"scan", "scan"},           {"sides", "sides"},
-               {"void_ratio", "void ratio"}, {"threshold", "threshold"}, {"averaging", "averaging"},
-               {"steadiness", "steadiness"}};
+               {"void_ratio", "void ratio"}, {"threshold", "threshold"}, {"micro", "soil below the voxel"},
+               {"averaging", "averaging"},   {"steadiness", "steadiness"}};
   const double total = number(budget, "total");
   if (!(total > 0.0)) return;
   fputs("<table class=\"budget\"><caption>What the error is made of</caption><tbody>\n", out);

@@ -13,6 +13,25 @@ cleanup:
   return status;
 }
 
+double lattice_soil_most(const struct lattice *l) {
+  double most = 0.0;
+  for (size_t i = 0; l->micro_permeability != NULL && i < l->count; i++)
+    most = fmax(most, (double)l->micro_permeability[i]);
+  return most;
+}
+
+enum status lattice_soil_scale(const struct lattice *lattice, double factor,
+                               struct lattice *scaled) {
+  enum status status = STATUS_OK;
+  *scaled = *lattice;
+  scaled->micro_permeability = NULL;
+  TRY(memory_allocate(&scaled->micro_permeability, lattice->count, sizeof(float), "the soil"));
+  for (size_t i = 0; i < lattice->count; i++)
+    scaled->micro_permeability[i] = (float)(factor * (double)lattice->micro_permeability[i]);
+cleanup:
+  return status;
+}
+
 /* The sites of another lattice beneath one along an axis, and how much of them; `more` sites beyond
  * on each side count whole. */
 #define COVERED_MOST 64

@@ -5,6 +5,7 @@
 #include "common/image_file.h"
 #include "common/memory.h"
 #include "common/output_guard.h"
+#include "sphsolve/geometry/soil.h"
 
 struct field {
   const char *name, *unit, *description;
@@ -24,9 +25,35 @@ cleanup:
   return status;
 }
 
-enum status image_write(const char *prefix, const struct lattice *lattice, double time,
-                        int64_t step, size_t count, const uint64_t *site, const float *velocity,
-                        const float *pressure) {
+/* Soil with pores below the sites: where it is, and what its drag takes, viscosity v^2 / k. */
+static enum status write_soil(struct h5_file *file, const struct lattice *lattice,
+                              double viscosity, size_t count, const uint64_t *site,
+                              const float *velocity) {
+  enum status status = STATUS_OK;
+  static const struct field fields[] = {
+      {"micro_porosity", "1", "porosity of soil with pores below the voxel; 0 elsewhere", 1},
+      {"micro_permeability", "m^2", "its permeability; 0 elsewhere", 1},
+      {"micro_power", "W/m^3", "power that the drag of such soil takes; 0 elsewhere", 1}};
+  float *power = NULL;
+  TRY(memory_allocate(&power, lattice->count, sizeof *power, "the flow as an image"));
+  for (size_t i = 0; i < count; i++) {
+    const float *v = velocity + 3 * i;
+    const double square = (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] +
+                          (double)v[2] * (double)v[2];
+    if (lattice_is_soil(lattice, site[i]))
+      power[site[i]] = (float)(viscosity * square / (double)lattice->micro_permeability[site[i]]);
+  }
+  TRY(write_field(file, lattice, &fields[0], lattice->micro_porosity));
+  TRY(write_field(file, lattice, &fields[1], lattice->micro_permeability));
+  TRY(write_field(file, lattice, &fields[2], power));
+cleanup:
+  memory_free(&power);
+  return status;
+}
+
+enum status image_write(const char *prefix, const struct lattice *lattice, double viscosity,
+                        double time, int64_t step, size_t count, const uint64_t *site,
+                        const float *velocity, const float *pressure) {
   enum status status = STATUS_OK;
   static const struct field fields[] = {
       {"velocity", "m/s", "velocity; walls are at rest", 3},
@@ -52,6 +79,8 @@ enum status image_write(const char *prefix, const struct lattice *lattice, doubl
   }
   if (lattice->wall_distance != NULL)
     TRY(write_field(file, lattice, &fields[2], lattice->wall_distance));
+  if (lattice->micro_porosity != NULL)
+    TRY(write_soil(file, lattice, viscosity, count, site, velocity));
   status = h5_commit(file);
   file = NULL;
 cleanup:

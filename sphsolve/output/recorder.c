@@ -263,7 +263,8 @@ enum status recorder_image(struct recorder *recorder, const struct lattice *latt
                            int64_t step, size_t count, const uint64_t *site, const float *velocity,
                            const float *pressure) {
   if (ranks_count() > 1 || recorder->scene->no_image) return STATUS_OK;
-  return image_write(recorder->prefix, lattice, time, step, count, site, velocity, pressure);
+  return image_write(recorder->prefix, lattice, recorder->scene->fluid.viscosity, time, step, count,
+                     site, velocity, pressure);
 }
 
 enum status recorder_go_back(struct recorder *recorder, double time) {

@@ -14,6 +14,7 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/output/conservation.h"
+#include "sphsolve/output/micropores.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/output/step_log.h"
@@ -49,6 +50,7 @@ struct run_result {
   double pair_interactions;            /* directed pairs, once for each equation they enter */
   double pair_interactions_per_second; /* over the time in pair loops */
   struct conservation conservation;
+  struct micropores micropores; /* sites 0: the model has no soil */
   const struct tensor *tensor; /* of the run that completes it; NULL */
 };
 

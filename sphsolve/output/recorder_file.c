@@ -214,6 +214,7 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   TRY(uncertainty_write(&result->error, result->k / result->intrinsic_permeability, file));
   TRY(conservation_write(&result->conservation, file));
   if (result->tensor != NULL) TRY(tensor_write(result->tensor, file));
+  if (result->micropores.sites > 0) TRY(micropores_write(&result->micropores, file));
   TRY(write_solid(recorder, file));
   TRY(provenance_write(file, "sphsolve", recorder->command_line, *inputs[1] ? 2 : 1, inputs,
                        hashes));

@@ -13,16 +13,19 @@
 
 static json_t *error_json(const struct uncertainty *b) {
   return json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s}",
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
+      "s:s}",
       "resolution", json_number(b->resolution), "scan", json_number(b->scan), "sides",
       json_number(b->sides), "void_ratio", json_number(b->void_ratio), "threshold",
-      json_number(b->threshold), "averaging", json_number(b->averaging), "steadiness",
+      json_number(b->threshold), "micro", json_number(b->micro), "averaging",
+      json_number(b->averaging), "steadiness",
       json_number(b->steadiness), "total", json_number(uncertainty_largest(b)), "model_voxels",
       json_number(b->model), "observed_order", json_number(b->order), "extrapolated_permeability",
       json_number(b->extrapolated), "finest_permeability", json_number(b->finest),
       "dlnk_dvoid_ratio", json_number(b->slope_void_ratio), "dlnk_sides_closed",
       json_number(b->sides_closed), "dlnk_blurred_again", json_number(b->slope_blur),
-      "dlnk_dthreshold", json_number(b->slope_threshold), "resolution_needs",
+      "dlnk_dthreshold", json_number(b->slope_threshold), "dlnk_dlnk_micro",
+      json_number(b->slope_micro), "resolution_needs",
       resolution_needs_names[b->needs]);
 }
 
@@ -76,6 +79,8 @@ enum status run_print_json(const struct run_result *result) {
       conservation_json(&result->conservation));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   if (result->tensor != NULL) json_object_set_new(object, "tensor", tensor_json(result->tensor));
+  if (result->micropores.sites > 0)
+    json_object_set_new(object, "micro", micropores_json(&result->micropores));
   json_dumpf(object, stdout, JSON_INDENT(2) | JSON_PRESERVE_ORDER);
   putchar('\n');
   json_decref(object);
@@ -104,6 +109,7 @@ static void print_uncertainty(const struct uncertainty *b) {
   print_part(", steadiness", b->steadiness > 1e-5 ? b->steadiness : NAN);
   print_part(", void ratio", b->void_ratio > 1e-5 ? b->void_ratio : NAN);
   print_part(", threshold", b->threshold);
+  print_part(", soil below the voxel", b->micro);
   putchar('\n');
   if (b->level_count > 1) {
     const struct error_level *finest = &b->levels[b->level_count - 1];
@@ -138,6 +144,7 @@ static void print_verdict(const struct uncertainty *b) {
                {b->sides, "the sample's sides", "a larger sample lessens it"},
                {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
                {b->threshold, "the measured void ratio", "measure it more precisely"},
+               {b->micro, "the permeability of soil below the voxel", "measure it more precisely"},
                {b->averaging, "averaging", "a longer run lessens it"},
                {b->steadiness, "what still changes", "a longer run lessens it"}};
   size_t most = 0;
@@ -175,6 +182,7 @@ void run_print(const struct run_result *result, const char *prefix) {
     printf("Reynolds   %.3g\n", result->reynolds);
   }
   if (result->tensor != NULL) tensor_print(result->tensor);
+  if (isfinite(result->k) && result->micropores.sites > 0) micropores_print(&result->micropores);
   if (isfinite(result->k)) print_verdict(&result->error);
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);

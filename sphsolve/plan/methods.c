@@ -120,6 +120,12 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
   else
     method = taken_by(&context, why);
   *chosen = method;
+  if ((scene->micro.factor_count > 0 || scene->micro.uncertainty > 1) &&
+      lattice->micro_porosity == NULL)
+    return scene_error(scene, AT_MICRO,
+                       "%s has no soil with pores below the voxel; leave the group out, or build a "
+                       "model with such soil (ct2model build --micro)",
+                       scene->model_path);
   if (method->resolves_pores) {
     if (context.has_porous || context.has_inflow)
       return scene_error(scene, AT_METHOD,

@@ -95,7 +95,7 @@ cleanup:
 static enum status check_roots(struct config *config) {
   static const char *const groups[] = {"scene",      "model",  "lattice", "domain",  "force",
                                        "wcsph",      "stokes", "isph",    "effects", "output",
-                                       "checkpoint", "flow",   "solute"};
+                                       "checkpoint", "flow",   "solute", "micro"};
   static const char *const lists[] = {"fluids", "regions", "gauges", "planes"};
   config_node *root = config_root(config);
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {

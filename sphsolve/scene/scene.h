@@ -24,6 +24,7 @@ enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
 #define SOLUTE_PECLET_MAX 64
+#define MICRO_FACTORS_MOST 32
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
 
 /* Settings that errors found after reading name with their line. */
@@ -47,6 +48,8 @@ enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
   X(ISPH_DT, "isph", "dt")                                                                         \
   X(TURBULENCE, "effects", "turbulence")                                                           \
   X(SHIFTING, "effects", "shifting")                                                               \
+  X(MICRO, "micro", "")                                                                           \
+  X(MICRO_FACTORS, "micro", "factors")                                                            \
   X(FIELDS, "output", "fields")
 enum scene_place {
 #define X(symbol, group, key) AT_##symbol,
@@ -144,6 +147,12 @@ struct scene {
     double smagorinsky;  /* C_s */
     bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
   } isph;
+
+  struct {              /* soil of the model with pores below the voxel */
+    int factor_count;   /* k is solved with its permeabilities times these, too; ascending */
+    double factors[MICRO_FACTORS_MOST];
+    double uncertainty; /* they are known to this factor (95 %), above 1; NAN: not said */
+  } micro;
 
   struct {
     double diffusion; /* m^2/s, molecular; NAN: only ratios to it are asked for */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
@@ -148,8 +149,41 @@ cleanup:
   return status;
 }
 
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Soil of a model with pores below the voxel. */
+static enum status read_micro(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *group = config_child(config, config_root(config), "micro");
+  bool given;
+  scene->micro.uncertainty = NAN;
+  if (group != NULL && !*scene->model_path)
+    TRY(config_error(config, group, "is of soil with pores below the voxels of a model, and the "
+                                    "scene has none; leave it out"));
+  TRY(config_quantities(config, group, "factors", DIM_NONE, 1, MICRO_FACTORS_MOST,
+                        scene->micro.factors, &scene->micro.factor_count, &given));
+  qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double), ascending);
+  for (int i = 0; i < scene->micro.factor_count; i++)
+    if (!(scene->micro.factors[i] > 0) ||
+        (i > 0 && scene->micro.factors[i] == scene->micro.factors[i - 1]))
+      TRY(config_error(config, config_child(config, group, "factors"),
+                       "factors of the soil's permeability are wanted, above 0 and none twice, "
+                       "like [0.1, 10.0]"));
+  TRY(config_number(config, group, "uncertainty", &scene->micro.uncertainty, &given));
+  if (given && !(scene->micro.uncertainty > 1 && scene->micro.uncertainty <= 1e6))
+    TRY(config_error(config, config_child(config, group, "uncertainty"),
+                     "a factor above 1 is wanted: 2.0 says that the permeability of the soil is "
+                     "known to between half and twice"));
+cleanup:
+  return status;
+}
+
 enum status scene_read_settings(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
+  TRY(read_micro(config, scene));
   TRY(read_methods(config, scene));
   TRY(read_switches(config, scene));
   TRY(read_output(config, scene));

@@ -13,7 +13,7 @@ static const char *const way_names[] = {"closure", "walk", "both", NULL};
 static enum status refuse_other_groups(struct config *config) {
   static const char *const groups[] = {"model",  "lattice", "domain", "fluids",    "regions",
                                        "force",  "wcsph",   "stokes", "isph",      "effects",
-                                       "gauges", "planes",  "output", "checkpoint"};
+                                       "gauges", "planes",  "output", "checkpoint", "micro"};
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
     config_node *node = config_child(config, config_root(config), groups[i]);
     if (node != NULL)

@@ -13,6 +13,7 @@
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
 #include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/stokes/cascade/soil_response.h"
 #include "sphsolve/stokes/output.h"
 #include "sphsolve/stokes/step.h"
 
@@ -219,6 +220,17 @@ static void tell_level(const struct cascade *c) {
   level_bar_show(b, to_speed);
 }
 
+/* How k of a solved lattice answers to its soil, and that share of its error. */
+static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s) {
+  struct uncertainty *u = &job->cascade.uncertainty;
+  struct micropores_point *own = &job->result->micropores.own;
+  const enum status status = soil_response_measure(s, &job->lattice, own);
+  u->slope_micro = own->slope;
+  if (job->scene->micro.uncertainty > 1.0)
+    u->micro = fabs(own->slope) * log(job->scene->micro.uncertainty);
+  return status;
+}
+
 /* One lattice of the cascade, from its sites to its k. The solver's solution is kept by the
  * cascade, also of an interrupted one. */
 static enum status solve_level(struct stokes_job *job, double spacing) {
@@ -259,6 +271,9 @@ cleanup:
       recorder_set_fact(job->recorder, "imbalance",
                         s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
     job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
+    /* Last, as it leaves nothing but the solution. */
+    if (status == STATUS_OK && s.grid.active_all > 0 && job->lattice.micro_porosity != NULL)
+      status = measure_soil(job, &s);
     cascade_keep(c, &s);
   }
   stokes_solver_free(&s);
@@ -283,6 +298,15 @@ static void set_result(struct stokes_job *job) {
   result->reynolds *= scale;
 }
 
+/* What soil does to k. */
+static enum status add_micropores(struct stokes_job *job) {
+  struct run_result *result = job->result;
+  struct micropores *m = &result->micropores;
+  if (job->lattice.micro_porosity == NULL || !(result->k > 0.0)) return STATUS_OK;
+  soil_response_describe(&job->lattice, m);
+  return soil_response_curve(&job->cascade, &job->lattice, result->k, stop_asked, m);
+}
+
 static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
                        struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -305,6 +329,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                 scene->path);
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
   set_result(&job);
+  if (status == STATUS_OK) status = add_micropores(&job);
+  if (status == STATUS_INTERRUPTED) result->status = "interrupted";
   result->steps = job.iterations;
   result->pair_interactions = job.pairs;
   if (job.solving > 0.0) result->pair_interactions_per_second = job.pairs / job.solving;

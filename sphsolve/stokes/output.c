@@ -6,6 +6,7 @@
 struct fields {
   double *points;
   float *velocity, *pressure, *density;
+  float *micro_porosity; /* NULL: no site is soil */
   uint64_t *id;
 };
 
@@ -14,6 +15,7 @@ static void fields_free(struct fields *f) {
   memory_free(&f->velocity);
   memory_free(&f->pressure);
   memory_free(&f->density);
+  memory_free(&f->micro_porosity);
   memory_free(&f->id);
 }
 
@@ -33,6 +35,9 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
   TRY(memory_allocate(&f.velocity, 3 * count, sizeof *f.velocity, "velocity of the snapshot"));
   TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
   TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
+  if (lattice->micro_porosity != NULL)
+    TRY(memory_allocate(&f.micro_porosity, count, sizeof *f.micro_porosity,
+                        "soil of the snapshot"));
   TRY(memory_allocate(&f.id, count, sizeof *f.id, "ids of the snapshot"));
   for (size_t site = first, at = 0, packed = 0; site < end; site++) {
     const size_t i = site % nx, row = site / nx;
@@ -44,6 +49,7 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
       f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
     f.density[at] = (float)density;
     f.id[at] = site;
+    if (f.micro_porosity != NULL) f.micro_porosity[at] = lattice->micro_porosity[site];
     if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
       for (size_t a = 0; a < axes; a++) {
         const int axis = s->stencil.axes[a];
@@ -61,10 +67,12 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
       {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure,
        NULL, NULL},
       {"density", "kg/m^3", "density", H5_F32, 1, f.density, NULL, NULL},
-      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id, NULL, NULL}};
+      {"id", "1", "number of the lattice site, x fastest", H5_U64, 1, f.id, NULL, NULL},
+      {"micro_porosity", "1", "porosity of soil with pores below the voxel; 0 elsewhere", H5_F32, 1,
+       f.micro_porosity, NULL, NULL}};
+  const size_t fields = sizeof list / sizeof *list - (f.micro_porosity == NULL);
   const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
-  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, sizeof list / sizeof *list,
-                        list));
+  TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, fields, list));
   memory_free(&f.points);
   TRY(recorder_image(recorder, lattice, 0.0, s->iterations, count, f.id, f.velocity, f.pressure));
 cleanup:

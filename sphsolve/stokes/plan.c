@@ -1,6 +1,7 @@
 /* What method stokes will cost and how good it will be, before it runs. */
 #include <math.h>
 
+#include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/error_forecast.h"
@@ -13,6 +14,16 @@ enum status stokes_scales(struct plan *plan) {
         context->scene, AT_METHOD,
         "stokes.wall = \"adami\" knows no soil with pores below the voxel, which the "
         "model has; leave it out");
+  const int factors = context->scene->micro.factor_count;
+  if (factors > 0 && context->lattice->micro_porosity != NULL) {
+    const double factor = context->scene->micro.factors[factors - 1];
+    const double most = lattice_soil_most(context->lattice), voxel = context->spacing;
+    if (factor * most > voxel * voxel)
+      return scene_error(context->scene, AT_MICRO_FACTORS,
+                         "%g times the permeability of the soil, at most %.3g m^2, is above the "
+                         "square of a voxel, %.3g m^2; %.3g is the largest factor",
+                         factor, most, voxel * voxel, voxel * voxel / most);
+  }
   context->kernel = context->scene->stokes.kernel;
   context->support = stokes_support(context->scene, context->spacing) * context->spacing;
   context->smoothing_length =

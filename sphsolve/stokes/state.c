@@ -69,7 +69,7 @@ static void precondition(void *system, const float *x, float *work, float *y) {
  * nearly its own adjoint once the momentum rows are divided by D and continuity is negated, and the
  * flux along the force is the functional that belongs to its right-hand side, so that with this
  * the flux is wrong by the square of the solution's error (Pierce, Giles 2000, SIAM Review 42). */
-static double adjoint_correction(const struct stokes_solver *s) {
+static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_grid *grid = &s->grid;
   const float *weight = s->operator.soil ? s->operator.soil->balance : NULL;
@@ -82,7 +82,8 @@ static double adjoint_correction(const struct stokes_solver *s) {
         momentum += s->x[a * n + i] * (double)s->residual[a * n + i];
       double continuity = (double)s->residual[axes * n + i];
       if (weight) momentum /= (double)weight[i], continuity *= (double)weight[i];
-      own += momentum / (double)s->operator.parabola[i] - s->x[axes * n + i] * continuity;
+      if (divide) momentum /= (double)s->operator.parabola[i];
+      own += momentum - s->x[axes * n + i] * continuity;
     }
     sum += stokes_grid_weight(grid, row) * own;
   }
@@ -125,7 +126,7 @@ void stokes_solver_measure(struct stokes_solver *s, bool anew) {
   }
   ranks_sum_all(sums, 2);
   s->divergence = sums[0] > 0.0 ? sqrt(sums[1] / sums[0]) : INFINITY;
-  const double more = s->walls_move ? 0.0 : adjoint_correction(s);
+  const double more = s->walls_move ? 0.0 : adjoint_correction(s, true);
   for (int a = 0; a < 3; a++) {
     const double mean = (flux[a] + more * s->force[a]) / s->bulk_count;
     moved = hypot(moved, mean - s->mean[a]);
@@ -211,6 +212,25 @@ enum status stokes_solver_build_half(const struct lattice *lattice, const struct
                                      double support, enum wall_scheme wall, double nu,
                                      const double driving[3], struct stokes_solver *s) {
   return build(lattice, scene, support, wall, nu, driving, true, s);
+}
+
+enum status stokes_solver_take_soil(struct stokes_solver *s, const struct lattice *lattice) {
+  const int threads = omp_get_max_threads();
+  const struct stokes_operator was = s->operator;
+  omp_set_num_threads(was.threads);
+  stokes_operator_free(&s->operator);
+  const enum status status = stokes_operator_build(
+      was.stencil, was.grid, lattice, was.scene, was.wall, was.stabilisation, was.velocity_unit,
+      was.force, &s->operator);
+  omp_set_num_threads(threads);
+  return status;
+}
+
+double stokes_solver_answer(struct stokes_solver *s) {
+  double along = 0.0;
+  stokes_solver_restart(s);
+  for (int a = 0; a < 3; a++) along += s->mean[a] * s->force[a];
+  return along + (adjoint_correction(s, false) - adjoint_correction(s, true)) / s->bulk_count;
 }
 
 void stokes_solver_free(struct stokes_solver *s) {

@@ -207,3 +207,75 @@ END
     /usr/bin/python3 "$BATS_TEST_DIRNAME/ranks.py" few-run.hdf "ranks$n.hdf" 1e-6 run@k
   done
 }
+
+@test "soil: its share of the flux, k over its permeability, and that share of the error, everywhere" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+n, dx = 24, 1e-5
+z, y, x = np.meshgrid(*[np.arange(n) + .5] * 3, indexing="ij")
+grain = np.sqrt((x - 8) ** 2 + (y - 12) ** 2 + (z - 12) ** 2) - 6
+soil = (x > 16) & (grain > 0)
+with h5py.File("both.hdf", "w") as f:
+    m = f.create_group("model")
+    m["solid"], m["wall_distance"] = (grain < 0).astype("u1"), (grain * dx).astype("f4")
+    m.attrs["spacing"] = [dx] * 3
+    m["micro_porosity"], m["micro_permeability"] = .4 * soil.astype("f4"), (.02 * dx**2) * soil.astype("f4")
+END
+  sed 's/"soil.hdf"/"both.hdf"/' soil.cfg > both.cfg
+  sphsolve run both.cfg -o both-run --json --set 'micro={factors=[10.0,0.9,1.1];uncertainty=2.0;}' > both.json
+  sphsolve run both.cfg -o both-run --force --set 'micro={factors=[10.0];uncertainty=2.0;}' > both.txt
+  grep -q "of the flux goes through it" both.txt
+  grep -q "soil below the voxel" both.txt
+  [ "$(grep -c "e-12\|e-11" both.txt)" -ge 3 ]
+  sphsolve run both.cfg -o both-error --error 5% --json --set 'micro={uncertainty=2.0;}' > error.json
+  analyze report both-run.hdf -o both.html --quiet
+  grep -q "Soil with pores below the voxel" both.html
+  analyze darcy both-run.hdf | grep -q "soil below the voxel"
+  /usr/bin/python3 - <<'END'
+import h5py, json, math, numpy as np
+run = json.load(open("both.json"))
+m = run["micro"]
+assert abs(m["permeability"] / .02e-10 - 1) < 1e-5 and abs(m["porosity"] - .4) < 1e-6
+assert [p["factor"] for p in m["curve"]] == [.9, 1, 1.1, 10], m["curve"]
+k = [p["k"] for p in m["curve"]]
+assert k == sorted(k) and k[1] == run["k"]
+between = math.log(k[2] / k[0]) / math.log(1.1 / .9)
+assert abs(m["dlnk_dlnk_micro"] / between - 1) < .15, (m["dlnk_dlnk_micro"], between)
+assert abs(run["error"]["micro"] / (m["dlnk_dlnk_micro"] * math.log(2)) - 1) < 1e-6
+assert run["error"]["total"] > run["error"]["micro"] and run["error"]["dlnk_dlnk_micro"] == m["dlnk_dlnk_micro"]
+image = h5py.File("both-run-image.hdf")["VTKHDF/PointData"]
+v, n, power = image["velocity"][()][..., 2], image["micro_porosity"][()], image["micro_power"][()]
+share = v[n > 0].sum() / v.sum()
+assert abs(m["flux_share"] / share - 1) < .02, (m["flux_share"], share)
+wanted = 1e-3 * (image["velocity"][()] ** 2).sum(-1)[n > 0] / .02e-10
+assert np.allclose(power[n > 0], wanted, rtol=1e-4) and (power[n == 0] == 0).all()
+h = h5py.File("both-run.hdf")["run"]
+assert list(h["micro/factor"]) == [1, 10] and h["micro"].attrs["flux_share"] > 0
+assert h["error"].attrs["micro"] > 0
+assert (h5py.File("both-run-0000.hdf")["VTKHDF/PointData/micro_porosity"][()] > 0).mean() > .3
+error = json.load(open("error.json"))
+assert error["error"]["micro"] > 0 and error["micro"]["curve"] == []
+assert abs(error["micro"]["dlnk_dlnk_micro"] / m["dlnk_dlnk_micro"] - 1) < .25
+END
+  refused() { # WORDS ARGUMENTS
+    local words=$1
+    shift
+    run --separate-stderr sphsolve run both.cfg -o refused "$@"
+    [[ "$status" -eq 3 && "$stderr" == *"$words"* ]] || { echo "$*: $status $stderr"; false; }
+    [ "${#stderr_lines[@]}" -eq 1 ]
+  }
+  refused "50 is the largest factor" --set 'micro={factors=[60.0];}'
+  refused "none twice" --set 'micro={factors=[2.0,2.0];}'
+  refused "factor above 1" --set 'micro={uncertainty=0.5;}'
+  sed 's/"soil.hdf"/"none.hdf"/' soil.cfg > none.cfg
+  /usr/bin/python3 -c '
+import h5py
+with h5py.File("both.hdf") as a, h5py.File("none.hdf", "w") as b:
+    m = b.create_group("model")
+    m["solid"], m["wall_distance"] = a["model/solid"][()], a["model/wall_distance"][()]
+    m.attrs["spacing"] = a["model"].attrs["spacing"]'
+  run --separate-stderr sphsolve run none.cfg -o refused --set 'micro={uncertainty=2.0;}'
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"has no soil with pores below the voxel"* ]]
+}

@@ -11,6 +11,7 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/soil.h"
+#include "sphsolve/stokes/cascade/soil_response.h"
 #include "sphsolve/stokes/step.h"
 
 /* Layers across x: water from 0 to `water`, soil beyond. */
@@ -92,8 +93,57 @@ static void test_resampled(void **state) {
   lattice_free(&l);
 }
 
+/* The slope of one solution is that between two others; the share of the flux is the exact one. */
+static double slope(const struct lattice *l, int axis, double *flux) {
+  struct stokes_solver s;
+  struct micropores_point point = {0};
+  double driving[3] = {0.0};
+  driving[axis] = 1.0;
+  assert_int_equal(stokes_solver_build(l, NULL, 1.8, WALL_SUBVOXEL, 1.0, driving, &s), STATUS_OK);
+  assert_int_equal(stokes_solver_run(&s, &(struct stokes_goal){.residual = 1e-6}), STATUS_OK);
+  const double mean = s.mean[axis];
+  assert_int_equal(soil_response_measure(&s, l, &point), STATUS_OK);
+  assert_true(s.mean[axis] == mean);
+  stokes_solver_free(&s);
+  *flux = point.flux;
+  return point.slope;
+}
+
+static void test_slope_of_one_solution(void **state) {
+  (void)state;
+  for (double k = 1e-6; k < 2.0; k *= 100.0) {
+    struct lattice l, less, more;
+    double flux;
+    const double n = 0.35, h = 4.0, s = 4.0, r = sqrt(k / n), slip = sqrt(k * n) / tanh(s / r);
+    layers(8, 8, n, k, &l);
+    assert_int_equal(lattice_soil_scale(&l, exp(-0.1), &less), STATUS_OK);
+    assert_int_equal(lattice_soil_scale(&l, exp(0.1), &more), STATUS_OK);
+    const double between = log(permeability(&more, 2) / permeability(&less, 2)) / 0.2;
+    assert_true(fabs(slope(&l, 2, &flux) / between - 1.0) < 0.06);
+    const double all = h * h * h / 3.0 + h * k + slip * h * h + k * s + k * h; /* as below */
+    assert_true(fabs(flux / (k * (s + h) / all) - 1.0) < 0.1);
+    memory_free(&less.micro_permeability);
+    memory_free(&more.micro_permeability);
+    lattice_free(&l);
+  }
+}
+
+/* All of the drop is in soil, or nothing but soil: k is proportional to k_micro. */
+static void test_slope_is_one(void **state) {
+  (void)state;
+  for (int water = 0; water <= 8; water += 8) {
+    struct lattice l;
+    double flux;
+    layers((size_t)water, 8, 0.35, 1e-3, &l);
+    assert_true(fabs(slope(&l, 0, &flux) - 1.0) < 0.01);
+    assert_true(fabs(flux - 8.0 / (8.0 + water)) < 0.02);
+    lattice_free(&l);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_slope_of_one_solution), cmocka_unit_test(test_slope_is_one),
       cmocka_unit_test(test_channel_over_soil), cmocka_unit_test(test_layers_in_series),
       cmocka_unit_test(test_soil_alone), cmocka_unit_test(test_resampled)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -105,8 +105,8 @@ enum status cascade_lattice(const struct cascade *c, double spacing, struct latt
   return lattice_resample(c->base, spacing, 0.0, lattice);
 }
 
-static enum status build(const struct cascade *c, const struct lattice *lattice,
-                         enum wall_scheme wall, struct stokes_solver *s) {
+enum status cascade_build(const struct cascade *c, const struct lattice *lattice,
+                          enum wall_scheme wall, struct stokes_solver *s) {
   const struct effect_context *context = &c->plan->context;
   const double spacing =
       lattice->dimensions == 2
@@ -121,7 +121,7 @@ static enum status build(const struct cascade *c, const struct lattice *lattice,
 enum status cascade_solver(struct cascade *c, const struct lattice *lattice,
                            struct stokes_solver *s) {
   enum status status = STATUS_OK;
-  TRY(build(c, lattice, c->plan->context.method->wall(c->scene), s));
+  TRY(cascade_build(c, lattice, c->plan->context.method->wall(c->scene), s));
   if (c->fixed == 0 && c->coarse.grid.active > 0 && s->grid.active > 0)
     TRY(stokes_solver_start(s, &c->coarse));
 cleanup:
@@ -158,7 +158,7 @@ static enum status solve(struct cascade *c, const struct lattice *lattice, enum 
     log_warning("a part of the error of k is not known: memory is short for a solve of its own");
     return STATUS_OK;
   }
-  if (lattice->fluid_count > 0) status = build(c, lattice, wall, &s);
+  if (lattice->fluid_count > 0) status = cascade_build(c, lattice, wall, &s);
   if (status != STATUS_OK && ranks_count() > 1) return status;
   if (status == STATUS_OK && s.grid.active_all > 0) {
     if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
@@ -366,6 +366,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   *u = c.uncertainty;
   u->averaging = given.averaging;
   u->steadiness = given.steadiness;
+  u->micro = given.micro, u->slope_micro = given.slope_micro;
   /* What the run's own k differs by: its walls, or what its method leaves. */
   if (c.uncertainty.level_count > 0 && found > 0.0) {
     const double off = found / c.uncertainty.extrapolated - 1.0;

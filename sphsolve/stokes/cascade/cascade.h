@@ -37,6 +37,9 @@ enum status cascade_lattice(const struct cascade *cascade, double spacing, struc
 /* Its solver, started from the lattice before. */
 enum status cascade_solver(struct cascade *cascade, const struct lattice *lattice,
                            struct stokes_solver *solver);
+/* That of any lattice, from rest. */
+enum status cascade_build(const struct cascade *cascade, const struct lattice *lattice,
+                          enum wall_scheme wall, struct stokes_solver *solver);
 /* When a solve is good enough: at stokes.tolerance where the scene gives one, else at
  * scene.steady_tolerance, or at what the wanted error leaves to the solver. */
 struct stokes_goal cascade_goal(const struct cascade *cascade);

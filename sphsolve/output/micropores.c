@@ -1,0 +1,71 @@
+#include "sphsolve/output/micropores.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/json_number.h"
+
+void micropores_add(struct micropores *m, const struct micropores_point *point) {
+  int at = m->count++;
+  for (; at > 0 && m->curve[at - 1].factor > point->factor; at--) m->curve[at] = m->curve[at - 1];
+  m->curve[at] = *point;
+}
+
+void micropores_print(const struct micropores *m) {
+  printf("soil       %.2g %% of the sites, k_micro %.3g m^2: %.2g %% of the flux goes through it\n",
+         100 * m->sites, m->permeability, 100 * m->own.flux);
+  printf("           its drag takes %.2g %% of the power: 10 %% more k_micro is %.2g %% more k\n",
+         100 * m->own.slope, 10 * m->own.slope);
+  if (m->count == 0) return;
+  printf("              k_micro      k      flux through  10 %% more\n");
+  printf("                m^2       cm/s        soil      k_micro\n");
+  for (int i = 0; i < m->count; i++) {
+    const struct micropores_point *p = &m->curve[i];
+    printf("           %10.3g %10.4g %8.2g %% %+9.2g %%\n", p->factor * m->permeability, 100 * p->k,
+           100 * p->flux, 10 * p->slope);
+  }
+}
+
+static json_t *point_json(const struct micropores *m, const struct micropores_point *p) {
+  return json_pack("{s:f, s:f, s:o, s:o, s:o}", "factor", p->factor, "permeability",
+                   p->factor * m->permeability, "k", json_number(p->k), "flux_share",
+                   json_number(p->flux), "dlnk_dlnk_micro", json_number(p->slope));
+}
+
+json_t *micropores_json(const struct micropores *m) {
+  json_t *curve = json_array();
+  for (int i = 0; i < m->count; i++) json_array_append_new(curve, point_json(m, &m->curve[i]));
+  return json_pack("{s:f, s:f, s:f, s:o, s:o, s:o}", "sites", m->sites, "porosity", m->porosity,
+                   "permeability", m->permeability, "flux_share", json_number(m->own.flux),
+                   "dlnk_dlnk_micro", json_number(m->own.slope), "curve", curve);
+}
+
+enum status micropores_write(const struct micropores *m, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  static const char group[] = "/run/micro";
+  const struct {
+    const char *name;
+    double value;
+  } facts[] = {{"sites", m->sites},
+               {"porosity", m->porosity},
+               {"permeability", m->permeability},
+               {"flux_share", m->own.flux},
+               {"dlnk_dlnk_micro", m->own.slope}};
+  static const char *const names[] = {"factor", "k", "flux_share", "dlnk_dlnk_micro"};
+  const size_t count = (size_t)m->count;
+  TRY(h5_make_group(file, group));
+  for (size_t i = 0; i < sizeof facts / sizeof *facts; i++)
+    TRY(h5_write_attribute(file, group, facts[i].name, H5_F64, 1, &facts[i].value));
+  for (size_t n = 0; n < sizeof names / sizeof *names && count > 0; n++) {
+    char path[64];
+    double column[MICRO_FACTORS_MOST + 1];
+    for (size_t i = 0; i < count; i++) {
+      const struct micropores_point *p = &m->curve[i];
+      column[i] = (const double[]){p->factor, p->k, p->flux, p->slope}[n];
+    }
+    snprintf(path, sizeof path, "%s/%s", group, names[n]);
+    TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
+  }
+cleanup:
+  return status;
+}

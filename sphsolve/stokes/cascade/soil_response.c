@@ -1,0 +1,133 @@
+#include "sphsolve/stokes/cascade/soil_response.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/ranks.h"
+#include "sphsolve/geometry/soil.h"
+#include "sphsolve/plan/method.h"
+
+/* The permeability is moved by so much both ways: rounding of single precision leaves 1e-5 of the
+ * slope, what is left of the third order less. */
+#define STEP 0.02
+
+static double along_force(const struct stokes_solver *s) {
+  double mean = 0.0;
+  for (int a = 0; a < 3; a++) mean += s->mean[a] * s->force[a];
+  return mean;
+}
+
+static double flux_share(const struct stokes_solver *s, const struct lattice *l) {
+  const struct stokes_grid *grid = &s->grid;
+  double sum = 0.0;
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    size_t n = grid->row_start[row];
+    double own = 0.0;
+    for (size_t i = 0; i < grid->size[0]; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      for (int a = 0; a < s->stencil.axis_count && lattice_is_soil(l, row * grid->size[0] + i);
+           a++) {
+        const int axis = s->stencil.axes[a];
+        if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
+        own += s->force[axis] * s->x[(size_t)a * grid->active + n];
+      }
+      n++;
+    }
+    sum += stokes_grid_weight(grid, row) * own;
+  }
+  return ranks_sum(sum) / (along_force(s) * s->bulk_count);
+}
+
+enum status soil_response_measure(struct stokes_solver *s, const struct lattice *lattice,
+                                  struct micropores_point *point) {
+  enum status status = STATUS_OK;
+  struct lattice scaled = *lattice;
+  double logarithm[2], mean[3];
+  point->flux = flux_share(s, lattice);
+  point->slope = NAN;
+  memcpy(mean, s->mean, sizeof mean);
+  if (s->walls_move) return STATUS_OK; /* no adjoint is known then */
+  for (int up = 0; up < 2; up++) {
+    TRY(lattice_soil_scale(lattice, exp(up ? STEP : -STEP), &scaled));
+    TRY(stokes_solver_take_soil(s, &scaled));
+    logarithm[up] = log(stokes_solver_answer(s));
+    memory_free(&scaled.micro_permeability);
+  }
+  memcpy(s->mean, mean, sizeof mean);
+  point->slope = (logarithm[1] - logarithm[0]) / (2.0 * STEP);
+cleanup:
+  if (scaled.micro_permeability != lattice->micro_permeability)
+    memory_free(&scaled.micro_permeability);
+  return status;
+}
+
+void soil_response_describe(const struct lattice *l, struct micropores *m) {
+  double soils = 0.0, porosity = 0.0, logarithm = 0.0;
+  for (size_t i = 0; i < l->count; i++) {
+    if (!lattice_is_soil(l, i)) continue;
+    soils += 1.0;
+    porosity += (double)l->micro_porosity[i];
+    logarithm += log((double)l->micro_permeability[i]);
+  }
+  m->sites = soils / l->bulk_count;
+  m->porosity = porosity / soils;
+  m->permeability = exp(logarithm / soils);
+}
+
+/* One point of the curve, from the solution of another; `s` is its own afterwards, stripped. */
+static enum status solve_point(const struct cascade *c, const struct lattice *lattice,
+                               const struct stokes_solver *from, bool (*stop)(void *),
+                               struct micropores_point *point, struct stokes_solver *s) {
+  enum status status = STATUS_OK;
+  struct lattice scaled;
+  const struct stokes_goal goal = cascade_goal(c);
+  const size_t n = from->grid.active * (size_t)(from->stencil.axis_count + 1);
+  TRY(lattice_soil_scale(lattice, point->factor, &scaled));
+  TRY(cascade_build(c, &scaled, c->plan->context.method->wall(c->scene), s));
+  memcpy(s->x, from->x, n * sizeof *s->x);
+  stokes_solver_restart(s);
+  if (ranks_count() == 1) s->krylov.stop = stop;
+  TRY(stokes_solver_run(s, &goal));
+  point->k = along_force(s) * s->stencil.unit * s->stencil.unit;
+  TRY(soil_response_measure(s, &scaled, point));
+cleanup:
+  memory_free(&scaled.micro_permeability);
+  return status;
+}
+
+enum status soil_response_curve(const struct cascade *c, const struct lattice *lattice, double k,
+                                bool (*stop)(void *), struct micropores *m) {
+  enum status status = STATUS_OK;
+  const double own = along_force(&c->coarse) * c->coarse.stencil.unit * c->coarse.stencil.unit;
+  const int count = c->scene->micro.factor_count;
+  m->own.factor = 1.0, m->own.k = k;
+  if (count > 0) micropores_add(m, &m->own);
+  /* Away from the soil as it is, up and then down, each from the one before. */
+  for (int up = 1; up >= 0; up--) {
+    struct stokes_solver s[2];
+    memset(s, 0, sizeof s);
+    const struct stokes_solver *from = &c->coarse;
+    for (int i = 0; i < count && status == STATUS_OK; i++) {
+      struct stokes_solver *to = &s[i % 2];
+      struct micropores_point point = {.factor = c->scene->micro.factors[up ? i : count - 1 - i]};
+      if (point.factor == 1.0 || (point.factor > 1.0) != up) continue;
+      stokes_solver_free(to);
+      status = solve_point(c, lattice, from, stop, &point, to);
+      if (status == STATUS_OK) {
+        point.k *= k / own;
+        micropores_add(m, &point);
+        from = to;
+      } else if (status == STATUS_NUMERIC) {
+        log_warning("micro.factors: %g is left out: %s", point.factor, error_message());
+        error_clear();
+        status = STATUS_OK;
+        from = &c->coarse;
+      }
+    }
+    stokes_solver_free(&s[0]);
+    stokes_solver_free(&s[1]);
+  }
+  return status;
+}

@@ -1,0 +1,28 @@
+/* How k answers to soil with pores below the sites, from a solution that is there:
+ *   d ln k / d ln k_micro  without another solve: the system is its own adjoint (state.c), so that
+ *     the flux of the solution at hand, corrected by the residual that it leaves where the
+ *     permeability of all soil is a little more and a little less, is right to the second order
+ *     (Pierce, Giles 2000, SIAM Review 42). In words: of the power of the force, what drag takes;
+ *   the share of the flux through soil: the sum of the superficial velocity over its sites;
+ *   k over k_micro: a solve each, that starts where the one beside it has ended. */
+#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H
+#define TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H
+
+#include "sphsolve/output/micropores.h"
+#include "sphsolve/stokes/cascade/cascade.h"
+
+/* Fills flux and slope of a solved lattice. Solution, mean and stencil of the solver stand
+ * afterwards, all else is of other soil: it is only to be kept. */
+enum status soil_response_measure(struct stokes_solver *solver, const struct lattice *lattice,
+                                  struct micropores_point *point);
+
+/* Sites, porosity and permeability of the soil of a lattice. */
+void soil_response_describe(const struct lattice *lattice, struct micropores *micropores);
+
+/* The curve over scene->micro.factors, by solves on the last lattice of the cascade, with its
+ * solution kept. k is that of each over the last lattice's own, times `k`. A solve that fails leaves
+ * its point out, with a warning. */
+enum status soil_response_curve(const struct cascade *cascade, const struct lattice *lattice,
+                                double k, bool (*stop)(void *), struct micropores *micropores);
+
+#endif
