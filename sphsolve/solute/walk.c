@@ -14,7 +14,6 @@
 #define WAYS_VARIANCE 6.0
 #define WAYS_EACH 4.0
 #define LEAST_WALKERS 4096
-#define SORT_EVERY 8 /* intervals */
 
 size_t walk_walkers(double tolerance) {
   const double ways = WAYS_VARIANCE / pow(0.4 * tolerance, 2);
@@ -29,8 +28,9 @@ double walk_bytes(size_t walkers) {
 }
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
-  return 8.0 * (double)cells +
-         (sizeof(struct walk_cell) + 9.0 * sizeof(float)) * (double)with_pores;
+  /* Corners and bricks of all cells; a record and a place of each that is open. */
+  return (sizeof(int16_t) + sizeof(struct walk_brick) / 64.0) * (double)cells +
+         (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores;
 }
 
 /* A cell, and a place in it, until the place is in the pore: even over it. */
@@ -38,10 +38,10 @@ static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   for (uint32_t draw = 0; draw < 1u << 20; draw++) {
     uint32_t word[4];
     walk_draw(w->id, draw, seed, word);
-    w->number = (int32_t)((uint64_t)word[0] * c->count >> 32);
-    const int32_t at = c->place[w->number];
+    const int32_t at = c->place[(uint64_t)word[0] * c->count >> 32];
     w->cell = (walk_place){at % c->n[0], at / c->n[0] % c->n[1], at / c->n[0] / c->n[1], 0};
     w->wrapped = w->cell;
+    walk_find(c, w);
     for (int a = 0; a < 3; a++) w->x[a] = random_share(word[a + 1]) - 0.5f;
     if (walk_distance(c, w) > 0) return true;
   }
@@ -55,7 +55,7 @@ static void look(const struct walk *walk, struct walk_spot *spots) {
   for (size_t i = 0; i < walk->settings.walkers; i++) {
     const struct walker *w = &walk->walkers[i];
     struct walk_spot *spot = &spots[w->id];
-    const walk_vector v = walk_velocity(c, w);
+    const walk_vector v = walk_velocity(c, w->number, w->x);
     double along = 0;
     for (int a = 0; a < 3; a++) {
       spot->cell[a] = w->cell[a], spot->x[a] = w->x[a];
@@ -89,6 +89,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
                                   .flight = (float)sqrt(6 * walk->diffusion * walk->dt),
                                   .seed = s->seed};
   TRY(memory_allocate(&walk->walkers, s->walkers, sizeof *walk->walkers, "walkers"));
+  TRY(memory_allocate(&walk->spare, s->walkers, sizeof *walk->spare, "walkers"));
   TRY(memory_allocate(&walk->now, s->walkers, sizeof *walk->now, "places of walkers"));
   TRY(memory_allocate(&start, s->walkers, sizeof *start, "places of walkers"));
   TRY(memory_allocate(&walk->track, WALK_TRACK, sizeof *walk->track, "tracks of walkers"));
@@ -116,27 +117,27 @@ cleanup:
 
 void walk_end(struct walk *walk) {
   memory_free(&walk->walkers);
+  memory_free(&walk->spare);
   memory_free(&walk->now);
   memory_free(&walk->track);
   for (int p = 0; p < WALK_PLANES; p++) memory_free(&walk->passage[p]);
   walk_moments_free(&walk->moments);
 }
 
-/* Walkers of a cell beside each other: it is fetched once for all of them. By counting, stable. */
+/* Walkers of a brick beside each other: its cells are fetched once for all of them. By counting,
+ * stable. */
 static enum status sort(struct walk *walk) {
   enum status status = STATUS_OK;
-  struct walker *sorted = NULL;
   uint32_t *first = NULL;
+  struct walker *sorted = walk->spare;
   const size_t count = walk->settings.walkers;
-  TRY(memory_allocate(&sorted, count, sizeof *sorted, "walkers in order"));
-  TRY(memory_allocate(&first, walk->cells->count + 1, sizeof *first, "walkers in order"));
-  for (size_t w = 0; w < count; w++) first[walk->walkers[w].number + 1]++;
-  for (size_t c = 0; c < walk->cells->count; c++) first[c + 1] += first[c];
-  for (size_t w = 0; w < count; w++) sorted[first[walk->walkers[w].number]++] = walk->walkers[w];
-  memory_free(&walk->walkers);
-  walk->walkers = sorted, sorted = NULL;
+  TRY(memory_allocate(&first, walk->cells->bricks + 1, sizeof *first, "walkers in order"));
+  for (size_t w = 0; w < count; w++) first[walk->walkers[w].address / 64 + 1]++;
+  for (size_t b = 0; b < walk->cells->bricks; b++) first[b + 1] += first[b];
+  for (size_t w = 0; w < count; w++)
+    sorted[first[walk->walkers[w].address / 64]++] = walk->walkers[w];
+  walk->spare = walk->walkers, walk->walkers = sorted;
 cleanup:
-  memory_free(&sorted);
   memory_free(&first);
   return status;
 }
@@ -170,7 +171,7 @@ static void pass_planes(struct walk *walk) {
 enum status walk_advance(struct walk *walk) {
   enum status status = STATUS_OK;
   const size_t count = walk->settings.walkers;
-  if (walk->moments.intervals % SORT_EVERY == 0) TRY(sort(walk));
+  TRY(sort(walk));
   walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
              &walk->kept);
   walk->steps += WALK_INTERVAL;

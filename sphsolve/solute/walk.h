@@ -31,7 +31,7 @@ struct walk {
   struct walk_step step;
   double diffusion, dt; /* first spacings^2 per time unit; time units */
   uint64_t steps;       /* of each walker so far */
-  struct walker *walkers;
+  struct walker *walkers, *spare; /* the second to sort them into */
   struct walk_spot *now; /* [walkers] by id */
   struct walk_moments moments;
   double plane[WALK_PLANES];   /* first spacings from where each walker began */

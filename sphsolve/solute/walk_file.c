@@ -97,7 +97,10 @@ static bool sound(const struct walk *walk) {
     for (int a = 0; a < 3; a++)
       if (!(w->x[a] >= -0.5f && w->x[a] <= 0.5f) || w->wrapped[a] < 0 || w->wrapped[a] >= c->n[a])
         return false;
-    if (walk_number(c, w->wrapped) != w->number || !(walk_distance(c, w) > 0)) return false;
+    struct walker found = *w;
+    if (!walk_find(c, &found) || memcmp(&found, w, sizeof found) != 0 ||
+        !(walk_distance(c, w) > 0))
+      return false;
   }
   return true;
 }

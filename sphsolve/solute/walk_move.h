@@ -19,7 +19,9 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
+#include "common/variants.h"
 #include "sphsolve/solute/walk_cells.h"
 
 #define WALK_PART 0.5f     /* of a cell: the longest part of a way with the water */
@@ -27,40 +29,53 @@
 #define WALK_MIRRORS 8     /* of one flight, after which it stays too */
 #define WALK_AT_WALL 1e-4f /* first spacings: so near is at the wall */
 
-/* x, y, z and one more that stays 0: the four lanes of the smallest vector register. */
-typedef float walk_vector __attribute__((vector_size(16)));
-typedef int32_t walk_place __attribute__((vector_size(16)));
-
 /* 64 bytes: one line of cache. */
 struct walker {
-  walk_vector x;      /* from the centre of the cell, in cells: -1/2 .. 1/2 */
+  walk_vector x;      /* from the centre of the cell, in cells: -1/2 .. 1/2; lane 3 is 0 */
   walk_place wrapped; /* the cell in the box */
   walk_place cell;    /* the same in the box that repeats without end */
   int32_t number;     /* of the cell in walk_cells; -1: grain */
+  uint32_t address;   /* its brick and bit */
+  uint32_t walls;     /* WALK_NEAR, WALK_CUT */
   uint32_t id;
-  uint32_t unused[2];
 };
+
+enum { WALK_NEAR = 1, WALK_CUT = 2 };
 
 /* Copied into each variant of the loop; what few walkers need is left outside of it. */
 #define WALK_HOT static inline __attribute__((always_inline))
-#define WALK_COLD static __attribute__((noinline, unused))
+#define WALK_COLD TARGETS static __attribute__((noinline, unused))
 
 WALK_HOT walk_vector walk_all(float value) {
   return (walk_vector){value, value, value, value};
 }
 
-WALK_HOT int32_t walk_number(const struct walk_cells *c, walk_place w) {
-  return c->number[((int64_t)w[2] * c->n[1] + w[1]) * c->n[0] + w[0]];
+/* Number (-1: grain) and walls of the cell at an address. */
+WALK_HOT void walk_look_up(const struct walk_cells *c, uint32_t address, int32_t *number,
+                           uint32_t *walls) {
+  const struct walk_brick *brick = &c->brick[address / 64];
+  const unsigned bit = address % 64;
+  const uint64_t below = brick->open & (((uint64_t)1 << bit) - 1);
+  const int32_t open = -(int32_t)(brick->open >> bit & 1); /* all bits, or none */
+  *number = ((int32_t)brick->first + __builtin_popcountll(below)) | ~open;
+  *walls = (uint32_t)(brick->near >> bit & 1) | (uint32_t)(brick->cut >> bit & 1) << 1;
+}
+
+/* Finds the walker's cell from its place in the box; false: grain. */
+WALK_HOT bool walk_find(const struct walk_cells *c, struct walker *w) {
+  w->address = walk_address(c, w->wrapped);
+  walk_look_up(c, w->address, &w->number, &w->walls);
+  return w->number >= 0;
 }
 
 /* Brings x back to -1/2 .. 1/2 and the cell with it, for ways of at most a cell (two steps by
- * rounding, in a box of one); false: that cell is grain. */
+ * rounding, in a box of one); false: that cell is grain. Without branches: whether a walker leaves
+ * its cell cannot be guessed. */
 WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   const walk_place n = {c->n[0], c->n[1], c->n[2], 1};
   const walk_vector up = w->x + walk_all(0.5f);
   walk_place step = __builtin_convertvector(up, walk_place); /* towards 0, */
   step += up < __builtin_convertvector(step, walk_vector);   /* and then down */
-  if ((step[0] | step[1] | step[2]) == 0) return true;
   w->x -= __builtin_convertvector(step, walk_vector);
   w->cell += step;
   w->wrapped += step;
@@ -68,23 +83,32 @@ WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
     w->wrapped += (w->wrapped < 0) & n;
     w->wrapped -= (w->wrapped >= n) & n;
   }
-  w->number = walk_number(c, w->wrapped);
-  return w->number >= 0;
+  return walk_find(c, w);
+}
+
+/* Four of the cell's counted values. Eight are read; the record is long enough. */
+WALK_HOT walk_vector walk_counted(const int16_t *from) {
+  typedef int16_t eight __attribute__((vector_size(16)));
+  eight counted;
+  memcpy(&counted, from, sizeof counted);
+  const eight twice = __builtin_shufflevector(counted, counted, 0, 0, 1, 1, 2, 2, 3, 3);
+  return __builtin_convertvector((walk_place)twice >> 16, walk_vector);
 }
 
 /* Distance to the wall, first spacings, linear between the corners of the cell. */
 WALK_HOT float walk_distance(const struct walk_cells *c, const struct walker *w) {
   if (w->number < 0) return -1;
-  const walk_vector *d = (const walk_vector *)c->corner[w->number];
+  const int16_t *corner = c->cell[w->number].corner;
+  const walk_vector low = walk_counted(corner), high = walk_counted(corner + 4);
   const float x = w->x[0] + 0.5f, y = w->x[1] + 0.5f, z = w->x[2] + 0.5f;
   const walk_vector weight = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
-  const walk_vector sum = weight * (d[0] + walk_all(z) * (d[1] - d[0]));
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  const walk_vector sum = weight * (low + walk_all(z) * (high - low));
+  return c->distance_unit * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 /* Its gradient, of length 1. */
 WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, float g[3]) {
-  const float *d = c->corner[w->number];
+  const int16_t *d = c->cell[w->number].corner;
   const float x[3] = {w->x[0] + 0.5f, w->x[1] + 0.5f, w->x[2] + 0.5f};
   float square = 0;
   for (int a = 0; a < 3; a++) {
@@ -93,7 +117,7 @@ WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, f
     for (int s = 0; s < 4; s++) {
       const int base = (s & 1) << p | (s >> 1) << q;
       const float share = (s & 1 ? x[p] : 1 - x[p]) * (s >> 1 ? x[q] : 1 - x[q]);
-      g[a] += share * (d[base | 1 << a] - d[base]);
+      g[a] += share * (float)(d[base | 1 << a] - d[base]);
     }
     g[a] *= c->stretch[a];
     square += g[a] * g[a];
@@ -102,12 +126,32 @@ WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, f
   for (int a = 0; a < 3; a++) g[a] *= by;
 }
 
-WALK_HOT walk_vector walk_velocity(const struct walk_cells *c, const struct walker *w) {
-  const walk_vector *u = (const walk_vector *)c->cell[w->number].u;
-  const walk_vector r = w->x, next = {r[1], r[2], r[0], 0}, last = {r[2], r[0], r[1], 0};
-  return u[WALK_0] + u[WALK_X] * walk_all(r[0]) + u[WALK_Y] * walk_all(r[1]) +
-         u[WALK_Z] * walk_all(r[2]) +
-         r * (u[WALK_SQUARE] * r + u[WALK_CROSS_1] * next + u[WALK_CROSS_2] * last);
+/* At x in a cell, cells along the axis per time unit (walk_cells.h). */
+WALK_HOT walk_vector walk_velocity(const struct walk_cells *c, int32_t number, walk_vector x) {
+  const struct walk_cell *cell = &c->cell[number];
+  const walk_vector low_next = walk_counted(cell->slope[0]), low_last = walk_counted(cell->slope[1]),
+                    high_next = walk_counted(cell->slope[2]),
+                    high_last = walk_counted(cell->slope[3]);
+  walk_vector low, high; /* fluxes of the faces at the walker's place along them */
+  memcpy(&low, cell->face[0], sizeof low);
+  memcpy(&high, &cell->face[0][2], sizeof high); /* one too early: the record ends with them */
+  high = __builtin_shufflevector(high, high, 1, 2, 3, 0);
+  const walk_vector unit = walk_all(c->slope_unit), scaled = unit * x;
+  const walk_vector next = __builtin_shufflevector(scaled, scaled, 1, 2, 0, 3);
+  const walk_vector last = __builtin_shufflevector(scaled, scaled, 2, 0, 1, 3);
+  low += low_next * next + low_last * last;
+  high += high_next * next + high_last * last;
+  /* What the slopes of the other faces along this axis leave to it. */
+  const walk_vector more_next = high_next - low_next, more_last = high_last - low_last;
+  const walk_vector square = __builtin_shufflevector(more_last, more_last, 1, 2, 0, 3) +
+                             __builtin_shufflevector(more_next, more_next, 2, 0, 1, 3);
+  const walk_vector u = walk_all(0.5f) * (low + high) + (high - low) * x +
+                        square * (walk_all(0.5f) * unit) * (walk_all(0.25f) - x * x);
+  return (walk_vector)((walk_place)u & (walk_place){-1, -1, -1, 0});
+}
+
+WALK_HOT float walk_inside(float x) {
+  return x < -0.5f ? -0.5f : x < 0.5f ? x : 0x1.fffffep-2f;
 }
 
 /* Moves by `way` cells. At a face that is closed, reached by the error of a part, the walker stays.
@@ -117,33 +161,33 @@ WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vect
   w->x += way;
   if (walk_settle(c, w)) return;
   *w = from;
-  for (int a = 0; a < 3; a++) w->x[a] = fminf(fmaxf(w->x[a] + way[a], -0.5f), 0x1.fffffep-2f);
+  for (int a = 0; a < 3; a++) w->x[a] = walk_inside(w->x[a] + way[a]);
 }
 
-WALK_HOT float walk_most(walk_vector v) {
-  const float x = fabsf(v[0]), y = fabsf(v[1]), z = fabsf(v[2]), most = x > y ? x : y;
+WALK_HOT float walk_most(float u, float v, float w) {
+  const float x = fabsf(u), y = fabsf(v), z = fabsf(w), most = x > y ? x : y;
   return most > z ? most : z;
 }
 
-/* A part of the way with the water, by the midpoint rule; v is the velocity at its start. */
-WALK_HOT void walk_part(const struct walk_cells *c, struct walker *w, walk_vector v, float time) {
-  struct walker middle = *w;
-  walk_shift(c, &middle, walk_all(0.5f * time) * v);
-  walk_shift(c, w, walk_all(time) * walk_velocity(c, &middle));
+/* What one part of a way with the water takes of the time that is left, at the speed `most`. */
+WALK_HOT float walk_part(float most, float left) {
+  const float part = left * WALK_PART / (most * left), half = 0.5f * left;
+  return most * left > WALK_PART ? (part < half ? part : half) : left;
 }
 
 WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
-  return c->cell[w->number].least > 0 || walk_distance(c, w) > 0;
+  return !(w->walls & WALK_CUT) || walk_distance(c, w) > 0;
 }
 
-/* The way with the water in as many parts as it takes, through the cubes. */
+/* The way with the water in as many parts as it takes, through the cubes, each by the midpoint
+ * rule. */
 WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float time) {
   for (float left = time; left > 0;) {
-    const walk_vector v = walk_velocity(c, w);
-    const float most = walk_most(v) * left, half = 0.5f * left;
-    float part = left;
-    if (most > WALK_PART) part = left * WALK_PART / most < half ? left * WALK_PART / most : half;
-    walk_part(c, w, v, part);
+    const walk_vector v = walk_velocity(c, w->number, w->x);
+    const float part = walk_part(walk_most(v[0], v[1], v[2]), left);
+    struct walker middle = *w;
+    walk_shift(c, &middle, walk_all(0.5f * part) * v);
+    walk_shift(c, w, walk_all(part) * walk_velocity(c, middle.number, middle.x));
     left -= part;
   }
 }
@@ -155,19 +199,6 @@ WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float t
     if (walk_in_pore(c, w)) return true;
   }
   return false;
-}
-
-/* With the water for `time`; false: it did not come back from grain, and the walker stays. */
-WALK_HOT bool walk_carry(const struct walk_cells *c, struct walker *w, float time) {
-  struct walker end = *w;
-  walk_follow(c, &end, time);
-  if (!walk_in_pore(c, &end)) {
-    struct walker far = end;
-    if (!walk_return(c, &far, time)) return false;
-    end = far;
-  }
-  *w = end;
-  return true;
 }
 
 /* Where the flight `way` from `from`, which ends in grain, meets the wall, as a share of it; the
@@ -235,27 +266,6 @@ WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_ve
   }
   *w = start;
   return false;
-}
-
-/* A flight by `way`, at most a cell, as if there were no walls; its cell is fetched meanwhile. */
-WALK_HOT bool walk_take_off(const struct walk_cells *c, struct walker *end, walk_vector way) {
-  end->x += way;
-  const bool pore = walk_settle(c, end);
-  if (!pore) return false;
-  __builtin_prefetch(&c->cell[end->number]);
-  __builtin_prefetch((const char *)&c->cell[end->number] + 64);
-  return true;
-}
-
-/* The end of that flight, of `length` first spacings; false: it found none in the pore, and the
- * walker stays. */
-WALK_HOT bool walk_land(const struct walk_cells *c, struct walker *w, const struct walker *end,
-                        bool pore, walk_vector way, float length) {
-  if (pore && (!c->cell[w->number].near || walk_in_pore(c, end))) {
-    *w = *end;
-    return true;
-  }
-  return walk_mirror(c, w, way, length);
 }
 
 #endif

@@ -1,9 +1,11 @@
 #include "sphsolve/solute/walk_steps.h"
 
 #include "common/variants.h"
+#include "sphsolve/solute/walk_lanes.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define BLOCK 128 /* walkers whose places and ways lie in the first cache */
+#define GROUPS 8
+#define BLOCK (GROUPS * LANES) /* walkers whose places and ways lie in the first cache */
 
 enum { FLIGHTS, STARTS }; /* streams of random numbers, the second half of the key */
 
@@ -24,48 +26,146 @@ static inline void half_turn(float t, float *sine, float *cosine) {
 
 /* Ways of flights in directions that are even over the sphere: the height is even between -1 and 1
  * (Archimedes), the angle over a turn. Two steps of each walker. */
-static inline __attribute__((always_inline)) void
-draw_flights(const struct walk_cells *c, const struct walk_step *step, const struct walker *walkers,
-             int count, uint64_t number, float way[2][3][BLOCK]) {
-  uint32_t words[4][BLOCK];
-  for (int w = 0; w < count; w++) {
-    uint32_t draw[4] = {walkers[w].id, (uint32_t)(number / 2), (uint32_t)(number / 2 >> 32), 0};
+WALK_HOT void draw_flights(const struct walk_cells *c, const struct walk_step *step,
+                           const uint32_t id[LANES], uint64_t number, float way[2][3][LANES]) {
+  uint32_t words[4][LANES];
+  for (int l = 0; l < LANES; l++) {
+    uint32_t draw[4] = {id[l], (uint32_t)(number / 2), (uint32_t)(number / 2 >> 32), 0};
     philox4x32(draw, step->seed, FLIGHTS);
-    for (int i = 0; i < 4; i++) words[i][w] = draw[i];
+    for (int i = 0; i < 4; i++) words[i][l] = draw[i];
   }
   for (int s = 0; s < 2; s++)
-    for (int w = 0; w < count; w++) {
-      const float height = 2 * random_share(words[2 * s][w]) - 1;
+    for (int l = 0; l < LANES; l++) {
+      const float height = 2 * random_share(words[2 * s][l]) - 1;
       const float across = sqrtf(1 - height * height) * step->flight;
       float sine, cosine; /* of half the angle, and of the whole one from them */
-      half_turn(random_share(words[2 * s + 1][w]) - 0.5f, &sine, &cosine);
-      way[s][0][w] = across * (1 - 2 * sine * sine) * c->stretch[0];
-      way[s][1][w] = across * (2 * sine * cosine) * c->stretch[1];
-      way[s][2][w] = height * step->flight * c->stretch[2];
+      half_turn(random_share(words[2 * s + 1][l]) - 0.5f, &sine, &cosine);
+      way[s][0][l] = across * (1 - 2 * sine * sine) * c->stretch[0];
+      way[s][1][l] = across * (2 * sine * cosine) * c->stretch[1];
+      way[s][2][l] = height * step->flight * c->stretch[2];
     }
 }
 
+/* Sixteen walkers on their way through a step. */
+struct group {
+  struct walk_lanes at, middle, end;
+  int count;         /* walkers; lanes beyond go the last one's way as well, and are forgotten */
+  float part[LANES]; /* of the time: what the first part of the way with the water takes */
+  float way[2][3][LANES];
+};
+
+/* walk_shift met grain: the walker stays in its cell, at its face. */
+WALK_COLD void stay(struct walk_lanes *to, const struct walk_lanes *from, int l,
+                    const float way[3]) {
+  struct walker w = lanes_take(from, l);
+  for (int a = 0; a < 3; a++) w.x[a] = walk_inside(w.x[a] + way[a]);
+  lanes_put(to, l, &w);
+}
+
+/* From `from` by `way`. */
+WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, float way[3][LANES],
+                    struct walk_lanes *to) {
+  *to = *from;
+  for (int a = 0; a < 3; a++)
+    for (int l = 0; l < LANES; l++) to->x[a][l] += way[a][l];
+  lanes_settle(c, to);
+  int32_t grain = 0;
+  for (int l = 0; l < LANES; l++) grain |= to->number[l];
+  for (int l = 0; l < LANES && grain < 0; l++)
+    if (to->number[l] < 0) stay(to, from, l, (float[3]){way[0][l], way[1][l], way[2][l]});
+}
+
+/* Half of the first part of the way with the water. */
+WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time) {
+  float u[3][LANES];
+  lanes_velocity(c, g->at.number, g->at.x, u);
+  for (int l = 0; l < LANES; l++) {
+    g->part[l] = walk_part(walk_most(u[0][l], u[1][l], u[2][l]), time);
+    for (int a = 0; a < 3; a++) u[a][l] *= 0.5f * g->part[l];
+  }
+  shift(c, &g->at, u, &g->middle);
+}
+
+/* The rest of the way; where it ends in grain, on. */
+WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at, const struct walk_lanes *end,
+                     int l, float left, float time) {
+  struct walker w = lanes_take(end, l);
+  walk_follow(c, &w, left);
+  if (!walk_in_pore(c, &w) && !walk_return(c, &w, time)) return false;
+  lanes_put(at, l, &w);
+  return true;
+}
+
+/* The whole of the way with the water. */
+WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
+                    struct walk_kept *kept) {
+  float u[3][LANES];
+  int rest[LANES], count = 0;
+  lanes_velocity(c, g->middle.number, g->middle.x, u);
+  for (int a = 0; a < 3; a++)
+    for (int l = 0; l < LANES; l++) u[a][l] *= g->part[l];
+  shift(c, &g->at, u, &g->end);
+  for (int l = 0; l < LANES; l++) {
+    rest[count] = l;
+    count += (g->part[l] < time) | ((g->end.walls[l] & WALK_CUT) != 0);
+  }
+  const struct walk_lanes before = g->at;
+  g->at = g->end;
+  for (int i = 0; i < count; i++) {
+    const int l = rest[i];
+    if (go_on(c, &g->at, &g->end, l, time - g->part[l], time)) continue;
+    const struct walker w = lanes_take(&before, l);
+    lanes_put(&g->at, l, &w);
+    kept->carried += l < g->count;
+  }
+}
+
+WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float length,
+                   struct walk_kept *kept) {
+  int near[LANES], count = 0;
+  for (int l = 0; l < LANES; l++) {
+    near[count] = l;
+    count += (g->at.walls[l] & WALK_NEAR) != 0;
+  }
+  const struct walk_lanes before = g->at;
+  g->at = g->end;
+  for (int i = 0; i < count; i++) {
+    const int l = near[i];
+    const struct walker end = lanes_take(&g->end, l);
+    if (end.number >= 0 && walk_in_pore(c, &end)) continue;
+    struct walker w = lanes_take(&before, l);
+    const walk_vector way = {g->way[turn][0][l], g->way[turn][1][l], g->way[turn][2][l], 0};
+    if (!walk_mirror(c, &w, way, length)) kept->flown += l < g->count;
+    lanes_put(&g->at, l, &w);
+  }
+}
+
+/* Each step in turns through the groups, so that the cells that the next turn reads are fetched in
+ * this one. */
 TARGETS static void move_block(const struct walk_cells *c, const struct walk_step *step,
                                struct walker *walkers, int count, uint64_t first, int steps,
                                struct walk_kept *kept) {
-  float way[2][3][BLOCK];
-  struct walker end[BLOCK];
-  bool pore[BLOCK];
+  struct group group[GROUPS];
+  const int groups = (count + LANES - 1) / LANES;
+  for (int g = 0; g < groups; g++) group[g].count = count - g * LANES;
+  for (int w = 0; w < groups * LANES; w++)
+    lanes_put(&group[w / LANES].at, w % LANES, &walkers[w < count ? w : count - 1]);
   for (int s = 0; s < steps; s++) {
-    if (s % 2 == 0) draw_flights(c, step, walkers, count, first + (uint64_t)s, way);
-    for (int w = 0; w < count; w++) {
-      const walk_vector flight = {way[s % 2][0][w], way[s % 2][1][w], way[s % 2][2][w], 0};
-      struct walker at = walkers[w];
-      if (step->time > 0) kept->carried += !walk_carry(c, &at, step->time);
-      walkers[w] = at;
-      pore[w] = walk_take_off(c, &at, flight);
-      end[w] = at;
+    for (int g = 0; g < groups; g++) {
+      if (s % 2 == 0)
+        draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].way);
+      if (step->time > 0) to_middle(c, &group[g], step->time);
     }
-    for (int w = 0; w < count; w++) {
-      const walk_vector flight = {way[s % 2][0][w], way[s % 2][1][w], way[s % 2][2][w], 0};
-      kept->flown += !walk_land(c, &walkers[w], &end[w], pore[w], flight, step->flight);
+    for (int g = 0; g < groups && step->time > 0; g++) carry(c, &group[g], step->time, kept);
+    for (int g = 0; g < groups; g++) {
+      group[g].end = group[g].at;
+      for (int a = 0; a < 3; a++)
+        for (int l = 0; l < LANES; l++) group[g].end.x[a][l] += group[g].way[s % 2][a][l];
+      lanes_settle(c, &group[g].end);
     }
+    for (int g = 0; g < groups; g++) land(c, &group[g], s % 2, step->flight, kept);
   }
+  for (int w = 0; w < count; w++) walkers[w] = lanes_take(&group[w / LANES].at, w % LANES);
 }
 
 void walk_steps(const struct walk_cells *cells, const struct walk_step *step,

@@ -125,48 +125,72 @@ static void add(json_t *list, const char *name, double measured, double bound, d
                                         seconds));
 }
 
-int main(int argc, char **argv) {
-  const int side = argc > 2 ? atoi(argv[2]) : 240, intervals = argc > 4 ? atoi(argv[4]) : 8;
-  const size_t count = argc > 3 ? (size_t)atol(argv[3]) : 2000000;
-  static struct walk walk;
-  struct solute_flow flow;
-  struct walk_cells cells;
-  struct plain *plain = NULL;
-  char label[128];
-  json_t *list = json_array();
-  if (argc < 2) return 2;
-  log_start("bench_walk", LOG_QUIET);
-  make_flow(side, &flow);
-  double started = clock_processor_seconds();
-  must(walk_cells_make(&flow, &cells));
-  const double making = clock_processor_seconds() - started;
+static void begin(const struct solute_flow *flow, const struct walk_cells *cells, size_t count,
+                  struct walk *walk) {
   struct walk_settings s = {
       .peclet = PECLET_SPACING, .tolerance = 0.01, .walkers = count, .seed = 1};
-  for (int a = 0; a < 3; a++) s.direction[a] = flow.mean_velocity[a] / flow.speed;
-  must(walk_begin(&cells, &s, &walk));
+  for (int a = 0; a < 3; a++) s.direction[a] = flow->mean_velocity[a] / flow->speed;
+  must(walk_begin(cells, &s, walk));
+}
+
+static double walk_seconds(const struct solute_flow *flow, const struct walk_cells *cells,
+                           size_t count, int intervals) {
+  static struct walk walk;
+  begin(flow, cells, count, &walk);
+  const double started = clock_processor_seconds();
+  for (int i = 0; i < intervals; i++) must(walk_advance(&walk));
+  const double seconds = clock_processor_seconds() - started;
+  walk_end(&walk);
+  return seconds;
+}
+
+/* Million steps a second, of a fraction of the steps. */
+static double plain_speed(const struct solute_flow *flow, const struct walk_cells *cells,
+                            size_t count, int intervals, double *seconds) {
+  static struct walk walk;
+  struct plain *plain = NULL;
+  const int steps = intervals * WALK_INTERVAL / 16;
+  begin(flow, cells, count, &walk);
   must(memory_allocate(&plain, count, sizeof *plain, "plain walkers"));
   for (size_t w = 0; w < count; w++)
     for (int a = 0; a < 3; a++)
       plain[walk.walkers[w].id].x[a] =
           0.5 + (double)walk.walkers[w].cell[a] + (double)walk.walkers[w].x[a];
-  started = clock_processor_seconds();
-  for (int i = 0; i < intervals; i++) must(walk_advance(&walk));
-  const double seconds = clock_processor_seconds() - started;
-  const double million = 1e-6 * (double)count * intervals * WALK_INTERVAL;
-  const int plain_count = intervals * WALK_INTERVAL / 16;
-  const double slow =
-      plain_steps(&flow, plain, count, plain_count, walk.dt, (double)walk.step.flight);
-  const double plain_speed = 1e-6 * (double)count * plain_count / slow;
-  snprintf(label, sizeof label, "walk: million steps a second of processor, %d^3 cells", side);
-  add(list, label, million / seconds, NAN, seconds);
-  add(list, "walk: the same by a plain implementation", plain_speed, NAN, slow);
-  add(list, "walk: times as fast", million / seconds / plain_speed, 1, 0);
+  *seconds = plain_steps(flow, plain, count, steps, walk.dt, (double)walk.step.flight);
+  memory_free(&plain);
+  walk_end(&walk);
+  return 1e-6 * (double)count * steps / *seconds;
+}
+
+int main(int argc, char **argv) {
+  const int side = argc > 2 ? atoi(argv[2]) : 240, intervals = argc > 4 ? atoi(argv[4]) : 3;
+  const size_t count = argc > 3 ? (size_t)atol(argv[3]) : 1000000;
+  struct solute_flow flow;
+  struct walk_cells cells;
+  char label[128];
+  json_t *list = json_array();
+  if (argc < 2) return 2;
+  log_start("bench_walk", LOG_QUIET);
+  make_flow(side, &flow);
+  const double started = clock_processor_seconds();
+  must(walk_cells_make(&flow, &cells));
+  const double making = clock_processor_seconds() - started;
+  double seconds, speed = 0;
+  /* A hundredth, a tenth and all of the walkers: the time goes with the steps. */
+  for (size_t share = 100; share > 0; share /= 10) {
+    const double steps = (double)(count / share) * intervals * WALK_INTERVAL;
+    speed = 1e-6 * steps / (seconds = walk_seconds(&flow, &cells, count / share, intervals));
+    snprintf(label, sizeof label, "walk: million steps a second of processor, %d^3 cells, %.2g steps",
+             side, steps);
+    add(list, label, speed, share > 1 ? NAN : 20, seconds);
+  }
+  const double slow = plain_speed(&flow, &cells, count, intervals, &seconds);
+  add(list, "walk: the same by a plain implementation", slow, NAN, seconds);
+  add(list, "walk: times as fast", speed / slow, 1, 0);
   snprintf(label, sizeof label, "walk: seconds to make %zu cells with pores", cells.count);
   add(list, label, making, NAN, making);
   json_dump_file(list, argv[1], JSON_INDENT(1));
   json_decref(list);
-  memory_free(&plain);
-  walk_end(&walk);
   walk_cells_free(&cells);
   solute_flow_free(&flow);
   return 0;

@@ -186,8 +186,8 @@ static void stays_even(double peclet_of_spacing) {
     for (int s = 0; s < SUB * SUB * SUB; s++) {
       const int32_t at = c.place[i];
       const int sub[3] = {s % SUB, s / SUB % SUB, s / SUB / SUB};
-      struct walker w = {.number = (int32_t)i,
-                         .wrapped = {at % SIDE, at / SIDE % SIDE, at / SIDE / SIDE, 0}};
+      struct walker w = {.wrapped = {at % SIDE, at / SIDE % SIDE, at / SIDE / SIDE, 0}};
+      walk_find(&c, &w);
       for (int a = 0; a < 3; a++) w.x[a] = ((float)sub[a] + 0.5f) / SUB - 0.5f;
       if (!(walk_distance(&c, &w) > 0)) continue;
       volume++;

@@ -1,0 +1,126 @@
+/* Sixteen walkers side by side: the same steps as walk_move.h, without branches, so that the
+ * compiler makes vectors of the loops. The arithmetic is the same to the bit. */
+#ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_LANES_H
+#define TOSUI_SPHSOLVE_SOLUTE_WALK_LANES_H
+
+#include <string.h>
+
+#include "sphsolve/solute/walk_move.h"
+
+#define LANES 16
+
+/* struct walker, by columns. */
+struct walk_lanes {
+  float x[3][LANES];
+  int32_t wrapped[3][LANES], cell[3][LANES], number[LANES];
+  uint32_t address[LANES], walls[LANES], id[LANES];
+} __attribute__((aligned(64)));
+
+WALK_HOT void lanes_put(struct walk_lanes *g, int l, const struct walker *w) {
+  for (int a = 0; a < 3; a++) {
+    g->x[a][l] = w->x[a];
+    g->wrapped[a][l] = w->wrapped[a], g->cell[a][l] = w->cell[a];
+  }
+  g->number[l] = w->number, g->address[l] = w->address, g->walls[l] = w->walls, g->id[l] = w->id;
+}
+
+WALK_HOT struct walker lanes_take(const struct walk_lanes *g, int l) {
+  return (struct walker){
+      .x = {g->x[0][l], g->x[1][l], g->x[2][l], 0},
+      .wrapped = {g->wrapped[0][l], g->wrapped[1][l], g->wrapped[2][l], 0},
+      .cell = {g->cell[0][l], g->cell[1][l], g->cell[2][l], 0},
+      .number = g->number[l],
+      .address = g->address[l],
+      .walls = g->walls[l],
+      .id = g->id[l]};
+}
+
+/* The records of sixteen cells by columns: word w of each in word[w]. Four perfect shuffles turn
+ * rows into columns. */
+WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LANES],
+                            int32_t word[16][LANES]) {
+  typedef int32_t row __attribute__((vector_size(64)));
+  row r[16], t[16];
+#pragma GCC unroll 16
+  for (int l = 0; l < LANES; l++) memcpy(&r[l], &c->cell[number[l]], sizeof r[l]);
+#pragma GCC unroll 4
+  for (int stage = 0; stage < 4; stage++) {
+#pragma GCC unroll 8
+    for (int i = 0; i < 8; i++) {
+      t[2 * i] = __builtin_shufflevector(r[i], r[i + 8], 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21,
+                                         6, 22, 7, 23);
+      t[2 * i + 1] = __builtin_shufflevector(r[i], r[i + 8], 8, 24, 9, 25, 10, 26, 11, 27, 12, 28,
+                                             13, 29, 14, 30, 15, 31);
+    }
+#pragma GCC unroll 16
+    for (int i = 0; i < 16; i++) r[i] = t[i];
+  }
+#pragma GCC unroll 16
+  for (int w = 0; w < 16; w++) memcpy(word[w], &r[w], sizeof r[w]);
+}
+
+/* walk_velocity at x in the cells. */
+WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LANES],
+                             float x[3][LANES], float u[3][LANES]) {
+  int32_t word[16][LANES] __attribute__((aligned(64)));
+  lanes_columns(c, number, word);
+  const float unit = c->slope_unit;
+  for (int l = 0; l < LANES; l++) {
+    float slope[4][3], face[2][3], low[3], high[3], scaled[3];
+#pragma GCC unroll 12
+    for (int k = 0; k < 12; k++)
+      slope[k / 3][k % 3] =
+          (float)(k % 2 ? word[4 + k / 2][l] >> 16
+                        : (int32_t)((uint32_t)word[4 + k / 2][l] << 16) >> 16);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; k++) memcpy(&face[k / 3][k % 3], &word[10 + k][l], sizeof(float));
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) scaled[a] = unit * x[a][l];
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) {
+      const float next = scaled[(a + 1) % 3], last = scaled[(a + 2) % 3];
+      low[a] = face[0][a] + (slope[0][a] * next + slope[1][a] * last);
+      high[a] = face[1][a] + (slope[2][a] * next + slope[3][a] * last);
+    }
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) {
+      const int b = (a + 1) % 3, d = (a + 2) % 3;
+      const float square = (slope[3][b] - slope[1][b]) + (slope[2][d] - slope[0][d]);
+      u[a][l] = 0.5f * (low[a] + high[a]) + (high[a] - low[a]) * x[a][l] +
+                square * (0.5f * unit) * (0.25f - x[a][l] * x[a][l]);
+    }
+  }
+}
+
+/* walk_settle after a move; the cells found are fetched for the next turn. */
+WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
+  for (int a = 0; a < 3; a++) {
+    const int32_t n = c->n[a];
+    for (int l = 0; l < LANES; l++) {
+      const float up = g->x[a][l] + 0.5f;
+      int32_t step = (int32_t)up, at = g->wrapped[a][l];
+      step -= up < (float)step;
+      at += step;
+      for (int turn = 0; turn < 2; turn++) {
+        at += at < 0 ? n : 0;
+        at -= at >= n ? n : 0;
+      }
+      g->x[a][l] -= (float)step;
+      g->cell[a][l] += step;
+      g->wrapped[a][l] = at;
+    }
+  }
+  const int32_t row = c->blocks[0] << 12, layer = c->blocks[0] * c->blocks[1] << 12;
+  for (int l = 0; l < LANES; l++) {
+    const int32_t x = g->wrapped[0][l], y = g->wrapped[1][l], z = g->wrapped[2][l];
+    g->address[l] = (uint32_t)(((x >> 4) << 12) + (y >> 4) * row + (z >> 4) * layer +
+                               ((x & 12) << 4) + ((y & 12) << 6) + ((z & 12) << 8) + (x & 3) +
+                               ((y & 3) << 2) + ((z & 3) << 4));
+  }
+  for (int l = 0; l < LANES; l++) {
+    walk_look_up(c, g->address[l], &g->number[l], &g->walls[l]);
+    __builtin_prefetch(&c->cell[g->number[l] < 0 ? 0 : g->number[l]]);
+  }
+}
+
+#endif
