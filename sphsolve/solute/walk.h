@@ -29,10 +29,10 @@ struct walk {
   const struct walk_cells *cells;
   struct walk_settings settings;
   struct walk_step step;
-  double diffusion, dt; /* first spacings^2 per time unit; time units */
-  uint64_t steps;       /* of each walker so far */
+  double diffusion, dt;           /* first spacings^2 per time unit; time units */
+  uint64_t steps;                 /* of each walker so far */
   struct walker *walkers, *spare; /* the second to sort them into */
-  struct walk_spot *now; /* [walkers] by id */
+  struct walk_spot *now;          /* [walkers] by id */
   struct walk_moments moments;
   double plane[WALK_PLANES];   /* first spacings from where each walker began */
   float *passage[WALK_PLANES]; /* [walkers] by id, time units of the first passage; 0: not yet */

@@ -54,8 +54,7 @@ static double corner_distance(const struct solute_flow *f, const int x[3], doubl
   static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
   double sum = 0, least = INFINITY, most = -INFINITY;
   for (int c = 0; c < 8; c++) {
-    const double d =
-        (double)f->distance[around(f->n, x, -(c & 1), -(c >> 1 & 1), -(c >> 2))];
+    const double d = (double)f->distance[around(f->n, x, -(c & 1), -(c >> 1 & 1), -(c >> 2))];
     least = fmin(least, d), most = fmax(most, d);
   }
   if (least >= farthest) return farthest;
@@ -92,8 +91,8 @@ static float steepest(const struct solute_flow *f) {
       for (int i = 0; i < f->n[0]; i++)
         for (int a = 0; a < 3; a++)
           for (int t = 1; t < 3; t++)
-            most = fmaxf(most, unit_along(f, a) * fabsf(face_slope(f, (int[3]){i, j, k}, a,
-                                                                  (a + t) % 3)));
+            most = fmaxf(most, unit_along(f, a) *
+                                   fabsf(face_slope(f, (int[3]){i, j, k}, a, (a + t) % 3)));
   return most;
 }
 

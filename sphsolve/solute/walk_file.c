@@ -98,8 +98,7 @@ static bool sound(const struct walk *walk) {
       if (!(w->x[a] >= -0.5f && w->x[a] <= 0.5f) || w->wrapped[a] < 0 || w->wrapped[a] >= c->n[a])
         return false;
     struct walker found = *w;
-    if (!walk_find(c, &found) || memcmp(&found, w, sizeof found) != 0 ||
-        !(walk_distance(c, w) > 0))
+    if (!walk_find(c, &found) || memcmp(&found, w, sizeof found) != 0 || !(walk_distance(c, w) > 0))
       return false;
   }
   return true;

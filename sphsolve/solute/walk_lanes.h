@@ -25,14 +25,13 @@ WALK_HOT void lanes_put(struct walk_lanes *g, int l, const struct walker *w) {
 }
 
 WALK_HOT struct walker lanes_take(const struct walk_lanes *g, int l) {
-  return (struct walker){
-      .x = {g->x[0][l], g->x[1][l], g->x[2][l], 0},
-      .wrapped = {g->wrapped[0][l], g->wrapped[1][l], g->wrapped[2][l], 0},
-      .cell = {g->cell[0][l], g->cell[1][l], g->cell[2][l], 0},
-      .number = g->number[l],
-      .address = g->address[l],
-      .walls = g->walls[l],
-      .id = g->id[l]};
+  return (struct walker){.x = {g->x[0][l], g->x[1][l], g->x[2][l], 0},
+                         .wrapped = {g->wrapped[0][l], g->wrapped[1][l], g->wrapped[2][l], 0},
+                         .cell = {g->cell[0][l], g->cell[1][l], g->cell[2][l], 0},
+                         .number = g->number[l],
+                         .address = g->address[l],
+                         .walls = g->walls[l],
+                         .id = g->id[l]};
 }
 
 /* The records of sixteen cells by columns: word w of each in word[w]. Four perfect shuffles turn
@@ -69,9 +68,8 @@ WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LA
     float slope[4][3], face[2][3], low[3], high[3], scaled[3];
 #pragma GCC unroll 12
     for (int k = 0; k < 12; k++)
-      slope[k / 3][k % 3] =
-          (float)(k % 2 ? word[4 + k / 2][l] >> 16
-                        : (int32_t)((uint32_t)word[4 + k / 2][l] << 16) >> 16);
+      slope[k / 3][k % 3] = (float)(k % 2 ? word[4 + k / 2][l] >> 16
+                                          : (int32_t)((uint32_t)word[4 + k / 2][l] << 16) >> 16);
 #pragma GCC unroll 6
     for (int k = 0; k < 6; k++) memcpy(&face[k / 3][k % 3], &word[10 + k][l], sizeof(float));
 #pragma GCC unroll 3
@@ -113,9 +111,9 @@ WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
   const int32_t row = c->blocks[0] << 12, layer = c->blocks[0] * c->blocks[1] << 12;
   for (int l = 0; l < LANES; l++) {
     const int32_t x = g->wrapped[0][l], y = g->wrapped[1][l], z = g->wrapped[2][l];
-    g->address[l] = (uint32_t)(((x >> 4) << 12) + (y >> 4) * row + (z >> 4) * layer +
-                               ((x & 12) << 4) + ((y & 12) << 6) + ((z & 12) << 8) + (x & 3) +
-                               ((y & 3) << 2) + ((z & 3) << 4));
+    g->address[l] =
+        (uint32_t)(((x >> 4) << 12) + (y >> 4) * row + (z >> 4) * layer + ((x & 12) << 4) +
+                   ((y & 12) << 6) + ((z & 12) << 8) + (x & 3) + ((y & 3) << 2) + ((z & 3) << 4));
   }
   for (int l = 0; l < LANES; l++) {
     walk_look_up(c, g->address[l], &g->number[l], &g->walls[l]);

@@ -129,7 +129,8 @@ WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, f
 /* At x in a cell, cells along the axis per time unit (walk_cells.h). */
 WALK_HOT walk_vector walk_velocity(const struct walk_cells *c, int32_t number, walk_vector x) {
   const struct walk_cell *cell = &c->cell[number];
-  const walk_vector low_next = walk_counted(cell->slope[0]), low_last = walk_counted(cell->slope[1]),
+  const walk_vector low_next = walk_counted(cell->slope[0]),
+                    low_last = walk_counted(cell->slope[1]),
                     high_next = walk_counted(cell->slope[2]),
                     high_last = walk_counted(cell->slope[3]);
   walk_vector low, high; /* fluxes of the faces at the walker's place along them */

@@ -84,8 +84,8 @@ cleanup:
   return status;
 }
 
-/* Places of the first walkers, m from the centre of the first cell, in the box that repeats without end;
- * `interval` s apart. */
+/* Places of the first walkers, m from the centre of the first cell, in the box that repeats without
+ * end; `interval` s apart. */
 static enum status write_tracks(struct h5_file *file, const char *group, struct walk_record *r,
                                 double length, double time) {
   enum status status = STATUS_OK;

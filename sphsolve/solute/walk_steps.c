@@ -87,8 +87,8 @@ WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time)
 }
 
 /* The rest of the way; where it ends in grain, on. */
-WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at, const struct walk_lanes *end,
-                     int l, float left, float time) {
+WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
+                     const struct walk_lanes *end, int l, float left, float time) {
   struct walker w = lanes_take(end, l);
   walk_follow(c, &w, left);
   if (!walk_in_pore(c, &w) && !walk_return(c, &w, time)) return false;
@@ -152,8 +152,7 @@ TARGETS static void move_block(const struct walk_cells *c, const struct walk_ste
     lanes_put(&group[w / LANES].at, w % LANES, &walkers[w < count ? w : count - 1]);
   for (int s = 0; s < steps; s++) {
     for (int g = 0; g < groups; g++) {
-      if (s % 2 == 0)
-        draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].way);
+      if (s % 2 == 0) draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].way);
       if (step->time > 0) to_middle(c, &group[g], step->time);
     }
     for (int g = 0; g < groups && step->time > 0; g++) carry(c, &group[g], step->time, kept);

@@ -146,7 +146,7 @@ static double walk_seconds(const struct solute_flow *flow, const struct walk_cel
 
 /* Million steps a second, of a fraction of the steps. */
 static double plain_speed(const struct solute_flow *flow, const struct walk_cells *cells,
-                            size_t count, int intervals, double *seconds) {
+                          size_t count, int intervals, double *seconds) {
   static struct walk walk;
   struct plain *plain = NULL;
   const int steps = intervals * WALK_INTERVAL / 16;
@@ -180,8 +180,8 @@ int main(int argc, char **argv) {
   for (size_t share = 100; share > 0; share /= 10) {
     const double steps = (double)(count / share) * intervals * WALK_INTERVAL;
     speed = 1e-6 * steps / (seconds = walk_seconds(&flow, &cells, count / share, intervals));
-    snprintf(label, sizeof label, "walk: million steps a second of processor, %d^3 cells, %.2g steps",
-             side, steps);
+    snprintf(label, sizeof label,
+             "walk: million steps a second of processor, %d^3 cells, %.2g steps", side, steps);
     add(list, label, speed, share > 1 ? NAN : 20, seconds);
   }
   const double slow = plain_speed(&flow, &cells, count, intervals, &seconds);
