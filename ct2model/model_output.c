@@ -24,9 +24,12 @@ static enum status write_labels(struct h5_file *file, const struct pipeline *pip
   enum status status = STATUS_OK;
   const char *group = "/calibration";
   const int32_t segmented = 1;
+  const double *voxel = pipeline->region.voxel;
   TRY(write_slice(file, pipeline));
   TRY(h5_write_attribute(file, group, "segmented", H5_I32, 1, &segmented));
   TRY(write_number(file, group, "smoothing_voxels", LABEL_SMOOTHING));
+  TRY(write_number(file, group, "smoothing",
+                   LABEL_SMOOTHING * cbrt(voxel[0] * voxel[1] * voxel[2])));
   TRY(write_number(file, group, "k_change_by_smoothing", labels_effect_on_k(&pipeline->labels)));
   TRY(write_number(file, group, "pore_peak", 0.0));
   TRY(write_number(file, group, "grain_peak", LABEL_GREY));

@@ -6,7 +6,7 @@
 #include "analyze/report/page_html.h"
 #include "common/provenance.h"
 
-/* A reference is listed when a sentence calls for it. */
+/* A reference is listed when a sentence calls for it, in the order in which they do. */
 struct reference {
   const char *key, *text;
 };
@@ -43,17 +43,21 @@ static const struct reference references[] = {
      "tutorial. Stat. Sci. 14, 382-417."},
 };
 enum { REFERENCES = sizeof references / sizeof *references };
+struct cited {
+  size_t count, reference[REFERENCES];
+};
 
-static void cite(FILE *stream, const char *key, bool used[]) {
-  for (size_t i = 0; i < REFERENCES; i++)
-    if (strcmp(references[i].key, key) == 0) {
-      used[i] = true;
-      fprintf(stream, " [%zu]", i + 1);
-    }
+static void cite(FILE *stream, const char *key, struct cited *cited) {
+  size_t n = 0;
+  while (n < cited->count && strcmp(references[cited->reference[n]].key, key) != 0) n++;
+  if (n == cited->count)
+    for (size_t i = 0; i < REFERENCES; i++)
+      if (strcmp(references[i].key, key) == 0) cited->reference[cited->count++] = i;
+  fprintf(stream, " [%zu]", n + 1);
 }
 
 /* Where the geometry comes from: no more than the model file says. */
-static void write_geometry(const struct page_model *model, bool used[], FILE *stream) {
+static void write_geometry(const struct page_model *model, struct cited *cited, FILE *stream) {
   if (!model->named) return;
   if (!model->found) {
     fputs(", from a model file that could not be read when this page was made", stream);
@@ -75,7 +79,7 @@ static void write_geometry(const struct page_model *model, bool used[], FILE *st
     break;
   case RULE_OTSU:
     fprintf(stream, " at the grey threshold of Otsu&rsquo;s method");
-    cite(stream, "otsu", used);
+    cite(stream, "otsu", cited);
     fprintf(stream, ", %.4g, which gives a void ratio of %.4g", model->threshold,
             model->void_ratio);
     break;
@@ -99,39 +103,39 @@ static void write_geometry(const struct page_model *model, bool used[], FILE *st
     fprintf(stream, ", and mirrored along %c", model->mirror_axis[0]);
 }
 
-static void write_solver(const struct run *run, bool used[], FILE *stream) {
+static void write_solver(const struct run *run, struct cited *cited, FILE *stream) {
   if (strcmp(run->method, "stokes") == 0) {
     fputs(
         "The steady creeping flow was solved with the smoothed particle hydrodynamics operators of",
         stream);
-    cite(stream, "morris", used);
+    cite(stream, "morris", cited);
     fputs(" on the lattice itself. ", stream);
   } else if (strcmp(run->method, "isph") == 0) {
     fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
           "incompressible smoothed particle hydrodynamics",
           stream);
-    cite(stream, "morimoto", used);
-    cite(stream, "akbari", used);
+    cite(stream, "morimoto", cited);
+    cite(stream, "akbari", cited);
     fputs(". ", stream);
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
             strcmp(run->kernel, "wendland") == 0 ? "Wendland C2 kernel" : "quintic spline");
-    cite(stream, "morris", used);
+    cite(stream, "morris", cited);
     fputs(" was integrated in time. ", stream);
   }
 }
 
-static void write_walls(const struct run *run, const struct page_model *model, bool used[],
+static void write_walls(const struct run *run, const struct page_model *model, struct cited *cited,
                         FILE *stream) {
   if (strcmp(run->wall, "adami") == 0) {
     fputs("Grain surfaces carry dummy velocities", stream);
-    cite(stream, "adami", used);
+    cite(stream, "adami", cited);
     fputs(". ", stream);
   } else if (strcmp(run->wall, "subvoxel") == 0) {
     fputs("No slip holds at the wall itself, by image velocities from the distance to it, after",
           stream);
-    cite(stream, "basa", used);
+    cite(stream, "basa", cited);
     if (model->found)
       fprintf(stream, "; walls are %s",
               model->wall_distance    ? "the model&rsquo;s signed distances to the grain surface"
@@ -140,32 +144,32 @@ static void write_walls(const struct run *run, const struct page_model *model, b
     fputs(". ", stream);
   } else if (strcmp(run->wall, "frozen") == 0) {
     fputs("Grains are frozen fluid particles after", stream);
-    cite(stream, "saomoto", used);
+    cite(stream, "saomoto", cited);
     fputs(", which widens every gap by one spacing. ", stream);
   }
 }
 
 /* Of one run that solved several lattices. */
-static void write_lattices(const struct run *run, bool used[], FILE *stream) {
+static void write_lattices(const struct run *run, struct cited *cited, FILE *stream) {
   const struct run_levels *l = &run->levels;
   fprintf(stream,
           "The error of resolution is that of the limit of %zu lattices with spacings from %.4g to "
           "%.4g &micro;m, averaged over the orders of convergence",
           l->count, 1e6 * l->spacing[0], 1e6 * l->spacing[l->count - 1]);
-  cite(stream, "hoeting", used);
+  cite(stream, "hoeting", cited);
   fputs(strcmp(run->method, "stokes") == 0 ? "; the permeability is that limit. " : ". ", stream);
 }
 
-static void write_result(const struct run *run, const struct methods_facts *facts, bool used[],
-                         FILE *stream) {
+static void write_result(const struct run *run, const struct methods_facts *facts,
+                         struct cited *cited, FILE *stream) {
   if (!facts->permeable) return;
   if (facts->averaged) {
     fputs("The Darcy velocity was averaged after the start-up, whose end is given by the marginal standard "
           "error rule",
           stream);
-    cite(stream, "white", used);
+    cite(stream, "white", cited);
     fputs("; its error is from batch means", stream);
-    cite(stream, "flegal", used);
+    cite(stream, "flegal", cited);
     fputs(". ", stream);
   }
   fputs(facts->fitted
@@ -176,30 +180,30 @@ static void write_result(const struct run *run, const struct methods_facts *fact
   fputs("; errors are 95&nbsp;% half widths. ", stream);
   if (facts->index) {
     fputs("The error of resolution is a grid convergence index", stream);
-    cite(stream, "celik", used);
+    cite(stream, "celik", cited);
     fputs(". ", stream);
   }
-  if (facts->lattices && run->levels.count > 1) write_lattices(run, used, stream);
+  if (facts->lattices && run->levels.count > 1) write_lattices(run, cited, stream);
 }
 
 void page_methods(const struct run *runs, size_t n, const struct page_model *model,
                   const struct methods_facts *facts, FILE *stream) {
-  bool used[REFERENCES] = {false};
+  struct cited cited = {0};
   const struct run *run = &runs[0];
   fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
-  cite(stream, "tosui", used);
+  cite(stream, "tosui", &cited);
   fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g &micro;m",
           run->size[0], run->size[1], run->size[2], 1e6 * run->spacing[0]);
-  write_geometry(model, used, stream);
+  write_geometry(model, &cited, stream);
   fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
           run->density, run->viscosity);
-  write_solver(run, used, stream);
-  write_walls(run, model, used, stream);
+  write_solver(run, &cited, stream);
+  write_walls(run, model, &cited, stream);
   if (n > 1)
     fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ", n);
-  write_result(run, facts, used, stream);
+  write_result(run, facts, &cited, stream);
   fputs("</p>\n<ol class=\"references\">\n", stream);
-  for (size_t i = 0; i < REFERENCES; i++)
-    if (used[i]) fprintf(stream, "<li value=\"%zu\">%s</li>\n", i + 1, references[i].text);
+  for (size_t i = 0; i < cited.count; i++)
+    fprintf(stream, "<li>%s</li>\n", references[cited.reference[i]].text);
   fputs("</ol>\n", stream);
 }

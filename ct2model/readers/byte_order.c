@@ -8,6 +8,10 @@
 /* Numbers drawn at random have a roughness of 1.3 (uniform) to 1.4 (normal). A scan is smooth, but
  * for its noise; its low bytes alone are random. */
 #define MUCH_ALIKE 2.0
+/* So alike are neighbours of a noisy scan; the two bytes of one pixel are not. */
+#define ALIKE 0.8
+/* Pixels of 8 bits made to ones of 16 have two equal bytes. */
+#define MOSTLY 0.9
 
 /* Mean difference of neighbours in a row over the mean distance from the mean; infinite where a
  * pixel is not a number. */
@@ -21,6 +25,22 @@ static double roughness(const float *pixels, size_t width, size_t height) {
     if (i % width > 0) step += fabs((double)pixels[i] - (double)pixels[i - 1]);
   }
   return distance > 0.0 ? step / distance : 0.0;
+}
+
+/* Whether what was said to be pixels of 16 bits are pairs of 8: then the two bytes of a pixel are
+ * neighbours, as alike as others. `pixels` is overwritten. */
+static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, float *pixels) {
+  size_t equal = 0;
+  for (size_t i = 0; i < width * height; i++) equal += bytes[2 * i] == bytes[2 * i + 1];
+  if ((double)equal > MOSTLY * (double)(width * height)) return false;
+  for (size_t half = 0; half < 2; half++) {
+    for (size_t y = 0; y < height; y++) {
+      const uint8_t *row = bytes + 2 * width * y + half * (width / 2) * 2;
+      for (size_t x = 0; x < width / 2 * 2; x++) pixels[y * (width / 2 * 2) + x] = (float)row[x];
+    }
+    if (roughness(pixels, width / 2 * 2, height) > ALIKE) return false;
+  }
+  return true;
 }
 
 static char letter_of(enum pixel_type type) {
@@ -37,6 +57,13 @@ enum status byte_order_check(const struct image *image) {
   TRY(memory_allocate(&stored, n, bytes, "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
+  if (bytes == 2 && are_pairs(stored, image->size[0], image->size[1], pixels)) {
+    log_warning(
+        "%s: the two bytes of a pixel are as alike as neighbours are: is %c8 meant in --raw, "
+        "with twice the width or twice the slices?",
+        image->path, letter_of(image->type));
+    goto cleanup;
+  }
   pixels_to_float(pixels, stored, n, image->type);
   const double given = roughness(pixels, image->size[0], image->size[1]);
   pixels_swap(stored, n, image->type);

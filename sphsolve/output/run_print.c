@@ -140,7 +140,7 @@ static void print_verdict(const struct uncertainty *b) {
     double share;
     const char *what, *remedy;
   } parts[] = {{b->resolution, "resolution", finer[b->needs]},
-               {b->scan, "the scan", "a sharper scan lessens it"},
+               {b->scan, "the scan", "a finer or sharper scan lessens it"},
                {b->sides, "the sample's sides", "a larger sample lessens it"},
                {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
                {b->threshold, "the measured void ratio", "measure it more precisely"},

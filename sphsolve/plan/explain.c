@@ -116,7 +116,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   else
     printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
   if (isfinite(plan->expected_scan))
-    printf("           and about %.2g %% by the scan's own blur and noise\n",
+    printf("           and about %.2g %% by the scan itself: its voxels, blur and noise\n",
            100 * plan->expected_scan);
   print_levels(plan);
 }

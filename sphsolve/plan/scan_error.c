@@ -9,9 +9,10 @@
 #define RESOLUTION_DEVIATIONS 2.9278
 /* Shares of that change, and how they grow with it; of the roughness; what the sharpest scan's
  * voxels leave; and the change itself in squares of deviations per mean pore: from generated sands
- * (docs/notes/2026-11-22-scanner.md). */
-static const double KEPT = 1.5, REMOVED = 0.3, GROWTH = 3.0, ROUGH = 0.2, VOXELS = 0.035,
-                    CHANGE = 9.5;
+ * (docs/notes/2026-11-22-scanner.md). LABELS: from spheres, packs, fibres and level sets of noise
+ * (docs/notes/2026-11-22-labels.md). */
+static const double LABELS = 2.0, KEPT = 1.5, REMOVED = 0.3, GROWTH = 3.0, ROUGH = 0.2,
+                    VOXELS = 0.035, CHANGE = 9.5;
 
 bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   struct h5_file *file = NULL;
@@ -19,6 +20,13 @@ bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   if (h5_open(model_path, &file) != STATUS_OK) {
     error_clear();
     return false;
+  }
+  /* Labels have no blur to be measured; what smooths their steps blurs them. */
+  const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
+  if (smoothing > 0.0) {
+    *scan = (struct scan_quality){.resolution = RESOLUTION_DEVIATIONS * smoothing, .labels = true};
+    h5_close(file);
+    return true;
   }
   const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
   const double alike = 2.0 * sqrt(PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
@@ -37,10 +45,12 @@ double scan_deviation(const struct scan_quality *scan) {
   return scan->resolution / RESOLUTION_DEVIATIONS;
 }
 
-/* A scan whose blur was left in is off by about the change itself. Where it was taken out, a share
- * of it is left, beside what the uncertainty of the blur makes (its variance twice, for 95 %), and
- * walls are rough by a length that the noise power has. */
+/* Where labels are all that is left, the steps between voxels and what smooths them widen pores by
+ * about twice the change. A scan whose blur was left in is off by about the change itself. Where it
+ * was taken out, a share of it is left, beside what the uncertainty of the blur makes (its variance
+ * twice, for 95 %), and walls are rough by a length that the noise power has. */
 double scan_error(const struct scan_quality *scan, double change, double width) {
+  if (scan->labels) return LABELS * (1.0 + GROWTH * fabs(change)) * fabs(change);
   const double blur = 4.0 * scan->blur_error / scan->blur;
   const double share = scan->removed ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
   return hypot(VOXELS, hypot(share * change, ROUGH * cbrt(scan->noise_power) / width));

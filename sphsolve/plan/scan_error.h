@@ -10,6 +10,7 @@ struct scan_quality {
   double blur, blur_error; /* standard deviation as measured; 1 sigma of it */
   double resolution;       /* period seen at a tenth of its contrast */
   double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
+  bool labels;             /* segmented before: `resolution` alone is known */
   bool removed;            /* the model's surface is that of the scan without its blur */
 };
 

@@ -321,6 +321,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (job.checkpoint != NULL) TRY(cascade_read(&job.cascade, job.checkpoint));
   while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
     status = solve_level(&job, spacing);
+  if (status == STATUS_OK) status = cascade_finish(&job.cascade);
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
   const bool blocked = job.cascade.coarse.grid.active_all == 0;
   if (blocked)

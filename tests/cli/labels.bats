@@ -43,6 +43,24 @@ assert run["error"]["threshold"] is None
 END
 }
 
+@test "the steps of labels are a part of the error of k, and k holds the sphere's with it" {
+  ct2model build sphere.raw $CUBE --segmented 0 -o s.hdf --quiet
+  sphsolve run s.cfg -o held --error 20% --json > held.json
+  sphsolve explain s.cfg --json > foretold.json
+  /usr/bin/python3 - <<'END'
+import json
+run = json.load(open("held.json"))
+radius = (0.216 * 3 / (4 * 3.141592653589793)) ** (1 / 3) * 320e-6
+exact = 2 * radius**2 / (9 * 0.216 * 7.4419)  # Zick, Homsy 1982
+error = run["error"]
+change = abs(error["dlnk_blurred_again"])
+assert abs(error["scan"] / (2 * (1 + 3 * change) * change) - 1) < 1e-6, error
+assert 0.0005 < change < 0.1, error
+assert abs(run["intrinsic_permeability"] / exact - 1) < error["total"], (run["intrinsic_permeability"] / exact, error)
+assert 0.0005 < json.load(open("foretold.json"))["expected_error_scan"] < 0.1
+END
+}
+
 @test "the walls enclose the volume of the labels" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   ct2model build sphere.raw $CUBE --segmented 0 -o volume.hdf --quiet
@@ -117,15 +135,20 @@ END
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
-  # Headerless pixels read the wrong way round are told; those read the right way, and noise, are not.
+  # Headerless pixels read the wrong way round or in pairs are told; those read the right way, and noise, are not.
   /usr/bin/python3 -c 'import numpy as np
-np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng(1).integers(0, 65536, 13440).astype("u2").tofile("noise.raw")'
-  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be ^$"; do
+np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng(1).integers(0, 65536, 13440).astype("u2").tofile("noise.raw")
+v = np.fromfile("v.raw", "<u2").astype(float)
+v = np.round(40 + 170 * (v - v.min()) / np.ptp(v)).astype("u2")
+v.astype("u1").tofile("pairs.raw"), (257 * v).astype("<u2").tofile("made.raw")'
+  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be ^$" "made.raw:u16le ^$" "v.raw:u16le ^$"; do
     file=${words%%:*} type=${words%% *}
     run --separate-stderr ct2model info "$file" --raw "28x24x20:${type#*:}"
     [ "$status" -eq 0 ]
     [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $stderr"; false; }
   done
+  run --separate-stderr ct2model info pairs.raw --raw 28x24x10:u16le
+  [[ "$stderr" == *"is u8 meant in --raw"* ]] || { echo "$stderr"; false; }
   cp v.h5 before.h5
   run ct2model build v.h5:/packed --void-ratio 0.8 --voxel-size 5um -o v.h5 --force
   [ "$status" -eq 2 ]

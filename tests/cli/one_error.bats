@@ -74,11 +74,13 @@ END
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o long --error 10% --json > long.json
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o brief --time 1us --json > brief.json 2> said.txt
   grep -q "^lattice 1: .* no estimate from one lattice" said.txt
+  grep -q "takes no less: two lattices" said.txt
   /usr/bin/python3 -c 'import json
 long, brief = json.load(open("long.json")), json.load(open("brief.json"))
 assert len(brief["levels"]) == 2 and brief["status"] == "budget", brief
 assert brief["k_low"] < long["k"] < brief["k_high"], (brief["k_low"], long["k"], brief["k_high"])
-assert brief["levels"][0]["low"] is None and brief["levels"][1]["high"] > 0'
+assert brief["levels"][0]["low"] is None and brief["levels"][1]["high"] > 0
+assert abs(brief["error"]["sides"] / long["error"]["sides"] - 1) < 0.05 # after the lattices, not left out'
 }
 
 @test "on a terminal each lattice is drawn: its estimate within its bar, on one scale; elsewhere not" {

@@ -119,6 +119,10 @@ for sentence in re.split(r"\. (?=[A-Z0-9])|\.$", prose):
     found = [m for pattern, true in SENTENCES if (m := re.fullmatch(pattern, sentence)) and true(*m.groups())]
     if sentence and not found:
         bad.append(sentence)
+cited = list(dict.fromkeys(int(n) for n in re.findall(r"\[(\d+)\]", prose)))
+listed = page[page.index('class="references"'):].split("</ol>")[0].count("<li")
+if cited != list(range(1, listed + 1)):
+    bad.append(f"references {cited} are cited and {listed} are listed")
 for caption in re.findall(r"<figcaption>(.*?)</figcaption>", page, re.S):
     if re.search(r"gives the measured void ratio|it was set to give", caption) and not matched:
         bad.append(caption)

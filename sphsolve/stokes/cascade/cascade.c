@@ -58,6 +58,26 @@ static bool finer_is_in_vain(const struct cascade *c) {
   return c->plan->goal.error > 0.0 && left > c->wanted && c->uncertainty.resolution < 0.5 * left;
 }
 
+static bool sides_wait(const struct cascade *c) {
+  return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
+         cascade_sides_are_wrapped(c->scene->model_path);
+}
+
+/* Processor seconds that the share of the sides will take: the lattice as it is, mirrored in x and
+ * y, and closed, as the last lattice took. */
+static double sides_seconds(const struct cascade *c) {
+  const int n = c->uncertainty.level_count;
+  size_t size[3], count;
+  if (n == 0 || !sides_wait(c)) return 0.0;
+  const double spacing = cascade_sides_spacing(c->plan, c->base);
+  if (lattice_resampled_size(c->base, spacing, size, &count) != STATUS_OK) {
+    error_clear();
+    return 0.0;
+  }
+  const struct error_level *l = &c->uncertainty.levels[n - 1];
+  return l->seconds * (1.0 + 4.0 + 1.0) * (double)count / l->sites;
+}
+
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const double h = c->plan->context.spacing;
   *why = "converged";
@@ -74,7 +94,8 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   if (enough && finer_is_in_vain(c)) return false;
   if (c->tried > last) return false;
   /* One thread does a processor second in a second, several less. */
-  const double next = cascade_next_seconds(c) / fmax(1.0, 0.85 * c->plan->threads);
+  const double next =
+      (cascade_next_seconds(c) + sides_seconds(c)) / fmax(1.0, 0.85 * c->plan->threads);
   /* One lattice is no k: its error is not known. */
   if (c->uncertainty.level_count > 1 && clock_seconds() - c->started + next > c->seconds)
     return false;
@@ -236,7 +257,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   TRY(solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false, &other));
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
-  TRY(add_sides(c));
+  if (!sides_wait(c)) TRY(add_sides(c));
 cleanup:
   lattice_free(&moved);
   lattice_free(&coarser);
@@ -325,6 +346,15 @@ cleanup:
 enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
                         const struct stokes_solver *s, double seconds) {
   return add(c, lattice, spacing, s->grid.active_all > 0 ? permeability_of(s) : 0.0, s, seconds);
+}
+
+enum status cascade_finish(struct cascade *c) {
+  enum status status = STATUS_OK;
+  if (c->uncertainty.level_count > 1 && sides_wait(c)) TRY(add_sides(c));
+  if (c->uncertainty.level_count == 2 && clock_seconds() - c->started > c->seconds)
+    log_info("a k with its error takes no less: two lattices, and what else moves k");
+cleanup:
+  return status;
 }
 
 void cascade_keep(struct cascade *c, struct stokes_solver *s) {
