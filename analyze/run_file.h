@@ -68,9 +68,8 @@ void run_free(struct run *run);
  * included. */
 bool run_is_copy(const struct run *a, const struct run *b);
 
-/* Whether `path` is a model, or a snapshot, image or checkpoint that lies beside a run, as a
- * shell's
- * *.hdf names it. */
+/* Whether `path` is a model, or a snapshot, image or checkpoint beside a run, which a shell's
+ * "*.hdf" names too. */
 bool run_is_companion(const char *path);
 
 /* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where

@@ -1,6 +1,6 @@
 /* Smoothing kernels W(r, h) in 1, 2 and 3 dimensions, in double precision; the vector loops have
  * their own forms and are tested against these.
- *   quintic (Schoenberg 1946; Morris, Fox, Zhu 1997 eq. 22), support 3h, s = r/h:
+ *   quintic (Schoenberg 1946; Morris, Fox, Zhu 1997), support 3h, s = r/h:
  *     W = alpha [ (3-s)^5 - 6 (2-s)^5 + 15 (1-s)^5 ],  each term only while positive
  *     alpha = 1/(120 h), 7/(478 pi h^2), 1/(120 pi h^3)
  *   cubic (Monaghan, Lattanzio 1985), support 2h:

@@ -21,8 +21,8 @@ bool size_multiply(size_t a, size_t b, size_t *product) {
   return !__builtin_mul_overflow(a, b, product);
 }
 
-/* Books `bytes` more than *held; false when that is over the limit or a test wants this allocation
- * to fail. */
+/* Counts `bytes` more than *held as in use; false when that is over the limit or a test wants this
+ * allocation to fail. */
 static bool reserve(size_t bytes, bool *over_limit, size_t *held) {
   pthread_mutex_lock(&lock);
   *held = in_use;

@@ -9,7 +9,8 @@
 #include "ct2model/state.h"
 
 /* To stdout, or with --json as one object, a sweep's with its table. A coarser model's object goes
- * into the array `key` ("coarser") of *first, the finest's; the caller prints *first with report_end. */
+ * into the array `key` ("coarser") of *first, the finest's; the caller prints *first with
+ * report_end. */
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
                          const char *key, json_t **first);
 /* Prints and frees *first, if there is one. */

@@ -9,7 +9,7 @@
 
 #include "analyze/run_file.h"
 
-/* Whether one of the runs has an budget. */
+/* Whether one of the runs has a budget. */
 enum status page_has_budget(const struct run *runs, size_t n, bool *any);
 /* Tables of the runs that have one. */
 enum status page_budget(const struct run *runs, size_t n, FILE *stream);

@@ -164,7 +164,8 @@ static void write_result(const struct run *run, const struct methods_facts *fact
                          struct cited *cited, FILE *stream) {
   if (!facts->permeable) return;
   if (facts->averaged) {
-    fputs("The Darcy velocity was averaged after the start-up, whose end is given by the marginal standard "
+    fputs("The Darcy velocity was averaged after the start-up, whose end is given by the marginal "
+          "standard "
           "error rule",
           stream);
     cite(stream, "white", cited);

@@ -83,7 +83,8 @@ static enum status npy_open(const char *path, struct image *image) {
              "e.g. image.astype('uint8')",
              path);
   if (!read_shape(value_of(header, "shape"), image))
-    TRY_FAIL(STATUS_INPUT, "%s: is empty, or no array of 2 or 3 axes; save one volume as [z][y][x]", path);
+    TRY_FAIL(STATUS_INPUT, "%s: is empty, or no array of 2 or 3 axes; save one volume as [z][y][x]",
+             path);
   if (order == NULL || strncmp(order, "False", 5) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: is stored in Fortran's order; save numpy.ascontiguousarray(image)",
              path);

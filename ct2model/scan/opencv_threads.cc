@@ -2,8 +2,8 @@
 
 #include <opencv2/core/utility.hpp>
 
-/* cv::setNumThreads takes down the arena that other threads may be in: only the first caller reaches
- * it, and the others wait for it (a static's initialiser). */
+/* cv::setNumThreads destroys the pool that other threads may be in: only the first caller calls it,
+ * and the others wait for it (the initialiser of a static variable). */
 void opencv_on_the_caller_only() {
   static const int threads = (cv::setNumThreads(1), cv::getNumThreads());
   static_cast<void>(threads);

@@ -8,21 +8,22 @@
 #include "common/variants.h"
 #include "ct2model/scanner/gaussian.h"
 
-/* Minimised over 0 <= u <= 1, A the grey of the grain at a place, H the scanner with the voxel's
- * own average:
+/* The share of grain u, 0 <= u <= 1, is that which minimises
  *
- *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P^POWER (s^2 - 1))
+ *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P^POWER (s^2 - 1)),
  *
- * by accelerated projected gradients (FISTA, Beck and Teboulle 2009, with total variation smoothed
- * by ROUNDING; Rudin, Osher and Fatemi 1992 for the penalty). The noise has the power P = variance
- * times the volume it is correlated over, so that -log likelihood is |g - H A u|^2 / (2 P), and a
- * surface of s^2, the square of the blur (a voxel at least), costs SURFACE: grains have no relief
- * much finer than the scanner can see. Sharpening a wide blur raises the noise besides, which costs
- * more (NOISE; P and s in voxels), as far as the scan is still explained as well: what is left over
- * around surfaces may grow by MISFIT, or be EXPLAINED of what the noise makes there, beyond which
- * small grains go. These and ROUNDS are from
- * generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise
- * (docs/notes/2026-11-22-scanner.md). */
+ * g the scan, A the grey of the grain at a place, H the scanner's blur with the voxel's own
+ * average, TV the total variation (Rudin, Osher and Fatemi 1992), smoothed by ROUNDING; by
+ * accelerated projected gradients (FISTA, Beck and Teboulle 2009).
+ *
+ * With the noise power P = variance times the volume it is correlated over, -log likelihood is
+ * |g - H A u|^2 / (2 P); a surface of s^2, the square of the blur (a voxel at least), costs
+ * SURFACE: grains have no relief much finer than the scanner can see. Sharpening a wide blur also
+ * amplifies the noise, which costs more (NOISE; P and s in voxels). That extra cost is taken only
+ * as far as the scan is still explained, for beyond it small grains vanish: the misfit around
+ * surfaces may grow by MISFIT, or be EXPLAINED of what the noise makes there. The constants and
+ * ROUNDS were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
+ * noise (docs/notes/2026-11-22-scanner.md). */
 #define PI 3.14159265358979323846
 static const double SURFACE = 0.07, NOISE = 1.9, POWER = 0.75, MISFIT = 1.15, EXPLAINED = 0.3,
                     ROUNDING = 0.1;
@@ -31,16 +32,13 @@ enum { ROUNDS = 30, LEVELS = 255 };
  * relief between the voxels; and over no more than the blur, as what is longer is the grains'
  * texture. */
 #define CORRELATION_LEAST 0.6
-/* Less than so many times the cost is not worth a trial; slices of one, at least. */
-#define TIMES_LEAST 1.2
-enum { SLICES_TRIED = 24 };
+#define TIMES_LEAST 1.2     /* a cost raised by less than this is not tried */
+enum { SLICES_TRIED = 24 }; /* at least */
 
-/* Voxels worked on at a time, and in memory as levels, at most; above FULL those under the blur are
- * averaged. */
-static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6;
-/* Voxels that the cost of surface is tried on. */
-static const double TRIED = 1e6;
-/* Blurs around a slab, beyond which nothing matters. */
+/* In voxels: worked on at a time, at most; held in memory as levels, at most; from where on voxels
+ * are averaged as far as the blur allows; and that the cost of surface is tried on. */
+static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6, TRIED = 1e6;
+/* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 
 struct slab {

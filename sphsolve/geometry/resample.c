@@ -6,8 +6,8 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/soil.h"
 
-/* A spacing may be off by so much before several periods are taken instead of one; and so many at
- * most. */
+/* Where no whole number of sites comes within this share of the spacing asked for, several periods
+ * of the body are taken instead of one, up to COPIES_MOST. */
 #define SPACING_OFF 0.05
 #define COPIES_MOST 8
 

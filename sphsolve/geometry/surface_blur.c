@@ -6,12 +6,12 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 
-/* Blurs around a site beyond which nothing matters; distances are read from greys up to so many
- * from the surface. */
+/* In standard deviations of the blur: where its kernel ends; up to where the blurred share of pore
+ * tells a distance, and from where the old distance is kept. */
 #define REACH 4.0
 #define READ_TO 2.5
 #define READ_NO_MORE 3.0
-/* The narrowest blur that shares of sites hold, in spacings. */
+/* In spacings: a narrower blur is not resolved by the shares of sites. */
 #define NARROWEST 0.9
 enum { TAPS_MOST = 64 };
 

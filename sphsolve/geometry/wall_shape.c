@@ -2,12 +2,9 @@
 
 #include <math.h>
 
-/* What a distance field may be and still be used: a gradient within so much of 1, a curvature up to
- * so much of 1/spacing; and
- * the least gradient that has a direction. */
-#define GRADIENT_MIN 0.9
-#define CURVATURE_MAX 0.5
-#define NORMAL_MIN 0.5
+#define GRADIENT_MIN 0.9  /* of a distance that is one to a surface: its gradient is 1 */
+#define CURVATURE_MAX 0.5 /* 1/spacing; beyond, the curvature is noise */
+#define NORMAL_MIN 0.5    /* a smaller gradient has no direction */
 
 void wall_shape_find(const struct lattice *l, size_t site, double spacing,
                      struct wall_shape *shape) {

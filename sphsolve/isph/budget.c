@@ -5,8 +5,8 @@
  * takes v^n to v^{n+1} with every force as it was applied,
  *   m I (v^{n+1} - v^n) = dt sum F,
  *   T^{n+1} - T^n = dt sum F.u^{n+1} - sum (m I/(2 eps)) |v^{n+1} - v^n|^2,
- * of which the last is what stepping in time takes (never gives): identities, so that energy closes
- * to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
+ * of which the last is what the time step dissipates (it never adds). These are identities: energy
+ * closes to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
  *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (drag_linear.h)
  * and grad P that of isph/step.c's correct. Then come what is no force: the guards at walls,
  * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the

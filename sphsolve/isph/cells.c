@@ -86,8 +86,8 @@ cleanup:
   return status;
 }
 
-/* Boundary particles keep their order from the start (that of their homes), so that a resumed run
- * sums in the same order; only the cells' index is found anew when walls move. */
+/* Boundary particles keep the order of their first places, so that a resumed run sums in the same
+ * order; only the index of the cells is found anew when walls move. */
 enum status isph_sort_walls(struct isph *s) {
   enum status status = STATUS_OK;
   uint32_t *cell = NULL;

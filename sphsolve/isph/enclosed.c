@@ -5,14 +5,13 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/state.h"
 
-/* Particles that are neighbours, or neighbours of neighbours, form a body of water. One of which no
- * particle is on the surface by more than ENCLOSED fills its room. It is incompressible and nothing
- * gives way: what its particles ask for, sum_i source_i, has to be 0, or the rows of the pressure
- * equation contradict each other; and where a particle that is on the surface by a thousandth, as
- * disorder makes it, were to give way for all of them, the pressure would be the thousandfold of
- * what it is (46 MPa were seen in a tank that wants four of its 600 particles). So its particles
- * are none of the surface, the mean of its source is taken out, and its pressure begins at its
- * least with that of half a particle under a level surface. */
+/* Particles that are neighbours, directly or through others, form a body of water. A body none of
+ * whose particles is on the surface by more than ENCLOSED fills its room: incompressible as it is,
+ * it has no free volume, and the sources of its rows have to add up to 0, or the pressure equation
+ * has no solution. So its particles count as not on the surface (a particle that disorder puts on
+ * it by a thousandth would take up the volume of all others, at a thousand times the pressure: 46
+ * MPa in a tank short of four of its 600 particles), the mean of its source is taken out, and its
+ * lowest pressure is set to that of half a particle under a level surface. */
 #define ENCLOSED 0.5
 
 /* The first of a set of particles, with the path to it made shorter. */

@@ -9,21 +9,25 @@
 
 /* In a closed tank under a steady force the water's energy, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
- * may only fall. Three things give it some nevertheless, and show near rest, when nothing else
- * takes energy any more. The relaxation of the density lets compressed water expand again, R =
- * sum P V (phi - 1) eps B/tau dt, and lifts what stands above. So it may expand the water by no
- * more work than friction dissipates and contraction elsewhere gives back in the step, by the
- * pressures of the step before: share <= (friction + contraction) / expansion, unless the water as
- * a whole is denser by more than DENSITY_EXCESS, when its volume matters more. The projection,
- * whose gradient and divergence are each other's adjoint but for sum V grad W, and the shift lift
- * the water by 1e-7 to 1e-6 of its energy in a step, by spreading its particles. What is lifted is
- * let down again: all particles are drawn along the force towards the lowest, by the one strain
- * that makes E^{n+1} = E^n. The flow is left alone: a factor on velocities would take from waves,
- * whose energy is less than 1e-5 of the water's, what the water as a whole has gained (it ended a
- * wave of 3 cm/s on a metre of water within two periods). Only what a new porosity adds to u =
- * v/eps is taken from the velocities. */
+ * may only fall. Three errors of the method raise it; they show near rest, where nothing else
+ * dissipates energy any more.
+ *
+ * Relaxation of the density (effects/relaxation.h) lets compressed water expand, which lifts the
+ * water above it. The work in a step,
+ *   R = sum P V (phi - 1) eps B/tau dt,
+ * is held to what friction dissipates and contraction elsewhere gives back in the same step, with
+ * the pressures of the step before:
+ *   relaxation_share <= (friction + contraction) / expansion,
+ * unless the water as a whole is denser by more than DENSITY_EXCESS: then its volume matters more.
+ *
+ * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
+ * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is
+ * taken back by a uniform strain: all particles move along the force towards the lowest one, so far
+ * that E^{n+1} = E^n. Velocities are not scaled for it: waves hold less than 1e-5 of the energy and
+ * would pay for all of it (a wave of 3 cm/s on a metre of water died within two periods). Only what
+ * a new porosity adds to u = v/eps is taken from the velocities. */
 
-#define DENSITY_EXCESS 0.0025 /* twice this: relaxation is free */
+#define DENSITY_EXCESS 0.0025 /* from this on the bound is eased, at twice this there is none */
 
 static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
   double total;
@@ -98,8 +102,8 @@ double isph_energy_given(const struct isph *s, double relaxation_time, double dt
   return s->relaxation_excess * fmax(0, total * dt);
 }
 
-#define STRAIN_MOST 1e-3 /* of a step */
-#define TRIM_MOST 0.01   /* of the kinetic energy, a step */
+#define STRAIN_MOST 1e-3 /* in a step */
+#define TRIM_MOST 0.01   /* share of the kinetic energy taken in a step */
 
 void isph_energy_settle(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };

@@ -32,20 +32,6 @@ enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) 
   return STATUS_OK;
 }
 
-/* Whether the Darcy velocity has stayed within the tolerance over the last tenth of the time. */
-static bool settled(struct isph_settling *settling, double tolerance, double time,
-                    const double velocity[3]) {
-  double change = 0, size = 0;
-  for (int a = 0; a < 3; a++) {
-    change = fmax(change, fabs(velocity[a] - settling->reference[a]));
-    size = fmax(size, fabs(velocity[a]));
-  }
-  if (time > 0 && change <= tolerance * size) return time - settling->since > 0.1 * time;
-  memcpy(settling->reference, velocity, sizeof settling->reference);
-  settling->since = time;
-  return false;
-}
-
 /* Good steps after which a step that the effects choose may double again. */
 #define RECOVERY 200
 
@@ -70,7 +56,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     if (scene->steady_tolerance > 0 &&
-        settled(&s->settling, scene->steady_tolerance, s->time, velocity)) {
+        monitor_settled(&s->settling, scene->steady_tolerance, s->time, velocity)) {
       last = true;
       result->status = "steady";
     }
@@ -122,7 +108,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       TRY(isph_step_back(s, copy, dt, &trip, recorder));
       share = s->dog.kept_share;
       s->calm_from = s->step;
-      s->settling = (struct isph_settling){.since = s->time};
+      s->settling = (struct monitor_settling){.since = s->time};
       next_row = row_after(s->time, row_interval);
       continue;
     }

@@ -301,9 +301,10 @@ static double depth_before(const struct isph *s, const struct isph_open_side *si
                           : s->high[side->axis] - x[side->axis];
 }
 
-/* A given pressure says nothing about the spin and the spread of the water that comes in, and a
- * window without more breeds jets and eddies: within a spacing of it free water goes straight, and
- * comes in evenly; within two, more and more. In soil the drag sees to it. */
+/* A given pressure says nothing of the velocity along a window or of its profile, and with nothing
+ * else jets and eddies grow there. So within a spacing of a window free water moves normal to it,
+ * and evenly where it flows in; between one and two spacings less and less so. In soil the drag
+ * does the same. */
 void isph_open_straighten(struct isph *s) {
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];

@@ -155,10 +155,11 @@ static bool mark(const struct effect_context *context, uint8_t *reached) {
   return dry;
 }
 
-/* Free water runs down to a level: what that gives it by the mean, and at most by the highest fall;
- * the fastest moves at some twice the mean (Torricelli's sqrt(2 f drop)). The factor .75 and five
- * falls' times are set by runs of 19 scenes; of nine others steps came out within a factor 2. Also
- * the height of its surface, m. */
+/* Free water runs down to its level. Its speed from the mean height that it falls by, and at most
+ * from the largest (Torricelli: sqrt(2 f drop)); the fastest water moves at some twice the mean.
+ * The factor .75 and the duration, five times that of the fall, were fitted to runs of 19 scenes;
+ * for nine others the number of steps was right within a factor 2. Also the height of its surface,
+ * m. */
 static void level_out(const struct effect_context *context, const uint8_t *reached, int axis,
                       double *water, double *room, struct isph_pace *pace, double *surface) {
   const struct lattice *l = context->lattice;

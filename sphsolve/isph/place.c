@@ -6,13 +6,12 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/state.h"
 
-/* Free water has a particle on each site of the lattice. In soil a site holds only eps of that, and
- * a particle made of it would be as much smaller than those that come in from outside, and see as
- * much less: beside a full particle its kernel's support, a spacing and a half wide, misses walls
- * and voids. So the water of soil is drawn over particles of the mass of all others, in rows
- * eps^(-1/dimensions) spacings apart over the box that the soil's wet sites fill. By the soil's
- * sharp edge: the sum of the masses is then exact, and the smoothed porosity spreads the particles
- * by itself. */
+/* Free water has a particle on each site of the lattice. In soil a site holds only eps of that; a
+ * particle of so little mass would be smaller than those that flow in, and its support too short
+ * to reach walls and voids behind a full particle. So the water in soil is divided into particles
+ * of the same mass as all others, in rows eps^(-1/dimensions) spacings apart over the box that the
+ * soil's wet sites fill. The soil's edge is taken as sharp here: the sum of the masses is then
+ * exact, and the smoothed porosity spreads the particles by itself. */
 
 /* A site's water. */
 struct site {

@@ -3,19 +3,15 @@
 
 #include <math.h>
 
-/* Share of the time in the grid's cycle, on every rank; bytes of a particle told to all per
- * iteration (the residual on the grid, and sums of chunks); iterations; bytes on every rank, of the
- * grid for a particle, of lattice and cells for a site, and of a wall particle; bytes of a ghost;
- * how thick its layers are, in supports; and bytes of a ghost that travel, a step. */
-#define IN_FULL 0.07
-#define TOLD 1.6
-#define ITERATIONS 10.0
-#define GRID 40.0
-#define SITE 6.0
-#define WALL 31.0
-#define HELD 456.0
-#define LAYERS 1.25
-#define GHOST 240.0
+#define IN_FULL 0.07    /* share of the time in the cycle on the grid, which every rank does */
+#define ITERATIONS 10.0 /* of the pressure, a step */
+#define GATHERED 1.6    /* bytes a particle and iteration: residual on the grid, sums of chunks */
+#define GRID 40.0       /* bytes on every rank: of the grid, a particle, */
+#define SITE 6.0        /* of lattice and cells, a site, */
+#define WALL 31.0       /* and of a wall particle */
+#define HELD 456.0      /* bytes of a ghost */
+#define LAYERS 1.25     /* supports that the layers of ghosts are thick */
+#define GHOST 240.0     /* bytes of a ghost sent per step */
 
 /* Particles of the walls around the domain. */
 static double walls_around(const struct plan *plan) {
@@ -38,7 +34,7 @@ void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ran
   const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
   const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
   cost->in_full = IN_FULL * (1 - 1 / r) * plan->seconds;
-  cost->gathered = (1 - 1 / r) * TOLD * ITERATIONS * fluid;
+  cost->gathered = (1 - 1 / r) * GATHERED * ITERATIONS * fluid;
   cost->ghosts = GHOST * beside;
   cost->messages = (6 + ITERATIONS) * fmin(r - 1, 6);
   cost->sums = 4 * ITERATIONS;

@@ -20,6 +20,7 @@
 #include "sphsolve/plan/effect.h"
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/scene/scene.h"
+#include "sphsolve/march/monitor.h"
 #include "sphsolve/march/watchdog.h"
 
 #define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
@@ -208,7 +209,7 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
-  double fullest; /* mass of a particle over that of a spacing of free water */
+  double fullest; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
 
@@ -216,7 +217,7 @@ struct isph {
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* the conservation budget */
-  double flung[5]; /* speed, place and number of the fastest particle lost in this step */
+  double flung[5]; /* speed, place and id of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
   double losses[CONSERVATION_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;
@@ -224,11 +225,9 @@ struct isph {
   double budget_held[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions, pair_seconds;
   struct watchdog dog;
-  double crowded;    /* the largest kernel sum, once it has been told; 0 before */
-  int64_t calm_from; /* step since which the watchdog has nothing to say */
-  struct isph_settling {
-    double since, reference[3];
-  } settling;
+  double crowded;    /* the largest kernel sum once a warning of it was given; 0 before */
+  int64_t calm_from; /* step of the watchdog's last trip or return to a longer step */
+  struct monitor_settling settling;
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
   double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
 };
@@ -312,7 +311,7 @@ void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
 /* Evens the slopes of all pairs by it. */
 void isph_moment_even(struct isph *s);
 
-/* isph/energy.c: no energy out of nothing. Kinetic with the velocity of the pores; potential -f.x.
+/* isph/energy.c: the bound on the energy, J or J/m: kinetic with the pore velocity, potential -f.x.
  */
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
@@ -321,8 +320,8 @@ void isph_energy_relax(struct isph *s, double relaxation_time, double dt);
 /* What relaxation added in a step where the water is compressed as a whole, J or J/m, beyond what
  * friction dissipated; after the projection. */
 double isph_energy_given(const struct isph *s, double relaxation_time, double dt);
-/* Lets down by the displacements ahead what they lift beyond what is available, kinetic energy
- * before the step and what relaxation gave. */
+/* Changes the displacements ahead so that their work against the force is at most `available`, the
+ * kinetic energy before the step and what relaxation gave, less the kinetic energy now. */
 void isph_energy_settle(struct isph *s, double (*displacement)[3], double available);
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_trim(struct isph *s, double most);
@@ -339,8 +338,8 @@ static inline double isph_interface_ratio(double along, double across) {
   return across > 0 ? along / across : 1;
 }
 
-/* Makes of x, found with what holds across an interface, what is `along` times as large along it.
- */
+/* x was found with the coefficient across an interface: multiplies its part along the interface by
+ * `along`. */
 static inline void isph_interface_turn(const struct isph_interface *interface, double along,
                                        double x[3]) {
   const double *n = interface->normal;
@@ -363,7 +362,7 @@ double isph_dot(struct isph *s, const double *a, const double *b);
 /* isph/enclosed.c, all collective: the bodies of water without a surface, where there are some
  * with. After the search, before the surface travels. */
 enum status isph_find_enclosed(struct isph *s);
-/* Takes from what their rows ask for the mean, which nothing can give. */
+/* Takes the mean out of the source of their rows, which no pressure could satisfy. */
 void isph_enclosed_source(struct isph *s, double *source);
 /* Sets the constant of their pressure. */
 void isph_enclosed_level(struct isph *s);

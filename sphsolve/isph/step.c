@@ -190,16 +190,16 @@ static inline void add_drop(const double f[3], double rho, double weight, double
   for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
 }
 
-/* v^{n+1} = v* - k grad q (and into v* the mean of v^n and v^{n+1}), q = P - rho f.x the pressure
- * without its hydrostatic part. The gradient is the adjoint of the divergence up to terms in the
- * sum V grad W, so that the pressure takes energy from the flow and never gives any:
- * grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s. The
- * second term is the surface's; walls have q_w = q_i. In soil the share of the moment along a wall
- * that is missing there is made up for: without it a column ten particles wide carries 2 % too
- * little. (In free water the same feeds a slow stirring at rest.) In water at rest q is the same
- * everywhere and nothing moves. (The adjoint's own 2 q_i sum V grad W inside the water only adds
- * noise, and a gradient corrected to be exact for linear fields is unstable beside walls and
- * surfaces.) */
+/* The corrector (the mean of v^n and v^{n+1} goes into v*):
+ *   v^{n+1} = v* - k grad q,   q = P - rho f.x the pressure without its hydrostatic part,
+ *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s;
+ * the second term is the surface's, walls have q_w = q_i. In water at rest q is the same everywhere
+ * and nothing moves. The gradient is the adjoint of the divergence up to terms in sum V grad W, so
+ * that pressure takes energy from the flow and never gives any. (The full adjoint, with 2 q_i sum V
+ * grad W inside the water too, only adds noise; a gradient corrected to be exact for linear fields
+ * is unstable beside walls and surfaces.) In soil the part of the moment along a wall that is
+ * missing beside it is made up for: without, a column ten particles wide carries 2 % too little.
+ * In free water that would keep eddies alive at rest. */
 static void correct(struct isph *s) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
@@ -267,9 +267,9 @@ static void correct(struct isph *s) {
   }
 }
 
-/* Water with a surface is not torn: under a force, which presses it together elsewhere, it parts.
- * Where nothing acts on it tension holds it, but for what hangs at its surface: a body that turns
- * has P < 0 inside, and fell apart without. */
+/* Water with a surface bears no tension: P >= 0, so that it can break up. Where no force acts on it
+ * negative pressures stay, but for those on the surface: a rotating body has P < 0 inside and would
+ * fall apart without. */
 static void part(struct isph *s) {
   bool holds = isph_is_free(s);
   for (size_t i = s->local.begin; i < s->local.end; i++) {
@@ -304,8 +304,8 @@ static double surface_near(const struct isph *s, const struct isph_chunk *chunk,
   return near;
 }
 
-/* How far particle i stands before a gap between it and a wall, 0 .. 1: on the surface, or more
- * asymmetric than disorder makes it, towards the wall. */
+/* How far there is a gap between particle i and a wall, 0 .. 1: it is on the surface, or more
+ * asymmetric than disorder makes it, and the void lies towards the wall. */
 static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
   const double *xi = s->position[i];
   double gap = 0, trace = 0, r[3];
@@ -329,7 +329,7 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
   return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
 }
 
-/* Where shifting takes particle i, and its velocity along with it. */
+/* The displacement of particle i by shifting, and its velocity there. */
 static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
                   double step[3]) {
   double *v = s->velocity[i], h = 0.5 * s->support[i], eps = s->on.soil ? s->porosity[i] : 1;
@@ -351,10 +351,10 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
             (double)g[3 * a + 2] * step[2];
 }
 
-/* dx/dt = v/eps and the shift, guarded at walls. Without a surface, and where there can
- * be no waves on it, v is the mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24);
- * else, where that would be an explicit scheme for the waves and make them grow, the new one.
- * `available`: isph_energy_settle's. */
+/* dx/dt = v/eps, with the shift, limited at walls. v is the mean of the old and the new velocity
+ * (Cummins, Rudman 1999, eq. 24) where there can be no waves on a surface; else the new one, as the
+ * mean would be an explicit scheme for waves and make them grow. `available`: of
+ * isph_energy_settle. */
 static void move(struct isph *s, double dt, double available) {
   double(*displacement)[3] = s->predicted; /* v* is not needed any more */
   const bool waves = s->on.surface && (!isph_is_free(s) || s->surface_pressure != NULL);
@@ -395,9 +395,10 @@ static void move(struct isph *s, double dt, double available) {
   }
 }
 
-/* Takes out what the projection, an approximate one, leaves of div v, where there is no surface.
- * Where the drag jumps it leaves so much in a step of full length that a layer four particles thick
- * lets 7 % too much through (1 % at a sixth of the step, or with this). */
+/* A second projection, where there is no surface, of the divergence that the first, an approximate
+ * one, has left. Where the drag jumps that is so much in a step of full length that the flux
+ * through a layer four particles thick is 7 % too large (1 % with a sixth of the step, or with
+ * this). */
 static enum status project_again(struct isph *s, double relaxation_time) {
   enum status status = STATUS_OK;
   double *first = s->scratch;

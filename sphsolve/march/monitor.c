@@ -1,14 +1,13 @@
 #include "sphsolve/march/monitor.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/memory.h"
 #include "common/statistics.h"
 
-/* A change that dies by less than a twentieth from window to window is taken to go on so. */
-#define SLOWEST 20.0
-/* A series that wanders about its mean is steady with an error of so many tolerances. */
-#define NOISY 100.0
+#define SLOWEST 20.0 /* a change that decays more slowly counts so many times that of a window */
+#define NOISY 100.0  /* tolerances of error that a series with noise about its mean may have */
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]) {
   enum status status = STATUS_OK;
@@ -34,15 +33,28 @@ static double mean_of(const struct monitor *monitor, size_t begin, size_t end, i
   return sum / (double)(end - begin);
 }
 
+bool monitor_settled(struct monitor_settling *settling, double tolerance, double time,
+                     const double velocity[3]) {
+  double change = 0, size = 0;
+  for (int a = 0; a < 3; a++) {
+    change = fmax(change, fabs(velocity[a] - settling->reference[a]));
+    size = fmax(size, fabs(velocity[a]));
+  }
+  if (time > 0 && change <= tolerance * size) return time - settling->since > 0.1 * time;
+  memcpy(settling->reference, velocity, sizeof settling->reference);
+  settling->since = time;
+  return false;
+}
+
 /* The mean of exp(-t/T) from t = time/2 to time. */
 double monitor_relaxation_deficit(double time, double relaxation) {
   const double half = 0.5 * time / relaxation;
   return (exp(-half) - exp(-2 * half)) / half;
 }
 
-/* Standard deviation of 8 batch means of rows [begin, end) about their own line; the trend is
- * drift's part. Not divided by the root of their number: slow wander that a longer run would still
- * meet looks like this. */
+/* Noise: the standard deviation of 8 batch means of rows [begin, end) about their regression line
+ * (the trend counts as change still to come). It is not divided by the root of their number, since
+ * a slow oscillation, which a longer run would not average out, looks the same. */
 static double wander_of(const struct monitor *monitor, size_t begin, size_t end) {
   enum { BATCHES = 8 };
   double x[BATCHES], y[BATCHES];
@@ -69,15 +81,16 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
     verdict.mean[a] = n > 0 ? monitor->rows[n - 1][a] : 0;
   if (n < 64 || n < least) return verdict;
 
-  /* Means of the last three fifths: their two changes tell how fast the change dies. */
+  /* Means of the last three fifths: from their two differences follows how fast the change decays,
+   * as a geometric series. */
   size_t window = n / 5;
   double m[3];
   for (size_t i = 0; i < 3; i++)
     m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
   double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
   double wander = 2 * wander_of(monitor, n - 2 * window, n);
-  /* What is still to come if the change goes on dying as it does; where it is lost in the wander,
-   * as slowly as the wander allows; and where all is, twice the spread of the three windows. */
+  /* The sum of that series from here on; where the last difference is within the noise, with the
+   * slowest decay that the noise allows; and where both are, twice the spread of the windows. */
   double to_come = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
   if (now > wander)
     to_come = now * (before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST);

@@ -1,6 +1,6 @@
-/* Steadiness: how much of the change of a flow is still to come, relative. Of a sampled series it
- * is extrapolated, with a mean and an error that counts its noise too; of a flow whose relaxation
- * time is known it follows from that. */
+/* Steadiness: how much of the change of a flow is still to come, relative (docs/formats.md). Of a
+ * sampled series it is extrapolated, with a mean and an error that counts its noise too; of a flow
+ * whose relaxation time is known it follows from that. */
 #ifndef TOSUI_SPHSOLVE_MARCH_MONITOR_H
 #define TOSUI_SPHSOLVE_MARCH_MONITOR_H
 
@@ -20,7 +20,7 @@ struct monitor {
 struct monitor_verdict {
   bool steady;
   double mean[MONITOR_COMPONENTS];
-  double error; /* of mean[0], relative, 95 %: its wander and the change still to come */
+  double error; /* of mean[0], relative, 95 %: its noise and the change still to come */
   double drift; /* its part that is change still to come */
 };
 
@@ -29,6 +29,15 @@ void monitor_free(struct monitor *monitor);
 /* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about
  * a mean that has stopped moving. `least`: samples before anything may be called steady. */
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
+
+/* Without samples at equal intervals: since when, s, the velocity has stayed near a reference. */
+struct monitor_settling {
+  double since, reference[3];
+};
+/* Steady: no component has moved by more than `tolerance` of the largest over the last tenth of the
+ * time. Of a change that dies as exp(-t/T) less than that is then still to come, after 7 T. */
+bool monitor_settled(struct monitor_settling *settling, double tolerance, double time,
+                     const double velocity[3]);
 
 /* By how much, relative, the mean over the second half of `time` (s) stays below what the value
  * relaxes to as 1 - exp(-t / relaxation). */

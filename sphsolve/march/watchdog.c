@@ -2,11 +2,9 @@
 
 #include <math.h>
 
-/* Steps after which a kept state gives way to a worse one that is still good; what good means, and
- * what is so good that it is kept at once. */
-#define KEEP_STEPS 1000
-#define KEEP_SHARE 0.5
-#define KEEP_CALM 0.2
+#define KEEP_SHARE 0.5  /* of the bounds: a state that uses less is good enough to be kept, */
+#define KEEP_STEPS 1000 /* also in place of a better one that is so many steps old */
+#define KEEP_CALM 0.2   /* a state that uses less is kept whatever there is */
 
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor) {

@@ -13,9 +13,8 @@
 #include "common/provenance.h"
 
 #define VALUE_WIDTH 26 /* of a number in 17 digits and its comma */
-#define SYNC_INTERVAL                                                                              \
-  5.0 /* s; a crash of the program loses nothing, one of the machine so much                       \
-       */
+/* s: a crash of the program loses nothing, one of the machine the rows of this time. */
+#define SYNC_INTERVAL 5.0
 
 /* Cuts the file after the header and at most `most` whole rows, and counts them; 0 bytes are left
  * where the header is not ours. */

@@ -84,10 +84,9 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 #define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */
 #define EDGES 2.6          /* over the mean width: voxel faces with edges */
 #define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
-#define ADAMI_PLACE                                                                                \
-  0.03 /* q: of a curved wall half-way between sites the place is not known better */
-#define FROZEN_SHARE                                                                               \
-  0.8 /* of the mean shift: where walls are not flat, sites that stand out count more */
+#define ADAMI_PLACE 0.03   /* q: a curved wall half-way between sites is off by so much */
+/* Share of the mean shift: where walls are not flat, wall sites that stand out count more. */
+#define FROZEN_SHARE 0.8
 
 struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
                                         enum wall_scheme wall, double refined) {

@@ -7,12 +7,16 @@
 #define PI 3.14159265358979323846
 /* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
-/* Shares of that change, and how they grow with it; of the roughness; what the sharpest scan's
- * voxels leave; and the change itself in squares of deviations per mean pore: from generated sands
- * (docs/notes/2026-11-22-scanner.md). LABELS: from spheres, packs, fibres and level sets of noise
+/* Fitted to generated sands (docs/notes/2026-11-22-scanner.md). */
+static const double KEPT = 1.5;     /* share of the change of ln k where the blur was left in, */
+static const double REMOVED = 0.3;  /* and where it was taken out, */
+static const double GROWTH = 3.0;   /* which grows by this times the change */
+static const double ROUGH = 0.2;    /* share of the roughness by noise over the width of a pore */
+static const double VOXELS = 0.035; /* what the sharpest scan's voxels leave */
+static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation / mean pore)^2 */
+/* Of the steps of a segmented image: fitted to spheres, packs, fibres and level sets of noise
  * (docs/notes/2026-11-22-labels.md). */
-static const double LABELS = 2.0, KEPT = 1.5, REMOVED = 0.3, GROWTH = 3.0, ROUGH = 0.2,
-                    VOXELS = 0.035, CHANGE = 9.5;
+static const double LABELS = 2.0; /* share of the change */
 
 bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   struct h5_file *file = NULL;

@@ -4,10 +4,11 @@
 
 #include "common/memory.h"
 
-/* What the solution itself says, apart from the solver's own measures: whether the flux through
- * each plane across the force is the same (plain sums over its sites, without the shares of walls
- * within a site), the sum of all that acts on the water, and that of its work. Moving walls may
- * drive it round and round: then across the largest velocities, over their sum without signs. */
+/* How well the solution keeps volume, momentum and energy, apart from the solver's residual:
+ * whether the flux through each plane across the force is the same (plain sums over its sites,
+ * without the parts of walls within a site), the sum of all forces on the water, and that of their
+ * power. Where moving walls drive the water in circles, the planes are those across the largest
+ * velocities, and the flux is compared with the sum of the velocities without signs. */
 enum status stokes_balance(const struct stokes_solver *s, struct conservation *conservation) {
   enum status status = STATUS_OK;
   const struct stokes_grid *grid = &s->grid;

@@ -7,9 +7,10 @@
 
 #include "sphsolve/stokes/solver/rows.h"
 
-/* Iterations until k is within e of its limit, from any size of lattice: 21 to 1e-3, 31 to 1e-4;
- * half as many between straight walls. With Adami walls 1.8 times as many. k is wrong by the square
- * of the residual. */
+/* Iterations until k is within e of its limit, the same for lattices of any size:
+ *   ITERATIONS_FIRST - ITERATIONS_DECADE log10(e),
+ * 21 to 1e-3 and 31 to 1e-4; times STRAIGHT between straight walls, times ADAMI with those walls.
+ * The error of k goes with the square of the residual. */
 #define ITERATIONS_DECADE 9.5
 #define ITERATIONS_FIRST -7.0
 #define STRAIGHT 0.5

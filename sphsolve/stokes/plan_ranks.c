@@ -5,21 +5,20 @@
 
 #include "sphsolve/stokes/cascade/cascade.h"
 
-/* Per iteration; slabs are at least four planes. */
-#define SLAB_LEAST 4.0
-#define COARSE_SECONDS 1.4e-9 /* a site: levels that every rank solves */
-#define GATHERINGS 4.0
+#define SLAB_LEAST 4.0 /* planes */
+/* Of an iteration: */
+#define COARSE_SECONDS 1.4e-9 /* a site, for the levels that every rank solves */
+#define GATHERINGS 4.0        /* of a coarse level, from all to all */
 #define MESSAGES 69.0
 #define SUMS 3.8
-/* Bytes a site: kind and distance, and a quarter of both before they are mirrored; and while paths
- * are followed. */
+/* Bytes a site: kind and distance, and a quarter of both before they are mirrored. */
 #define SIDES_BYTES 6.25
 #define ROW_BYTES 48.0 /* of a row: its start twice, its flux, its mask; on every rank */
 #define SITE_BYTES 5.0
 #define SOIL_BYTES 8.0      /* of each, where there is soil */
 #define SOLUTION_BYTES 32.0 /* a fluid site of the first lattice: velocity, pressure */
-#define FLOOD_SITE 7.0
-#define FLOOD_FLUID 4.0
+#define FLOOD_SITE 7.0      /* a site, while paths through the pores are sought, */
+#define FLOOD_FLUID 4.0     /* and again a fluid site */
 
 /* Sites along x of the lattice that is mirrored to one of so many sites. */
 static double side_of(double sides, const struct lattice *l) {
@@ -55,7 +54,7 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   cost->in_full = plan->steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
   cost->gathered = (1 - 1 / r) * sites * GATHERINGS / 64 * sizeof(float);
   cost->ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
-  cost->held = r > 1 ? cost->ghosts : 0; /* each has its place */
+  cost->held = r > 1 ? cost->ghosts : 0; /* each is stored once */
   cost->messages = MESSAGES;
   cost->sums = SUMS;
   if (r > 1) cost->start = stokes_sides_bytes(plan, r, cost->held);

@@ -21,11 +21,12 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
   return goal;
 }
 
-/* The flux is wrong by the square of the solution's error, hence of the residual: with the share q
- * that a round left of that square, the flux has moved by (1 - q) of its error before, and q / (1 -
- * q) of this step is still to come. Where walls move, without the correction, by the residual
- * itself. */
 #define MEAN_SAFETY 2.0
+
+/* The error of the flux goes with the square of the residual (with the residual itself where walls
+ * move, as there is no adjoint correction then). Let a round leave the share q of that: the flux
+ * has changed by (1 - q) of its error before the round, and the change still to come is
+ *   q / (1 - q) times that of the round. */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
   const double left = s->residual_now / s->residual_before;
   const double q = s->walls_move ? left : left * left;

@@ -4,10 +4,11 @@
  * the second since the step from t_m on is not among them. Each step is sampled at first, then one
  * in a quarter of the steps gone, to one in SPARSE: a start-up is seen from its first step on, and
  * the budget, .7 of a step a sample, takes some per cent of a short run's time and one of a long
- * one's. What samples may miss is told by what the integral changes by when every second one is
- * left out: three times too much where rates change smoothly. Where they are noise of variance s^2
- * a pair of intervals h changes by 3/2 h^2 s^2 in the square and misses 2 h^2 s^2, so that three
- * standard deviations are 3 sqrt(4/3) = 3.5 roots of the sum of the squares. The two are added.
+ * one's. The error of the sampling is estimated from what the integral changes by when every second
+ * sample is left out: three times too much where rates change smoothly. Where they are noise of
+ * variance s^2, the change over a pair of intervals h has the variance 3/2 h^2 s^2 and the error
+ * 2 h^2 s^2, so that three standard deviations are 3 sqrt(4/3) = 3.5 roots of the sum of the
+ * squares. The two are added.
  *
  * Energy is kinetic and elastic. Pressure turns one into the other; its power on the particles is
  * summed, the elastic energy is that of their pressures, and what the two differ by is
@@ -41,7 +42,7 @@ bool wcsph_budget_due(int64_t step) {
   return step % every == 0;
 }
 
-/* `to` += the integral over `span` from the rates `from` to `now`. */
+/* to += the integral over a time `span`, in which the rate goes from `from` to `now`. */
 static void integrate(size_t count, double *to, const double *from, const double *now, double span,
                       double dt) {
   for (size_t k = 0; k < count; k++)

@@ -78,13 +78,13 @@ enum status wcsph_scales(struct plan *plan) {
   if (lattice->wall_count == 0) speed = region_speed(scene);
   context->velocity_scale = speed;
   double head = sqrt(context->driving * path_length(scene, lattice) / COMPRESSION);
-  /* Below this speed sound waves creep behind viscous diffusion and no time step is gained. */
+  /* A sound speed below this gains no time step: viscous diffusion then limits it. */
   double creep = 2 * context->kinematic_viscosity / context->smoothing_length;
   if (lattice->wall_count == 0) creep = 0;
   char *why = context->sound_why;
   if (!isnan(scene->wcsph.sound_speed)) {
     context->sound_speed = scene->wcsph.sound_speed;
-    /* Little less is for the watchdog; this is another unit. */
+    /* One a little too small is the watchdog's to stop; one so small has a wrong unit. */
     if (context->sound_speed < 1e-4 * speed)
       return scene_error(
           scene, AT_SOUND,
@@ -278,7 +278,8 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   const double split = cascade_seconds(scene, plan, true);
   plan->seconds += split / threads;
   if (split > 0)
-    plan->bytes_split = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count, false);
+    plan->bytes_split =
+        stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count, false);
   plan->expected = error_forecast_of(&plan->shape, &method_wcsph, scene->wcsph.wall, 1);
   return STATUS_OK;
 }

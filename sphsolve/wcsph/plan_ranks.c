@@ -3,14 +3,10 @@
 
 #include "sphsolve/wcsph/plan.h"
 
-/* Bytes of a ghost sent per step; how far ghosts reach beyond the support, in spacings: the width
- * of their clusters and of the own; bytes that a ghost takes beyond a particle, for messages less
- * lists; and what every rank holds for a site, and as much for a fluid one, while it looks for a
- * path through the pores. */
-#define GHOST 40.0
-#define REACH 2.5
-#define HELD 25.0
-#define PATH 4.0
+#define GHOST 40.0 /* bytes of a ghost sent per step */
+#define REACH 2.5  /* spacings that ghosts lie beyond the support: widths of two clusters */
+#define HELD 25.0  /* bytes that a ghost takes more than an own particle: messages less lists */
+#define PATH 4.0   /* bytes a site, and again a fluid site, while paths through pores are sought */
 #define PARTITION_UNIT 2048.0 /* slots: partitions lie at multiples */
 
 /* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest

@@ -9,9 +9,9 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/wcsph/modes.h"
 
-/* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). Less locks
- * pores one or two particles wide (k of a sand -20 % at 0), more lets pressure through thin walls
- * (+30 % at .02). */
+/* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). With
+ * less, pressures that alternate hold the fluid in pores one or two particles wide (k of a sand
+ * -20 % at 0); with more, pressure passes thin walls (+30 % at .02). */
 #define WCSPH_STABILISATION 0.005
 /* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
  */
@@ -19,12 +19,12 @@
 
 /* Particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
 bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]);
-/* Sound that the time step has to follow, m/s: gradients corrected along narrow pores let it run
- * faster. Among spheres at random a run is quiet at the limit with twice the speed, and noisy
- * at 1.5 of it. */
+/* Speed of sound that the time step has to follow, m/s: in narrow pores, whose gradients are
+ * corrected for missing neighbours, sound is faster than in the open. Among spheres at random a run
+ * is stable with a step for twice the speed, and not with one for 1.5 times. */
 double wcsph_sound_for_dt(const struct effect_context *context);
-/* Of pressure, m^2/s (effects/pressure_diffusion.h): beside walls gamma c^2; 0 with frozen walls.
- */
+/* Diffusion coefficient of the pressure, m^2/s (effects/pressure_diffusion.h): beside walls
+ * gamma c^2; 0 with frozen walls. */
 double wcsph_diffusion(const struct effect_context *context);
 
 static inline bool wcsph_frozen(const struct effect_context *context) {

@@ -10,9 +10,10 @@
 
 #define SUM_BLOCK 2048
 
-/* What the ends of lines of sites at a wall add to a particle's share of the volume integral of the
- * velocity: factors of its velocity and of force and pressure gradient (stokes/effects/wall_subvoxel.h,
- * Euler and Maclaurin). Off the lines of the lattice it is right on the average. */
+/* What a wall next to a particle adds to its share of the volume integral of the velocity: factors
+ * of its velocity, and of force and pressure gradient (the formula of Euler and Maclaurin at the
+ * end of a line of sites, stokes/effects/wall_subvoxel.h). For particles that have left the lines
+ * of the lattice it is right on the average. */
 struct end_of_line {
   double velocity, pull; /* 1, s */
 };

@@ -9,13 +9,13 @@
 /* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
  * the change of density means nothing. */
 #define DENSITY_BAND 0.5
-/* Speeds up to that of sound, energy beyond an eighth of it (2 m/s at 16): see watchdog.h. */
+/* Energies below that of this share of the speed of sound are no cause for alarm (watchdog.h). */
 #define ENERGY_FLOOR 0.125
-/* A state to go back to is kept while so much of a bound is used, or the step is so near its limit,
- * or the start is not rest. */
+/* A state to go back to is kept once this share of a bound is used, or the step is this near to its
+ * limit, or where the fluid does not start at rest. */
 #define KEEP_FROM 0.1
 #define KEEP_NEAR_LIMIT 0.85
-/* A particle may pass so much of h a step (automatic step only). */
+/* A particle may move by this share of h in a step (automatic step only). */
 #define ADVECTION 0.25
 
 static enum watch_bound judge(struct wcsph_run *run, const struct wcsph_totals *totals,

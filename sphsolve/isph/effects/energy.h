@@ -1,5 +1,6 @@
-/* No energy out of nothing: what a step lifts is let down again, where nothing but a steady force,
- * the same at every place, can give the water energy. Equations and reasons: isph/energy.c. */
+/* Bound on the energy: where only a steady, uniform force can give the water energy, the sum of
+ * kinetic and potential energy may not grow; what a step has raised beyond it is lowered again.
+ * Equations and reasons: isph/energy.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
 

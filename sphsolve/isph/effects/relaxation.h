@@ -1,14 +1,16 @@
-/* Density relaxation (Asai et al. 2012; M15 eqs. 26-31): the divergence is not 0 but such that an
- * error of the kernel sum phi = sum V W (with V the bulk volume, 1 everywhere, in and out of soil)
- * fades with the time tau; M15's alpha is dt/tau.
+/* Density relaxation (Asai et al. 2012; Morimoto et al. 2015, "M15", eqs. 26-31): the divergence is
+ * not 0 but such that an error of the kernel sum phi = sum V W (with V the bulk volume it is 1
+ * everywhere, in and out of soil) decays with the time tau; M15's alpha is dt/tau.
  *   div v_D = - eps (1 - phi) B / tau
- * B, the share of a velocity that the drag of one step leaves, keeps the correction in stiff soil
- * from outrunning the water. |1 - phi| counts up to 0.05; at a surface only crowding counts, in
- * free water also beside it: neighbours are missing on one side there, and a strain that keeps the
- * volume changes phi by as much as the second moments along and across differ. In seepage without a
- * surface tau is no shorter than a particle takes to go its own size, for errors of the kernel sum
- * come by going: with tau alone water that creeps through soil of porosity .1 is stirred at its own
- * speed. `relaxation_share`: see isph/energy.c; else 1. */
+ * B is the share of a velocity that the drag of one step leaves: without it the correction in soil
+ * of strong drag would be faster than the water.
+ *
+ * |1 - phi| counts up to 0.05. At a surface only phi > 1 counts, and where no force acts on the
+ * water also next to it: neighbours are missing there on one side, so that phi changes under a
+ * strain that keeps the volume. In seepage without a surface tau is at least the time in which a
+ * particle moves by its own size, since the errors of phi arise from that motion: with a shorter
+ * one water that creeps through soil of porosity .1 gets velocity fluctuations as large as its
+ * velocity. `relaxation_share`: isph/energy.c; 1 without that. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -18,8 +20,8 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
-/* Rows of particles that stand between each other's, as at the edge of soil, have a kernel sum up to
- * .5 % above that of one lattice, though nothing is pressed: where there is soil it counts beyond. */
+/* Where rows of particles are offset against each other, as at the edge of soil, the kernel sum is
+ * up to .5 % above that of one lattice at the same density: with soil, less is no error. */
 #define RELAXATION_FREE 0.005
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {

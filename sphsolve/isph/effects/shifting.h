@@ -1,20 +1,21 @@
 /* Particle shifting by concentration (Lind et al. 2012; Skillen et al. 2013): particles drift from
- * where they crowd to where they are sparse,
- *   dx = - min(A U dt h, most) grad C,  C = sum V W,
- * U the larger of the particle's speed and h |S|, most = 0.8 r^2 / s, r the particle's size; at
- * most a tenth of it.
- * s is the stiffness of grad C against displacements of neighbours, found on the lattice: a step
- * of r^2 / s just undoes such a displacement, one of 2 r^2 / s turns it over at full size. With
- * h^2, which Skillen et al. bound it by and which is 2.3 r^2 / s, particles change sides every
- * step, the divergence with them, and under a surface the pressure of all water is 0 and twice its
- * value in turn. Where no force presses the water together, or without a surface, where steps are
- * half as long and A U dt h below 2 r^2 / s by itself, the bound is h^2. The velocity goes along with the particle, v += dx . grad v, which
- * is what keeps shifting from diffusing momentum. A surface particle is not shifted, and one that
- * has the surface among its neighbours only along it (Khayyer, Gotoh, Shimizu 2017, eq. 13): C
- * falls towards the void whether or not particles are evenly spread, and a shift up that fall
- * lifts the water for ever: it stirred still tanks. Nor is one with a gap to a wall, more
- * asymmetric than disorder makes it: water that came to a wall was drawn over the last half
- * particle within three steps. None where nothing moves. */
+ * where they are dense to where they are sparse,
+ *   dx = - min(A U dt h, bound) grad C,   C = sum V W,
+ * U the larger of the particle's speed and h |S|; |dx| is at most a tenth of the particle's size r.
+ * With it goes the velocity, v += dx . grad v, so that shifting does not diffuse momentum.
+ *
+ * The bound is 0.8 r^2 / s, s the stiffness of grad C against displacements of neighbours, found on
+ * the lattice: a factor of r^2 / s just undoes such a displacement, one of 2 r^2 / s reverses it at
+ * full size. (The bound of Skillen et al., h^2 = 2.3 r^2 / s, makes particles alternate from step
+ * to step, and under a surface the pressure of all water with them, between 0 and twice its value.)
+ * It is h^2 where no force presses the water together, and without a surface, where steps are half
+ * as long and A U dt h is below 2 r^2 / s by itself.
+ *
+ * A particle on the surface is not shifted, and one with a neighbour on the surface only along it
+ * (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are evenly
+ * spread, and a shift down that gradient would lift the water in every step. Neither is a particle
+ * beside a gap to a wall, if it is more asymmetric than disorder makes it: shifting would close the
+ * gap within three steps. Nothing is shifted at rest. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 
@@ -25,7 +26,7 @@
 #include "sphsolve/isph/state.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
-#define SHIFT_SHARE 0.8     /* of r^2 / s: nothing is turned over */
+#define SHIFT_SHARE 0.8     /* of r^2 / s: no displacement is reversed */
 #define SHIFT_MOST 0.1      /* of the particle's size */
 
 /* `gradient_sum` = - grad C. */

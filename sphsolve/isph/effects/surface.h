@@ -1,11 +1,13 @@
 /* Free surface: P = 0, or what an effect makes of it (surface_tension.h), half a particle above the
  * outermost particles.
  *
- * Where neighbours are missing on one side a row of the pressure
- * equation is closed by a ghost in the void, as Nair, Tomar (2014, Comput. Fluids 102) close
- * theirs, but with the ghost's place chosen so that it is exact at rest: the pairs that are missing
- * have the moment Q = -sum a_ij (x_i - x_j); one ghost at the surface point x_s = x_i + n d, n =
- * Q/|Q|, d = V^(1/dimensions)/2, with coefficient c = |Q|/d has the same moment. Its row entry is
+ * Where neighbours are missing on one side, a row of the pressure equation is closed by a ghost
+ * particle in the void (Nair, Tomar 2014, Comput. Fluids 102), whose place makes it exact at rest:
+ * the missing pairs have the moment
+ *   Q = -sum a_ij (x_i - x_j),
+ * and so has one ghost at the surface point x_s = x_i + n d with the coefficient c,
+ *   n = Q/|Q|,   d = V^(1/dimensions)/2,   c = |Q|/d.
+ * It adds to the row
  *   c [ P_i - rho f.(x_i - x_s) ] = c P_i + rho f.Q
  * Water at rest with a level surface then has P = rho g (z_s - z) exactly, and a falling body of
  * water P = 0. The weight goes smoothly from 0 to 1, so that nothing jumps when particles pass. */
@@ -30,14 +32,16 @@ static inline double surface_asymmetry(const struct isph *s, double support,
 #define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface */
 #define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
 
-/* How far a particle is on the surface, 0 .. 1, by the asymmetry of its neighbourhood (walls are
- * neighbours), in which the volumes cancel: water that enters soil takes more volume before it has
- * spread, its kernel sum is above 1, and a front that is no longer seen as one strikes the soil
- * like a wall (it lost half its speed). 1 from .8, 0 below .5: the second layer of a surface at 45
- * degrees stands at .28, disorder of a tenth of a spacing below .33. Sheets one particle thick and
- * drops are told by their kernel sum, below .8 to .72 (.79 in the outermost layer). Walls above the
- * water level even the neighbourhood out: in a tank's corner it is a quarter as asymmetric and
- * filled to .87, of which `walls` is .45; what walls fill counts .35. */
+/* How far a particle is on the surface, 0 .. 1, by the asymmetry of its neighbourhood (walls count
+ * as neighbours). Not by the kernel sum alone: that of water entering soil is above 1, as its
+ * volume grows before its particles have spread, and a front not recognised as a surface loses half
+ * its speed. The weight is 1 from an asymmetry of .8, 0 below .5: the second layer of a surface at
+ * 45 degrees has .28, disorder of a tenth of a spacing up to .33.
+ *
+ * Sheets one particle thick and drops, which are symmetric, are recognised by a kernel sum below .8
+ * to .72 (the outermost layer of a level surface has .79). Walls above the water level make a
+ * neighbourhood more symmetric: in a tank's corner the asymmetry is a quarter, and the kernel sum
+ * .87, of which walls have .45 (`walls`); so .35 of the walls' part is not counted. */
 static inline double surface_weight(const struct isph *s, double support, double kernel_sum,
                                     double walls, const double gradient_sum[3],
                                     const double moment[6], const double wall_moment[6]) {
@@ -51,10 +55,10 @@ static inline double surface_weight(const struct isph *s, double support, double
 
 /* Whether the void beside particle i lies between it and a wall, 0 .. 1: the whole within 30
  * degrees of the wall's normal, nothing beyond 45. r points from the wall to the particle, `mirror`
- * is isph_wall_mirror's. A wall that water has not reached does not stop it, so that what is on the
- * surface does not see this wall's image: the divergence would close the gap as though there were
- * water in it, and the pressure that answers, against P = 0 beyond, drew the front of water in soil
- * to the wall at 1.3 times its speed. */
+ * is isph_wall_mirror's. A particle on the surface leaves out the
+ * image behind a wall that water has not reached yet: with it the divergence would count the gap as
+ * full of water, and the pressure would draw the front of water in soil to the wall at 1.3 times
+ * its speed. */
 static inline double surface_gap(const struct isph *s, size_t i, const double r[3],
                                  const double mirror[3]) {
   const double *m = s->gradient_sum[i]; /* points into the void */
@@ -67,11 +71,11 @@ static inline double surface_gap(const struct isph *s, size_t i, const double r[
   return fmin(1, fmax(0, 4 * towards * towards / (length * distance) - 2));
 }
 
-/* How far the pressure at particle i carries its weight, 0 .. 1: nothing in free flight, all from
- * half of what water at rest has half a particle under its surface. The gradient of the reduced
- * pressure holds water at rest exactly still, but sees the driving force only as far as there are
- * neighbours; what no pressure carries must fall by the force itself (a level sheet one particle
- * thick fell with .4 g, a square of ten particles with .92 g and grew longer). */
+/* How far the pressure carries the weight of particle i: 0 in free flight, 1 from half of the
+ * pressure on that water at rest has half a particle under its surface. The gradient of the reduced
+ * pressure q holds water at rest exactly still, but the driving force is in it only as far as there
+ * are neighbours. Water that no pressure carries has to fall by the force itself: with grad q alone
+ * a level sheet one particle thick falls with .4 g. */
 static inline double surface_carried(const struct isph *s, size_t i, double size) {
   const double *f = s->force;
   double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);

@@ -1,6 +1,6 @@
 /* No-slip at the true surface, from the signed wall distances d of the sites (units: spacings):
  *   v_b = -v_a d_b / d_a - (F - G p)_a / (2 nu) d_b (d_a + d_b)
- * linear: Morris, Fox, Zhu 1997 eq. 28 with distances from the surface instead of from planes;
+ * linear: Morris, Fox, Zhu 1997 with distances from the surface instead of from planes;
  * parabola: after Basa, Quinlan, Lastiwka 2009, continued by the momentum equation. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_SUBVOXEL_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_SUBVOXEL_H
@@ -71,5 +71,5 @@ static inline bool stokes_wall_subvoxel_wanted(const struct effect_context *cont
 
 EFFECT(stokes_wall_subvoxel,
        .model = "image velocity from the wall distance, continued by the parabola",
-       .citation = "Morris, Fox, Zhu 1997, eq. 28; Basa, Quinlan, Lastiwka 2009",
+       .citation = "Morris, Fox, Zhu 1997; Basa, Quinlan, Lastiwka 2009",
        .wanted = stokes_wall_subvoxel_wanted)

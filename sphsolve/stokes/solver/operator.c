@@ -6,7 +6,8 @@
 
 #include "common/memory.h"
 
-void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot, int component) {
+void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot,
+                            int component) {
   const struct stokes_grid *grid = op->grid;
   float *field = stokes_operator_field(op, slot);
 #pragma omp for schedule(static)
@@ -141,8 +142,9 @@ static void correct(const struct stokes_operator *op, size_t start, size_t end, 
   }
 }
 
-/* Packed values in place: the flux of a site of soil over its mobility, whose links have theirs; and
- * the fields of it. */
+/* `packed`: a component of the velocity at the sites of a row. Where there is soil, divided by the
+ * mobility of the site (that of the links is in the weights), and unpacked to a field for each sum
+ * over the weights. */
 static void unpack_flux(struct stokes_operator *op, size_t row, int slot, float *packed) {
   const struct stokes_grid *grid = op->grid;
   const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
@@ -186,7 +188,8 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
     }
   }
   for (int a = 0; a < axes; a++) {
-    stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a), grid->stride * sizeof(float));
+    stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a),
+                     grid->stride * sizeof(float));
     for (int s = 1; op->soil && s < op->soil->mobility.count; s++)
       stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * NEXT_SUM),
                        grid->stride * sizeof(float));

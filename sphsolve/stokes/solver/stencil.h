@@ -29,14 +29,14 @@ struct stokes_stencil {
   struct stokes_convolution gradient[3]; /* sum_b g_ab u_b, by axis */
 };
 
-/* Builds the stencil of a kernel with that support (m). A support of more than
- * STOKES_REACH sites along an axis is an input error. */
 /* The support of method stokes, in spacings, where the scene's sites are `spacing` (m) apart. */
 double stokes_support(const struct scene *scene, double spacing);
 
-/* Mean over the axes of sum of g_ab r_ab: 1 but for the error of the kernel's sums. */
+/* Mean over the axes of sum of g_ab r_ab: 1 up to the error of the kernel's sums. */
 double stokes_stencil_moment(const struct stokes_stencil *stencil);
 
+/* Builds the stencil of a kernel with that support (m) at sites `spacing` (m) apart. A support of
+ * more than STOKES_REACH sites along an axis is an input error. */
 enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
                                  double support, struct stokes_stencil *stencil);
 

@@ -1,12 +1,13 @@
-/* What flows past particles that stay on their lattice points: SPH in Euler's description,
+/* Advection past Eulerian particles, which stay on their lattice points:
  *   dv_a/dt = ... - (v_a . grad) v_a,
  *   (v_a . grad) v_a = sum_b V (v_a . grad_a W) (v_b - v_a)
  *                                        (Lind, Stansby 2016; Nasar et al. 2019)
- * over fluid: nothing crosses to a wall. Particles out of order, and shifting, need more of them
- * for the same accuracy; but central differences between lattice points follow only what viscosity
- * smooths from one to the next. Sands with pores two points wide run up to a largest velocity
- * expected of u dx/nu = 9, not at 20; cylinders at 13 have 1.5 % of error (moving particles 11 %).
- * So: up to 5. */
+ * The sum is over fluid: nothing is advected into a wall. On the lattice it is a central
+ * difference, more accurate than the sum over moving particles of the same number, but stable only
+ * while viscosity smooths what changes from one point to the next, that is for a small cell
+ * Reynolds number u dx/nu. Sands with pores two points wide run at u dx/nu = 9 and fail at 20;
+ * cylinders at 13 have an error of 1.5 % (moving particles 11 %). Eulerian particles are taken up
+ * to 5. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_ADVECTION_H
 
@@ -16,7 +17,7 @@
 
 #define ADVECTION_CELL_REYNOLDS 5.0
 
-/* Its pair is shifting_carry (shifting.h): resting is a shift by u = -v. */
+/* Its pair function is shifting_carry (shifting.h): a particle at rest is one shifted by u = -v. */
 
 static inline bool wcsph_advection_wanted(const struct effect_context *context,
                                           char why[EFFECT_WHY]) {

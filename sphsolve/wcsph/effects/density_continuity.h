@@ -2,8 +2,8 @@
  *   dp_i/dt = - rho_0 c^2 div v_i,   div v_i = sum_j V (v_j - v_i) . grad_i W,
  * a wall particle moving with 2 v_wall - v_i, which makes it the transpose of the pressure gradient
  * of pressure_difference.h; beside adami's walls, whose pressure is their own, with v_wall.
- * (Monaghan 1994, eq. 2.4, with the volume of a particle kept; the sum of densities would instead
- * store the bumps of the particle lattice as pressure.) */
+ * (Monaghan 1994, eq. 2.4, with the volume of a particle kept; density by summation would take
+ * the unevenness of the particles for pressure.) */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_CONTINUITY_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_DENSITY_CONTINUITY_H
 

@@ -1,5 +1,5 @@
-/* Particle shifting: particles drift to where they are fewer, so that streamlines do not pull them
- * apart (Lind et al. 2012, eq. 15):
+/* Particle shifting: particles drift to where they are fewer, so that streamlines that part do not
+ * leave voids between them (Lind et al. 2012, eq. 15):
  *
  *   dx_i/dt = v_i + u_i,   u_i = -A U h sum_j V grad_i W,
  *
@@ -8,10 +8,13 @@
  *
  *   dv_i/dt += (u_i . grad) v_i,   dp_i/dt += (u_i . grad) p_i.
  *
- * With A = 1 the particles of a Taylor-Green flow part at Re 100; the more the better up to the
- * limit of an explicit step, A U h K dt < 2 with K the largest eigenvalue of sum V grad W on the
- * lattice: beyond it particles jitter with U/4, and a flow loses its energy to them. So A = 16
- * where the step allows it, and a step that allows 12. */
+ * With A = 1 a Taylor-Green flow at Re 100 still gets voids. A larger A is better up to the limit
+ * of an explicit step,
+ *
+ *   A U h K dt < 2,   K the largest eigenvalue of sum V grad W on the lattice:
+ *
+ * beyond it particles oscillate at U/4, and the flow loses its energy to them. So A = 16 where the
+ * step allows it, and the step is made to allow 12. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 

@@ -1,5 +1,5 @@
 /* Walls that move in their own plane with a prescribed velocity v_w, in the images of
- * wall_subvoxel.h and wall_adami.h (Morris, Fox, Zhu 1997, eq. 25). */
+ * wall_subvoxel.h and wall_adami.h (Morris, Fox, Zhu 1997). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_MOVING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_MOVING_H
 
@@ -18,5 +18,5 @@ static inline bool wcsph_wall_moving_wanted(const struct effect_context *context
 #endif
 
 EFFECT(wall_moving, .model = "walls with a prescribed velocity in their own plane",
-       .citation = "Morris, Fox, Zhu 1997, eq. 25", .wanted = wcsph_wall_moving_wanted,
+       .citation = "Morris, Fox, Zhu 1997", .wanted = wcsph_wall_moving_wanted,
        .switches_on = EFFECT_SWITCH(struct engine_settings, wall_moves))

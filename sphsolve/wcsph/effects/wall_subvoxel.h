@@ -1,7 +1,7 @@
 /* No-slip at the true surface between the sites.
  * The wall particle b moves so that the velocity runs on through the surface,
  *   v_b = v_w - (v_a - v_w) d_b/d_a - kappa d_b (d_a + d_b),     d the distances to the surface,
- * linear (Morris, Fox, Zhu 1997, eq. 25, without their cap; floor of .02 spacings under d_a) and
+ * linear (Morris, Fox, Zhu 1997, without their cap; floor of .02 spacings under d_a) and
  * then with the curvature kappa of the velocity (after Basa, Quinlan, Lastiwka 2009). The curvature
  * is what the momentum equation dictates: nu times twice kappa balances the viscous acceleration of
  * a itself, so with beta = sum_b V (-(1/r) dW/dr) d_b (d_a + d_b)
@@ -42,6 +42,6 @@ static inline bool wcsph_wall_subvoxel_wanted(const struct effect_context *conte
 
 #ifdef EFFECTS
 EFFECT(wall_subvoxel, .model = "no-slip at the true surface, second-order image velocity",
-       .citation = "Morris, Fox, Zhu 1997, eq. 25; after Basa, Quinlan, Lastiwka 2009",
+       .citation = "Morris, Fox, Zhu 1997; after Basa, Quinlan, Lastiwka 2009",
        .wanted = wcsph_wall_subvoxel_wanted, .operations = 42, .at_walls = true)
 #endif

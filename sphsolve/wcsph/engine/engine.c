@@ -10,7 +10,7 @@
 #include "sphsolve/wcsph/engine/engine_walls.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
-/* Walls so much beyond the support of the fluid's first sites are kept. */
+/* Walls farther than this, in spacings, beyond the support of the fluid's sites are left out. */
 #define WALL_ROOM 0.8
 
 static enum status set_velocities(struct engine *engine) {
@@ -32,8 +32,8 @@ cleanup:
   return status;
 }
 
-/* Columns that the buffer of a row cluster takes: half of what fits where a cluster can see, and
- * more where it sees little. */
+/* Columns that the buffer of a row cluster has room for: half of the sites within its reach, as the
+ * others are walls too deep or out of reach of its rows, and 2048 more. */
 static size_t local_capacity(const struct lattice *lattice, double support) {
   double sites = 1;
   for (int a = 0; a < 3; a++)

@@ -1,15 +1,13 @@
 /* What the engine keeps for a particle, and the bytes that takes. */
 #include "sphsolve/wcsph/engine/engine.h"
 
-/* Slots per particle, as clusters are cut; bytes of lists per particle and per
- * wall slot of adami's walls; of boxes and bins, per slot, while lists are made. */
-#define SLOTS_FLUID 1.05
+#define SLOTS_FLUID 1.05 /* slots per particle: clusters have empty ones */
 #define SLOTS_WALL 1.02
-#define LISTS_FLUID 23.0
-#define LISTS_EULERIAN 9.0 /* nothing moves in its boxes */
-#define LISTS_WALL 7.0
-#define BOXES 3.0
-#define BINS 2.1
+#define LISTS_FLUID 23.0   /* bytes of neighbour lists per particle, */
+#define LISTS_EULERIAN 9.0 /* of one that does not move, whose lists need no margin, */
+#define LISTS_WALL 7.0     /* and per wall slot with adami's walls */
+#define BOXES 3.0          /* bytes per slot while lists are made: of boxes, */
+#define BINS 2.1           /* and of the bins they are looked up in */
 
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;

@@ -1,7 +1,7 @@
 /* Rows of a flow without walls, with gradients that are exact for linear fields however the
  * particles lie: B sum V (f_j - f_i) grad W with B the inverse of sum V r grad W (Randles, Libersky
- * 1996), and the viscous sum over the mean of its moment. Particles out of order otherwise stir up
- * a flow at Re 1000, and take its energy. */
+ * 1996), and the viscous sum divided by the mean of its moment. Without, the errors of
+ * disordered particles feed eddies in a flow at Re 1000 and take its energy. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EXACT_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EXACT_H
 

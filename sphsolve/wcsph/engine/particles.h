@@ -84,9 +84,10 @@ enum status particles_resize(struct particles *particles, size_t clusters);
  * which the others are the caller's to fill (what a step makes is not kept). */
 enum status particles_hold(struct particles *particles, size_t from, size_t count, size_t to,
                            size_t clusters);
-/* Room for what stands on sites: not before particles are in order, which takes as much. */
+/* Allocates site_terms and flux: after the ordering of the particles, which takes as much memory.
+ */
 enum status particles_make_site_terms(struct particles *particles);
-/* Walls, and what is kept of them, are not needed any more. */
+/* Frees the walls and what is kept for them. */
 void particles_drop_walls(struct particles *particles);
 enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,
                                  size_t clusters);

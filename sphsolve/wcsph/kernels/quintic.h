@@ -1,4 +1,4 @@
-/* The quintic spline (Schoenberg 1946; Morris, Fox, Zhu 1997, eq. 22) on vectors, s = r/h, without
+/* The quintic spline (Schoenberg 1946; Morris, Fox, Zhu 1997) on vectors, s = r/h, without
  * its normalisation alpha (common/kernel.h):
  *   W/alpha = (3 - s)^5 - 6 (2 - s)^5 + 15 (1 - s)^5,   each term only while positive.
  * Terms beyond their reach are cut by max(., 0), so that a pair out of range gives an exact zero
