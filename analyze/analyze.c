@@ -17,6 +17,7 @@
 #include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
+#include "analyze/seepage/seepage.h"
 #include "analyze/slice.h"
 #include "common/error.h"
 #include "common/log.h"
@@ -34,6 +35,7 @@ enum command {
   COMMAND_SLICE,
   COMMAND_CONVERGE,
   COMMAND_DISPERSION,
+  COMMAND_SEEPAGE,
   COMMAND_REPORT
 };
 #define BIT(command) (1u << (command))
@@ -54,6 +56,9 @@ static const struct option_command commands[] = {
     {"dispersion", "RUN... [-o DIR]",
      "how a solute spreads along and across the flow, against the Peclet number",
      "analyze dispersion solute.hdf -o results", 1, -1},
+    {"seepage", "RUN [--grain-density Q] [-o DIR]",
+     "flow through soil: fluxes, heads, exit gradient and heave, forces on walls, flow net",
+     "analyze seepage excavation.hdf -o results", 1, 1},
     {"report", "RUN... -o report.html", "one self-contained page of all that the runs support",
      "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html", 1, -1},
     {0}};
@@ -61,13 +66,16 @@ static const struct option_command commands[] = {
 static const struct option_entry entries[] = {
     {"output", 'o', "DIR", OPTION_ALL,
      "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; report: the page"},
-    {"mix", 0, NULL, OPTION_ALL & ~(BIT(COMMAND_SLICE) | BIT(COMMAND_DISPERSION)),
+    {"mix", 0, NULL,
+     OPTION_ALL & ~(BIT(COMMAND_SLICE) | BIT(COMMAND_DISPERSION) | BIT(COMMAND_SEEPAGE)),
      "take runs of different models together (refused without)"},
     {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
      "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
     {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
     {"zoom", 0, "Y0,Z0,Y1,Z1", BIT(COMMAND_SLICE),
      "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"},
+    {"grain-density", 0, "Q", BIT(COMMAND_SEEPAGE),
+     "of the soil's grains, for the critical gradient (2650 kg/m^3)"},
     {0}};
 
 static const struct option_table table = {
@@ -113,6 +121,14 @@ static enum status slice_command(const struct options *options, const struct run
   TRY(slice_analyze(run, &request, product));
 cleanup:
   return status;
+}
+
+static enum status seepage_command(const struct options *options, const struct run *run,
+                                   struct product *product) {
+  struct seepage_request request = {.grain_density = NAN};
+  enum status status =
+      options_quantity(options, "grain-density", DIM_DENSITY, &request.grain_density);
+  return status == STATUS_OK ? seepage_analyze(run, &request, product) : status;
 }
 
 /* Whether two names are those of one file. */
@@ -276,6 +292,8 @@ static enum status run_command(const struct options *options) {
   }
   if (strcmp(command, "slice") == 0) {
     TRY(slice_command(options, &runs[0], &product));
+  } else if (strcmp(command, "seepage") == 0) {
+    TRY(seepage_command(options, &runs[0], &product));
   } else {
     for (size_t i = 0; i < sizeof many / sizeof *many; i++)
       if (strcmp(command, many[i].name) == 0) TRY(many[i].analyze(runs, n, &product));

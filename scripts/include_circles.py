@@ -12,7 +12,7 @@ import sys
 ROOMS = {
     "sphsolve": ["scene", "geometry", "plan", "output", "parallel", "march", "stokes", "solute", "wcsph", "isph"],
     "ct2model": ["readers", "calibrate", "scan", "resample", "surface", "scanner", "model", ""],
-    "analyze": ["", "report"],
+    "analyze": ["", "seepage", "report"],
 }
 SOURCE = re.compile(r"\.(c|cc|h|def)$")
 files = [f for f in subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "common", *ROOMS], text=True,

@@ -80,6 +80,7 @@ static void write_contents(const struct page *page, bool budget) {
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
               {"pdf", "Pore velocity", page->has[PART_PDF]},
               {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
+              {"seepage", "Seepage", page->has[PART_SEEPAGE]},
               {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
               {"history", "History", page->has[PART_HISTORY]},
               {"slice", "Slice", page->has[PART_SLICE] && !page->has_plane},
@@ -139,6 +140,10 @@ static enum status write_body(struct page *page) {
   page_figure(page, PART_DISPERSION, "Dispersion of a solute",
               "How fast a solute spreads along and across the flow, over the molecular diffusion "
               "coefficient, against the Peclet number; with the curve of beds of beads and sand.");
+  page_figure(
+      page, PART_SEEPAGE, "Seepage",
+      "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "
+      "what the water does to soil and walls.");
   page_figure(page, PART_DARCY, "Darcy&rsquo;s law",
               "Darcy velocity against hydraulic gradient with the fitted line.");
   page_figure(page, PART_HISTORY, "History",

@@ -12,7 +12,16 @@
 #include "analyze/run_file.h"
 
 /* The analyses, each present or not as the runs support it. */
-enum part { PART_DARCY, PART_HISTORY, PART_PDF, PART_SLICE, PART_CONVERGE, PART_DISPERSION, PARTS };
+enum part {
+  PART_DARCY,
+  PART_HISTORY,
+  PART_PDF,
+  PART_SLICE,
+  PART_CONVERGE,
+  PART_DISPERSION,
+  PART_SEEPAGE,
+  PARTS
+};
 
 struct page {
   const struct run *runs;

@@ -8,12 +8,13 @@
 #include "analyze/history.h"
 #include "analyze/pdf.h"
 #include "analyze/report/page_internal.h"
+#include "analyze/seepage/seepage.h"
 #include "analyze/slice.h"
 #include "analyze/averaging.h"
 #include "common/log.h"
 
-const char *const page_part_names[PARTS] = {"darcy", "history",  "pdf",
-                                            "slice", "converge", "dispersion"};
+const char *const page_part_names[PARTS] = {"darcy",    "history",    "pdf",    "slice",
+                                            "converge", "dispersion", "seepage"};
 
 /* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
  */
@@ -36,6 +37,9 @@ static enum status run_part(struct page *page, enum part part) {
     break;
   case PART_SLICE:
     TRY(slice_analyze(first, &middle, product));
+    break;
+  case PART_SEEPAGE:
+    TRY(seepage_analyze(first, &(struct seepage_request){NAN}, product));
     break;
   case PART_DISPERSION:
     TRY(dispersion_analyze(page->solutes, page->solute_count, product));
@@ -86,7 +90,7 @@ static bool spacings_differ(const struct page *page) {
 enum status page_analyse(struct page *page) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
-  bool permeable;
+  bool permeable, net = false;
   TRY(seeps(page, &permeable));
   if (permeable) TRY(run_part(page, PART_DARCY));
   TRY(run_part(page, PART_HISTORY));
@@ -94,6 +98,8 @@ enum status page_analyse(struct page *page) {
   if (all_have_snapshots(page)) {
     if (permeable) TRY(run_part(page, PART_PDF));
     TRY(run_part(page, PART_SLICE));
+    if (page->n == 1) TRY(seepage_applies(&page->runs[0], &net));
+    if (net) TRY(run_part(page, PART_SEEPAGE));
     TRY(run_last_snapshot(&page->runs[0], &particles));
     if (page->runs[0].dimensions == 3) {
       TRY(flow_build(&page->runs[0], &particles, &page->flow));

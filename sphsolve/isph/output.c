@@ -80,8 +80,8 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
     TRY(recorder_add_column(recorder, name, "J", 1));
   }
   for (size_t k = 0; k < s->scene->region_count; k++) {
-    static const char *const kinds[] = {"water", "porous", "wall", "inflow", "empty"};
-    snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1, kinds[s->scene->regions[k].type]);
+    snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1,
+             region_type_names[s->scene->regions[k].type]);
     TRY(recorder_add_column(recorder, name, "m^3", 1));
   }
   for (size_t k = 0; k < s->scene->gauge_count; k++) {

@@ -102,6 +102,43 @@ static enum status write_count(struct h5_file *file, const char *name, uint64_t 
   return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
 }
 
+/* Regions as the scene has them, for analyses of what happens in soil and at walls. */
+static enum status write_regions(const struct scene *scene, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const size_t n = scene->region_count, shape[2] = {n, 6};
+  const double nu = scene->fluid.viscosity / scene->fluid.density;
+  const char **types = NULL;
+  double *boxes = NULL, *porosity = NULL, *permeability = NULL;
+  if (n == 0) return STATUS_OK;
+  TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
+  TRY(memory_allocate(&boxes, n, 6 * sizeof *boxes, "the regions"));
+  TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
+  TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
+  for (size_t k = 0; k < n; k++) {
+    const struct region *region = &scene->regions[k];
+    const double e = region->porosity, d = region->grain_size;
+    const bool soil = region->type == REGION_POROUS;
+    types[k] = region_type_names[region->type];
+    memcpy(boxes + 6 * k, region->box, sizeof region->box);
+    porosity[k] = soil ? e : NAN;
+    permeability[k] = soil ? GRAVITY_STANDARD * e * e * e * d * d /
+                                 (region->alpha * nu * (1 - e) * (1 - e))
+                           : NAN;
+  }
+  TRY(h5_write_texts(file, "/run/regions/type", n, types));
+  TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));
+  TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
+  TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
+  TRY(h5_write_attribute(file, "/run/regions", "domain", H5_F64, 3, scene->domain_size));
+  TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
+cleanup:
+  memory_free(&types);
+  memory_free(&boxes);
+  memory_free(&porosity);
+  memory_free(&permeability);
+  return status;
+}
+
 static enum status write_run(struct recorder *recorder, const struct run_result *result,
                              struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -160,6 +197,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_effects(recorder, result, file));
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
+  TRY(write_regions(scene, file));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
   TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,

@@ -22,6 +22,7 @@ enum unified_form { FORM_AKBARI, FORM_M15 };
 enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
 enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
+extern const char *const region_type_names[]; /* as a scene writes them, ended by NULL */
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
 #define SOLUTE_PECLET_MAX 64
 #define MICRO_FACTORS_MOST 32

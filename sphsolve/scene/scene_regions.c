@@ -8,7 +8,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-static const char *const region_names[] = {"water", "porous", "wall", "inflow", "empty", NULL};
+const char *const region_type_names[] = {"water", "porous", "wall", "inflow", "empty", NULL};
 
 static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
                             double box[6]) {
@@ -40,14 +40,42 @@ static enum status read_box(struct config *config, config_node *group, const str
   return STATUS_OK;
 }
 
+/* Soil whose permeability k (m/s, of the scene's fluid at standard gravity) is given: the drag a of
+ * a v = g i is g/k, whatever grains make it; a = alpha nu (1-eps)^2 / (eps^3 D50^2) with those of a
+ * grain_size, which Forchheimer's term then takes too, else with alpha = 1000 and the D50 that fits,
+ * and no such term. */
+static enum status take_permeability(struct config *config, config_node *group,
+                                     const struct scene *scene, double k, struct region *region) {
+  const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
+  const double scale = nu * (1 - e) * (1 - e) / (e * e * e), a = GRAVITY_STANDARD / k;
+  config_node *node = config_child(config, group, "permeability");
+  if (config_child(config, group, "alpha") != NULL)
+    return config_error(config, config_child(config, group, "alpha"),
+                        "permeability says already how large the drag is; leave one out");
+  if (!(e < 1 && nu > 0))
+    return config_error(config, node, "needs a porosity below 1 and a fluid with viscosity");
+  if (region->grain_size > 0) {
+    region->alpha = a / scale * region->grain_size * region->grain_size;
+  } else {
+    if (config_child(config, group, "beta") != NULL)
+      return config_error(config, config_child(config, group, "beta"),
+                          "needs a grain_size beside the permeability");
+    region->grain_size = sqrt(region->alpha * scale / a);
+    region->beta = 0;
+  }
+  return STATUS_OK;
+}
+
 static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
   bool porosity_given, saturation_given;
+  double permeability = 0;
   region->alpha = 1000;
   region->beta = 1.1;
   TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
   TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
+  TRY(scene_positive(config, group, "permeability", DIM_VELOCITY, &permeability));
   TRY(config_number(config, group, "alpha", &region->alpha, NULL));
   TRY(config_number(config, group, "beta", &region->beta, NULL));
   TRY(config_bool(config, group, "saturated", &region->saturated, &saturation_given));
@@ -57,9 +85,11 @@ static enum status read_porous(struct config *config, config_node *group, struct
   if (!(region->porosity > 0 && region->porosity <= 1))
     TRY(config_error(config, config_child(config, group, "porosity"),
                      "must be above 0 and at most 1"));
+  if (permeability > 0) TRY(take_permeability(config, group, scene, permeability, region));
   if (!(region->grain_size > 0))
     TRY(config_error(config, group,
-                     "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\""));
+                     "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\", or its "
+                     "permeability = \"1e-4 m/s\""));
   if (!(region->alpha >= 0 && region->beta >= 0))
     TRY(config_error(config, group, "alpha and beta must not be negative"));
 cleanup:
@@ -99,7 +129,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     if (!config_is_group(group))
       TRY(config_error(config, group, "a group { type = ...; } is wanted"));
     region->line = config_line(group);
-    TRY(config_choice(config, group, "type", region_names, &type, NULL));
+    TRY(config_choice(config, group, "type", region_type_names, &type, NULL));
     if (type < 0)
       TRY(config_error(
           config, group,

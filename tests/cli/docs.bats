@@ -56,6 +56,14 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   python3 "$BATS_TEST_DIRNAME/seepage_numbers.py"
 }
 
+@test "excavation: flow, exit gradient and heave against finite differences" {
+  export OMP_NUM_THREADS=1
+  run_blocks "$ROOT/docs/excavation.md"
+  [ -s excavation/trench/seepage.png ]
+  grep -q '<section id="seepage">' excavation/trench.html
+  python3 "$BATS_TEST_DIRNAME/excavation_numbers.py"
+}
+
 @test "examples: each study runs, and runs again only what changed" {
   local bin=${PATH%%:*}/
   cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR/examples"

@@ -121,3 +121,59 @@ END
   grep -q '^error  *about 5.5 %: the ends of soil 6.32 particles of its own long' layer.txt
   grep -q 'domain.spacing = "5.4 mm" for 3 %' layer.txt
 }
+
+@test "a permeability given is the one found, with and without grains of its own" {
+  for given in '"0.1 mm/s"' '"1 cm/s"; grain_size = "2 mm"; beta = 0.0'; do
+    sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o given --json --set 'scene.end_time="2 s"' --set 'regions=(
+      { type = "porous"; box = ["0.1 m", "0", "0.3 m", "0.1 m"]; porosity = 0.4; permeability = '"$given"'; },
+      { type = "water"; box = ["0", "0", "0.4 m", "0.1 m"]; }, { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; head = "0.3 m"; },
+      { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.1 m"]; head = "0.2 m"; })' > given.json
+    k=1e-4
+    [[ "$given" == *cm/s* ]] && k=1e-2
+    grep -oE '"k": ?[0-9.e-]+' given.json | awk -v k=$k -F: 'NR == 1 { exit !($2 > 0.97 * k && $2 < 1.03 * k) }'
+    grep -qE '"k": ?[0-9]' given.json
+  done
+}
+
+@test "analyze seepage says what it cannot do, and takes the grains' density" {
+  cat > tube.cfg <<'END'
+scene = { method = "stokes"; };
+domain = { size = ["8 mm", "8 mm"]; spacing = "1 mm"; periodic = [true, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "8 mm", "8 mm"]; } );
+force = { body_acceleration = ["1 mm/s^2", "0"]; };
+END
+  sphsolve run tube.cfg -o tube --quiet > tube.txt
+  run analyze seepage tube.hdf
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"a run of stokes; seepage is computed by method isph"* ]]
+  sphsolve run "$TANK" --set 'scene.end_time="0.01 s"' -o free --quiet > free.txt
+  run analyze seepage free.hdf
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"no water in soil"* ]]
+  # Water that rises through 10 cm of soil for 5 cm of head: gradient 0.5.
+  cat > up.cfg <<'END'
+scene = { name = "up"; method = "isph"; end_time = "1 s"; };
+domain = { size = ["0.1 m", "0.3 m"]; spacing = "5 mm"; periodic = [true, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.3 m"]; },
+  { type = "porous"; box = ["0", "0.1 m", "0.1 m", "0.2 m"]; porosity = 0.5; permeability = "1 mm/s"; },
+  { type = "inflow"; box = ["0", "0", "0.1 m", "5 mm"]; head = "0.4 m"; },
+  { type = "inflow"; box = ["0", "0.295 m", "0.1 m", "0.3 m"]; head = "0.35 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+output = { interval = "0.1 s"; };
+END
+  sphsolve run up.cfg -o up --quiet > up.txt
+  analyze seepage up.hdf --json > up.json
+  analyze seepage up.hdf --grain-density "2000 kg/m^3" --json > light.json
+  /usr/bin/python3 - <<'END'
+import json
+up, light = json.load(open("up.json")), json.load(open("light.json"))
+assert abs(up["exit"]["gradient"] / 0.5 - 1) < 0.05, up["exit"]
+assert abs(up["exit"]["critical"] - 1.65 * 0.5) < 1e-9 and abs(light["exit"]["critical"] - 0.5) < 1e-9
+assert abs(up["flow_m2_per_s"] / (1e-3 * 0.5 * 0.1) - 1) < 0.05, up["flow_m2_per_s"]
+END
+  run analyze seepage up.hdf --grain-density "900 kg/m^3"
+  [ "$status" -eq 2 ]
+  [[ "$output" == *"lighter than the water float"* ]]
+}

@@ -12,9 +12,9 @@ with open("seepage/darcy/darcy.json") as file:
 drag = 1000 * 1e-6 * 0.6**2 / (0.4**3 * 5e-3**2)  # a of the page, 1/s
 within(darcy["k_m_per_s"], 9.80665 / drag, 0.001)
 with open("seepage/heads.txt") as file:
-    v, head = map(float, re.findall(r"(?:v|head) ([0-9.e-]+)", file.read()))
-within(v, 0.01862, 0.05)
-within(head, 0.1, 0.03)
+    flux, above, below = map(float, re.findall(r"(?:mid|a|b): ([0-9.e-]+)", file.read()))
+within(flux / 0.1, 0.01862, 0.05)
+within(above - below, 0.1, 0.03)
 with open("seepage/dam.txt") as file:
     rows = [line for line in file if "bottom after" in line]
 dam, paper = [list(map(float, re.findall(r" ([0-9.]+)", row))) for row in rows]

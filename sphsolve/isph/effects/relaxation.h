@@ -24,6 +24,19 @@
  * up to .5 % above that of one lattice at the same density: with soil, less is no error. */
 #define RELAXATION_FREE 0.005
 
+/* Under a surface, share of the time that water in soil takes through a particle's size when its
+ * own weight drives it, |f| = a v + b v^2, below which tau is not. In gravel that is less than .1
+ * s; in fine soil a tau of .1 s would ask for more than seeps, from row to row. */
+#define RELAXATION_WEIGHT 0.1
+
+/* That time; 0 in free water and without a force. */
+static inline double time_by_weight(const struct isph *s, size_t i) {
+  const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
+  const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  const double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
+  return force > 0 ? size * s->porosity[i] * (a + sqrt(a * a + 4 * b * force)) / (2 * force) : 0;
+}
+
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double lack = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
   lack = lack < -0.05 ? -0.05 : lack > 0.05 ? 0.05 : lack;
@@ -35,6 +48,8 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     relaxation_time = fmax(relaxation_time, size / fmax(speed, 1e-30));
   }
+  if (s->porosity != NULL && s->surface != NULL)
+    relaxation_time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
   if (lack < 0) lack *= s->relaxation_share;
   double left = s->drag_left != NULL ? s->drag_left[i] : 1;
   return eps * lack * left / relaxation_time;

@@ -1,0 +1,222 @@
+#include "analyze/seepage/head_field.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "common/snapshot_file.h"
+
+static enum status read_regions(const struct run *run, struct h5_file *file, struct head_field *f,
+                                double domain[3]) {
+  enum status status = STATUS_OK;
+  double *boxes = NULL, *porosity = NULL, *permeability = NULL, gravity[3];
+  char **types = NULL;
+  size_t dims[2], n = 0;
+  if (!h5_exists(file, "/run/regions"))
+    TRY_FAIL(STATUS_INPUT, "%s: the run keeps no regions (%s); run it again with this version",
+             run->path,
+             *run->model_path ? "it is that of a voxel model" : "it is of an older version");
+  TRY(h5_read_texts(file, "/run/regions/type", &n, &types));
+  f->region_count = n;
+  TRY(memory_allocate(&f->regions, n, sizeof *f->regions, "regions"));
+  for (size_t k = 0; k < n; k++) f->regions[k].type = types[k], types[k] = NULL;
+  dims[0] = n, dims[1] = 6;
+  TRY(h5_read(file, "/run/regions/box", H5_F64, 2, dims, &boxes));
+  if (dims[0] != n || dims[1] != 6)
+    TRY_FAIL(STATUS_INPUT, "%s: /run/regions/box is damaged", run->path);
+  dims[0] = n;
+  TRY(h5_read(file, "/run/regions/porosity", H5_F64, 1, dims, &porosity));
+  if (dims[0] != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/porosity is damaged", run->path);
+  TRY(h5_read(file, "/run/regions/permeability", H5_F64, 1, dims, &permeability));
+  if (dims[0] != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/permeability is damaged", run->path);
+  for (size_t k = 0; k < n; k++)
+    for (int a = 0; a < 2; a++) {
+      f->regions[k].low[a] = boxes[6 * k + (a == 0 ? 0 : 2)];
+      f->regions[k].high[a] = boxes[6 * k + (a == 0 ? 3 : 5)];
+      f->regions[k].porosity = porosity[k], f->regions[k].permeability = permeability[k];
+    }
+  TRY(h5_read_attribute(file, "/run/regions", "domain", H5_F64, 3, domain));
+  TRY(h5_read_attribute(file, "/run/regions", "gravity", H5_F64, 3, gravity));
+  if (!(gravity[2] < 0 && gravity[0] == 0 && gravity[1] == 0))
+    TRY_FAIL(STATUS_INPUT, "%s: heads need gravity along -z; the scene has (%g, %g, %g) m/s^2",
+             run->path, gravity[0], gravity[1], gravity[2]);
+  f->gravity = -gravity[2];
+cleanup:
+  for (size_t k = 0; types != NULL && k < n; k++) memory_free(&types[k]);
+  memory_free(&types);
+  memory_free(&boxes);
+  memory_free(&porosity);
+  memory_free(&permeability);
+  return status;
+}
+
+/* Later regions overwrite earlier ones; water and soil share their place. */
+static enum status mark_cells(struct head_field *f) {
+  enum status status = STATUS_OK;
+  const size_t cells = f->nx * f->nz;
+  TRY(memory_allocate(&f->soil, cells, sizeof *f->soil, "cells"));
+  TRY(memory_allocate(&f->wall, cells, sizeof *f->wall, "cells"));
+  for (size_t c = 0; c < cells; c++) {
+    const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
+    f->soil[c] = f->wall[c] = REGION_NONE;
+    for (size_t k = 0; k < f->region_count && k < REGION_NONE; k++) {
+      const struct head_region *r = &f->regions[k];
+      if (!(x[0] > r->low[0] && x[0] < r->high[0] && x[1] > r->low[1] && x[1] < r->high[1]))
+        continue;
+      if (!strcmp(r->type, "porous")) f->soil[c] = (uint16_t)k, f->wall[c] = REGION_NONE;
+      if (!strcmp(r->type, "wall")) f->wall[c] = (uint16_t)k, f->soil[c] = REGION_NONE;
+    }
+  }
+cleanup:
+  return status;
+}
+
+/* Sums of moving least squares at one cell. */
+struct sums {
+  double basis[6];    /* 1 x z xx xz zz */
+  double value[3][3]; /* of head, v_x, v_z times 1 x z */
+  double filled;
+};
+
+/* Whether a wall stands between two places: what is behind it has nothing to say. */
+static bool is_hidden(const struct head_field *f, const double from[2], const double to[2]) {
+  const double length = hypot(to[0] - from[0], to[1] - from[1]);
+  const int steps = (int)ceil(length / (0.25 * fmin(f->dx, f->dz)));
+  for (int s = 1; s < steps; s++) {
+    const double x = from[0] + (to[0] - from[0]) * s / steps;
+    const double z = from[1] + (to[1] - from[1]) * s / steps;
+    if (!(x > 0 && z > 0)) continue;
+    const size_t i = (size_t)(x / f->dx), k = (size_t)(z / f->dz);
+    if (i < f->nx && k < f->nz && f->wall[k * f->nx + i] != REGION_NONE) return true;
+  }
+  return false;
+}
+
+/* Support of a particle over its size: some 20 neighbours. */
+#define REACH 2.4
+/* Less water than this around a cell's centre is none. */
+#define FILLED_LEAST 0.35
+
+static void scatter(const struct head_field *f, const double x[2], double size,
+                    const double value[3], struct sums *sums) {
+  const double h = REACH * size;
+  const size_t i0 = (size_t)fmax(0, floor((x[0] - h) / f->dx));
+  const size_t k0 = (size_t)fmax(0, floor((x[1] - h) / f->dz));
+  for (size_t k = k0; k < f->nz && head_field_z(f, k) < x[1] + h; k++)
+    for (size_t i = i0; i < f->nx && head_field_x(f, i) < x[0] + h; i++) {
+      const double at[2] = {head_field_x(f, i), head_field_z(f, k)};
+      const double r[2] = {(x[0] - at[0]) / h, (x[1] - at[1]) / h};
+      const double q = r[0] * r[0] + r[1] * r[1];
+      if (q >= 1 || f->wall[k * f->nx + i] != REGION_NONE || is_hidden(f, at, x)) continue;
+      struct sums *s = &sums[k * f->nx + i];
+      const double w = (1 - q) * (1 - q) * (1 - q);
+      const double b[3] = {1, r[0], r[1]};
+      for (int p = 0, m = 0; p < 3; p++)
+        for (int c = p; c < 3; c++) s->basis[m++] += w * b[p] * b[c];
+      for (int v = 0; v < 3; v++)
+        for (int p = 0; p < 3; p++) s->value[v][p] += w * b[p] * value[v];
+      s->filled += w * 4 / M_PI / (REACH * REACH); /* integral of w over the support: pi h^2 / 4 */
+    }
+}
+
+/* Value at the cell's centre of the fit that is exact for linear fields; its mean where too few
+ * particles are around. */
+static double fit(const struct sums *s, int v) {
+  const double *m = s->basis, *y = s->value[v];
+  const double c00 = m[3] * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
+               c02 = m[1] * m[4] - m[2] * m[3];
+  const double determinant = m[0] * c00 + m[1] * c01 + m[2] * c02;
+  if (!(determinant > 1e-4 * m[0] * m[0] * m[0])) return y[0] / m[0];
+  return (c00 * y[0] + c01 * y[1] + c02 * y[2]) / determinant;
+}
+
+/* Adds a snapshot; NAN for good where it has no water. */
+static enum status add_snapshot(const struct run *run, const char *name, struct head_field *f) {
+  enum status status = STATUS_OK;
+  struct snapshot snapshot = {0};
+  struct sums *sums = NULL;
+  char path[8192];
+  double *velocity = NULL, *pressure = NULL, *volume = NULL;
+  if (snprintf(path, sizeof path, "%s%s", run->folder, name) >= (int)sizeof path)
+    TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
+  TRY(memory_allocate(&sums, f->nx * f->nz, sizeof *sums, "the field of heads"));
+  TRY(snapshot_open(path, &snapshot));
+  TRY(snapshot_read(&snapshot, "velocity", 3, &velocity));
+  TRY(snapshot_read(&snapshot, "pressure", 1, &pressure));
+  TRY(snapshot_read(&snapshot, "volume", 1, &volume));
+  for (size_t i = 0; i < snapshot.count; i++) {
+    const double *p = snapshot.points + 3 * i, x[2] = {p[0], p[2]};
+    const double size = sqrt(volume[i] / f->thickness);
+    const double value[3] = {p[2] + pressure[i] / (f->density * f->gravity), velocity[3 * i],
+                             velocity[3 * i + 2]};
+    if (!isfinite(value[0]) || !isfinite(value[1]) || !isfinite(value[2]) || !(size > 0) ||
+        !isfinite(x[0]) || !isfinite(x[1]) || size > 1e3 * f->dx)
+      TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a value that is not finite", path, i);
+    scatter(f, x, size, value, sums);
+  }
+  for (size_t c = 0; c < f->nx * f->nz; c++) {
+    const bool wet = sums[c].filled > FILLED_LEAST;
+    f->head[c] += wet ? fit(&sums[c], 0) : NAN;
+    for (int a = 0; a < 2; a++) f->velocity[a][c] += wet ? fit(&sums[c], 1 + a) : NAN;
+  }
+  f->snapshots++;
+cleanup:
+  snapshot_close(&snapshot);
+  memory_free(&sums);
+  memory_free(&velocity);
+  memory_free(&pressure);
+  memory_free(&volume);
+  return status;
+}
+
+enum status head_field_read(const struct run *run, struct head_field *f) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  double domain[3];
+  *f = (struct head_field){.density = run->density, .thickness = run->spacing[1]};
+  if (strcmp(run->method, "isph") != 0)
+    TRY_FAIL(STATUS_INPUT, "%s: a run of %s; seepage is computed by method isph", run->path,
+             run->method);
+  if (run->dimensions != 2)
+    TRY_FAIL(STATUS_INPUT, "%s: flow nets are of 2-D scenes; this one has 3 dimensions", run->path);
+  if (run->snapshot_count == 0)
+    TRY_FAIL(STATUS_INPUT, "%s: the run lists no snapshots; run it again to its end", run->path);
+  TRY(h5_open(run->path, &file));
+  TRY(read_regions(run, file, f, domain));
+  f->nx = (size_t)fmax(1, round(domain[0] / run->spacing[0]));
+  f->nz = (size_t)fmax(1, round(domain[2] / run->spacing[2]));
+  if (!(domain[0] > 0 && domain[2] > 0) || f->nx > 100000 || f->nz > 100000)
+    TRY_FAIL(STATUS_INPUT, "%s: the domain of /run/regions is damaged", run->path);
+  f->dx = domain[0] / (double)f->nx, f->dz = domain[2] / (double)f->nz;
+  TRY(mark_cells(f));
+  TRY(memory_allocate(&f->head, f->nx * f->nz, sizeof *f->head, "the field of heads"));
+  for (int a = 0; a < 2; a++)
+    TRY(memory_allocate(&f->velocity[a], f->nx * f->nz, sizeof **f->velocity, "velocities"));
+  f->to = run->snapshot_times[run->snapshot_count - 1], f->from = f->to;
+  for (size_t s = 0; s < run->snapshot_count; s++) {
+    if (run->snapshot_times[s] < 0.5 * f->to) continue;
+    f->from = fmin(f->from, run->snapshot_times[s]);
+    TRY(add_snapshot(run, run->snapshot_names[s], f));
+  }
+  for (size_t c = 0; c < f->nx * f->nz; c++) {
+    f->head[c] /= (double)f->snapshots;
+    for (int a = 0; a < 2; a++) f->velocity[a][c] /= (double)f->snapshots;
+  }
+cleanup:
+  h5_close(file);
+  if (status != STATUS_OK) head_field_free(f);
+  return status;
+}
+
+void head_field_free(struct head_field *f) {
+  for (size_t k = 0; f->regions != NULL && k < f->region_count; k++)
+    memory_free(&f->regions[k].type);
+  memory_free(&f->regions);
+  memory_free(&f->soil);
+  memory_free(&f->wall);
+  memory_free(&f->head);
+  memory_free(&f->velocity[0]);
+  memory_free(&f->velocity[1]);
+}

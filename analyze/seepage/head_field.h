@@ -1,0 +1,48 @@
+/* Head and velocity of a 2-D run of isph on the cells of its lattice, as means over snapshots. */
+#ifndef TOSUI_ANALYZE_HEAD_FIELD_H
+#define TOSUI_ANALYZE_HEAD_FIELD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "analyze/run_file.h"
+
+#define REGION_NONE UINT16_MAX
+
+struct head_region {
+  char *type;             /* "water", "porous", "wall", "inflow", "empty" */
+  double low[2], high[2]; /* m: x, z */
+  double porosity;        /* of soil, else NAN */
+  double permeability;    /* m/s, of linear drag; else NAN */
+};
+
+/* Cells [nz][nx] between 0 and the domain's size, x fastest. */
+struct head_field {
+  size_t nx, nz;
+  double dx, dz;           /* m */
+  double thickness;        /* m, along y */
+  double gravity, density; /* m/s^2, downwards along z; kg/m^3 */
+  size_t region_count;
+  struct head_region *regions;
+  size_t snapshots;      /* in the mean */
+  double from, to;       /* s: of these */
+  uint16_t *soil, *wall; /* region that the cell is in, REGION_NONE */
+  double *head;          /* m, z + P/(rho g); NAN where there is no water */
+  double *velocity[2];   /* Darcy velocity, m/s: x, z */
+};
+
+/* Means over the snapshots of the run's second half, at least the last. An input error for runs
+ * that have no such field: other methods, 3-D, no gravity along -z. */
+enum status head_field_read(const struct run *run, struct head_field *field);
+void head_field_free(struct head_field *field);
+
+/* Elevation of a cell's centre, m. */
+static inline double head_field_x(const struct head_field *f, size_t i) {
+  return ((double)i + 0.5) * f->dx;
+}
+static inline double head_field_z(const struct head_field *f, size_t k) {
+  return ((double)k + 0.5) * f->dz;
+}
+
+#endif

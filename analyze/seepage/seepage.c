@@ -1,0 +1,168 @@
+#include "analyze/seepage/seepage.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/json_number.h"
+#include "common/statistics.h"
+
+/* Mean of a column over the second half of the time and its standard error. */
+static void late_mean(const struct run *run, const struct history_column *column, double *mean,
+                      double *error) {
+  const struct history_column *time = run_column(run, "time", 1);
+  size_t first = 0;
+  *mean = *error = NAN;
+  if (time == NULL || column->rows == 0) return;
+  while (first + 1 < column->rows && time->values[first] < 0.5 * time->values[time->rows - 1])
+    first++;
+  batch_means(column->values + first, column->rows - first, mean, error);
+}
+
+/* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
+static void show_columns(const struct seepage *s, const char *prefix, const char *word,
+                         double scale, const char *unit, json_t *json, FILE *summary) {
+  const struct run *run = s->run;
+  for (size_t c = 0; c < run->column_count; c++) {
+    const struct history_column *column = &run->columns[c];
+    double mean, error;
+    if (strncmp(column->name, prefix, strlen(prefix)) != 0 || column->components != 1) continue;
+    late_mean(run, column, &mean, &error);
+    mean *= scale, error *= scale;
+    json_t *entry = json_object();
+    json_put_number(entry, "mean", mean);
+    json_put_number(entry, "standard_error", error);
+    json_object_set_new(json, column->name + strlen(prefix), entry);
+    fprintf(summary, "%-10s %s: %.4g +- %.1g %s\n", word, column->name + strlen(prefix), mean,
+            2 * error, unit);
+  }
+}
+
+static const char *judge(double factor) {
+  return factor < 1 ? "the soil is lifted" : factor < 1.5 ? "little is in hand" : "it stays";
+}
+
+static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
+  const struct seepage_exit *e = &s->exit;
+  if (!e->found) return;
+  json_t *entry = json_object();
+  json_put_number(entry, "x_m", e->x);
+  json_put_number(entry, "z_m", e->z);
+  json_put_number(entry, "depth_m", e->depth);
+  json_put_number(entry, "gradient", e->gradient);
+  json_put_number(entry, "critical", e->critical);
+  json_put_number(entry, "factor_of_safety", e->critical / e->gradient);
+  json_object_set_new(json, "exit", entry);
+  fprintf(summary,
+          "exit       gradient %.3g at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: factor "
+          "%.3g, %s\n",
+          e->gradient, e->x, e->z, e->depth, e->critical, e->critical / e->gradient,
+          judge(e->critical / e->gradient));
+}
+
+static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
+  json_t *list = json_array();
+  for (size_t n = 0; n < s->prism_count; n++) {
+    const struct seepage_prism *p = &s->prisms[n];
+    const double factor = p->critical / p->gradient;
+    json_t *entry = json_object();
+    json_object_set_new(entry, "wall", json_integer((json_int_t)p->wall));
+    json_object_set_new(entry, "side", json_string(p->side < 0 ? "low x" : "high x"));
+    json_put_number(entry, "depth_m", p->depth);
+    json_put_number(entry, "width_m", p->width);
+    json_put_number(entry, "gradient", p->gradient);
+    json_put_number(entry, "critical", p->critical);
+    json_put_number(entry, "factor_of_safety", factor);
+    json_array_append_new(list, entry);
+    fprintf(summary,
+            "heave      beside the wall regions.[%zu], %s x: mean gradient %.3g in a prism %.3g m "
+            "deep, %.3g m wide; critical %.3g: factor %.3g, %s\n",
+            p->wall, p->side < 0 ? "lower" : "higher", p->gradient, p->depth, p->width, p->critical,
+            factor, judge(factor));
+  }
+  json_object_set_new(json, "heave", list);
+}
+
+static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
+  json_t *list = json_array();
+  for (size_t n = 0; n < s->load_count; n++) {
+    struct seepage_load *l = &s->loads[n];
+    if (l->length > 0) l->pressure = l->uplift / l->length;
+    json_t *entry = json_object();
+    json_object_set_new(entry, "wall", json_integer((json_int_t)l->wall));
+    json_put_number(entry, "force_x_N_per_m", l->force[0]);
+    json_put_number(entry, "force_z_N_per_m", l->force[1]);
+    json_put_number(entry, "uplift_N_per_m", l->uplift);
+    json_put_number(entry, "uplift_pressure_Pa", l->pressure);
+    json_array_append_new(list, entry);
+    fprintf(summary, "water      on the wall regions.[%zu]: %.4g N/m along x, %.4g N/m along z",
+            l->wall, l->force[0], l->force[1]);
+    if (l->length > 0)
+      fprintf(summary, "; under it %.4g Pa, %.4g N/m upwards", l->pressure, l->uplift);
+    fputc('\n', summary);
+  }
+  json_object_set_new(json, "walls", list);
+}
+
+static void write_cells(const struct seepage *s, FILE *csv) {
+  const struct head_field *f = &s->field;
+  fputs("x,z,head,pressure,velocity_x,velocity_z,stream,soil\n", csv);
+  for (size_t k = 0; k < f->nz; k++)
+    for (size_t i = 0; i < f->nx; i++) {
+      const size_t c = k * f->nx + i;
+      double psi = 0;
+      if (isnan(f->head[c])) continue;
+      for (size_t n = 0; n < 4; n++) psi += 0.25 * s->psi[(k + n / 2) * (f->nx + 1) + i + n % 2];
+      fprintf(csv, "%.6g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,", head_field_x(f, i), head_field_z(f, k),
+              f->head[c], f->density * f->gravity * (f->head[c] - head_field_z(f, k)),
+              f->velocity[0][c], f->velocity[1][c], psi);
+      if (f->soil[c] != REGION_NONE) fprintf(csv, "%d", f->soil[c]);
+      fputc('\n', csv);
+    }
+}
+
+static void put_phreatic(const struct seepage *s, json_t *json) {
+  json_t *x = json_array(), *level = json_array();
+  for (size_t i = 0; i < s->field.nx; i++) {
+    if (isnan(s->phreatic[i])) continue;
+    json_array_append_new(x, json_number(head_field_x(&s->field, i)));
+    json_array_append_new(level, json_number(s->phreatic[i]));
+  }
+  json_object_set_new(json, "phreatic_line", json_pack("{s:o,s:o}", "x_m", x, "level_m", level));
+}
+
+enum status seepage_analyze(const struct run *run, const struct seepage_request *request,
+                            struct product *product) {
+  struct seepage seepage, *s = &seepage;
+  FILE *summary = product->summary.stream;
+  json_t *json = product->json, *heads = json_object(), *levels = json_object(),
+         *fluxes = json_object();
+  enum status status = seepage_find(run, request, s);
+  json_object_set_new(json, "fluxes_m2_per_s", fluxes);
+  json_object_set_new(json, "heads_m", heads);
+  json_object_set_new(json, "levels_m", levels);
+  if (status != STATUS_OK) return status;
+  json_object_set_new(json, "path", json_text(run->path));
+  json_object_set_new(json, "name", json_text(run->name));
+  json_object_set_new(json, "snapshots", json_integer((json_int_t)s->field.snapshots));
+  json_put_number(json, "from_s", s->field.from);
+  json_put_number(json, "to_s", s->field.to);
+  json_put_number(json, "grain_density_kg_per_m3", s->grain_density);
+  fprintf(summary, "%s: means of %.4g to %.4g s, %zu snapshot%s\n", run->name, s->field.from,
+          s->field.to, s->field.snapshots, s->field.snapshots == 1 ? "" : "s");
+  show_columns(s, "flux_", "flux", 1 / s->field.thickness, "m^2/s (m^3/s for each m along y)",
+               fluxes, summary);
+  json_put_number(json, "flow_m2_per_s", s->flow);
+  json_put_number(json, "head_drop_m", s->drop);
+  fprintf(summary, "flow net   %.4g m^2/s through soil, head falls by %.4g m in it\n", s->flow,
+          s->drop);
+  show_columns(s, "head_", "head", 1, "m", heads, summary);
+  show_columns(s, "level_", "level", 1, "m", levels, summary);
+  show_exit(s, json, summary);
+  show_prisms(s, json, summary);
+  show_loads(s, json, summary);
+  put_phreatic(s, json);
+  write_cells(s, product->csv.stream);
+  seepage_plot(s, product);
+  seepage_free(s);
+  return STATUS_OK;
+}

@@ -1,0 +1,70 @@
+/* What an engineer asks of a seepage run: flow, exit gradients, heave, forces on walls, flow net.
+ */
+#ifndef TOSUI_ANALYZE_SEEPAGE_H
+#define TOSUI_ANALYZE_SEEPAGE_H
+
+#include "analyze/product.h"
+#include "analyze/run_file.h"
+#include "analyze/seepage/head_field.h"
+
+struct seepage_request {
+  double grain_density; /* kg/m^3; NAN: 2650 */
+};
+
+/* Where water leaves soil upwards. */
+struct seepage_exit {
+  bool found;
+  size_t soil;  /* its region */
+  double x, z;  /* m, on its upper face */
+  double depth; /* m below it: middle of what the gradient is taken over */
+  double gradient, critical;
+};
+
+/* Terzaghi's prism beside a wall (Terzaghi 1922): as deep as the wall goes into the soil, half as
+ * wide. */
+struct seepage_prism {
+  size_t wall;
+  int side; /* -1: on the side of low x */
+  double depth, width, gradient, critical;
+};
+
+/* Water's pressure on a wall, N per m along y. */
+struct seepage_load {
+  size_t wall;
+  double force[2];         /* x, z; of all faces */
+  double uplift, pressure; /* N/m upwards on its lower face; its mean pressure, Pa */
+  double length;           /* m of the lower face that is wet */
+};
+
+struct seepage {
+  const struct run *run;
+  struct head_field field;
+  double grain_density;
+  double *psi; /* m^2/s, at corners */
+  double flow; /* m^2/s: most of psi between two places in soil */
+  double drop; /* m: of head in the soil */
+  double low;  /* m: least head in soil */
+  struct seepage_exit exit;
+  size_t prism_count, load_count;
+  struct seepage_prism *prisms; /* two for each region at most */
+  struct seepage_load *loads;
+  double *phreatic; /* [nx] m; NAN where there is no surface */
+};
+
+enum status seepage_find(const struct run *run, const struct seepage_request *request,
+                         struct seepage *seepage);
+void seepage_free(struct seepage *seepage);
+
+/* (Gs - 1) / (1 + e), the gradient at which water carries the grains (Terzaghi 1922). */
+double seepage_critical(double grain_density, double density, double porosity);
+
+/* Whether water seeps in a run so that a flow net says something: head falls in its soil by more
+ * than a spacing. False also where there is no such field. */
+enum status seepage_applies(const struct run *run, bool *applies);
+/* JSON, CSV of the cells, summary and picture of the flow net. */
+enum status seepage_analyze(const struct run *run, const struct seepage_request *request,
+                            struct product *product);
+/* seepage_plot.c: gnuplot's body of the flow net. */
+void seepage_plot(const struct seepage *seepage, struct product *product);
+
+#endif
