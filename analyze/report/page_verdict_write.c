@@ -136,7 +136,8 @@ void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
   if (result == NULL) {
-    fputs("<p>No permeability: no steady flow through all of the body is driven in every run.</p>"
+    fputs("<p>No steady flow through all of the body is driven in every run, so there is no "
+          "permeability.</p>"
           "</article></section>\n",
           out);
     return;
