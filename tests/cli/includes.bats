@@ -37,7 +37,7 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
   [ -z "$output" ] || { echo "$output"; false; }
 }
 
-@test "files that comments name are there" {
+@test "files that comments name are there, and READMEs name them all" {
   run /usr/bin/python3 "$BATS_TEST_DIRNAME/named_files.py"
   [ "$status" -eq 0 ] || { echo "$output"; false; }
 }

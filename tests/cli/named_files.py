@@ -1,4 +1,5 @@
-"""named_files.py: exit 1 where a comment of a source file names a source file that is not there."""
+"""named_files.py: exit 1 where a comment of a source file names a source file that is not there, or where the README of a
+program does not name one of its source files (by its stem, or by what it adds to the one before it: `_bar` of foo_bar)."""
 import os
 import re
 import subprocess
@@ -16,6 +17,15 @@ for path in files:
             there = any(("/" + f).endswith("/" + name) for f in files) if "/" in name else name in names
             if not there and not name.startswith("METHOD/"):
                 missing.append(f"{path}: {name}")
+for program in ("common", "ct2model", "sphsolve", "analyze"):
+    quoted = re.findall(r"`([^`]+)`", open(f"{program}/README.md", encoding="utf-8").read())
+    told = {word.split("/")[-1].split(".")[0] for words in quoted for word in re.split(r"[ ,]+", words)}
+    for path in files:
+        stem = os.path.basename(path).split(".")[0]
+        if not path.startswith(program + "/") or not path.endswith((".c", ".h", ".cc")) or "/effects/" in path or "/kernels/" in path:
+            continue
+        if stem not in told and not any(word.startswith("_") and stem.endswith(word) for word in told):
+            missing.append(f"{program}/README.md: {path} is not named")
 for line in missing:
     print(line)
 sys.exit(bool(missing))

@@ -29,6 +29,7 @@ def main():
     root = sys.argv[1]
     pages = [os.path.join(root, name) for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")]
     pages += sorted(glob.glob(os.path.join(root, "docs", "**", "*.md"), recursive=True))
+    pages += sorted(glob.glob(os.path.join(root, "*", "README.md")) + glob.glob(os.path.join(root, "data-samples", "*", "README.md")))
     found = [c for page in pages for c in complaints(page, "/notes/2" in page)]
     print("\n".join(found))
     return len(found) > 0
