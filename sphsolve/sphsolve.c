@@ -256,7 +256,7 @@ cleanup:
 
 /* Of a scene that takes a flow which is solved already; false: it is none. */
 static enum status find_flow(const struct options *options, struct job *job, bool *found) {
-  static const char *const others[] = {"time", "tensor", "ranks", "resume"};
+  static const char *const others[] = {"time", "tensor", "ranks"};
   enum status status = STATUS_OK;
   TRY(read_scene(options, NULL, &job->scene));
   *found = *job->scene.flow_path;
@@ -294,8 +294,8 @@ static enum status run(const struct options *options, struct job *job) {
                 given, (int)(name - prefix), prefix);
   TRY(find_flow(options, job, &on_flow));
   if (on_flow)
-    return job->scene.method->run_on_flow(&job->scene, prefix, options_command_line(options),
-                                          options_json(options));
+    return job->scene.method->run_on_flow(&job->scene, prefix, options_given(options, "resume"),
+                                          options_command_line(options), options_json(options));
   if (options_given(options, "tensor")) {
     TRY(run_tensor(options, job, prefix, &tensor, &result));
   } else {

@@ -24,6 +24,7 @@ enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
 enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY };
 extern const char *const region_type_names[]; /* as a scene writes them, ended by NULL */
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
+extern const char *const solute_way_names[];
 #define SOLUTE_PECLET_MAX 64
 #define MICRO_FACTORS_MOST 32
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };

@@ -36,6 +36,15 @@ static void put_region(FILE *stream, size_t number, const struct region *r) {
   fprintf(stream, " %d %d %d\n", r->saturated - r->dry, r->slip, (int)r->boundary);
 }
 
+static void put_solute(FILE *stream, const struct scene *s) {
+  put_number(stream, "solute.diffusion (m^2/s)", s->solute.diffusion);
+  put_number(stream, "solute.length (m)", s->solute.length);
+  put_number(stream, "--error", s->solute.error);
+  fprintf(stream, "solute.way = %s\nsolute.peclet =", solute_way_names[s->solute.way]);
+  for (int i = 0; i < s->solute.peclet_count; i++) fprintf(stream, " %.12g", s->solute.peclet[i]);
+  fputc('\n', stream);
+}
+
 static void put_all(FILE *stream, const struct scene *s) {
   put_number(stream, "~scene.end_time", s->end_time);
   put_number(stream, "~scene.steady_tolerance", s->steady_tolerance);
@@ -79,7 +88,10 @@ enum status scene_settled(const struct scene *scene, char **text) {
   size_t size = 0;
   FILE *stream = open_memstream(text, &size);
   if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for the scene's settings");
-  put_all(stream, scene);
+  if (*scene->flow_path)
+    put_solute(stream, scene);
+  else
+    put_all(stream, scene);
   if (fclose(stream) != 0) return FAIL(STATUS_RUN, "out of memory for the scene's settings");
   return STATUS_OK;
 }

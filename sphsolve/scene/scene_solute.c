@@ -5,7 +5,7 @@
 
 #include "sphsolve/scene/scene_internal.h"
 
-static const char *const way_names[] = {"closure", "walk", "both", NULL};
+const char *const solute_way_names[] = {"closure", "walk", "both", NULL};
 
 #define DIM_DIFFUSION ((struct dimension){2, 0, -1})
 
@@ -13,7 +13,7 @@ static const char *const way_names[] = {"closure", "walk", "both", NULL};
 static enum status refuse_other_groups(struct config *config) {
   static const char *const groups[] = {"model",  "lattice", "domain", "fluids",    "regions",
                                        "force",  "wcsph",   "stokes", "isph",      "effects",
-                                       "gauges", "planes",  "output", "checkpoint", "micro"};
+                                       "gauges", "planes",  "output", "micro"};
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
     config_node *node = config_child(config, config_root(config), groups[i]);
     if (node != NULL)
@@ -68,9 +68,12 @@ enum status scene_read_solute(struct config *config, struct scene *scene) {
   TRY(scene_positive(config, group, "diffusion", DIM_DIFFUSION, &scene->solute.diffusion));
   TRY(scene_positive(config, group, "length", DIM_LENGTH, &scene->solute.length));
   TRY(read_peclet(config, group, scene));
-  TRY(config_choice(config, group, "way", way_names, &way, NULL));
+  TRY(config_choice(config, group, "way", solute_way_names, &way, NULL));
   scene->solute.way = (enum solute_way)way;
   scene->solute.error = NAN;
+  scene->checkpoint_interval = NAN;
+  TRY(scene_positive(config, config_child(config, root, "checkpoint"), "interval", DIM_TIME,
+                     &scene->checkpoint_interval));
 cleanup:
   return status;
 }

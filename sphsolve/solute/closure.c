@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 
 enum status solute_closure_build(const struct solute_flow *flow, int coarsenings,
                                  struct solute_closure *c) {
@@ -92,22 +93,40 @@ void solute_dispersion_parts(const double n[3], int dimensions, struct solute_di
   d->transverse = (trace - along) / (dimensions - 1);
 }
 
-enum status solute_closure_solve(struct solute_closure *c, double diffusion, double tolerance,
-                                 struct solute_dispersion *d) {
+/* Each rank has all of the flow; the directions are dealt out between them. */
+static enum status solve_own(struct solute_closure *c, double s, double tolerance,
+                             struct solute_dispersion *d) {
   enum status status = STATUS_OK;
-  const double s = c->speed > 0 && isfinite(diffusion) ? c->speed * c->unit / diffusion : 0;
-  *d = (struct solute_dispersion){0};
-  solute_solver_set(&c->solver, s);
+  const size_t size = c->solver.cells[0].size;
   for (int a = 0; a < 3; a++) {
     int iterations;
     double reached;
     if (c->b[a] == NULL) continue;
+    if (a % ranks_count() != ranks_own()) {
+      memset(c->b[a], 0, size * sizeof *c->b[a]);
+      continue;
+    }
     set_source(c, a, s);
     TRY(solute_solver_solve(&c->solver, c->source, tolerance, c->b[a], &iterations, &reached));
     solute_cells_wrap_exact(&c->solver.cells[0], c->b[a]);
     d->iterations += iterations;
     d->residual = fmax(d->residual, reached);
   }
+cleanup:
+  return status;
+}
+
+enum status solute_closure_solve(struct solute_closure *c, double diffusion, double tolerance,
+                                 struct solute_dispersion *d) {
+  enum status status = STATUS_OK;
+  const double s = c->speed > 0 && isfinite(diffusion) ? c->speed * c->unit / diffusion : 0;
+  *d = (struct solute_dispersion){0};
+  solute_solver_set(&c->solver, s);
+  TRY(ranks_agree(solve_own(c, s, tolerance, d)));
+  for (int a = 0; a < 3; a++)
+    if (c->b[a] != NULL) ranks_sum_all(c->b[a], c->solver.cells[0].size);
+  d->iterations = (int)ranks_sum(d->iterations);
+  d->residual = ranks_max(d->residual);
   for (int p = 0; p < 3; p++)
     for (int q = 0; q < 3; q++) {
       double *entry = &d->tensor[c->axis[p]][c->axis[q]];

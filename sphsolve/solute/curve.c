@@ -4,44 +4,38 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/interrupt.h"
 #include "common/log.h"
-#include "common/memory.h"
-#include "sphsolve/solute/closure.h"
 
 /* Of the residual, relative: D* is then known to some 1e-4, far below what the lattice leaves. */
 #define TOLERANCE 1e-4
-#define LATTICES 2
-
-/* What one lattice gave for one Peclet number. */
-struct solved {
-  struct solute_dispersion value;
-  double seconds;
-};
-
-static enum status solve_lattice(const struct solute_flow *flow, int coarsenings,
+/* `weight`: of one Peclet number, for the progress line. */
+static enum status solve_lattice(const struct solute_flow *flow, int lattice,
                                  const struct solute_result *r, struct progress *progress,
-                                 double *done, struct solved *solved) {
+                                 double weight, double *done, struct solute_state *state) {
   enum status status = STATUS_OK;
   struct solute_closure closure = {0};
   char note[80];
-  TRY(solute_closure_build(flow, coarsenings, &closure));
+  int *count = &state->solved_count[lattice];
+  *done += weight * *count;
+  if (*count > r->count) return STATUS_OK;
+  TRY(solute_closure_build(flow, lattice == SOLUTE_COARSE, &closure));
+  if (*count > 0) TRY(solute_state_take_closure(state, &closure));
   /* First without flow, for the formation factor; then from one Peclet number to the next. */
-  for (int i = -1; i < r->count; i++) {
-    const double peclet = i < 0 ? 0 : r->peclet[i];
+  while (*count <= r->count) {
+    struct solute_solved *solved = &state->solved[lattice][*count];
+    const double peclet = *count == 0 ? 0 : r->peclet[*count - 1];
     const double d = peclet > 0 ? flow->speed * r->length / peclet : INFINITY;
     const double started = clock_processor_seconds();
-    if (interrupt_requested())
-      TRY_FAIL(STATUS_INTERRUPTED, "interrupted; nothing of the solute is kept");
-    TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved[i + 1].value));
-    solved[i + 1].seconds = clock_processor_seconds() - started;
-    *done += coarsenings > 0 ? 1 : 8;
+    TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved->value));
+    solved->seconds = clock_processor_seconds() - started;
+    *done += weight;
+    ++*count;
     log_verbose("closure: cells of %.3g m, Pe %.3g: D_L/D %.5g, D_T/D %.5g; %d iterations, %.3g s",
-                flow->spacing[0] * closure.spacing, peclet, solved[i + 1].value.longitudinal,
-                solved[i + 1].value.transverse, solved[i + 1].value.iterations,
-                solved[i + 1].seconds);
-    snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g", peclet, solved[i + 1].value.longitudinal);
+                flow->spacing[0] * closure.spacing, peclet, solved->value.longitudinal,
+                solved->value.transverse, solved->value.iterations, solved->seconds);
+    snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g", peclet, solved->value.longitudinal);
     progress_update(progress, *done, note);
+    if (solute_state_due(state)) TRY(solute_state_save(state, &closure, NULL));
   }
 cleanup:
   solute_closure_free(&closure);
@@ -53,8 +47,8 @@ static double share(double change, double value) {
 }
 
 /* The limit of both lattices, and its error. `coarse` NULL: one alone. */
-static void take(const struct solute_flow *flow, const struct solved *fine,
-                 const struct solved *coarse, struct solute_closed *out) {
+static void take(const struct solute_flow *flow, const struct solute_solved *fine,
+                 const struct solute_solved *coarse, struct solute_closed *out) {
   struct solute_dispersion limit = fine->value;
   const double direction[3] = {flow->speed > 0 ? flow->mean_velocity[0] / flow->speed : 0,
                                flow->speed > 0 ? flow->mean_velocity[1] / flow->speed : 0,
@@ -82,29 +76,28 @@ static void take(const struct solute_flow *flow, const struct solved *fine,
   out->seconds = fine->seconds + (coarse != NULL ? coarse->seconds : 0);
 }
 
-enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *r) {
+enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_state *state,
+                                    struct solute_result *r) {
   enum status status = STATUS_OK;
-  struct solved *solved = NULL; /* [LATTICES][1 + count] */
+  const struct solute_solved *fine = state->solved[SOLUTE_FINE],
+                             *coarse = state->solved[SOLUTE_COARSE];
   struct progress progress;
   struct solute_closed still;
-  const size_t row = (size_t)r->count + 1;
   bool twice = true;
   double done = 0;
   for (int a = 0; a < 3; a++)
     twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
-  TRY(memory_allocate(&solved, LATTICES * row, sizeof *solved, "dispersion"));
-  progress_start(&progress, "closure", NULL, (double)row * (twice ? 9 : 8));
-  if (twice) TRY(solve_lattice(flow, 1, r, &progress, &done, solved + row));
-  TRY(solve_lattice(flow, 0, r, &progress, &done, solved));
+  progress_start(&progress, "closure", NULL, (r->count + 1.0) * (twice ? 9 : 8));
+  if (twice) TRY(solve_lattice(flow, SOLUTE_COARSE, r, &progress, 1, &done, state));
+  TRY(solve_lattice(flow, SOLUTE_FINE, r, &progress, 8, &done, state));
   r->by_closure = true;
   for (int i = 0; i < r->count; i++)
-    take(flow, &solved[i + 1], twice ? &solved[row + (size_t)i + 1] : NULL, &r->closure[i]);
-  take(flow, &solved[0], twice ? &solved[row] : NULL, &still);
+    take(flow, &fine[i + 1], twice ? &coarse[i + 1] : NULL, &r->closure[i]);
+  take(flow, &fine[0], twice ? &coarse[0] : NULL, &still);
   r->tortuosity = 1 / still.value.longitudinal;
   r->formation = r->tortuosity / flow->porosity;
   r->formation_error = still.value.longitudinal_error;
 cleanup:
   progress_end(&progress);
-  memory_free(&solved);
   return status;
 }

@@ -4,6 +4,7 @@
 
 #include "sphsolve/solute/flow.h"
 #include "sphsolve/solute/result.h"
+#include "sphsolve/solute/state.h"
 
 /* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
  * large too. */
@@ -13,12 +14,14 @@
 /* By the closure problem: fills closure, formation, formation_error and tortuosity of the result
  * from its length, count and peclet. Solved on the flow's cells and on those taken two by two by
  * two: the limit of both by the square of the spacing is the value, all of their difference the
- * error of resolution. */
-enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_result *result);
+ * error of resolution. What `state` holds already is not solved again. */
+enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_state *state,
+                                    struct solute_result *result);
 
 /* By random walk: fills walk and record from length, count, peclet and wanted (curve_walk.c).
  * Walked on the flow's cells, and on those taken two by two by two for the error of resolution,
  * which is a third of the difference: that goes with the square of the spacing. */
-enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_result *result);
+enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_state *state,
+                                 struct solute_result *result);
 
 #endif

@@ -2,9 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "common/interrupt.h"
 #include "common/log.h"
-#include "common/memory.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 
@@ -14,17 +12,19 @@
 
 static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
                              double peclet, struct progress *progress, double done, double weight,
-                             struct walk_record *record) {
+                             struct solute_state *state, struct walk_record *record) {
   enum status status = STATUS_OK;
   struct walk walk = {0};
   struct walk_verdict verdict;
   uint64_t next = FIRST_LOOK;
   char note[80];
+  bool found;
   snprintf(note, sizeof note, "Pe %.3g", peclet);
-  TRY(walk_begin(cells, settings, &walk));
+  TRY(solute_state_take_walk(state, cells, &walk, &found));
+  if (!found) TRY(walk_begin(cells, settings, &walk));
+  while (next <= walk.moments.intervals) next += next / 4;
   for (;;) {
-    if (interrupt_requested())
-      TRY_FAIL(STATUS_INTERRUPTED, "interrupted; nothing of the solute is kept");
+    if (solute_state_due(state)) TRY(solute_state_save(state, NULL, &walk));
     TRY(walk_advance(&walk));
     progress_update(progress, done + weight * (double)walk.steps / settings->most_steps, note);
     if (walk.moments.intervals < next) continue;
@@ -47,10 +47,15 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
                                 .steps = record->steps,
                                 .walkers = record->walkers};
   if (v->lag < 0) return;
-  out->value = (struct solute_estimate){v->longitudinal, v->transverse, v->longitudinal_error,
-                                        v->transverse_error};
-  out->statistics[0] = v->longitudinal_statistics, out->statistics[1] = v->transverse_statistics;
-  out->asymptotics[0] = v->longitudinal_drift, out->asymptotics[1] = v->transverse_drift;
+  /* Errors of very small coefficients are relative to more than these; here to themselves. */
+  const double along = walk_error_unit(v->longitudinal) / fabs(v->longitudinal);
+  const double across = walk_error_unit(v->transverse) / fabs(v->transverse);
+  out->value = (struct solute_estimate){
+      v->longitudinal, v->transverse, along * v->longitudinal_error, across * v->transverse_error};
+  out->statistics[0] = along * v->longitudinal_statistics;
+  out->statistics[1] = across * v->transverse_statistics;
+  out->asymptotics[0] = along * v->longitudinal_drift;
+  out->asymptotics[1] = across * v->transverse_drift;
 }
 
 /* What two lattices differ by, beyond what their own errors may make of it. */
@@ -70,13 +75,18 @@ static void compare(struct solute_walked *fine, const struct solute_walked *coar
   f->transverse_error = hypot(f->transverse_error, fine->resolution[1]);
 }
 
-static enum status walk_lattice(const struct solute_flow *flow, const struct solute_result *r,
-                                struct progress *progress, double weight, double *done,
-                                struct walk_record *records, struct solute_walked *walked) {
+/* `weight`: of one Peclet number, for the progress line. */
+static enum status walk_lattice(const struct solute_flow *flow, int lattice,
+                                const struct solute_result *r, struct progress *progress,
+                                double weight, double *done, struct solute_state *state) {
   enum status status = STATUS_OK;
   struct walk_cells cells = {0};
+  int *count = &state->walked_count[lattice];
+  *done += weight * *count;
+  if (*count == r->count) return STATUS_OK;
   TRY(walk_cells_make(flow, &cells));
-  for (int i = 0; i < r->count; i++, *done += weight) {
+  for (; *count < r->count; *done += weight) {
+    const int i = *count;
     const double started = clock_processor_seconds();
     struct walk_settings settings = {.peclet = r->peclet[i] * flow->spacing[0] / r->length,
                                      .direction = {0, 0, 1},
@@ -86,9 +96,11 @@ static enum status walk_lattice(const struct solute_flow *flow, const struct sol
     for (int a = 0; a < 3 && flow->speed > 0; a++)
       settings.direction[a] = flow->mean_velocity[a] / flow->speed;
     if (!(flow->speed > 0)) settings.peclet = 0;
-    TRY(walk_once(&cells, &settings, r->peclet[i], progress, *done, weight, &records[i]));
-    struct solute_walked *w = &walked[i];
-    take(&records[i], w);
+    struct walk_record *record = &state->record[lattice][i];
+    TRY(walk_once(&cells, &settings, r->peclet[i], progress, *done, weight, state, record));
+    struct solute_walked *w = &state->walked[lattice][i];
+    take(record, w);
+    ++*count;
     w->seconds = clock_processor_seconds() - started;
     log_verbose("walk: cells of %.3g m, Pe %.3g: D_L/D %.4g +- %.2g %%, D_T/D %.4g +- %.2g %%; "
                 "%.0f walkers, %.0f steps, %.3g s, %.3g M steps a second",
@@ -102,38 +114,33 @@ cleanup:
   return status;
 }
 
-enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_result *r) {
+enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_state *state,
+                                 struct solute_result *r) {
   enum status status = STATUS_OK;
   struct solute_flow half = {0};
-  struct solute_walked *walked = NULL;
-  struct walk_record *records = NULL;
   struct progress progress;
   bool twice = true;
   double done = 0;
   for (int a = 0; a < 3; a++)
     twice = twice && (flow->n[a] == 1 || (flow->n[a] >= SOLUTE_CELLS_LEAST && flow->n[a] % 2 == 0));
   progress_start(&progress, "walk", NULL, r->count * (twice ? 1.25 : 1));
-  TRY(memory_allocate(&r->record, (size_t)r->count, sizeof *r->record, "walks"));
   if (twice) {
-    TRY(memory_allocate(&walked, (size_t)r->count, sizeof *walked, "walks"));
-    TRY(memory_allocate(&records, (size_t)r->count, sizeof *records, "walks"));
     TRY(solute_flow_coarsen(flow, &half));
-    TRY(walk_lattice(&half, r, &progress, 0.25, &done, records, walked));
+    TRY(walk_lattice(&half, SOLUTE_COARSE, r, &progress, 0.25, &done, state));
   }
-  TRY(walk_lattice(flow, r, &progress, 1, &done, r->record, r->walk));
+  TRY(walk_lattice(flow, SOLUTE_FINE, r, &progress, 1, &done, state));
   r->by_walk = true;
+  r->record = state->record[SOLUTE_FINE];
   for (int i = 0; i < r->count; i++) {
+    const struct solute_walked *coarse = &state->walked[SOLUTE_COARSE][i];
+    r->walk[i] = state->walked[SOLUTE_FINE][i];
     if (!r->walk[i].settled) r->status = "steps";
-    if (twice) {
-      compare(&r->walk[i], &walked[i]);
-      r->walk[i].seconds += walked[i].seconds;
-    }
+    if (!twice) continue;
+    compare(&r->walk[i], coarse);
+    r->walk[i].seconds += coarse->seconds;
   }
 cleanup:
   progress_end(&progress);
-  for (int i = 0; i < r->count && records != NULL; i++) walk_record_free(&records[i]);
-  memory_free(&records);
-  memory_free(&walked);
   solute_flow_free(&half);
   return status;
 }

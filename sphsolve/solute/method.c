@@ -7,7 +7,6 @@
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
-#include "common/ranks.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/solute/closure.h"
 #include "sphsolve/solute/cost.h"
@@ -41,16 +40,19 @@ static void take_best(struct solute_result *r) {
     const struct solute_estimate *walk = &r->walk[i].value;
     *best = r->by_closure ? r->closure[i].value : *walk;
     if (!r->by_closure || !r->by_walk) continue;
-    if (walk->longitudinal_error < best->longitudinal_error)
+    if (walk->longitudinal_error * fabs(walk->longitudinal) <
+        best->longitudinal_error * fabs(best->longitudinal))
       best->longitudinal = walk->longitudinal, best->longitudinal_error = walk->longitudinal_error;
-    if (walk->transverse_error < best->transverse_error)
+    if (walk->transverse_error * fabs(walk->transverse) <
+        best->transverse_error * fabs(best->transverse))
       best->transverse = walk->transverse, best->transverse_error = walk->transverse_error;
   }
 }
 
-static enum status run_on_flow(const struct scene *scene, const char *prefix,
+static enum status run_on_flow(const struct scene *scene, const char *prefix, bool resume,
                                const char *command_line, bool json) {
   enum status status = STATUS_OK;
+  struct solute_state *state = NULL;
   struct solute_flow flow = {0};
   struct solute_result result = {.status = "converged",
                                  .formation = NAN,
@@ -59,14 +61,13 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
                                  .wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR
                                                                       : scene->solute.error};
   char path[4200];
-  const double started = clock_seconds();
-  if (ranks_count() > 1)
-    return FAIL(STATUS_USAGE, "a scene with flow = { ... } runs in one process: use sphsolve");
   output_protect(scene->path);
   output_protect(scene->flow_path);
   snprintf(path, sizeof path, "%s.hdf", prefix);
   TRY(output_allow(path));
-  interrupt_start("the Peclet number at hand is solved first");
+  TRY(memory_allocate(&state, 1, sizeof *state, "what is found so far"));
+  TRY(solute_state_begin(scene, prefix, resume, state));
+  interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
   TRY(solute_say_where(scene, solute_flow_read(scene->flow_path, &flow)));
   TRY(set_peclet(scene, &flow, &result));
   if (flow.mirrored)
@@ -78,19 +79,18 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix,
               "by %.2g to be free of divergence",
               flow.n[0], flow.n[1], flow.n[2], flow.porosity, flow.speed, flow.grain_size,
               flow.correction);
-  if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, &result));
-  if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, &result));
+  if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, state, &result));
+  if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, state, &result));
   take_best(&result);
-  result.wall_time = clock_seconds() - started;
+  result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
   if (json)
     TRY(solute_result_print_json(scene, &flow, &result));
   else if (log_level() > LOG_QUIET)
     solute_result_print(scene, &flow, &result, prefix);
 cleanup:
-  for (int i = 0; i < result.count && result.record != NULL; i++)
-    walk_record_free(&result.record[i]);
-  memory_free(&result.record);
+  if (state != NULL) solute_state_free(state);
+  memory_free(&state);
   solute_flow_free(&flow);
   return status;
 }

@@ -222,6 +222,7 @@ enum status solute_solver_build(const struct solute_flow *flow, const int axis[3
     TRY(memory_allocate(&s->rest[l], size, sizeof(float), "multigrid"));
   }
   TRY(stokes_krylov_build(s->cells[0].size, BASIS, &s->krylov));
+  s->krylov.alone = true;
   s->krylov.system = s;
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;

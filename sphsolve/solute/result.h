@@ -44,7 +44,7 @@ struct solute_result {
   bool by_walk;
   double wanted; /* relative error of a walk */
   struct solute_walked walk[SOLUTE_PECLET_MAX];
-  struct walk_record *record;                     /* [count] of the walks, memory_allocate */
+  struct walk_record *record;                     /* [count] of the walks; not owned */
   struct solute_estimate best[SOLUTE_PECLET_MAX]; /* what is reported */
   /* Conduction through the pores: the formation factor F = 1 / (porosity D* / D) along the flow,
    * its relative error, and D / D*, often called the diffusive tortuosity. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 #include "sphsolve/solute/walk_random.h"
 
 #define WALK_FLIGHT 1.0 /* first spacings: the longest flight, and a cell at most */
@@ -52,9 +53,9 @@ static void look(const struct walk *walk, struct walk_spot *spots) {
   const double *e = walk->settings.direction;
   const struct walk_cells *c = walk->cells;
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < walk->settings.walkers; i++) {
+  for (size_t i = 0; i < walk->moments.count; i++) {
     const struct walker *w = &walk->walkers[i];
-    struct walk_spot *spot = &spots[w->id];
+    struct walk_spot *spot = &spots[w->id - walk->moments.first];
     const walk_vector v = walk_velocity(c, w->number, w->x);
     double along = 0;
     for (int a = 0; a < 3; a++) {
@@ -74,7 +75,6 @@ static double box_along(const struct walk_cells *c, const double e[3]) {
 enum status walk_begin(const struct walk_cells *cells, const struct walk_settings *settings,
                        struct walk *walk) {
   enum status status = STATUS_OK;
-  struct walk_spot *start = NULL;
   *walk = (struct walk){.cells = cells, .settings = *settings};
   struct walk_settings *s = &walk->settings;
   if (s->walkers == 0) s->walkers = walk_walkers(s->tolerance);
@@ -88,29 +88,29 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   walk->step = (struct walk_step){.time = s->peclet > 0 ? (float)walk->dt : 0,
                                   .flight = (float)sqrt(6 * walk->diffusion * walk->dt),
                                   .seed = s->seed};
-  TRY(memory_allocate(&walk->walkers, s->walkers, sizeof *walk->walkers, "walkers"));
-  TRY(memory_allocate(&walk->spare, s->walkers, sizeof *walk->spare, "walkers"));
-  TRY(memory_allocate(&walk->now, s->walkers, sizeof *walk->now, "places of walkers"));
-  TRY(memory_allocate(&start, s->walkers, sizeof *start, "places of walkers"));
+  const double stretch[3] = {1 / (double)cells->stretch[0], 1 / (double)cells->stretch[1],
+                             1 / (double)cells->stretch[2]};
+  struct walk_moments *m = &walk->moments;
+  walk_moments_begin(s->walkers, stretch, m);
+  TRY(memory_allocate(&walk->walkers, m->count, sizeof *walk->walkers, "walkers"));
+  TRY(memory_allocate(&walk->spare, m->count, sizeof *walk->spare, "walkers"));
+  TRY(memory_allocate(&walk->now, m->count, sizeof *walk->now, "places of walkers"));
+  TRY(memory_allocate(&m->start, m->count, sizeof *m->start, "places of walkers"));
   TRY(memory_allocate(&walk->track, WALK_TRACK, sizeof *walk->track, "tracks of walkers"));
   for (int p = 0; p < WALK_PLANES; p++) {
     walk->plane[p] = box_along(cells, s->direction) * (double)(1 << p);
-    TRY(memory_allocate(&walk->passage[p], s->walkers, sizeof(float), "passages of walkers"));
+    TRY(memory_allocate(&walk->passage[p], m->count, sizeof(float), "passages of walkers"));
   }
   bool placed = true;
 #pragma omp parallel for schedule(static) reduction(&& : placed)
-  for (size_t w = 0; w < s->walkers; w++) {
-    walk->walkers[w].id = (uint32_t)w;
+  for (size_t w = 0; w < m->count; w++) {
+    walk->walkers[w].id = (uint32_t)(m->first + w);
     placed = place(cells, s->seed, &walk->walkers[w]) && placed;
   }
-  if (!placed) TRY_FAIL(STATUS_INPUT, "no pore to walk in: the flow's cells are all but closed");
-  look(walk, start);
-  const double stretch[3] = {1 / (double)cells->stretch[0], 1 / (double)cells->stretch[1],
-                             1 / (double)cells->stretch[2]};
-  TRY(walk_moments_begin(s->walkers, stretch, start, &walk->moments));
-  start = NULL;
+  if (ranks_any(!placed))
+    TRY_FAIL(STATUS_INPUT, "no pore to walk in: the flow's cells are all but closed");
+  look(walk, m->start);
 cleanup:
-  memory_free(&start);
   if (status != STATUS_OK) walk_end(walk);
   return status;
 }
@@ -130,7 +130,7 @@ static enum status sort(struct walk *walk) {
   enum status status = STATUS_OK;
   uint32_t *first = NULL;
   struct walker *sorted = walk->spare;
-  const size_t count = walk->settings.walkers;
+  const size_t count = walk->moments.count;
   TRY(memory_allocate(&first, walk->cells->bricks + 1, sizeof *first, "walkers in order"));
   for (size_t w = 0; w < count; w++) first[walk->walkers[w].address / 64 + 1]++;
   for (size_t b = 0; b < walk->cells->bricks; b++) first[b + 1] += first[b];
@@ -159,7 +159,7 @@ static void pass_planes(struct walk *walk) {
   const struct walk_spot *before =
       walk->moments.lags > 0 ? walk->moments.from[0] : walk->moments.start;
 #pragma omp parallel for schedule(static)
-  for (size_t w = 0; w < walk->settings.walkers; w++) {
+  for (size_t w = 0; w < walk->moments.count; w++) {
     const double to = passed(walk, &walk->now[w], w), from = passed(walk, &before[w], w);
     for (int p = 0; p < WALK_PLANES; p++)
       if (to >= walk->plane[p] && !(walk->passage[p][w] > 0))
@@ -170,7 +170,7 @@ static void pass_planes(struct walk *walk) {
 
 enum status walk_advance(struct walk *walk) {
   enum status status = STATUS_OK;
-  const size_t count = walk->settings.walkers;
+  const size_t count = walk->moments.count;
   TRY(sort(walk));
   walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
              &walk->kept);
@@ -179,15 +179,16 @@ enum status walk_advance(struct walk *walk) {
 #pragma omp parallel for schedule(static) reduction(+ : lost)
   for (size_t w = 0; w < count; w++)
     lost += walk->walkers[w].number < 0 || !(walk_distance(walk->cells, &walk->walkers[w]) > 0);
+  lost = (size_t)ranks_sum((double)lost);
   if (lost > 0)
-    TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost, count,
-             (unsigned long long)walk->steps);
+    TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost,
+             walk->settings.walkers, (unsigned long long)walk->steps);
   look(walk, walk->now);
   pass_planes(walk);
   if (walk->moments.intervals < WALK_TRACK)
-    for (size_t w = 0; w < WALK_TRACKED && w < count; w++)
+    for (size_t w = 0; w < count && walk->moments.first + w < WALK_TRACKED; w++)
       for (int a = 0; a < 3; a++)
-        walk->track[walk->moments.intervals][w][a] =
+        walk->track[walk->moments.intervals][walk->moments.first + w][a] =
             (float)(((double)walk->now[w].cell[a] + (double)walk->now[w].x[a]) *
                     walk->moments.stretch[a]);
   TRY(walk_moments_add(&walk->moments, walk->now));
@@ -196,8 +197,10 @@ cleanup:
 }
 
 int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
-  return walk_moments_lags(&walk->moments, walk->settings.direction, walk->cells->dimensions,
-                           walk->diffusion, WALK_INTERVAL * walk->dt, lags);
+  struct walk_moments all = walk->moments; /* each group is one rank's; 0 on the others */
+  ranks_sum_all(&all.sums[0][0][0], sizeof all.sums / sizeof(double));
+  return walk_moments_lags(&all, walk->settings.direction, walk->cells->dimensions, walk->diffusion,
+                           WALK_INTERVAL * walk->dt, lags);
 }
 
 /* For the widest way across the flow, time units at D_T = D. */

@@ -34,8 +34,8 @@ struct walk {
   struct walker *walkers, *spare; /* the second to sort them into */
   struct walk_spot *now;          /* [walkers] by id */
   struct walk_moments moments;
-  double plane[WALK_PLANES];   /* first spacings from where each walker began */
-  float *passage[WALK_PLANES]; /* [walkers] by id, time units of the first passage; 0: not yet */
+  double plane[WALK_PLANES];       /* first spacings from where each walker began */
+  float *passage[WALK_PLANES];     /* by id, time units of the first passage; 0: not yet */
   float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK] places, first spacings */
   struct walk_kept kept;
 };
@@ -51,14 +51,20 @@ int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]);
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict);
 void walk_end(struct walk *walk);
 
+/* Between ranks (walk_file.c; collective): `own` of this rank's walkers, items of `size` bytes,
+ * into `all` of all walkers, in order of rank; the places of the tracked walkers. */
+enum status walk_gather(const struct walk *walk, const void *own, size_t size, void *all);
+enum status walk_sum_track(struct walk *walk);
+
 /* Bytes of a walk beside its cells, and its cells. */
 double walk_bytes(size_t walkers);
 double walk_cells_bytes(size_t cells, size_t with_pores);
 size_t walk_walkers(double tolerance);
 
-/* Everything that a walk is, bit for bit (walk_file.c). The file is ours by its checksum. Reading
- * takes the settings from the file and fails where it is of other cells. */
-enum status walk_save(struct h5_file *file, const char *group, const struct walk *walk);
+/* Everything that a walk is, bit for bit (walk_file.c; collective, and read on any number of
+ * ranks). The file is ours by its checksum. Reading takes the settings from the file and fails
+ * where it is of other cells. */
+enum status walk_save(struct h5_file *file, const char *group, struct walk *walk);
 enum status walk_load(struct h5_file *file, const char *group, const struct walk_cells *cells,
                       struct walk *walk);
 

@@ -4,18 +4,25 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 
 #define LEAST_WAYS 2          /* of each walker, for a lag to count */
 #define LEAST_COEFFICIENT 0.1 /* of D: errors of less, as across a slit, are relative to this */
 #define LEAST_SPREAD 0.5      /* D_T / D below which walls, not slowness, hold walkers together */
 #define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
 
-enum status walk_moments_begin(size_t walkers, const double stretch[3], struct walk_spot *start,
-                               struct walk_moments *m) {
+size_t walk_group_start(size_t walkers, int group) {
+  return walkers * (size_t)group / WALK_GROUPS;
+}
+
+void walk_moments_begin(size_t walkers, const double stretch[3], struct walk_moments *m) {
   memset(m, 0, sizeof *m);
-  m->walkers = walkers, m->start = start;
+  m->walkers = walkers;
+  for (int end = 0; end < 2; end++)
+    m->group[end] = WALK_GROUPS * (ranks_own() + end) / ranks_count();
+  m->first = walk_group_start(walkers, m->group[0]);
+  m->count = walk_group_start(walkers, m->group[1]) - m->first;
   for (int a = 0; a < 3; a++) m->stretch[a] = stretch[a];
-  return STATUS_OK;
 }
 
 void walk_moments_free(struct walk_moments *m) {
@@ -33,10 +40,10 @@ static void way_between(const struct walk_moments *m, const struct walk_spot *fr
 static void add_ways(struct walk_moments *m, int lag, const struct walk_spot *now) {
   struct walk_spot *from = m->from[lag];
 #pragma omp parallel for schedule(static)
-  for (int g = 0; g < WALK_GROUPS; g++) {
+  for (int g = m->group[0]; g < m->group[1]; g++) {
     double *sum = m->sums[lag][g];
-    const size_t end = m->walkers * (size_t)(g + 1) / WALK_GROUPS;
-    for (size_t w = m->walkers * (size_t)g / WALK_GROUPS; w < end; w++) {
+    const size_t end = walk_group_start(m->walkers, g + 1) - m->first;
+    for (size_t w = walk_group_start(m->walkers, g) - m->first; w < end; w++) {
       double way[3];
       way_between(m, &from[w], &now[w], way);
       for (int a = 0; a < 3; a++) {
@@ -58,8 +65,8 @@ enum status walk_moments_add(struct walk_moments *m, const struct walk_spot *now
   m->intervals++;
   for (int lag = 0; lag < WALK_LAGS && m->intervals % ((uint64_t)1 << lag) == 0; lag++) {
     if (lag == m->lags) {
-      TRY(memory_allocate(&m->from[lag], m->walkers, sizeof *m->from[lag], "places of walkers"));
-      memcpy(m->from[lag], m->start, m->walkers * sizeof *m->start);
+      TRY(memory_allocate(&m->from[lag], m->count, sizeof *m->from[lag], "places of walkers"));
+      memcpy(m->from[lag], m->start, m->count * sizeof *m->start);
       m->lags++;
     }
     add_ways(m, lag, now);
@@ -74,8 +81,7 @@ struct moment {
 };
 
 static double ways_of_group(const struct walk_moments *m, int lag, int g) {
-  const size_t walkers =
-      m->walkers * (size_t)(g + 1) / WALK_GROUPS - m->walkers * (size_t)g / WALK_GROUPS;
+  const size_t walkers = walk_group_start(m->walkers, g + 1) - walk_group_start(m->walkers, g);
   return (double)walkers * (double)(m->intervals >> lag);
 }
 
@@ -154,6 +160,10 @@ int walk_moments_lags(const struct walk_moments *m, const double e[3], int dimen
   return count;
 }
 
+double walk_error_unit(double coefficient) {
+  return fmax(fabs(coefficient), LEAST_COEFFICIENT);
+}
+
 /* Relative error of the value at `k` among those of all lags: of its statistics, and of the drift,
  * which is the change since the lag before, and what longer lags show beyond their own errors. */
 static double error_at(const double *value, const double *error, int k, int count,
@@ -161,7 +171,7 @@ static double error_at(const double *value, const double *error, int k, int coun
   double change = fabs(value[k] - value[k - 1]);
   for (int j = k + 1; j < count; j++)
     change = fmax(change, fabs(value[j] - value[k]) - CONFIDENCE * error[j]);
-  const double unit = fmax(fabs(value[k]), LEAST_COEFFICIENT);
+  const double unit = walk_error_unit(value[k]);
   *statistics = CONFIDENCE * error[k] / unit;
   *drift = change / unit;
   return hypot(*statistics, *drift);

@@ -32,18 +32,22 @@ struct walk_spot {
 enum { WALK_WAY = 0, WALK_PRODUCTS = 3, WALK_PAIR = 9, WALK_ALONG, WALK_ALONG_SQUARE, WALK_SUMS };
 
 struct walk_moments {
-  size_t walkers;
-  uint64_t intervals; /* looked at so far */
+  size_t walkers; /* of all ranks */
+  int group[2];   /* this rank's are from the first to before the second; sums of the others 0 */
+  size_t first, count; /* walkers of these groups */
+  uint64_t intervals;  /* looked at so far */
   int lags;
   double stretch[3];                 /* spacings along the axes over the first */
-  struct walk_spot *start;           /* [walkers], by id, as all the next */
+  struct walk_spot *start;           /* [count], by id from `first` on, as all the next */
   struct walk_spot *from[WALK_LAGS]; /* where the current way over each lag began */
   double sums[WALK_LAGS][WALK_GROUPS][WALK_SUMS];
 };
 
-/* `start`: the walkers at time 0; taken over. */
-enum status walk_moments_begin(size_t walkers, const double stretch[3], struct walk_spot *start,
-                               struct walk_moments *moments);
+/* The first walker of a group; that of group WALK_GROUPS is their number. */
+size_t walk_group_start(size_t walkers, int group);
+/* Whose groups they are; start NULL. A rank has whole groups, so that their sums are the same on
+ * any number of ranks. */
+void walk_moments_begin(size_t walkers, const double stretch[3], struct walk_moments *moments);
 /* The walkers one interval later. */
 enum status walk_moments_add(struct walk_moments *moments, const struct walk_spot *now);
 void walk_moments_free(struct walk_moments *moments);
@@ -74,6 +78,8 @@ struct walk_verdict {
   double longitudinal, transverse, longitudinal_error, transverse_error;
   double longitudinal_statistics, transverse_statistics, longitudinal_drift, transverse_drift;
 };
+/* What these errors are relative to: the coefficient, but a tenth of D at least. */
+double walk_error_unit(double coefficient);
 struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, double memory);
 
 #endif

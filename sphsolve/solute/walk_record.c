@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/ranks.h"
 #include "sphsolve/solute/walk.h"
 
 #define PATH 512
@@ -25,18 +26,21 @@ enum status walk_record(struct walk *walk, struct walk_record *r) {
   r->count = walk_lags(walk, r->lags);
   r->walkers = (double)n, r->steps = (double)walk->steps;
   r->dt = walk->dt, r->flight = (double)walk->step.flight, r->interval = WALK_INTERVAL * walk->dt;
-  r->not_carried = (double)walk->kept.carried, r->not_flown = (double)walk->kept.flown;
+  r->not_carried = ranks_sum((double)walk->kept.carried);
+  r->not_flown = ranks_sum((double)walk->kept.flown);
   TRY(memory_allocate(&sorted, n, sizeof *sorted, "times of passage"));
   for (int p = 0; p < WALK_PLANES; p++) {
     r->plane[p] = walk->plane[p];
+    TRY(walk_gather(walk, walk->passage[p], sizeof *sorted, sorted));
     for (size_t w = 0; w < n; w++)
-      sorted[w] = walk->passage[p][w] > 0 ? walk->passage[p][w] : INFINITY;
+      if (!(sorted[w] > 0)) sorted[w] = INFINITY;
     qsort(sorted, n, sizeof *sorted, by_value);
     for (size_t q = 0; q < WALK_QUANTILES; q++) {
       const double time = (double)sorted[(2 * q + 1) * n / (2 * WALK_QUANTILES)];
       r->passage[p][q] = isfinite(time) ? time : NAN;
     }
   }
+  TRY(walk_sum_track(walk));
   r->track = walk->track, walk->track = NULL;
   r->tracked = walk->moments.intervals < WALK_TRACK ? walk->moments.intervals : WALK_TRACK;
 cleanup:

@@ -79,6 +79,34 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
   $AGREE serial.hdf two.hdf 1e-6 run@k
 }
 
+@test "solute: closure problem and walk on 2 and 3 ranks, bit for bit; ended on 3 and resumed on one" {
+  cat > slit.cfg <<'END'
+scene = { name = "slit"; method = "stokes"; };
+domain = { size = ["1.2 mm", "0.3 mm"]; spacing = "0.05 mm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "1.2 mm", "0.3 mm"]; },
+            { type = "wall"; box = ["0", "0", "0.2 mm", "0.3 mm"]; } );
+force = { body_acceleration = ["0", "-1 mm/s^2"]; };
+END
+  cat > carried.cfg <<'END'
+scene  = { name = "carried"; };
+flow   = { file = "slit.hdf"; };
+solute = { peclet = [30.0]; length = "1 mm"; way = "both"; };
+checkpoint = { interval = "1 us"; };
+END
+  local given="run carried.cfg --error 30%"
+  sphsolve run slit.cfg -o slit --quiet
+  sphsolve $given -o alone --quiet --set checkpoint.interval='"1 h"'
+  for n in 2 3; do
+    on $n sphsolve-mpi $given -o "on$n" --quiet --set checkpoint.interval='"1 h"'
+    /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf "on$n.hdf"
+  done
+  on 3 sphsolve-mpi $given -o cut --quiet > log 2>&1 &
+  killed cut $!
+  sphsolve $given -o cut --quiet --resume --set checkpoint.interval='"1 h"'
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf cut.hdf
+}
+
 @test "an error is said once, and ends all ranks" {
   run on 3 sphsolve-mpi run nowhere.cfg -o none
   [ "$status" -eq 3 ]

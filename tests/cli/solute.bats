@@ -20,6 +20,12 @@ scene  = { name = "carried"; };
 flow   = { file = "slit.hdf"; };
 solute = { diffusion = "1e-9 m^2/s"; peclet = [0.1, 1.0, 10.0, 100.0, 1000.0]; length = "1 mm"; };
 END
+  cat > resumed.cfg <<'END'
+scene  = { name = "resumed"; };
+flow   = { file = "slit.hdf"; };
+solute = { peclet = [30.0]; length = "1 mm"; way = "both"; };
+checkpoint = { interval = "0.05 s"; };
+END
   sphsolve run slit.cfg -o slit > /dev/null
   sphsolve run carried.cfg -o carried --json > carried.json
 }
@@ -74,6 +80,26 @@ assert len(r["peclet"]) == 1 and abs(r["peclet"][0] / (r["mean_velocity"] * 1e-3
 import json
 r = json.load(open("auto.json"))
 assert abs(r["length"] / (6 * 0.2e-3 / 2) - 1) < 0.01, r["length"]  # 6 times the wall plate over its two sides'
+}
+
+@test "interrupted, killed and resumed it is, bit for bit, the run that never ended" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  sphsolve run resumed.cfg -o never --error 30% --quiet --threads 1
+  for signal in INT KILL; do
+    rm -f ended.ckpt.1.hdf
+    (exec sphsolve run resumed.cfg -o ended --error 30% --quiet --resume) &
+    until [ -e ended.ckpt.1.hdf ] || ! kill -0 $! 2> /dev/null; do sleep 0.02; done
+    kill -$signal $! 2> /dev/null || true
+    wait $! || true
+    [ ! -e ended.hdf ]
+    [ -s ended.ckpt.hdf ]
+  done
+  run -3 --separate-stderr sphsolve run resumed.cfg -o ended --error 30% --quiet --resume --set 'solute.peclet=[10.0]'
+  [[ $stderr == *"the scene has changed since: solute.peclet was 30 and is 10"* ]]
+  sphsolve run resumed.cfg -o ended --error 30% --quiet --resume
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" never.hdf ended.hdf
+  h5ls_walks='import h5py; w = h5py.File("ended.hdf")["solute/walk/0"]; print(w["track"].shape[1], w["passage_time"].shape)'
+  [ "$(/usr/bin/python3 -c "$h5ls_walks")" = "64 (6, 200)" ]
 }
 
 @test "explain foretells memory and time" {

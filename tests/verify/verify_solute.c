@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "sphsolve/solute/closure.h"
@@ -128,7 +129,9 @@ static void turned_slits(void) {
   must(solute_flow_build(n, h, turned_distance, turned_velocity, NULL, &flow));
   r.length = gap;
   for (double peclet = 0.1; peclet < 2000; peclet *= 10) r.peclet[r.count++] = peclet;
-  must(solute_curve_by_closure(&flow, &r));
+  static struct solute_state state;
+  memset(&state, 0, sizeof state);
+  must(solute_curve_by_closure(&flow, &state, &r));
   const double seconds = (clock_seconds() - started) / r.count;
   for (int i = 0; i < r.count; i++) {
     const struct solute_estimate *e = &r.closure[i].value;

@@ -17,6 +17,7 @@ enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_kryl
   enum status status = STATUS_OK;
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
+  k->alone = false;
   k->basis = NULL, k->work = NULL, k->partial = NULL, k->stop = NULL;
   TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
                       "Krylov basis"));
@@ -59,7 +60,7 @@ static double dot(struct stokes_krylov *k, const float *x, const float *y) {
   }
   double total = 0.0;
   for (size_t b = 0; b < blocks; b++) total += k->partial[b];
-  return ranks_sum(total);
+  return k->alone ? total : ranks_sum(total);
 }
 
 double stokes_krylov_norm(struct stokes_krylov *k, const float *x) {

@@ -11,6 +11,7 @@
 struct stokes_krylov {
   size_t length;
   int basis_max;   /* vectors kept */
+  bool alone;      /* all of the vectors are this rank's; else it has its part of them */
   float *basis;    /* [basis_max + 1][length]; the first is the residual between corrections */
   float *work;     /* [length] */
   double *partial; /* of the sums */
