@@ -68,6 +68,11 @@ static enum status read_text(const char *path, char **text) {
     TRY(memory_resize(text, capacity, 1, "the scene's text"));
   }
   if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  if (used > 8 && memcmp(*text, "\211HDF\r\n\032\n", 8) == 0)
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: is an HDF5 file; a scene is text, and names a model in model = { file = \"...\"; }",
+        path);
   if (memchr(*text, 0, used))
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
              line_at(*text, *text + strlen(*text)));

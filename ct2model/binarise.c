@@ -137,7 +137,7 @@ static void warn_if_fragile(struct pipeline *pipeline) {
   double position = (threshold - phases->pore_peak) / contrast;
   if (position < 0.15 || position > 0.85)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
-                "check the void ratio and the region (--crop must not hold the container)",
+                "check the void ratio and the region (--crop auto leaves a container out)",
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
   /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */

@@ -75,6 +75,11 @@ class Model:
     def void_ratio(self):
         return self.porosity / (1.0 - self.porosity)
 
+    def __repr__(self):
+        size = " x ".join(str(n) for n in reversed(self.solid.shape))
+        edges = " x ".join(f"{1e6 * float(h):.4g}" for h in reversed(self.spacing))
+        return f"Model('{self.path}', {size} voxels (x, y, z) of {edges} um, porosity {self.porosity:.4g})"
+
 
 @dataclasses.dataclass
 class Snapshot:
@@ -84,6 +89,9 @@ class Snapshot:
     time: float
     points: Array
     fields: dict
+
+    def __repr__(self):
+        return f"Snapshot('{self.path}', {self.time:g} s, {len(self.points)} points with {', '.join(self.fields)})"
 
 
 @dataclasses.dataclass
@@ -104,6 +112,10 @@ class Run:
     @property
     def K(self):
         return float(self.attributes["intrinsic_permeability"])
+
+    def __repr__(self):
+        flow = f", k={self.k:.4g} m/s" if "k" in self.attributes else ""
+        return f"Run('{self.path}', method {self.attributes.get('method')}{flow}, {len(self.snapshot_names)} snapshots)"
 
     def snapshot(self, number=-1):
         """The snapshot of that number, the last by default."""
@@ -141,8 +153,11 @@ def load(path):
             for name, read in (("model/solid", _load_model), ("run", _load_run), ("VTKHDF/Points", _load_snapshot)):
                 if name in file:
                     return read(path, file)
+    except FileNotFoundError:
+        raise TosuiError(f"{path}: No such file or directory") from None
     except OSError as error:
-        raise TosuiError(f"{path}: {error}") from None
+        cause = error if not os.path.isfile(path) or h5py.is_hdf5(path) else "no HDF5 file, or a damaged one"
+        raise TosuiError(f"{path}: {cause}") from None
     raise TosuiError(f"{path}: neither a model nor a run nor a snapshot of Tosui")
 
 

@@ -59,8 +59,9 @@ static void interval(FILE *out, double value, double low, double high, const cha
 static void write_budget(const json_t *budget, FILE *out) {
   static const struct {
     const char *key, *name;
-  } parts[] = {{"resolution", "resolution"}, {"scan", "scan"},           {"sides", "sides"},
-               {"void_ratio", "void ratio"}, {"threshold", "threshold"}, {"micro", "soil below the voxel"},
+  } parts[] = {{"resolution", "resolution"}, {"scan", "scan"},
+               {"sides", "sides"},           {"void_ratio", "void ratio"},
+               {"threshold", "threshold"},   {"micro", "soil below the voxel"},
                {"averaging", "averaging"},   {"steadiness", "steadiness"}};
   const double total = number(budget, "total");
   if (!(total > 0.0)) return;
@@ -82,8 +83,8 @@ static void write_budget(const json_t *budget, FILE *out) {
         out,
         "<p class=\"note\">Sides: the sample wraps round in x and y; mirrored there, k changes by "
         "the share above. In a tube with the sample&rsquo;s sides, whose walls rub as no soil "
-        "does, k would be %.2g times as large.</p>\n",
-        exp(closed));
+        "does, k would change by %+.2g %%.</p>\n",
+        100.0 * expm1(closed));
 }
 
 static void write_orientation(const json_t *result, FILE *out) {

@@ -18,15 +18,14 @@ static json_t *error_json(const struct uncertainty *b) {
       "resolution", json_number(b->resolution), "scan", json_number(b->scan), "sides",
       json_number(b->sides), "void_ratio", json_number(b->void_ratio), "threshold",
       json_number(b->threshold), "micro", json_number(b->micro), "averaging",
-      json_number(b->averaging), "steadiness",
-      json_number(b->steadiness), "total", json_number(uncertainty_largest(b)), "model_voxels",
-      json_number(b->model), "observed_order", json_number(b->order), "extrapolated_permeability",
-      json_number(b->extrapolated), "finest_permeability", json_number(b->finest),
-      "dlnk_dvoid_ratio", json_number(b->slope_void_ratio), "dlnk_sides_closed",
-      json_number(b->sides_closed), "dlnk_blurred_again", json_number(b->slope_blur),
-      "dlnk_dthreshold", json_number(b->slope_threshold), "dlnk_dlnk_micro",
-      json_number(b->slope_micro), "resolution_needs",
-      resolution_needs_names[b->needs]);
+      json_number(b->averaging), "steadiness", json_number(b->steadiness), "total",
+      json_number(uncertainty_largest(b)), "model_voxels", json_number(b->model), "observed_order",
+      json_number(b->order), "extrapolated_permeability", json_number(b->extrapolated),
+      "finest_permeability", json_number(b->finest), "dlnk_dvoid_ratio",
+      json_number(b->slope_void_ratio), "dlnk_sides_closed", json_number(b->sides_closed),
+      "dlnk_blurred_again", json_number(b->slope_blur), "dlnk_dthreshold",
+      json_number(b->slope_threshold), "dlnk_dlnk_micro", json_number(b->slope_micro),
+      "resolution_needs", resolution_needs_names[b->needs]);
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
@@ -121,8 +120,8 @@ static void print_uncertainty(const struct uncertainty *b) {
     putchar('\n');
   }
   if (isfinite(b->sides_closed) && log_level() >= LOG_VERBOSE)
-    printf("           in a tube with the sample's sides k is %.2g times as large (solved)\n",
-           exp(b->sides_closed));
+    printf("           in a tube with the sample's sides k changes by %+.2g %% (solved)\n",
+           100.0 * expm1(b->sides_closed));
   if (isfinite(b->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
     print_part(", one grey level of the threshold by", b->slope_threshold);

@@ -60,6 +60,8 @@ class Module(unittest.TestCase):
         self.assertEqual(shot.fields["velocity"].unit, "m/s")
         darcy = -shot.fields["velocity"][:, 2].sum() / 12**3
         self.assertLess(abs(darcy / run.attributes["darcy_velocity"][2] + 1), 0.05)
+        for shown in (model, run, shot):
+            self.assertRegex(repr(shown), r"^(Model|Run|Snapshot)\('[^\n]{20,150}\)$")
 
     def test_table(self):
         table = tosui.table("darcy", os.path.join(self.folder.name, "run.hdf"))
@@ -71,8 +73,10 @@ class Module(unittest.TestCase):
             with self.assertRaises(tosui.TosuiError) as caught:
                 tosui.permeability(image, size, pore=5 if words == ("label 5",) else 0)
             self.assertIn(words[0], str(caught.exception))
-        with self.assertRaises(tosui.TosuiError):
-            tosui.load(__file__)
+        for path, said in ((__file__, "no HDF5 file"), ("nothere.hdf", "nothere.hdf: No such file or directory")):
+            with self.assertRaises(tosui.TosuiError) as caught:
+                tosui.load(path)
+            self.assertIn(said, str(caught.exception))
         with self.assertRaises(tosui.TosuiError) as caught:
             tosui.permeability(np.ones((4, 4, 4), int) * np.arange(4), 1e-6, void_ratio=-1)
         self.assertEqual(caught.exception.code, 2)

@@ -48,6 +48,10 @@ END
   run --separate-stderr "$SPH" explain zero.cfg
   [ "$status" -eq 3 ]
   [[ "$stderr" == *"zero bytes"* ]]
+  printf '\211HDF\r\n\032\n\0\0' > model.hdf
+  run --separate-stderr "$SPH" run model.hdf -o x
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"is an HDF5 file; a scene is text"* ]]
   slit
   run --separate-stderr "$SPH" explain slit.cfg --set model.file=slit.cfg
   [ "$status" -eq 3 ]

@@ -315,7 +315,7 @@ static void estimate(struct cascade *c) {
   b->finest = k[0];
   b->order = limit.order;
   const double model = isfinite(b->model) ? b->model : 0.0;
-  b->resolution_low = hypot(limit.low, model);
+  b->resolution_low = fmin(hypot(limit.low, model), 1.0); /* k is above 0 */
   b->resolution_high = hypot(limit.high, model);
   b->resolution = fmax(b->resolution_low, b->resolution_high);
 }
