@@ -72,9 +72,10 @@ static enum status folder_make(const char *folder) {
     char end = *c;
     *c = '\0';
     struct stat info;
-    if (mkdir(path, 0777) != 0 && (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)))
+    const int cause = mkdir(path, 0777) != 0 ? errno : 0;
+    if (cause != 0 && (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)))
       return FAIL(STATUS_RUN, "%s: the folder cannot be made (%s); choose another with -o", path,
-                  strerror(errno));
+                  strerror(cause));
     if (end == '\0') return STATUS_OK;
     *c = end;
   }
