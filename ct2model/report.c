@@ -263,7 +263,7 @@ static void print_pores(const struct pipeline *pipeline) {
     return;
   }
   if (!pipeline_finer_size(pipeline, 0.05, size, &enough))
-    printf(": fine enough for 5 %%\n");
+    printf(": fine enough to resolve the flow to 5 %%\n");
   else if (pipeline->size[0] == pipeline->region.size[0])
     printf(": too coarse for 5 %%, and the scan holds no more: a finer scan is needed\n");
   else

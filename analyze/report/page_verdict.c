@@ -136,7 +136,7 @@ static const char *good_for(double relative) {
 static const struct {
   const char *part, *remedy;
 } remedies[] = {{"resolution", ""},
-                {"scan", "a sharper scan is needed"},
+                {"scan", "a finer or sharper scan is needed"},
                 {"sides", "a larger sample is needed"},
                 {"void_ratio", "build the model nearer to the measured void ratio"},
                 {"threshold", "measure the void ratio more precisely"},

@@ -77,7 +77,7 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   data matched.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
   # What lessens resolution, and what lessens the largest of the other shares, whichever that is.
   data matched.html '(lambda v, b: "a model with smaller voxels, and " +
-    {"scan": "a sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)]
+    {"scan": "a finer or sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)]
     in v["advice"])(page["verdict"][0], page["verdict"][0]["error_budget"])'
   data plain.html '"a model with voxels of about" in page["verdict"][0]["advice"]'
   data plain.html 'page["verdict"][0]["k_low_m_per_s"] == 0 and "do not publish" in page["verdict"][0]["good_for"]'
