@@ -272,7 +272,8 @@ cleanup:
                         s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
     job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
     /* Last, as it leaves nothing but the solution. */
-    if (status == STATUS_OK && s.grid.active_all > 0 && job->lattice.micro_porosity != NULL)
+    const bool last = c->fixed == 0 || c->tried == c->fixed;
+    if (status == STATUS_OK && s.grid.active_all > 0 && job->lattice.micro_porosity != NULL && last)
       status = measure_soil(job, &s);
     cascade_keep(c, &s);
   }

@@ -46,6 +46,20 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
 }
 
+/* stokes_soil_at, which is `last` where the site beside is of the same kind. */
+static const struct stokes_soil_site *soil_beside(const struct stokes_operator *op, size_t site,
+                                                  size_t *known, struct stokes_soil_site *last) {
+  const struct lattice *l = op->lattice;
+  const uint8_t *enclosed = op->soil->enclosed;
+  if (l->micro_porosity[site] != l->micro_porosity[*known] ||
+      l->micro_permeability[site] != l->micro_permeability[*known] ||
+      (enclosed && enclosed[site] != enclosed[*known])) {
+    *last = stokes_soil_at(op->soil, l, site);
+    *known = site;
+  }
+  return last;
+}
+
 /* A link to or from soil, or one between pores of a site that has such links. */
 static void add_soil(const struct stokes_operator *op, const struct stokes_offset *offset,
                      const struct stokes_soil_site *own, const struct stokes_soil_site *other,
@@ -123,8 +137,9 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
   *sums = (struct site_sums){.smooth = true};
-  struct stokes_soil_site own = {0};
-  if (op->soil) own = stokes_soil_at(op->soil, op->lattice, site);
+  struct stokes_soil_site own = {0}, last;
+  size_t known = site; /* the site that `last` is of */
+  if (op->soil) own = last = stokes_soil_at(op->soil, op->lattice, site);
   /* At the walls of soil the velocity is linear to the wall, with soil's viscosity. */
   const double viscosity = own.soil ? stokes_soil_weight(own.viscosity, own.viscosity) : 1.0;
   double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
@@ -134,8 +149,7 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     const long x = ((long)at[0] + offset->step[0]) % (long)nx;
     const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
     if (stokes_grid_is_active(grid, row, i) && op->soil) {
-      const struct stokes_soil_site to = stokes_soil_at(op->soil, op->lattice, other);
-      add_soil(op, offset, &own, &to, sums);
+      add_soil(op, offset, &own, soil_beside(op, other, &known, &last), sums);
     } else if (stokes_grid_is_active(grid, row, i)) {
       add_pore(op, offset, sums);
     } else if (op->lattice->kind[other] == SITE_WALL) {

@@ -11,14 +11,20 @@
 
 enum { OWN, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH, ROWS };
 
-static inline float coupling(float t, float here, float there) {
+static inline float mean(float t, float here, float there) {
   return there > 0.0f ? t * (here + there) : 0.0f;
+}
+
+/* In series, as it jumps at the surface of soil. */
+static inline float series(float t, float here, float there) {
+  return there > 0.0f && here > 0.0f ? 4.0f * t * here * there / (here + there) : 0.0f;
 }
 
 /* T x and the diagonal of T on one row. t: 1 / (2 dx^2) along x, y, z; 0 where there is no such
  * axis. */
-TARGETS static void darcy_row(size_t nx, const float *const kappa[ROWS], const float *const x[ROWS],
-                              const float t[3], float *restrict sum, float *restrict diagonal) {
+static inline __attribute__((always_inline)) void
+row_of(size_t nx, const float *const kappa[ROWS], const float *const x[ROWS], const float t[3],
+       float (*coupling)(float, float, float), float *restrict sum, float *restrict diagonal) {
   const float *k = kappa[OWN], *u = x[OWN];
   for (size_t i = 0; i < nx; i++) sum[i] = diagonal[i] = 0.0f;
   for (int n = Y_LOW; n < ROWS; n++) {
@@ -46,6 +52,16 @@ TARGETS static void darcy_row(size_t nx, const float *const kappa[ROWS], const f
   diagonal[nx - 1] += high;
 }
 
+TARGETS static void mean_row(size_t nx, const float *const kappa[ROWS], const float *const x[ROWS],
+                             const float t[3], float *restrict sum, float *restrict diagonal) {
+  row_of(nx, kappa, x, t, mean, sum, diagonal);
+}
+TARGETS static void series_row(size_t nx, const float *const kappa[ROWS],
+                               const float *const x[ROWS], const float t[3], float *restrict sum,
+                               float *restrict diagonal) {
+  row_of(nx, kappa, x, t, series, sum, diagonal);
+}
+
 /* Packed T p (of the field) and diagonal of a row, in the buffers of the thread. */
 static void find_row(const struct stokes_operator *op, size_t row, const float **sum,
                      const float **diagonal) {
@@ -67,7 +83,7 @@ static void find_row(const struct stokes_operator *op, size_t row, const float *
   float *full = op->scratch + (size_t)omp_get_thread_num() * op->scratch_size;
   float *packed = full + 2 * stride;
   const uint16_t *mask = grid->mask + row * grid->chunks;
-  darcy_row(grid->size[0], k_rows, p_rows, t, full, full + stride);
+  (op->soil ? series_row : mean_row)(grid->size[0], k_rows, p_rows, t, full, full + stride);
   op->rows->pack(mask, grid->chunks, full, packed);
   op->rows->pack(mask, grid->chunks, full + stride, packed + stride);
   *sum = packed;

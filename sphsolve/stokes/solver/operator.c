@@ -282,11 +282,14 @@ void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y)
 
 void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y) {
+  const int sums = op->soil ? op->soil->viscosity.count : 0;
+  if (op->soil && !op->soil->thick_layer) op->soil->viscosity.count = 1;
 #pragma omp parallel num_threads(op->threads)
   {
     unpack_viscous(op, x, 0, component);
     for_rows(op, one_component_row, x, y);
   }
+  if (op->soil) op->soil->viscosity.count = sums;
 }
 
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y) {

@@ -80,7 +80,8 @@ void stokes_operator_free(struct stokes_operator *op);
 /* y = K x. */
 void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
 /* The velocity block alone, of one component [n]: y = A x. component: the axis, or -1 for what is
- * even where the lattice is mirrored. */
+ * even where the lattice is mirrored. For preconditioning: where drag rules in soil, links between
+ * two of its sites have the product of their viscosities to a pore, less than their own. */
 void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y);
 /* Zero on a mirror plane that holds sites for all of y that is odd there: what rounding leaves of

@@ -99,6 +99,8 @@ static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
 /* Where the velocity falls within a tenth of a site beneath the surface of soil, the viscosity
  * between soils is nothing beside the drag, and the second column is left out. */
 #define THIN_LAYER 0.1
+/* And to precondition, within three tenths. */
+#define THICK_LAYER 0.3
 
 /* sqrt(k / n), the largest. */
 static double boundary_layer(const struct stokes_soil *s, const struct lattice *l) {
@@ -130,7 +132,9 @@ enum status stokes_soil_build(const struct lattice *lattice, const struct stokes
                       "the soil"));
   TRY(find_enclosed(lattice, driving, s));
   s->pivot = find_pivot(s, lattice);
-  TRY(allocate(grid->active, boundary_layer(s, lattice) > THIN_LAYER ? 2 : 1, &s->viscosity));
+  const double layer = boundary_layer(s, lattice);
+  s->thick_layer = layer > THICK_LAYER;
+  TRY(allocate(grid->active, layer > THIN_LAYER ? 2 : 1, &s->viscosity));
   TRY(allocate(grid->active, s->pivot > 0.0 ? 3 : 2, &s->mobility));
   TRY(memory_allocate(&s->relative, grid->active, sizeof *s->relative, "the soil"));
   TRY(memory_allocate(&s->balance, grid->active, sizeof *s->balance, "the soil"));
