@@ -106,7 +106,10 @@ enum status isph_open_create(struct isph *s) {
                "%s:%d: an inflow region is a thin box on one side of the domain that is not "
                "periodic; this box touches none, or two opposite ones",
                scene->path, region->line);
+    side.region = region;
     side.head = region->head, side.flux = region->flux;
+    for (size_t n = 0; n < region->table.count && region->boundary == BOUNDARY_HEAD; n++)
+      side.head = fmax(n > 0 ? side.head : -INFINITY, region->table.value[n][0]);
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
     TRY(cut(s, &side));
@@ -124,13 +127,55 @@ static int column_layers(const struct isph *s, const struct isph_column *column)
   return (int)ceil(s->support_max / column->pitch - 1e-9) + 1;
 }
 
+#define AWAY 100.0 /* supports */
+
 static void place_column(struct isph *s, size_t c) {
   const struct isph_column *column = &s->columns[c];
   const struct isph_open_side *side = &s->sides[column->side];
-  if (column->dry) return;
+  /* A dry column of a head that rises and falls waits where no water sees it. */
+  const double front = column->dry ? AWAY * s->support_max : s->column_front[c];
+  if (column->first == SIZE_MAX) return;
   for (int l = 0; l < column_layers(s, column); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
-        side->edge - side->inward * (s->column_front[c] + l * column->pitch);
+        side->edge - side->inward * (front + l * column->pitch);
+}
+
+void isph_drive(struct isph *s, double dt) {
+  const double t = s->time + dt;
+  bool heads = false;
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    struct isph_wall_box *box = &s->wall_boxes[b];
+    const struct time_table *table = &box->region->table;
+    for (int a = 0; a < 3 && table->count > 0; a++)
+      box->velocity[a] =
+          dt > 0 ? time_table_integral(table, s->time, t, a) / dt : time_table_at(table, t, a);
+  }
+  for (size_t k = 0; k < s->side_count; k++) {
+    struct isph_open_side *side = &s->sides[k];
+    if (side->region->table.count == 0) continue;
+    const double value = time_table_at(&side->region->table, t, 0);
+    if (side->kind == BOUNDARY_OPEN_HEAD)
+      side->head = value, heads = true;
+    else
+      side->flux = value, side->velocity[side->axis] = value * side->inward;
+  }
+  if (heads) isph_wall_move(s, 0);
+}
+
+void isph_open_dry(struct isph *s, bool place) {
+  for (size_t c = 0; c < s->column_count; c++) {
+    struct isph_column *column = &s->columns[c];
+    const struct isph_open_side *side = &s->sides[column->side];
+    if (side->region->table.count == 0 || side->kind != BOUNDARY_OPEN_HEAD) continue;
+    if (column->first == SIZE_MAX) continue;
+    const bool dry = !(isph_open_pressure(s, side, column->at[2]) > 0);
+    if (dry == column->dry) continue;
+    column->dry = dry;
+    if (!place) continue;
+    column->speed = 0;
+    s->column_front[c] = 0.5 * column->pitch;
+    place_column(s, c);
+  }
 }
 
 enum status isph_open_fill(struct isph *s, size_t *capacity) {
@@ -161,7 +206,10 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       column->volume = area * column->pitch;
       s->column_front[side->first + (size_t)c] = 0.5 * column->pitch;
       column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
-      if (column->dry) continue;
+      if (column->dry) {
+        column->first = SIZE_MAX;
+        continue;
+      }
       for (int l = 0; l < column_layers(s, column); l++) {
         x[side->axis] = side->edge - side->inward * (l + 0.5) * column->pitch;
         enum status status = isph_wall_add(s, capacity, x, side->kind, k, column->volume);
@@ -411,6 +459,7 @@ static enum status admit(struct isph *s, size_t c) {
 }
 
 enum status isph_open_move(struct isph *s, double dt) {
+  isph_open_dry(s, true);
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;

@@ -327,6 +327,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
   TRY(read_into(file, "/state/losses", H5_F64, CONSERVATION_LOSSES, 6, s->losses));
+  isph_drive(s, 0);
+  isph_open_dry(s, false);
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));

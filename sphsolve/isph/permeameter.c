@@ -37,6 +37,7 @@ static bool find_column(const struct isph *s, struct column *column) {
   const struct isph_open_side *sides = s->sides;
   if (s->side_count != 2 || s->wall_box_count > 1 || s->on.surface) return false;
   *axis = sides[0].axis;
+  if (sides[0].region->table.count > 0 || sides[1].region->table.count > 0) return false;
   bool facing = sides[1].axis == *axis && sides[0].inward * sides[1].inward < 0;
   for (int k = 0; k < 2; k++)
     facing = facing && sides[k].kind == BOUNDARY_OPEN_HEAD &&

@@ -70,6 +70,12 @@ static enum status check_inflows(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_INFLOW) continue;
     if (region->boundary != BOUNDARY_FLUX) return STATUS_OK;
+    if (region->table.count > 0) { /* what goes in and out again needs no room of its own */
+      in += time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time *
+            area_of(context, region);
+      if (first == NULL) first = region;
+      continue;
+    }
     const double rows = region->flux * scene->end_time / context->spacing;
     if (rows > 0 && rows < ROWS_LEAST)
       return FAIL(

@@ -47,6 +47,7 @@ struct isph_switches {
 struct isph_wall_box {
   double low[3], high[3];
   double velocity[3];
+  const struct region *region; /* NULL: the tank */
   bool slip, tank;
 };
 
@@ -59,7 +60,8 @@ struct isph_open_side {
   double edge;            /* where on the axis */
   double low[3], high[3]; /* rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
-  double head, flux;
+  const struct region *region;
+  double head, flux;  /* now */
   double velocity[3]; /* of its boundary particles, where the flux is given */
   int cells[3];       /* columns across the rectangle */
   double pitch[3];    /* their widths; along `axis` the spacing of free water */
@@ -370,6 +372,12 @@ void isph_enclosed_level(struct isph *s);
 /* isph/open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
 enum status isph_open_fill(struct isph *s, size_t *capacity);
+/* Sets what tables of time give for a step from s->time to s->time + dt: walls' mean velocities,
+ * heads and fluxes at its end. Nothing without tables. */
+void isph_drive(struct isph *s, double dt);
+/* Columns above a head that moves become dry, those below wet; at the end of a step. Without
+ * `place` the columns stand already where they were. */
+void isph_open_dry(struct isph *s, bool place);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]);

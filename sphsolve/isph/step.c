@@ -448,6 +448,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (!isnan(scene->isph.alpha))
     relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
   relaxation_time = fmax(relaxation_time, dt); /* beyond, it would overshoot */
+  isph_drive(s, dt);
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
   const size_t total = s->total;
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);

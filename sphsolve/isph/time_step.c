@@ -21,7 +21,7 @@ static double fastest_drive(const struct isph *s) {
   double fastest = 0;
   for (size_t b = 1; b < s->wall_box_count; b++)
     if (wall_is_inside(s, &s->wall_boxes[b]))
-      fastest = fmax(fastest, length(s->wall_boxes[b].velocity));
+      fastest = fmax(fastest, length(s->wall_boxes[b].region->velocity));
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *r = &s->scene->regions[k];
     if (r->type == REGION_POROUS) fastest = fmax(fastest, length(r->soil_velocity));

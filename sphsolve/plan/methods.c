@@ -94,6 +94,10 @@ static enum status refuse_contradictions(const struct scene *scene,
     return scene_error(scene, AT_VISCOSITY,
                        "surface_tension, but method %s has no free surface; leave it out",
                        method->name);
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (scene->regions[r].table.count > 0 && method->resolves_pores)
+      return FAIL(STATUS_INPUT, "%s:%d: times are for method isph; method %s takes one velocity",
+                  scene->path, scene->regions[r].line, method->name);
   if (scene->turbulence == SWITCH_ON && !method->has_turbulence)
     return scene_error(scene, AT_TURBULENCE,
                        "\"on\", but only method isph has a model of turbulence; leave it out");

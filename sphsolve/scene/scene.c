@@ -95,7 +95,7 @@ cleanup:
 static enum status check_roots(struct config *config) {
   static const char *const groups[] = {"scene",      "model",  "lattice", "domain",  "force",
                                        "wcsph",      "stokes", "isph",    "effects", "output",
-                                       "checkpoint", "flow",   "solute", "micro"};
+                                       "checkpoint", "flow",   "solute",  "micro"};
   static const char *const lists[] = {"fluids", "regions", "gauges", "planes"};
   config_node *root = config_root(config);
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
@@ -352,6 +352,10 @@ cleanup:
 }
 
 void scene_free(struct scene *scene) {
+  for (size_t k = 0; scene->regions != NULL && k < scene->region_count; k++) {
+    memory_free(&scene->regions[k].table.time);
+    memory_free(&scene->regions[k].table.value);
+  }
   memory_free(&scene->regions);
   memory_free(&scene->gauges);
   memory_free(&scene->planes);

@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "common/kernel.h"
+#include "sphsolve/scene/time_table.h"
 
 /* plan/method.h; here only what a scene may name. */
 struct method;
@@ -50,8 +51,8 @@ enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
   X(ISPH_DT, "isph", "dt")                                                                         \
   X(TURBULENCE, "effects", "turbulence")                                                           \
   X(SHIFTING, "effects", "shifting")                                                               \
-  X(MICRO, "micro", "")                                                                           \
-  X(MICRO_FACTORS, "micro", "factors")                                                            \
+  X(MICRO, "micro", "")                                                                            \
+  X(MICRO_FACTORS, "micro", "factors")                                                             \
   X(FIELDS, "output", "fields")
 enum scene_place {
 #define X(symbol, group, key) AT_##symbol,
@@ -82,6 +83,8 @@ struct region {
   /* inflow: fixed head (m above z = 0) or flux (m/s through the side, positive inward) */
   enum region_boundary boundary;
   double head, flux;
+  /* head, flux or a wall's velocity in time; those above then hold the values of largest size */
+  struct time_table table;
 };
 
 struct gauge {
@@ -150,8 +153,8 @@ struct scene {
     bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
   } isph;
 
-  struct {              /* soil of the model with pores below the voxel */
-    int factor_count;   /* k is solved with its permeabilities times these, too; ascending */
+  struct {            /* soil of the model with pores below the voxel */
+    int factor_count; /* k is solved with its permeabilities times these, too; ascending */
     double factors[MICRO_FACTORS_MOST];
     double uncertainty; /* they are known to this factor (95 %), above 1; NAN: not said */
   } micro;

@@ -42,8 +42,8 @@ static enum status read_box(struct config *config, config_node *group, const str
 
 /* Soil whose permeability k (m/s, of the scene's fluid at standard gravity) is given: the drag a of
  * a v = g i is g/k, whatever grains make it; a = alpha nu (1-eps)^2 / (eps^3 D50^2) with those of a
- * grain_size, which Forchheimer's term then takes too, else with alpha = 1000 and the D50 that fits,
- * and no such term. */
+ * grain_size, which Forchheimer's term then takes too, else with alpha = 1000 and the D50 that
+ * fits, and no such term. */
 static enum status take_permeability(struct config *config, config_node *group,
                                      const struct scene *scene, double k, struct region *region) {
   const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
@@ -87,22 +87,80 @@ static enum status read_porous(struct config *config, config_node *group, struct
                      "must be above 0 and at most 1"));
   if (permeability > 0) TRY(take_permeability(config, group, scene, permeability, region));
   if (!(region->grain_size > 0))
-    TRY(config_error(config, group,
-                     "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\", or its "
-                     "permeability = \"1e-4 m/s\""));
+    TRY(config_error(
+        config, group,
+        "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\", or its "
+        "permeability = \"1e-4 m/s\""));
   if (!(region->alpha >= 0 && region->beta >= 0))
     TRY(config_error(config, group, "alpha and beta must not be negative"));
 cleanup:
   return status;
 }
 
-static enum status read_inflow(struct config *config, config_node *group, struct region *region) {
+/* A region's `times`, and at each the `name`: `width` quantities, all in one list. */
+static enum status read_table(struct config *config, config_node *group, const char *name,
+                              struct dimension dimension, const struct scene *scene, int width,
+                              struct time_table *table) {
   enum status status = STATUS_OK;
-  bool head_given, flux_given;
-  TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, &head_given));
-  TRY(config_quantity(config, group, "flux", DIM_VELOCITY, &region->flux, &flux_given));
+  config_node *times = config_child(config, group, "times"),
+              *node = config_child(config, group, name);
+  double *values = NULL;
+  const size_t n = config_count(times);
+  if (n < 2 || n > 1000000)
+    return config_error(config, times, "at least two times are wanted, like [\"0 s\", \"1 h\"]");
+  if (node == NULL || config_count(node) != n * (size_t)width)
+    return config_error(config, node != NULL ? node : group,
+                        width > 1 ? "with %zu times, %zu velocities are wanted: all components of "
+                                    "the first, then of the second, ..."
+                                  : "with %zu times, a list of %zu is wanted",
+                        n, width > 1 ? n * (size_t)width : n);
+  TRY(memory_allocate(&table->time, n, sizeof *table->time, "a table of times"));
+  TRY(memory_allocate(&table->value, n, sizeof *table->value, "a table of times"));
+  TRY(memory_allocate(&values, n * (size_t)width, sizeof *values, "a table of times"));
+  table->count = n;
+  TRY(config_quantities(config, group, "times", DIM_TIME, (int)n, (int)n, table->time, NULL, NULL));
+  TRY(config_quantities(config, group, name, dimension, (int)n * width, (int)n * width, values,
+                        NULL, NULL));
+  for (size_t k = 0; k < n; k++) {
+    if (k > 0 && !(table->time[k] > table->time[k - 1]))
+      TRY(config_error(config, times, "%g s does not come after %g s", table->time[k],
+                       table->time[k - 1]));
+    memcpy(table->value[k], values + k * (size_t)width, (size_t)width * sizeof *values);
+    if (width > 1) scene_spread(scene, width, table->value[k]);
+  }
+cleanup:
+  memory_free(&values);
+  return status;
+}
+
+static enum status read_wall(struct config *config, config_node *group, const struct scene *scene,
+                             struct region *region) {
+  enum status status = STATUS_OK;
+  TRY(config_bool(config, group, "slip", &region->slip, NULL));
+  if (config_child(config, group, "times") == NULL)
+    return scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity);
+  TRY(read_table(config, group, "velocity", DIM_VELOCITY, scene, scene->dimensions,
+                 &region->table));
+  for (int a = 0; a < 3; a++) region->velocity[a] = time_table_extreme(&region->table, a);
+cleanup:
+  return status;
+}
+
+static enum status read_inflow(struct config *config, config_node *group, const struct scene *scene,
+                               struct region *region) {
+  enum status status = STATUS_OK;
+  const bool head_given = config_child(config, group, "head") != NULL;
+  const bool flux_given = config_child(config, group, "flux") != NULL;
   if (head_given == flux_given)
     TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
+  if (config_child(config, group, "times") != NULL) {
+    TRY(read_table(config, group, head_given ? "head" : "flux",
+                   head_given ? DIM_LENGTH : DIM_VELOCITY, scene, 1, &region->table));
+    *(head_given ? &region->head : &region->flux) = time_table_extreme(&region->table, 0);
+  } else {
+    TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, NULL));
+    TRY(config_quantity(config, group, "flux", DIM_VELOCITY, &region->flux, NULL));
+  }
   region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
 cleanup:
   return status;
@@ -141,11 +199,10 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(read_porous(config, group, scene, region));
       break;
     case REGION_INFLOW:
-      TRY(read_inflow(config, group, region));
+      TRY(read_inflow(config, group, scene, region));
       break;
     case REGION_WALL:
-      TRY(config_bool(config, group, "slip", &region->slip, NULL));
-      TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
+      TRY(read_wall(config, group, scene, region));
       break;
     case REGION_WATER:
       TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));

@@ -5,7 +5,7 @@ resumable_make() {
     ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size $size -o ${size%%x*}.hdf --quiet > /dev/null
   done
   cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
-  # water with a surface, two soils of which one moves, a gate that moves, a given head and a given flux
+  # water with a surface, two soils of which one moves; a gate, a head and a flux that change with time
   cat > all.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
 domain = { size = ["0.6 m","0.3 m"]; spacing = "1 cm"; periodic = [false,false]; };
@@ -13,9 +13,9 @@ fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; }
 regions = ( { type = "water"; box = ["0","0","0.6 m","0.15 m"]; }, { type = "water"; box = ["0","0.15 m","0.2 m","0.25 m"]; },
   { type = "porous"; box = ["0.25 m","0","0.35 m","0.2 m"]; porosity = 0.4; grain_size = "5 mm"; velocity = ["0.1 m/s","0"]; },
   { type = "porous"; box = ["0.45 m","0","0.5 m","0.2 m"]; porosity = 0.5; grain_size = "1 cm"; },
-  { type = "wall"; box = ["0.203 m","0.02 m","0.217 m","0.3 m"]; velocity = ["0","0.2 m/s"]; },
-  { type = "inflow"; box = ["0","0","1 cm","0.1 m"]; flux = "0.2 m/s"; },
-  { type = "inflow"; box = ["0.59 m","0","0.6 m","0.3 m"]; head = "0.12 m"; } );
+  { type = "wall"; box = ["0.203 m","0.02 m","0.217 m","0.3 m"]; times = ["0 s","0.1 s","0.3 s"]; velocity = ["0","0.3 m/s", "0","0.1 m/s", "0","0.3 m/s"]; },
+  { type = "inflow"; box = ["0","0","1 cm","0.1 m"]; times = ["0 s","0.3 s"]; flux = ["0.3 m/s","0.1 m/s"]; },
+  { type = "inflow"; box = ["0.59 m","0","0.6 m","0.3 m"]; times = ["0 s","0.1 s","0.2 s"]; head = ["0.12 m","0.095 m","0.13 m"]; } );
 force = { gravity = ["0","-9.81 m/s^2"]; };
 gauges = ( { name = "foot"; at = ["0.3 m","0"]; } );
 planes = ( { name = "mid"; x = "0.4 m"; } );

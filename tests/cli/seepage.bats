@@ -177,3 +177,32 @@ END
   [ "$status" -eq 2 ]
   [[ "$output" == *"lighter than the water float"* ]]
 }
+
+@test "heads, fluxes and walls that change with time" {
+  column() { awk -F, -v name="$2" -v t="$3" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    $at["time"] >= t - 1e-9 { print $at[name]; exit }' "$1/history.csv"; }
+  within() { awk -v a="$1" -v b="$2" -v most="$3" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < most ^ 2) }' || { echo "$1 is not $2 +- $3"; return 1; }; }
+  # The head before soil rises from that behind it by 10 cm in 2 s; with linear drag the flux is k i at every moment.
+  sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o rising --quiet --set 'scene.end_time="3 s"' --set 'output.history_interval="0.1 s"' --set 'regions=(
+    { type = "porous"; box = ["0.1 m", "0", "0.3 m", "0.1 m"]; porosity = 0.4; permeability = "1 cm/s"; },
+    { type = "water"; box = ["0", "0", "0.4 m", "0.1 m"]; },
+    { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; times = ["0 s", "2 s"]; head = ["0.2 m", "0.3 m"]; },
+    { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.1 m"]; head = "0.2 m"; } )' > rising.txt
+  run ! grep -q '^k ' rising.txt # a head that moves makes no k
+  analyze history rising.hdf -o rising
+  for t in 0.5 1 1.5; do within "$(column rising flux_mid $t)" "$(awk "BEGIN { print 1e-2 * 0.05 * $t / 0.2 * 1e-3 }")" 2e-7; done
+  within "$(column rising flux_mid 2.9)" 5e-6 3e-7
+  within "$(column rising head_a 1)" 0.25 2e-3
+  # A wall that goes 10 cm in 2 s and stops: the water before it stands so much farther and higher.
+  sphsolve run "$TANK" -o shoved --quiet --set 'scene.end_time="2.5 s"' --set 'isph.dt="auto"' --set 'domain.size=["0.4 m", "0.3 m"]' --set 'regions=(
+    { type = "water"; box = ["0.05 m", "0", "0.4 m", "0.1 m"]; },
+    { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; times = ["0 s", "1 s", "2 s"]; velocity = ["0", "0", "0.1 m/s", "0", "0", "0"]; } )' > shoved.txt
+  analyze history shoved.hdf -o shoved
+  within "$(column shoved front_low_x 2.4)" 0.15 3e-3
+  # A flux that falls to nothing: what has come in is its integral.
+  sphsolve run "$TANK" -o poured --quiet --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set 'regions=(
+    { type = "water"; box = ["0", "0", "0.2 m", "0.1 m"]; },
+    { type = "inflow"; box = ["0", "0", "0.01 m", "0.1 m"]; times = ["0 s", "1 s"]; flux = ["0.1 m/s", "0 m/s"]; } )' > poured.txt
+  analyze history poured.hdf -o poured
+  within "$(column poured mass 1.9)" "$(awk 'BEGIN { print 1000 * 0.01 * (0.02 + 0.05 * 0.1) }')" 0.012
+}
