@@ -3,8 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/soil.h"
+#include "sphsolve/geometry/throats.h"
 
 /* Where no whole number of sites comes within this share of the spacing asked for, several periods
  * of the body are taken instead of one, up to COPIES_MOST. */
@@ -215,7 +217,12 @@ enum status lattice_take_spacing(const struct scene *scene, struct lattice *latt
   }
   const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
+  struct throats throats;
+  const enum status compared = throats_compare(lattice, &wanted, &throats);
   lattice_free(lattice);
   *lattice = wanted;
-  return STATUS_OK;
+  if (compared == STATUS_OK && throats.closed + throats.opened > 0)
+    log_warning("%s: sites %.4g um apart close %zu throats of the model's and open %zu",
+                scene->path, 1e6 * scene->lattice_spacing, throats.closed, throats.opened);
+  return compared;
 }

@@ -8,6 +8,7 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/geometry/throats.h"
 #include "sphsolve/output/level_bar.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
@@ -330,6 +331,12 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                 "throats with smaller voxels, or look at the threshold",
                 scene->path);
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
+  if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
+    struct throats throats;
+    TRY(throats_compare(&base, &job.lattice, &throats));
+    log_verbose("the last lattice closes %zu throats of the model's and opens %zu", throats.closed,
+                throats.opened);
+  }
   set_result(&job);
   if (status == STATUS_OK) status = add_micropores(&job);
   if (status == STATUS_INTERRUPTED) result->status = "interrupted";
@@ -356,8 +363,8 @@ cleanup:
 
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   const bool soil = context->lattice != NULL && context->lattice->micro_porosity != NULL;
-  if (!(context->has_wall || soil) || context->scene->steady_tolerance == 0 || context->has_moving_wall ||
-      !(context->reynolds < REYNOLDS_CREEPING))
+  if (!(context->has_wall || soil) || context->scene->steady_tolerance == 0 ||
+      context->has_moving_wall || !(context->reynolds < REYNOLDS_CREEPING))
     return false;
   snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
            context->reynolds, REYNOLDS_CREEPING);

@@ -64,7 +64,8 @@ END
     word=${word#finer }
     analyze darcy needs.hdf --json | grep -q "\"resolution_needs\": \"${word%% *}\""
   }
-  needs "finer lattice" --set model.file=m.hdf --set lattice.spacing='"60 um"'
+  needs "finer lattice" --set model.file=m.hdf --set lattice.spacing='"60 um"' 2> said.txt
+  grep -qE "close [1-9][0-9]* throats of the model's and open [0-9]" said.txt
   needs "model with smaller voxels" --set model.file=m.hdf
   ct2model build "$ROOT/data-samples/small" --threshold 62 --voxel-size 8.745um --crop 0,0,0,20,20,10 --sides mirrored -o own.hdf --quiet
   needs "scan with smaller voxels" --set model.file=own.hdf
