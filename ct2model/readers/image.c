@@ -12,28 +12,33 @@
 
 #include "common/memory.h"
 #include "ct2model/readers/image_hdf5.h"
-#include "ct2model/readers/image_meta.h"
-#include "ct2model/readers/image_npy.h"
-#include "ct2model/readers/image_nrrd.h"
-#include "ct2model/readers/image_png.h"
-#include "ct2model/readers/image_tiff.h"
 #include "ct2model/readers/inflate.h"
 
-static const struct image_reader RAW = {"raw", NULL, NULL, image_read_contiguous};
-static const struct image_reader *const READERS[] = {&image_tiff_reader, &image_png_reader,
-                                                     &image_nrrd_reader, &image_meta_reader,
-                                                     &image_npy_reader,  &image_hdf5_reader};
+static const struct image_reader RAW = {"raw", {NULL}, NULL, NULL, image_read_contiguous};
+#define READER(name) &image_##name##_reader,
+static const struct image_reader *const READERS[] = {
+#include "ct2model/readers/readers.def"
+};
+#undef READER
 #define READER_COUNT (sizeof READERS / sizeof *READERS)
 
 bool image_name_known(const char *name) {
-  static const char *const EXTENSIONS[] = {".tif",  ".tiff", ".png", ".mhd", ".mha",
-                                           ".nrrd", ".nhdr", ".btf", ".tf8", ".npy"};
   const char *dot = strrchr(name, '.');
-  if (dot == NULL) return false;
-  for (size_t i = 0; i < sizeof EXTENSIONS / sizeof *EXTENSIONS; i++) {
-    if (strcasecmp(dot, EXTENSIONS[i]) == 0) return true;
-  }
+  for (size_t i = 0; dot != NULL && i < READER_COUNT; i++)
+    for (const char *const *ending = READERS[i]->endings; *ending != NULL; ending++)
+      if (strcasecmp(dot, *ending) == 0) return true;
   return false;
+}
+
+/* "TIFF, PNG, ... or HDF5" */
+static void list_readers(char *text, size_t size) {
+  text[0] = '\0';
+  for (size_t i = 0, used = 0; i < READER_COUNT && used < size; i++)
+    used += (size_t)snprintf(text + used, size - used, "%s%s",
+                             i == 0                 ? ""
+                             : i + 1 < READER_COUNT ? ", "
+                                                    : " or ",
+                             READERS[i]->name);
 }
 
 enum status image_file_size(const char *path, uint64_t *size) {
@@ -134,12 +139,14 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   for (size_t i = 0; i < READER_COUNT && image->reader == NULL; i++) {
     if (READERS[i]->claims(path, head, got)) image->reader = READERS[i];
   }
-  if (image->reader == NULL)
+  if (image->reader == NULL) {
+    char formats[128];
+    list_readers(formats, sizeof formats);
     TRY_FAIL(STATUS_INPUT,
-             "%s: not a TIFF, PNG, MetaImage, NRRD, NumPy or HDF5 file; convert it to one of them, "
-             "or for "
-             "headerless pixels give --raw NXxNYxNZ:u8|u16le|...",
-             path);
+             "%s: not a %s file; convert it to one of them, or for headerless pixels give --raw "
+             "NXxNYxNZ:u8|u16le|...",
+             path, formats);
+  }
   if (dataset != NULL && image->reader != &image_hdf5_reader)
     TRY_FAIL(STATUS_INPUT, "%s: %s is no HDF5 file, which alone has datasets", path, file);
   TRY(image->reader->open(path, image));

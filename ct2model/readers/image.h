@@ -38,12 +38,17 @@ struct image {
 };
 
 struct image_reader {
-  const char *name; /* "TIFF" */
+  const char *name;       /* "TIFF" */
+  const char *endings[5]; /* of its files' names in a folder, then NULL: ".tif", ... */
   bool (*claims)(const char *path, const unsigned char *head, size_t n);
   enum status (*open)(const char *path, struct image *image);
   /* A page as values of the image's type, native byte order; as float if it is not plain. */
   enum status (*read)(const struct image *image, size_t page, void *out);
 };
+
+#define READER(name) extern const struct image_reader image_##name##_reader;
+#include "ct2model/readers/readers.def"
+#undef READER
 
 /* Layout of headerless files from --raw. */
 struct raw_layout {

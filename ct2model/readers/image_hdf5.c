@@ -172,4 +172,4 @@ void image_hdf5_end(struct image_dataset *dataset) {
   memory_free(&dataset);
 }
 
-const struct image_reader image_hdf5_reader = {"HDF5", hdf5_claims, hdf5_open, hdf5_read};
+const struct image_reader image_hdf5_reader = {"HDF5", {NULL}, hdf5_claims, hdf5_open, hdf5_read};

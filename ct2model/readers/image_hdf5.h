@@ -4,8 +4,6 @@
 
 #include "ct2model/readers/image.h"
 
-extern const struct image_reader image_hdf5_reader;
-
 /* Where the dataset's name starts in `path` ("/dataset"), NULL where `path` names a plain file, or
  * what stands before ":/" is none. */
 const char *image_hdf5_dataset(const char *path);

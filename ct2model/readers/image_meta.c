@@ -1,4 +1,4 @@
-#include "ct2model/readers/image_meta.h"
+#include "ct2model/readers/image.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -96,5 +96,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_meta_reader = {"MetaImage", meta_claims, meta_open,
-                                               image_read_contiguous};
+const struct image_reader image_meta_reader = {
+    "MetaImage", {".mhd", ".mha"}, meta_claims, meta_open, image_read_contiguous};

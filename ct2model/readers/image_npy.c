@@ -1,4 +1,4 @@
-#include "ct2model/readers/image_npy.h"
+#include "ct2model/readers/image.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -97,4 +97,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_npy_reader = {"NumPy", npy_claims, npy_open, image_read_contiguous};
+const struct image_reader image_npy_reader = {
+    "NumPy", {".npy"}, npy_claims, npy_open, image_read_contiguous};

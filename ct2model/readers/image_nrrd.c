@@ -1,4 +1,4 @@
-#include "ct2model/readers/image_nrrd.h"
+#include "ct2model/readers/image.h"
 
 #include <errno.h>
 #include <math.h>
@@ -137,5 +137,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_nrrd_reader = {"NRRD", nrrd_claims, nrrd_open,
-                                               image_read_contiguous};
+const struct image_reader image_nrrd_reader = {
+    "NRRD", {".nrrd", ".nhdr"}, nrrd_claims, nrrd_open, image_read_contiguous};

@@ -1,4 +1,4 @@
-#include "ct2model/readers/image_png.h"
+#include "ct2model/readers/image.h"
 
 #include <errno.h>
 #include <math.h>
@@ -159,4 +159,4 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_png_reader = {"PNG", png_claims, png_open, png_read};
+const struct image_reader image_png_reader = {"PNG", {".png"}, png_claims, png_open, png_read};

@@ -1,4 +1,4 @@
-#include "ct2model/readers/image_tiff.h"
+#include "ct2model/readers/image.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -456,4 +456,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_tiff_reader = {"TIFF", tiff_claims, tiff_open, tiff_read};
+const struct image_reader image_tiff_reader = {
+    "TIFF", {".tif", ".tiff", ".btf", ".tf8"}, tiff_claims, tiff_open, tiff_read};
