@@ -7,18 +7,19 @@
 #include "common/ranks.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 1.0 /* first spacings: the longest flight, and a cell at most */
-#define WALK_WAY 0.5    /* the longest mean way with the water in a step */
+#define WALK_FLIGHT 1.0  /* first spacings: the longest flight, and a cell at most */
+#define WALK_CARRIED 0.5 /* the longest mean displacement by the water in a step */
 /* The slowest wave across a box of width W fades in W^2 / (4 pi^2 D_T): twice that. */
 #define MEMORY 0.05
-/* Variance of a coefficient times its ways, and how many ways of each walker a result waits for. */
-#define WAYS_VARIANCE 6.0
-#define WAYS_EACH 4.0
+/* Variance of a coefficient times the number of its displacements; how many of each walker a result
+ * waits for. */
+#define DISPLACEMENTS_VARIANCE 6.0
+#define DISPLACEMENTS_EACH 4.0
 #define LEAST_WALKERS 4096
 
 size_t walk_walkers(double tolerance) {
-  const double ways = WAYS_VARIANCE / pow(0.4 * tolerance, 2);
-  const double groups = ceil(fmax(ways / WAYS_EACH, LEAST_WALKERS) / WALK_GROUPS);
+  const double displacements = DISPLACEMENTS_VARIANCE / pow(0.4 * tolerance, 2);
+  const double groups = ceil(fmax(displacements / DISPLACEMENTS_EACH, LEAST_WALKERS) / WALK_GROUPS);
   return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
 }
 
@@ -84,7 +85,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
     return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
   walk->diffusion = s->peclet > 0 ? 1 / s->peclet : 1;
   walk->dt = s->flight * s->flight / (6 * walk->diffusion);
-  if (s->peclet > 0) walk->dt = fmin(walk->dt, WALK_WAY);
+  if (s->peclet > 0) walk->dt = fmin(walk->dt, WALK_CARRIED);
   walk->step = (struct walk_step){.time = s->peclet > 0 ? (float)walk->dt : 0,
                                   .flight = (float)sqrt(6 * walk->diffusion * walk->dt),
                                   .seed = s->seed};
@@ -152,7 +153,7 @@ static double passed(const struct walk *walk, const struct walk_spot *spot, size
   return sum;
 }
 
-/* First passages since the last look, taken as if the way between were even. */
+/* First passages since the last look, taken as if walkers had moved evenly between. */
 static void pass_planes(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
   const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
@@ -203,7 +204,7 @@ int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
                            WALK_INTERVAL * walk->dt, lags);
 }
 
-/* For the widest way across the flow, time units at D_T = D. */
+/* For the longest distance across the flow, time units at D_T = D. */
 static double memory(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   double widest = 0;

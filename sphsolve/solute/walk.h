@@ -1,6 +1,6 @@
 /* Dispersion by random walk: walkers that the water carries and that diffuse (walk_move.h), spread
- * evenly over the pore, until the growth of their mean square ways says the coefficients with the
- * wanted error (walk_moments.h). An account of the method for solutes in pores: Bijeljic,
+ * evenly over the pore, until the growth of their mean square displacements gives the coefficients
+ * with the wanted error (walk_moments.h). An account of the method for solutes in pores: Bijeljic,
  * Muggeridge, Blunt 2004, Water Resour. Res. 40, W11501. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_H

@@ -30,11 +30,11 @@ void walk_moments_free(struct walk_moments *m) {
   for (int k = 0; k < WALK_LAGS; k++) memory_free(&m->from[k]);
 }
 
-static void way_between(const struct walk_moments *m, const struct walk_spot *from,
-                        const struct walk_spot *to, double way[3]) {
+static void displacement_between(const struct walk_moments *m, const struct walk_spot *from,
+                                 const struct walk_spot *to, double displacement[3]) {
   for (int a = 0; a < 3; a++)
-    way[a] = m->stretch[a] *
-             ((double)(to->cell[a] - from->cell[a]) + ((double)to->x[a] - (double)from->x[a]));
+    displacement[a] = m->stretch[a] * ((double)(to->cell[a] - from->cell[a]) +
+                                       ((double)to->x[a] - (double)from->x[a]));
 }
 
 static void add_ways(struct walk_moments *m, int lag, const struct walk_spot *now) {
@@ -44,12 +44,12 @@ static void add_ways(struct walk_moments *m, int lag, const struct walk_spot *no
     double *sum = m->sums[lag][g];
     const size_t end = walk_group_start(m->walkers, g + 1) - m->first;
     for (size_t w = walk_group_start(m->walkers, g) - m->first; w < end; w++) {
-      double way[3];
-      way_between(m, &from[w], &now[w], way);
+      double displacement[3];
+      displacement_between(m, &from[w], &now[w], displacement);
       for (int a = 0; a < 3; a++) {
-        sum[WALK_WAY + a] += way[a];
-        sum[WALK_PRODUCTS + a] += way[a] * way[a];
-        sum[WALK_PRODUCTS + 3 + a] += way[a] * way[(a + 1) % 3];
+        sum[WALK_DISPLACEMENT + a] += displacement[a];
+        sum[WALK_PRODUCTS + a] += displacement[a] * displacement[a];
+        sum[WALK_PRODUCTS + 3 + a] += displacement[a] * displacement[(a + 1) % 3];
       }
       const double u = (double)from[w].along;
       sum[WALK_PAIR] += u * (double)now[w].along;
@@ -85,14 +85,15 @@ static double ways_of_group(const struct walk_moments *m, int lag, int g) {
   return (double)walkers * (double)(m->intervals >> lag);
 }
 
-static struct moment moment_of(const double *sum, double ways, const double mean[3],
+static struct moment moment_of(const double *sum, double displacements, const double mean[3],
                                const double e[3], int dimensions) {
   struct moment moment = {0};
   double trace = 0;
   for (int i = 0; i < 6; i++) {
     const int a = i % 3, b = i < 3 ? a : (a + 1) % 3;
-    const double p = sum[WALK_PRODUCTS + i] / ways - mean[a] * (sum[WALK_WAY + b] / ways) -
-                     mean[b] * (sum[WALK_WAY + a] / ways) + mean[a] * mean[b];
+    const double p = sum[WALK_PRODUCTS + i] / displacements -
+                     mean[a] * (sum[WALK_DISPLACEMENT + b] / displacements) -
+                     mean[b] * (sum[WALK_DISPLACEMENT + a] / displacements) + mean[a] * mean[b];
     moment.product[i] = p;
     moment.along += (i < 3 ? 1 : 2) * e[a] * e[b] * p;
     if (i < 3 && (dimensions == 3 || a != 1)) trace += p;
@@ -109,11 +110,11 @@ static void mean_of(const double *values, double *mean, double *error) {
   *error = sqrt(square / (WALK_GROUPS * (WALK_GROUPS - 1.0)));
 }
 
-static void mean_way(const struct walk_moments *m, int lag, double way[3]) {
+static void mean_displacement(const struct walk_moments *m, int lag, double displacement[3]) {
   for (int a = 0; a < 3; a++) {
-    way[a] = 0;
-    for (int g = 0; g < WALK_GROUPS; g++) way[a] += m->sums[lag][g][WALK_WAY + a];
-    way[a] /= (double)m->walkers * (double)(m->intervals >> lag);
+    displacement[a] = 0;
+    for (int g = 0; g < WALK_GROUPS; g++) displacement[a] += m->sums[lag][g][WALK_DISPLACEMENT + a];
+    displacement[a] /= (double)m->walkers * (double)(m->intervals >> lag);
   }
 }
 
@@ -122,8 +123,8 @@ static void judge_lag(const struct walk_moments *m, int k, const double e[3], in
   double along[WALK_GROUPS], across[WALK_GROUPS], product[6][WALK_GROUPS], mean[3], before[3];
   const double span = 2 * diffusion * interval * (double)((uint64_t)1 << k);
   const double share = k > 0 ? 0.5 : 1; /* of the lag over which the moment's growth is taken */
-  mean_way(m, k, mean);
-  if (k > 0) mean_way(m, k - 1, before);
+  mean_displacement(m, k, mean);
+  if (k > 0) mean_displacement(m, k - 1, before);
   for (int g = 0; g < WALK_GROUPS; g++) {
     struct moment now = moment_of(m->sums[k][g], ways_of_group(m, k, g), mean, e, dimensions);
     struct moment half = {0};
@@ -142,17 +143,18 @@ int walk_moments_lags(const struct walk_moments *m, const double e[3], int dimen
                       double diffusion, double interval, struct walk_lag lags[WALK_LAGS]) {
   int count = 0;
   for (int k = 0; k < m->lags && m->intervals >> k >= LEAST_WAYS; k++, count++) {
-    double way[3], pair = 0, along = 0, square = 0;
+    double displacement[3], pair = 0, along = 0, square = 0;
     struct walk_lag *lag = &lags[k];
     *lag = (struct walk_lag){.time = interval * (double)((uint64_t)1 << k),
-                             .ways = (double)m->walkers * (double)(m->intervals >> k)};
+                             .displacements = (double)m->walkers * (double)(m->intervals >> k)};
     judge_lag(m, k, e, dimensions, diffusion, interval, lag);
-    mean_way(m, k, way);
-    lag->velocity = (way[0] * e[0] + way[1] * e[1] + way[2] * e[2]) / lag->time;
+    mean_displacement(m, k, displacement);
+    lag->velocity =
+        (displacement[0] * e[0] + displacement[1] * e[1] + displacement[2] * e[2]) / lag->time;
     for (int g = 0; g < WALK_GROUPS; g++) {
-      pair += m->sums[k][g][WALK_PAIR] / lag->ways;
-      along += m->sums[k][g][WALK_ALONG] / lag->ways;
-      square += m->sums[k][g][WALK_ALONG_SQUARE] / lag->ways;
+      pair += m->sums[k][g][WALK_PAIR] / lag->displacements;
+      along += m->sums[k][g][WALK_ALONG] / lag->displacements;
+      square += m->sums[k][g][WALK_ALONG_SQUARE] / lag->displacements;
     }
     const double variance = square - along * along;
     lag->correlation = variance > 0 ? (pair - along * along) / variance : 0;

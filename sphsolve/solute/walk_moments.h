@@ -1,12 +1,12 @@
-/* What walkers tell of dispersion: mean squares of their ways against the time they took.
+/* Dispersion from walkers: the mean squares of their displacements against the time they took.
  *
- * Walkers start evenly spread over the pore and stay so; their ways over any stretch of time are
- * then alike, whenever it begins, and each walker gives one way over tau after another. Lags
- * double: tau_k = 2^k intervals of WALK_INTERVAL steps. With the central second moments M_k of the
- * ways D*(tau_k) = (M_k - M_(k-1)) / (2 (tau_k - tau_(k-1))), the growth of the moment between half
- * the lag and the lag: what came before, while walkers still remember the pore they were in, is
- * left out (Brenner 1980; Aris 1956). The statistical error is that between groups of walkers,
- * which know nothing of each other. */
+ * Walkers start evenly spread over the pore and stay so. The statistics of their displacements over
+ * a time tau then do not depend on when it begins, so that each walker gives one after another.
+ * Lags double: tau_k = 2^k intervals of WALK_INTERVAL steps. With the central second moments M_k of
+ * the displacements D*(tau_k) = (M_k - M_(k-1)) / (2 (tau_k - tau_(k-1))), the growth of the moment
+ * between half the lag and the lag: times in which walkers still remember the pore they were in are
+ * left out (Brenner 1980; Aris 1956). The statistical error is that between independent groups of
+ * walkers. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_MOMENTS_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_MOMENTS_H
 
@@ -27,9 +27,16 @@ struct walk_spot {
   float along;
 };
 
-/* way 3, products 6 (xx yy zz xy yz zx), velocity at the start times that at the end, velocity and
- * its square at the start. */
-enum { WALK_WAY = 0, WALK_PRODUCTS = 3, WALK_PAIR = 9, WALK_ALONG, WALK_ALONG_SQUARE, WALK_SUMS };
+/* Displacement 3, products 6 (xx yy zz xy yz zx), velocity at the start times that at the end,
+ * velocity and its square at the start. */
+enum {
+  WALK_DISPLACEMENT = 0,
+  WALK_PRODUCTS = 3,
+  WALK_PAIR = 9,
+  WALK_ALONG,
+  WALK_ALONG_SQUARE,
+  WALK_SUMS
+};
 
 struct walk_moments {
   size_t walkers; /* of all ranks */
@@ -39,7 +46,7 @@ struct walk_moments {
   int lags;
   double stretch[3];                 /* spacings along the axes over the first */
   struct walk_spot *start;           /* [count], by id from `first` on, as all the next */
-  struct walk_spot *from[WALK_LAGS]; /* where the current way over each lag began */
+  struct walk_spot *from[WALK_LAGS]; /* where the current displacement over each lag began */
   double sums[WALK_LAGS][WALK_GROUPS][WALK_SUMS];
 };
 
@@ -53,14 +60,14 @@ enum status walk_moments_add(struct walk_moments *moments, const struct walk_spo
 void walk_moments_free(struct walk_moments *moments);
 
 /* Of one lag: coefficients over the molecular one with standard errors, NAN where there are not
- * two ways of each walker. */
+ * two displacements of each walker. */
 struct walk_lag {
   double time; /* tau, time units */
   double longitudinal, transverse, longitudinal_error, transverse_error;
   double tensor[6], tensor_error[6]; /* xx yy zz xy yz zx */
-  double velocity;                   /* mean along the flow, of the ways */
+  double velocity;                   /* mean along the flow, of the displacements */
   double correlation;                /* of the velocity with itself after this lag */
-  double ways;
+  double displacements;
 };
 
 /* `direction`: unit vector; `diffusion`: first spacings^2 per time unit; `interval`: time units.

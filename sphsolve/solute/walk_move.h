@@ -13,7 +13,8 @@
  *   (Kac 1947, Bull. Amer. Math. Soc. 53, 1002). The flux through each face is carried in full.
  *
  * The time step is one for all walkers: with a step that depended on the place they would gather
- * where it is short. Where the water is fast, the way with it is cut into parts instead. */
+ * where it is short. Where the water is fast, the displacement with it is cut into parts instead.
+ */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_MOVE_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_MOVE_H
 
@@ -24,7 +25,7 @@
 #include "common/variants.h"
 #include "sphsolve/solute/walk_cells.h"
 
-#define WALK_PART 0.5f     /* of a cell: the longest part of a way with the water */
+#define WALK_PART 0.5f     /* of a cell: the longest part of a displacement with the water */
 #define WALK_RETURNS 512   /* steps in grain after which a walker stays where it was */
 #define WALK_MIRRORS 8     /* of one flight, after which it stays too */
 #define WALK_AT_WALL 1e-4f /* first spacings: so near is at the wall */
@@ -68,9 +69,9 @@ WALK_HOT bool walk_find(const struct walk_cells *c, struct walker *w) {
   return w->number >= 0;
 }
 
-/* Brings x back to -1/2 .. 1/2 and the cell with it, for ways of at most a cell (two steps by
- * rounding, in a box of one); false: that cell is grain. Without branches: whether a walker leaves
- * its cell cannot be guessed. */
+/* Brings x back to -1/2 .. 1/2 and the cell with it, for displacements of at most a cell (two steps
+ * by rounding, in a box of one); false: that cell is grain. Without branches: whether a walker
+ * leaves its cell cannot be guessed. */
 WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   const walk_place n = {c->n[0], c->n[1], c->n[2], 1};
   const walk_vector up = w->x + walk_all(0.5f);
@@ -155,14 +156,15 @@ WALK_HOT float walk_inside(float x) {
   return x < -0.5f ? -0.5f : x < 0.5f ? x : 0x1.fffffep-2f;
 }
 
-/* Moves by `way` cells. At a face that is closed, reached by the error of a part, the walker stays.
+/* Moves by `move` cells. At a face that is closed, reached by the error of a part, the walker
+ * stays.
  */
-WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vector way) {
+WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vector move) {
   const struct walker from = *w;
-  w->x += way;
+  w->x += move;
   if (walk_settle(c, w)) return;
   *w = from;
-  for (int a = 0; a < 3; a++) w->x[a] = walk_inside(w->x[a] + way[a]);
+  for (int a = 0; a < 3; a++) w->x[a] = walk_inside(w->x[a] + move[a]);
 }
 
 WALK_HOT float walk_most(float u, float v, float w) {
@@ -170,7 +172,8 @@ WALK_HOT float walk_most(float u, float v, float w) {
   return most > z ? most : z;
 }
 
-/* What one part of a way with the water takes of the time that is left, at the speed `most`. */
+/* What one part of a displacement with the water takes of the time that is left, at the speed
+ * `most`. */
 WALK_HOT float walk_part(float most, float left) {
   const float part = left * WALK_PART / (most * left), half = 0.5f * left;
   return most * left > WALK_PART ? (part < half ? part : half) : left;
@@ -180,8 +183,8 @@ WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
   return !(w->walls & WALK_CUT) || walk_distance(c, w) > 0;
 }
 
-/* The way with the water in as many parts as it takes, through the cubes, each by the midpoint
- * rule. */
+/* The displacement with the water in as many parts as it takes, through the cubes, each by the
+ * midpoint rule. */
 WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float time) {
   for (float left = time; left > 0;) {
     const walk_vector v = walk_velocity(c, w->number, w->x);
@@ -202,9 +205,9 @@ WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float t
   return false;
 }
 
-/* Where the flight `way` from `from`, which ends in grain, meets the wall, as a share of it; the
+/* Where the flight `move` from `from`, which ends in grain, meets the wall, as a share of it; the
  * false position, with the halves of Illinois (Dowell, Jarratt 1971). */
-WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from, walk_vector way,
+WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from, walk_vector move,
                           float outside, struct walker *hit) {
   float low = 0, high = 1, inside = walk_distance(c, from) - WALK_AT_WALL;
   outside -= WALK_AT_WALL;
@@ -212,7 +215,7 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
   for (int step = 0, side = 0; step < 12 && inside > 0; step++) {
     const float t = low + (high - low) * inside / (inside - outside);
     struct walker at = *from;
-    at.x += walk_all(t) * way;
+    at.x += walk_all(t) * move;
     walk_settle(c, &at);
     const float d = walk_distance(c, &at) - WALK_AT_WALL;
     if (d > -WALK_AT_WALL) low = t, *hit = at;
@@ -229,40 +232,40 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
   return low;
 }
 
-/* Whether the flight back, which ends with `way` and has this length in all, is mirrored as well: a
- * straight one could pass a grain's edge. Only moves that could be made both ways keep walkers
+/* Whether the flight back, which ends with `move` and has this length in all, is mirrored as well:
+ * a straight one could pass a grain's edge. Only moves that could be made both ways keep walkers
  * even.
  */
 WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker *end,
-                                 walk_vector way, float length) {
+                                 walk_vector move, float length) {
   float square = 0;
-  for (int a = 0; a < 3; a++) square += (way[a] / c->stretch[a]) * (way[a] / c->stretch[a]);
+  for (int a = 0; a < 3; a++) square += (move[a] / c->stretch[a]) * (move[a] / c->stretch[a]);
   struct walker back = *end;
-  back.x -= walk_all(square > 0 ? length / sqrtf(square) : 0) * way;
+  back.x -= walk_all(square > 0 ? length / sqrtf(square) : 0) * move;
   walk_settle(c, &back);
   return !(walk_distance(c, &back) > 0);
 }
 
 /* A flight that ends in grain: to the wall, mirrored there, and so on. */
-WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector way,
+WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector move,
                            float length) {
   const struct walker start = *w;
   for (int m = 0; m < WALK_MIRRORS; m++) {
     const struct walker from = *w;
-    w->x += way;
+    w->x += move;
     walk_settle(c, w);
     const float outside = walk_distance(c, w);
     if (outside > 0) {
-      if (m == 0 || walk_mirrors_back(c, w, way, length)) return true;
+      if (m == 0 || walk_mirrors_back(c, w, move, length)) return true;
       break;
     }
     struct walker hit;
     float normal[3], along = 0;
-    const float share = walk_meet(c, &from, way, outside, &hit);
+    const float share = walk_meet(c, &from, move, outside, &hit);
     walk_normal(c, &hit, normal);
-    for (int a = 0; a < 3; a++) along += normal[a] * way[a] / c->stretch[a];
+    for (int a = 0; a < 3; a++) along += normal[a] * move[a] / c->stretch[a];
     for (int a = 0; a < 3; a++)
-      way[a] = (1 - share) * (way[a] - 2 * along * normal[a] * c->stretch[a]);
+      move[a] = (1 - share) * (move[a] - 2 * along * normal[a] * c->stretch[a]);
     *w = hit;
   }
   *w = start;

@@ -5,7 +5,7 @@
 #include "sphsolve/solute/walk_random.h"
 
 #define GROUPS 8
-#define BLOCK (GROUPS * LANES) /* walkers whose places and ways lie in the first cache */
+#define BLOCK (GROUPS * LANES) /* walkers whose places and displacements lie in the first cache */
 
 enum { FLIGHTS, STARTS }; /* streams of random numbers, the second half of the key */
 
@@ -24,10 +24,10 @@ static inline void half_turn(float t, float *sine, float *cosine) {
                      y * (1.f / 24 + y * (-1.f / 720 + y * (1.f / 40320 - y * (1.f / 3628800)))));
 }
 
-/* Ways of flights in directions that are even over the sphere: the height is even between -1 and 1
- * (Archimedes), the angle over a turn. Two steps of each walker. */
+/* Displacements of flights in directions that are even over the sphere: the height is even between
+ * -1 and 1 (Archimedes), the angle over a turn. Two steps of each walker. */
 WALK_HOT void draw_flights(const struct walk_cells *c, const struct walk_step *step,
-                           const uint32_t id[LANES], uint64_t number, float way[2][3][LANES]) {
+                           const uint32_t id[LANES], uint64_t number, float move[2][3][LANES]) {
   uint32_t words[4][LANES];
   for (int l = 0; l < LANES; l++) {
     uint32_t draw[4] = {id[l], (uint32_t)(number / 2), (uint32_t)(number / 2 >> 32), 0};
@@ -40,42 +40,42 @@ WALK_HOT void draw_flights(const struct walk_cells *c, const struct walk_step *s
       const float across = sqrtf(1 - height * height) * step->flight;
       float sine, cosine; /* of half the angle, and of the whole one from them */
       half_turn(random_share(words[2 * s + 1][l]) - 0.5f, &sine, &cosine);
-      way[s][0][l] = across * (1 - 2 * sine * sine) * c->stretch[0];
-      way[s][1][l] = across * (2 * sine * cosine) * c->stretch[1];
-      way[s][2][l] = height * step->flight * c->stretch[2];
+      move[s][0][l] = across * (1 - 2 * sine * sine) * c->stretch[0];
+      move[s][1][l] = across * (2 * sine * cosine) * c->stretch[1];
+      move[s][2][l] = height * step->flight * c->stretch[2];
     }
 }
 
 /* Sixteen walkers on their way through a step. */
 struct group {
   struct walk_lanes at, middle, end;
-  int count;         /* walkers; lanes beyond go the last one's way as well, and are forgotten */
-  float part[LANES]; /* of the time: what the first part of the way with the water takes */
-  float way[2][3][LANES];
+  int count;         /* walkers; lanes beyond repeat the last one, and are forgotten */
+  float part[LANES]; /* of the time: what the first part of the displacement with the water takes */
+  float move[2][3][LANES];
 };
 
 /* walk_shift met grain: the walker stays in its cell, at its face. */
 WALK_COLD void stay(struct walk_lanes *to, const struct walk_lanes *from, int l,
-                    const float way[3]) {
+                    const float move[3]) {
   struct walker w = lanes_take(from, l);
-  for (int a = 0; a < 3; a++) w.x[a] = walk_inside(w.x[a] + way[a]);
+  for (int a = 0; a < 3; a++) w.x[a] = walk_inside(w.x[a] + move[a]);
   lanes_put(to, l, &w);
 }
 
-/* From `from` by `way`. */
-WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, float way[3][LANES],
+/* From `from` by `move`. */
+WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, float move[3][LANES],
                     struct walk_lanes *to) {
   *to = *from;
   for (int a = 0; a < 3; a++)
-    for (int l = 0; l < LANES; l++) to->x[a][l] += way[a][l];
+    for (int l = 0; l < LANES; l++) to->x[a][l] += move[a][l];
   lanes_settle(c, to);
   int32_t grain = 0;
   for (int l = 0; l < LANES; l++) grain |= to->number[l];
   for (int l = 0; l < LANES && grain < 0; l++)
-    if (to->number[l] < 0) stay(to, from, l, (float[3]){way[0][l], way[1][l], way[2][l]});
+    if (to->number[l] < 0) stay(to, from, l, (float[3]){move[0][l], move[1][l], move[2][l]});
 }
 
-/* Half of the first part of the way with the water. */
+/* Half of the first part of the displacement with the water. */
 WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time) {
   float u[3][LANES];
   lanes_velocity(c, g->at.number, g->at.x, u);
@@ -86,7 +86,7 @@ WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time)
   shift(c, &g->at, u, &g->middle);
 }
 
-/* The rest of the way; where it ends in grain, on. */
+/* The rest of the displacement; where it ends in grain, on. */
 WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
                      const struct walk_lanes *end, int l, float left, float time) {
   struct walker w = lanes_take(end, l);
@@ -96,7 +96,7 @@ WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
   return true;
 }
 
-/* The whole of the way with the water. */
+/* The whole of the displacement with the water. */
 WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
                     struct walk_kept *kept) {
   float u[3][LANES];
@@ -134,8 +134,8 @@ WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float 
     const struct walker end = lanes_take(&g->end, l);
     if (end.number >= 0 && walk_in_pore(c, &end)) continue;
     struct walker w = lanes_take(&before, l);
-    const walk_vector way = {g->way[turn][0][l], g->way[turn][1][l], g->way[turn][2][l], 0};
-    if (!walk_mirror(c, &w, way, length)) kept->flown += l < g->count;
+    const walk_vector move = {g->move[turn][0][l], g->move[turn][1][l], g->move[turn][2][l], 0};
+    if (!walk_mirror(c, &w, move, length)) kept->flown += l < g->count;
     lanes_put(&g->at, l, &w);
   }
 }
@@ -152,14 +152,14 @@ TARGETS static void move_block(const struct walk_cells *c, const struct walk_ste
     lanes_put(&group[w / LANES].at, w % LANES, &walkers[w < count ? w : count - 1]);
   for (int s = 0; s < steps; s++) {
     for (int g = 0; g < groups; g++) {
-      if (s % 2 == 0) draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].way);
+      if (s % 2 == 0) draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].move);
       if (step->time > 0) to_middle(c, &group[g], step->time);
     }
     for (int g = 0; g < groups && step->time > 0; g++) carry(c, &group[g], step->time, kept);
     for (int g = 0; g < groups; g++) {
       group[g].end = group[g].at;
       for (int a = 0; a < 3; a++)
-        for (int l = 0; l < LANES; l++) group[g].end.x[a][l] += group[g].way[s % 2][a][l];
+        for (int l = 0; l < LANES; l++) group[g].end.x[a][l] += group[g].move[s % 2][a][l];
       lanes_settle(c, &group[g].end);
     }
     for (int g = 0; g < groups; g++) land(c, &group[g], s % 2, step->flight, kept);

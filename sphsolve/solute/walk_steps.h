@@ -12,7 +12,7 @@ struct walk_step {
   uint32_t seed; /* of the random numbers */
 };
 
-/* Walkers that did not move: their way with the water, or their flight, found no end. */
+/* Walkers that did not move: their displacement with the water, or their flight, found no end. */
 struct walk_kept {
   uint64_t carried, flown;
 };
