@@ -30,14 +30,18 @@ enum log_level log_level(void) {
   return level;
 }
 
+static void write_line(const char *format, va_list arguments) {
+  vfprintf(stderr, format, arguments);
+  fputc('\n', stderr);
+}
+
 void log_info(const char *format, ...) {
   if (level < LOG_NORMAL) return;
   clear_live_line();
   va_list arguments;
   va_start(arguments, format);
-  vfprintf(stderr, format, arguments);
+  write_line(format, arguments);
   va_end(arguments);
-  fputc('\n', stderr);
 }
 
 void log_verbose(const char *format, ...) {
@@ -45,9 +49,8 @@ void log_verbose(const char *format, ...) {
   clear_live_line();
   va_list arguments;
   va_start(arguments, format);
-  vfprintf(stderr, format, arguments);
+  write_line(format, arguments);
   va_end(arguments);
-  fputc('\n', stderr);
 }
 
 void log_warning(const char *format, ...) {
@@ -56,9 +59,8 @@ void log_warning(const char *format, ...) {
   fprintf(stderr, "%s: warning: ", program);
   va_list arguments;
   va_start(arguments, format);
-  vfprintf(stderr, format, arguments);
+  write_line(format, arguments);
   va_end(arguments);
-  fputc('\n', stderr);
 }
 
 void log_pending_error(void) {

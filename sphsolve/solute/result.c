@@ -23,6 +23,28 @@ static enum status write_column(struct h5_file *file, const char *name, int coun
   return h5_write(file, path, H5_F64, 1, dims, values, false);
 }
 
+/* The estimate at `offset` of each of `items`, to /solute/GROUP; `group` is "" or ends in '/'. */
+static enum status write_estimates(struct h5_file *file, const char *group, int count,
+                                   const void *items, size_t size, size_t offset) {
+  static const struct {
+    const char *name;
+    size_t offset;
+  } columns[] = {
+      {"longitudinal", offsetof(struct solute_estimate, longitudinal)},
+      {"transverse", offsetof(struct solute_estimate, transverse)},
+      {"longitudinal_error", offsetof(struct solute_estimate, longitudinal_error)},
+      {"transverse_error", offsetof(struct solute_estimate, transverse_error)},
+  };
+  enum status status = STATUS_OK;
+  char name[64];
+  for (size_t c = 0; c < sizeof columns / sizeof *columns; c++) {
+    snprintf(name, sizeof name, "%s%s", group, columns[c].name);
+    TRY(write_column(file, name, count, items, size, offset + columns[c].offset));
+  }
+cleanup:
+  return status;
+}
+
 static enum status write_closure(struct h5_file *file, const struct solute_result *r) {
   enum status status = STATUS_OK;
 #define COLUMN(name, member)                                                                       \
@@ -30,10 +52,8 @@ static enum status write_closure(struct h5_file *file, const struct solute_resul
                    offsetof(struct solute_closed, member)))
   double tensor[SOLUTE_PECLET_MAX][9];
   const size_t dims[3] = {(size_t)r->count, 3, 3};
-  COLUMN("longitudinal", value.longitudinal);
-  COLUMN("transverse", value.transverse);
-  COLUMN("longitudinal_error", value.longitudinal_error);
-  COLUMN("transverse_error", value.transverse_error);
+  TRY(write_estimates(file, "closure/", r->count, r->closure, sizeof *r->closure,
+                      offsetof(struct solute_closed, value)));
   COLUMN("longitudinal_resolution", resolution[0]);
   COLUMN("transverse_resolution", resolution[1]);
   COLUMN("longitudinal_projection", projection[0]);
@@ -54,10 +74,8 @@ static enum status write_walk(struct h5_file *file, const struct solute_flow *fl
 #define COLUMN(name, member)                                                                       \
   TRY(write_column(file, "walk/" name, r->count, r->walk, sizeof *r->walk,                         \
                    offsetof(struct solute_walked, member)))
-  COLUMN("longitudinal", value.longitudinal);
-  COLUMN("transverse", value.transverse);
-  COLUMN("longitudinal_error", value.longitudinal_error);
-  COLUMN("transverse_error", value.transverse_error);
+  TRY(write_estimates(file, "walk/", r->count, r->walk, sizeof *r->walk,
+                      offsetof(struct solute_walked, value)));
   COLUMN("longitudinal_statistics", statistics[0]);
   COLUMN("transverse_statistics", statistics[1]);
   COLUMN("longitudinal_asymptotics", asymptotics[0]);
@@ -101,14 +119,7 @@ static enum status write_solute(struct h5_file *file, const struct scene *scene,
   TRY(write_number(file, "formation_factor_error", r->formation_error));
   TRY(write_number(file, "tortuosity", r->tortuosity));
   TRY(h5_write(file, "/solute/peclet", H5_F64, 1, dims, r->peclet, false));
-#define COLUMN(name)                                                                               \
-  TRY(write_column(file, #name, r->count, r->best, sizeof *r->best,                                \
-                   offsetof(struct solute_estimate, name)))
-  COLUMN(longitudinal);
-  COLUMN(transverse);
-  COLUMN(longitudinal_error);
-  COLUMN(transverse_error);
-#undef COLUMN
+  TRY(write_estimates(file, "", r->count, r->best, sizeof *r->best, 0));
   if (r->by_closure) TRY(write_closure(file, r));
   if (r->by_walk) TRY(write_walk(file, flow, r));
 cleanup:

@@ -9,8 +9,8 @@
 #include "sphsolve/solute/volumes.h"
 #include "sphsolve/solute/walk.h"
 
-/* Of one way at one Peclet number, over the molecular diffusion coefficient. Errors are relative,
- * 95 %, NAN where unknown. */
+/* By one method at one Peclet number, over the molecular diffusion coefficient. Errors are
+ * relative, 95 %, NAN where unknown. */
 struct solute_estimate {
   double longitudinal, transverse;
   double longitudinal_error, transverse_error;
