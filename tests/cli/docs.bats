@@ -50,6 +50,13 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   [ "$(wc -l < calibration/study/calibration.csv)" -eq 7 ]
 }
 
+@test "micropores: from three labels to k over the permeability of one" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  export OMP_NUM_THREADS=1
+  run_blocks "$ROOT/docs/micropores.md"
+  grep -q 'id="soil"' micropores/sure.html
+}
+
 @test "seepage: a column, two heads, a dam on soil" {
   export OMP_NUM_THREADS=1
   run_blocks "$ROOT/docs/seepage.md"

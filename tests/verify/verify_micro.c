@@ -150,6 +150,73 @@ static double exact_dilute(double box, double radius, double k) {
   return box * box / (6.0 * M_PI * hydraulic) * box * (1.0 - 1.7601 * cbrt(c) + c);
 }
 
+/* A sand of aggregates: each grain of the generator's sand is made of solid spheres on a cubic
+ * lattice, cut at the grain's surface; and the same with the grains soil, of the porosity and the
+ * permeability that one cell of that lattice has. */
+#define AGGREGATES 160 /* sites a side; a grain has 64 across, 8 cells */
+#define CELL 8
+#define CELL_RADIUS 3.7
+static unsigned char *aggregates; /* [z][y][x] 1: in a grain; made by make_aggregates */
+
+static bool in_small_sphere(const size_t at[3]) {
+  double square = 0.0;
+  for (int a = 0; a < 3; a++) square += pow((double)(at[a] % CELL) + 0.5 - 0.5 * CELL, 2);
+  return square < CELL_RADIUS * CELL_RADIUS;
+}
+static struct place cell_at(const size_t at[3], const double *parameter) {
+  (void)parameter;
+  return (struct place){.kind = in_small_sphere(at)};
+}
+/* parameter: 0 for the resolved sand, 1 with grains of soil, 2 solid; porosity, permeability */
+static struct place aggregate_at(const size_t at[3], const double *p) {
+  if (!aggregates[(at[2] * AGGREGATES + at[1]) * AGGREGATES + at[0]]) return (struct place){0};
+  if (p[0] == 1.0) return (struct place){2, p[1], p[2]};
+  return (struct place){.kind = p[0] == 2.0 || in_small_sphere(at)};
+}
+
+static bool make_aggregates(void) {
+  const size_t sites = (size_t)AGGREGATES * AGGREGATES * AGGREGATES;
+  const char *build = getenv("BUILD") ? getenv("BUILD") : "build";
+  char folder[] = "/tmp/verify_micro_XXXXXX", line[1000];
+  if (mkdtemp(folder) == NULL ||
+      memory_allocate(&aggregates, sites, 1, "the aggregates") != STATUS_OK)
+    return false;
+  snprintf(line, sizeof line,
+           "%s/bin/generate_sand --output %s/slices --format png8 --size %dx%dx%d --voxel-size 5um "
+           "--grain-size 320um --void-ratio 0.7 --seed 22 --truth %s/truth.raw --quiet",
+           build, folder, AGGREGATES, AGGREGATES, AGGREGATES, folder);
+  bool made = system(line) == 0;
+  snprintf(line, sizeof line, "%s/truth.raw", folder);
+  FILE *file = made ? fopen(line, "rb") : NULL;
+  made = file != NULL && fread(aggregates, 1, sites, file) == sites;
+  if (file) fclose(file);
+  snprintf(line, sizeof line, "rm -r %s", folder);
+  return system(line) == 0 && made;
+}
+
+static void sand_of_aggregates(void) {
+  const size_t size[3] = {AGGREGATES, AGGREGATES, AGGREGATES}, cell[3] = {CELL, CELL, CELL};
+  size_t solid = 0, at[3];
+  if (!make_aggregates()) {
+    report("sand of aggregates: the generator makes it", 1.0, 0.0, 0.0);
+    return;
+  }
+  for (at[2] = 0; at[2] < CELL; at[2]++)
+    for (at[1] = 0; at[1] < CELL; at[1]++)
+      for (at[0] = 0; at[0] < CELL; at[0]++) solid += in_small_sphere(at);
+  const double k = permeability(cell, cell_at, NULL, 2, 1e-4);
+  double p[3] = {0.0, 1.0 - (double)solid / (CELL * CELL * CELL), k};
+  const double resolved = permeability(size, aggregate_at, p, 2, 1e-3);
+  printf("  porosity %.3g, k_micro %.3g; %ld iterations resolved\n", p[1], k, iterations);
+  p[0] = 1.0;
+  report("sand of aggregates, soil over resolved", resolved,
+         permeability(size, aggregate_at, p, 2, 1e-3), 0.05);
+  p[0] = 2.0;
+  const double closed = permeability(size, aggregate_at, p, 2, 1e-3);
+  printf("  with solid grains %.6g, %.3g of it\n", closed, closed / resolved);
+  memory_free(&aggregates);
+}
+
 int main(int argc, char **argv) {
   char name[80];
   if (argc > 1) json = fopen(argv[1], "w");
@@ -190,6 +257,7 @@ int main(int argc, char **argv) {
   /* Of voxels, which are rougher than spheres: 12, 4, 2.4, 1.9 % at radii of 3, 5, 7, 9 sites. */
   report("dilute array of spheres of soil, radius 9", exact_dilute(72, 9, 3.24),
          spheres(72, 9, 0.999, 3.24), 0.02);
+  sand_of_aggregates();
   if (json) fprintf(json, "\n]\n"), fclose(json);
   printf("%d failed\n", failed);
   return failed > 0;
