@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/permeameter.h"
+#include "sphsolve/isph/wall_force.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/plan/reynolds.h"
 
@@ -83,6 +84,11 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
     snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1,
              region_type_names[s->scene->regions[k].type]);
     TRY(recorder_add_column(recorder, name, "m^3", 1));
+  }
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    if (!isph_wall_has_name(s, b)) continue;
+    snprintf(name, sizeof name, "force_%s", s->wall_boxes[b].region->name);
+    TRY(recorder_add_column(recorder, name, "N", 3));
   }
   for (size_t k = 0; k < s->scene->gauge_count; k++) {
     snprintf(name, sizeof name, "pressure_%s", s->scene->gauges[k].name);
@@ -174,8 +180,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
   struct whole whole;
   double *extra = NULL;
-  size_t n = 13 + BUDGET_TERMS + s->scene->region_count + GAUGE_NUMBERS * s->scene->gauge_count +
-             s->scene->plane_count,
+  size_t n = 13 + BUDGET_TERMS + 4 * s->scene->region_count +
+             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
@@ -200,6 +206,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
   for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
+  for (size_t b = 1; b < s->wall_box_count; b++)
+    if (isph_wall_has_name(s, b)) isph_wall_force(s, b, &extra[c]), c += 3;
   for (size_t k = 0; k < s->scene->gauge_count; k++)
     c += isph_read_gauge(s, s->scene->gauges[k].at, &extra[c]);
   for (size_t k = 0; k < s->scene->plane_count; k++)

@@ -78,6 +78,7 @@ struct region {
   bool saturated;          /* full of water at the start also where no water region covers it */
   bool dry;                /* dry there, even where soil would start full by itself */
   /* wall */
+  char name[32]; /* "" unless its force is asked for */
   bool slip;
   double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */
   /* inflow: fixed head (m above z = 0) or flux (m/s through the side, positive inward) */

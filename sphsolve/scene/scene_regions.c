@@ -133,10 +133,38 @@ cleanup:
   return status;
 }
 
+/* The name of a gauge, plane or wall, which heads a column; `title` with its number where it has
+ * none. */
+static enum status read_name(struct config *config, config_node *group, const char *title,
+                             size_t number, char *name, size_t size) {
+  const char *given = NULL;
+  enum status status = config_string(config, group, "name", &given, NULL);
+  if (status != STATUS_OK) return status;
+  if (given == NULL) {
+    snprintf(name, size, "%s_%zu", title, number);
+    return STATUS_OK;
+  }
+  bool plain = *given != '\0' && strlen(given) < size;
+  for (const char *c = given; *c; c++)
+    plain =
+        plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));
+  if (!plain)
+    return config_error(config, config_child(config, group, "name"),
+                        "names a column: 1 to %zu letters, digits, -, _, + or spaces are wanted",
+                        size - 1);
+  snprintf(name, size, "%s", given);
+  return STATUS_OK;
+}
+
 static enum status read_wall(struct config *config, config_node *group, const struct scene *scene,
                              struct region *region) {
   enum status status = STATUS_OK;
   TRY(config_bool(config, group, "slip", &region->slip, NULL));
+  if (config_child(config, group, "name") != NULL)
+    TRY(read_name(config, group, "wall", 0, region->name, sizeof region->name));
+  for (const struct region *r = scene->regions; r < region && *region->name; r++)
+    if (!strcmp(r->name, region->name))
+      TRY(config_error(config, group, "a wall before is called '%s' too; rename one", r->name));
   if (config_child(config, group, "times") == NULL)
     return scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity);
   TRY(read_table(config, group, "velocity", DIM_VELOCITY, scene, scene->dimensions,
@@ -214,28 +242,6 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
   TRY(scene_check_geometry(config, list, scene));
 cleanup:
   return status;
-}
-
-/* The name of a gauge or plane, which heads a column; `title` with its number where it has none. */
-static enum status read_name(struct config *config, config_node *group, const char *title,
-                             size_t number, char *name, size_t size) {
-  const char *given = NULL;
-  enum status status = config_string(config, group, "name", &given, NULL);
-  if (status != STATUS_OK) return status;
-  if (given == NULL) {
-    snprintf(name, size, "%s_%zu", title, number);
-    return STATUS_OK;
-  }
-  bool plain = *given != '\0' && strlen(given) < size;
-  for (const char *c = given; *c; c++)
-    plain =
-        plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));
-  if (!plain)
-    return config_error(config, config_child(config, group, "name"),
-                        "names a column: 1 to %zu letters, digits, -, _, + or spaces are wanted",
-                        size - 1);
-  snprintf(name, size, "%s", given);
-  return STATUS_OK;
 }
 
 static enum status read_gauges(struct config *config, struct scene *scene) {

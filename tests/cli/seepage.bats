@@ -206,3 +206,17 @@ END
   analyze history poured.hdf -o poured
   within "$(column poured mass 1.9)" "$(awk 'BEGIN { print 1000 * 0.01 * (0.02 + 0.05 * 0.1) }')" 0.012
 }
+
+@test "the force of water on walls that have a name" {
+  last() { awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) k = i } END { print $k }' "$1/history.csv"; }
+  within() { awk -v a="$1" -v b="$2" -v most="$3" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < most ^ 2) }' || { echo "$1 is not $2 +- $3"; return 1; }; }
+  # Two levels beside a wall: rho g (h1^2 - h2^2)/2 for the 5 mm along y. A block under water: its buoyancy.
+  sphsolve run "$TANK" -o held --quiet --set 'isph.dt="auto"' --set 'domain.spacing="5 mm"' --set 'domain.size=["0.3 m", "0.3 m"]' --set 'scene.end_time="0.5 s"' \
+    --set 'regions=({ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; }, { type = "water"; box = ["0.22 m", "0", "0.3 m", "0.1 m"]; },
+    { type = "wall"; name = "dam"; box = ["0.2 m", "0", "0.22 m", "0.3 m"]; }, { type = "wall"; name = "block"; box = ["0.05 m", "0.05 m", "0.1 m", "0.1 m"]; })' > held.txt
+  analyze history held.hdf -o held
+  within "$(last held force_dam_x)" 0.7358 0.0184 # 2.5 %
+  within "$(last held force_dam_z)" 0 0.01
+  within "$(last held force_block_z)" 0.1226 0.005
+  within "$(last held force_block_x)" 0 0.003
+}
