@@ -401,7 +401,7 @@ enum status isph_open_measure(struct isph *s) {
     double velocity[3];
     if (column->dry || side->kind == BOUNDARY_OPEN_FLUX || !isph_answers_for(s, column->at))
       continue;
-    const double size = s->dimensions == 3 ? cbrt(column->volume) : sqrt(column->volume);
+    const double size = isph_size_of(s, column->volume);
     const double support = fmin(s->support_max, s->scene->isph.support_ratio * size);
     status = isph_probe(s, column->at, support, &seen[c][0], velocity);
     if (status != STATUS_OK) worst = status;

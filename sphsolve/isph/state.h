@@ -10,6 +10,7 @@
 #ifndef TOSUI_SPHSOLVE_ISPH_STATE_H
 #define TOSUI_SPHSOLVE_ISPH_STATE_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -350,6 +351,12 @@ static inline void isph_interface_turn(const struct isph_interface *interface, d
   for (int a = 0; a < 3; a++) x[a] = along * x[a] + (1 - along) * across * n[a];
 }
 
+/* isph/motion.c, after the correction: dx/dt = v/eps, with the shift, limited at walls. v is the
+ * mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24) where there can be no waves
+ * on a surface; else the new one, as the mean would be an explicit scheme for waves and make them
+ * grow. `available`, J or J/m: of isph_energy_settle. */
+void isph_move(struct isph *s, double dt, double available);
+
 /* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
@@ -395,6 +402,11 @@ enum status isph_open_move(struct isph *s, double dt);
  * there. */
 enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]);
+/* The size of a particle, m: the side of a square or cube of its bulk volume. */
+static inline double isph_size_of(const struct isph *s, double volume) {
+  return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
+}
+
 /* Bulk volume of boundary particle j. */
 static inline double isph_wall_volume(const struct isph *s, size_t j) {
   return s->boundary_volume != NULL ? s->boundary_volume[j] : s->wall_volume;

@@ -33,7 +33,7 @@
 static inline double time_by_weight(const struct isph *s, size_t i) {
   const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
   const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  const double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
+  const double size = isph_size_of(s, s->volume[i]);
   return force > 0 ? size * s->porosity[i] * (a + sqrt(a * a + 4 * b * force)) / (2 * force) : 0;
 }
 
@@ -44,7 +44,7 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   if (lack > 0 && s->surface != NULL) lack *= 1 - (s->near != NULL ? s->near : s->surface)[i];
   if (s->porosity != NULL && s->surface == NULL) {
     const double *v = s->velocity[i];
-    double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
+    double size = isph_size_of(s, s->volume[i]);
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     relaxation_time = fmax(relaxation_time, size / fmax(speed, 1e-30));
   }

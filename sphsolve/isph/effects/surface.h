@@ -92,7 +92,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   double w = s->surface[i];
   *coefficient = *load = 0;
   if (w <= 0) return;
-  double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
+  double size = isph_size_of(s, s->volume[i]);
   double scale = 2 * s->volume[i] * s->mobility[i];
   const double *m = s->gradient_sum[i], *f = s->force;
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
@@ -108,7 +108,7 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
                                    double own[3]) {
   const double *m = s->gradient_sum[i], *f = s->force;
   double w = s->surface[i];
-  double size = s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
+  double size = isph_size_of(s, s->volume[i]);
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
   double pressure = s->pressure[i] - outside;

@@ -40,10 +40,6 @@ static inline double surface_tension_dt(const struct effect_context *context) {
          sqrt(fluid->density * pow(context->spacing, 3) / (2 * M_PI * fluid->surface_tension));
 }
 
-static inline double surface_tension_size(const struct isph *s, size_t i) {
-  return s->dimensions == 3 ? cbrt(s->volume[i]) : sqrt(s->volume[i]);
-}
-
 /* The weight of neighbour j among those of a particle of that size, its own being 1; 0 off the
  * surface. */
 static inline double surface_tension_weight(const struct isph *s, const struct isph_chunk *chunk,
@@ -55,7 +51,7 @@ static inline double surface_tension_weight(const struct isph *s, const struct i
 /* Of particle i: n_i. */
 static inline void surface_tension_normal(const struct isph *s, const struct isph_chunk *chunk,
                                           size_t i, double normal[3]) {
-  const double size = surface_tension_size(s, i);
+  const double size = isph_size_of(s, s->volume[i]);
   double square = 0;
   for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->gradient_sum[i][a];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
@@ -69,7 +65,7 @@ static inline void surface_tension_normal(const struct isph *s, const struct isp
 
 static inline double surface_tension_curvature(const struct isph *s, const struct isph_chunk *chunk,
                                                size_t i, double (*normal)[3]) {
-  const double size = surface_tension_size(s, i), most = 1 / size, d = s->dimensions - 1;
+  const double size = isph_size_of(s, s->volume[i]), most = 1 / size, d = s->dimensions - 1;
   double turn = 0, span = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
@@ -109,7 +105,7 @@ static inline void surface_tension_pressure(void *state, double *pressure) {
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const struct isph_chunk *chunk = &s->chunks[c];
-      const double size = surface_tension_size(s, i);
+      const double size = isph_size_of(s, s->volume[i]);
       double sum = s->surface[i] * curvature[i], weight = s->surface[i];
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n && weight > 0; p++) {
         const double w = surface_tension_weight(s, chunk, p, size);

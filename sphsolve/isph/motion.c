@@ -1,0 +1,121 @@
+/* Where the particles go in a step: with the water, and by shifting. */
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/effects/shifting.h"
+#include "sphsolve/isph/effects/surface.h"
+#include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/state.h"
+
+static void wrap(const struct isph *s, double x[3]) {
+  for (int a = 0; a < 3; a++) {
+    if (!s->periodic[a]) continue;
+    double length = s->high[a] - s->low[a];
+    x[a] -= length * floor((x[a] - s->low[a]) / length);
+    if (x[a] >= s->high[a]) x[a] = s->low[a];
+  }
+}
+
+/* How close particle i is to the surface, 1: on it or with a neighbour on it, and the normal of the
+ * surface there, outward. */
+static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                           double normal[3]) {
+  double near = s->surface[i], square = 0;
+  for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    near = fmax(near, s->surface[j]);
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * s->gradient_sum[j][a];
+  }
+  for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
+  for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
+  return near;
+}
+
+/* How far there is a gap between particle i and a wall, 0 .. 1: it is on the surface, or more
+ * asymmetric than disorder makes it, and the void lies towards the wall. */
+static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
+  const double *xi = s->position[i];
+  double gap = 0, trace = 0, r[3];
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    double mirror[3], ratio;
+    isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
+    double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
+    isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, &ratio);
+    gap = fmax(gap, surface_gap(s, i, r, mirror));
+    trace += isph_wall_volume(s, chunk->wall[p] & PAIR_MASK) * (double)chunk->wall_slope[p] *
+             (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  }
+  if (gap == 0) return 0;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    isph_separation(s, xi, s->position, chunk->pair[p], r);
+    trace += s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] *
+             (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  }
+  double asymmetry = surface_asymmetry(s, s->support[i], s->gradient_sum[i], trace);
+  double more = (asymmetry - SURFACE_DISORDER) / (SURFACE_FROM - SURFACE_DISORDER);
+  return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
+}
+
+/* The displacement of particle i by shifting, and its velocity there. */
+static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
+                  double step[3]) {
+  double *v = s->velocity[i], h = 0.5 * s->support[i], eps = s->on.soil ? s->porosity[i] : 1;
+  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), weight = 1, near = 0;
+  double normal[3] = {0};
+  if (s->on.surface) {
+    weight = (1 - s->surface[i]) * (1 - beside_gap(s, chunk, i));
+    near = surface_near(s, chunk, i, normal);
+  }
+  speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
+  double size = isph_size_of(s, s->volume[i]);
+  double most =
+      s->on.surface && !isph_is_free(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
+  shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
+  if (near > 0) shift_along(normal, near, step);
+  const float *g = s->gradient[i];
+  for (int a = 0; a < 3; a++)
+    v[a] += (double)g[3 * a] * step[0] + (double)g[3 * a + 1] * step[1] +
+            (double)g[3 * a + 2] * step[2];
+}
+
+void isph_move(struct isph *s, double dt, double available) {
+  double(*displacement)[3] = s->predicted; /* v* is not needed any more */
+  const bool waves = s->on.surface && (!isph_is_free(s) || s->surface_pressure != NULL);
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+      const double *carried = waves ? v : s->predicted[i];
+      struct budget_sums *sums = &s->chunks[c].budget;
+      double step[3] = {0}, speed[3], beyond[3], held[3], guided[3];
+      memcpy(held, v, sizeof held);
+      isph_wall_guard(s, x, 1 / eps, dt, v);
+      isph_budget_change(s, sums, BUDGET_WALL_GUARD, i, held);
+      memcpy(guided, v, sizeof guided);
+      for (int a = 0; a < 3; a++) {
+        speed[a] = carried[a] / eps;
+        beyond[a] = speed[a] * dt - held[a] / eps * dt;
+        held[a] *= dt / eps;
+      }
+      isph_budget_displacement(s, sums, BUDGET_FORCE, i, held);
+      isph_budget_displacement(s, sums, s->on.surface ? BUDGET_WALL_GUARD : BUDGET_TIME_STEP, i,
+                               beyond);
+      if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
+      isph_budget_change(s, sums, BUDGET_SHIFTING, i, guided);
+      isph_budget_displacement(s, sums, BUDGET_SHIFTING, i, step);
+      for (int a = 0; a < 3; a++) beyond[a] = speed[a] += step[a] / dt;
+      isph_wall_guard(s, x, 1, dt, speed);
+      for (int a = 0; a < 3; a++) beyond[a] = (speed[a] - beyond[a]) * dt;
+      isph_budget_displacement(s, sums, BUDGET_WALL_GUARD, i, beyond);
+      for (int a = 0; a < 3; a++)
+        displacement[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
+    }
+  if (s->on.energy) isph_energy_settle(s, displacement, available);
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];
+    wrap(s, s->position[i]);
+  }
+}
