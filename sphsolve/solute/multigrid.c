@@ -4,67 +4,54 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/solute/multigrid_rows.h"
 
 #define BASIS 30
 #define ROUNDS 20
 #define SWEEPS 1 /* before and after the coarser cells */
 #define SWEEPS_COARSEST 8
 
-/* Of a face, what the neighbour at its high and at its low side gives: G' - s F / 2 and
- * G' + s F / 2, with G' at least |s F| / 2. */
-static inline float from_high(float g, float f) {
-  return fmaxf(g, fabsf(f)) - f;
-}
-static inline float from_low(float g, float f) {
-  return fmaxf(g, fabsf(f)) + f;
+#define FOR_ROWS(c)                                                                                \
+  for (int k = 0; k < (c)->n[2]; k++)                                                              \
+    for (int j = 0; j < (c)->n[1]; j++)
+
+static bool flows(const struct solute_solver *solver, int level) {
+  return solver->s > 0 && solver->cells[level].flux[0] != NULL;
 }
 
-static inline float half_flux(const struct solute_cells *c, int axis, float half, size_t at) {
-  return c->flux[axis] != NULL ? half * c->flux[axis][at] : 0.0f;
+/* Where the row (j, k) lies among the coarser cells (multigrid_row_prolong). */
+static size_t coarse_row(const struct solute_cells *coarse, int j, int k, ptrdiff_t steps[2]) {
+  steps[0] = (j & 1 ? 1 : -1) * (ptrdiff_t)coarse->stride[1];
+  steps[1] = (k & 1 ? 1 : -1) * (ptrdiff_t)coarse->stride[2];
+  return solute_cells_at(coarse, 0, j / 2, k / 2);
 }
 
-static void set_level(const struct solute_cells *c, double s, float *inverse) {
-  const float half = (float)(0.5 * s);
+static void set_inverse(struct solute_solver *solver, int level) {
+  const struct solute_cells *c = &solver->cells[level];
+  float *inverse = solver->inverse[level];
 #pragma omp parallel for schedule(static)
-  for (int k = 0; k < c->n[2]; k++)
-    for (int j = 0; j < c->n[1]; j++)
-      for (int i = 0; i < c->n[0]; i++) {
-        const size_t at = solute_cells_at(c, i, j, k);
-        float sum = 0;
-        for (int a = 0; a < 3; a++) {
-          const size_t up = at + c->stride[a];
-          sum += from_high(c->conductance[a][up], half_flux(c, a, half, up));
-          sum += from_low(c->conductance[a][at], half_flux(c, a, half, at));
-        }
-        inverse[at] = sum > 0 ? 1 / sum : 0;
-      }
+  FOR_ROWS(c)
+  multigrid_row_inverse(c, (float)(0.5 * solver->s), flows(solver, level),
+                        solute_cells_at(c, 0, j, k), inverse);
+  solute_cells_wrap(c, inverse);
+}
+
+static void set_share(struct solute_solver *solver, int level) {
+  const struct solute_cells *c = &solver->cells[level];
+  const float *coarse_inverse = solver->inverse[level + 1];
+#pragma omp parallel for schedule(static)
+  FOR_ROWS(c) {
+    ptrdiff_t steps[2];
+    const size_t near = coarse_row(c + 1, j, k, steps), at = solute_cells_at(c, 0, j, k);
+    multigrid_row_share(coarse_inverse, near, steps, c->n[0], solver->inverse[level] + at,
+                        solver->share[level] + at);
+  }
 }
 
 void solute_solver_set(struct solute_solver *solver, double s) {
   solver->s = s;
-  for (int l = 0; l < solver->level_count; l++) set_level(&solver->cells[l], s, solver->inverse[l]);
-}
-
-/* What the six neighbours of a cell give it. */
-static inline float given(const struct solute_cells *c, float half, bool flows, size_t at,
-                          const float *x) {
-  float sum = 0;
-  for (int a = 0; a < 3; a++) {
-    const size_t d = c->stride[a], up = at + d;
-    const float fu = flows ? half * c->flux[a][up] : 0, fl = flows ? half * c->flux[a][at] : 0;
-    sum += from_high(c->conductance[a][up], fu) * x[up] +
-           from_low(c->conductance[a][at], fl) * x[at - d];
-  }
-  return sum;
-}
-
-/* Every other cell of a row. */
-static inline void relax_row(const struct solute_cells *c, float half, bool flows, size_t at,
-                             int first, const float *inverse, const float *rest, float *x) {
-  for (int i = first; i < c->n[0]; i += 2) {
-    const size_t p = at + (size_t)i;
-    if (inverse[p] > 0) x[p] = (rest[p] + given(c, half, flows, p, x)) * inverse[p];
-  }
+  for (int l = 0; l < solver->level_count; l++) set_inverse(solver, l);
+  for (int l = 0; l + 1 < solver->level_count; l++) set_share(solver, l);
 }
 
 /* Copies of one plane's rims, and of the whole plane where it is the first or the last. */
@@ -87,19 +74,15 @@ static void sweep(const struct solute_solver *solver, int level, const float *re
   const struct solute_cells *c = &solver->cells[level];
   const float *inverse = solver->inverse[level];
   const float half = (float)(0.5 * solver->s);
-  const bool flows = solver->s > 0 && c->flux[0] != NULL;
+  const bool flow = flows(solver, level);
 #pragma omp parallel if (c->size > 20000)
   for (int step = 0; step < c->n[2]; step++) {
     const int k = solver->down ? c->n[2] - 1 - step : step;
     for (int colour = 0; colour < 2; colour++) {
 #pragma omp for schedule(static)
-      for (int j = 0; j < c->n[1]; j++) {
-        const size_t at = solute_cells_at(c, 0, j, k);
-        if (flows)
-          relax_row(c, half, true, at, (j + k + colour) & 1, inverse, rest, x);
-        else
-          relax_row(c, half, false, at, (j + k + colour) & 1, inverse, rest, x);
-      }
+      for (int j = 0; j < c->n[1]; j++)
+        multigrid_row_relax(c, half, flow, solute_cells_at(c, 0, j, k), (j + k + colour) & 1,
+                            inverse, rest, x);
 #pragma omp single
       wrap_plane(c, k, x);
     }
@@ -110,16 +93,10 @@ static void sweep(const struct solute_solver *solver, int level, const float *re
 static void defect(const struct solute_solver *solver, int level, const float *rest, const float *x,
                    float *out) {
   const struct solute_cells *c = &solver->cells[level];
-  const float *inverse = solver->inverse[level];
-  const float half = (float)(0.5 * solver->s);
-  const bool flows = solver->s > 0 && c->flux[0] != NULL;
 #pragma omp parallel for schedule(static)
-  for (int k = 0; k < c->n[2]; k++)
-    for (int j = 0; j < c->n[1]; j++) {
-      const size_t at = solute_cells_at(c, 0, j, k);
-      for (size_t p = at; p < at + (size_t)c->n[0]; p++)
-        out[p] = inverse[p] > 0 ? rest[p] + given(c, half, flows, p, x) - x[p] / inverse[p] : 0;
-    }
+  FOR_ROWS(c)
+  multigrid_row_defect(c, (float)(0.5 * solver->s), flows(solver, level),
+                       solute_cells_at(c, 0, j, k), solver->inverse[level], rest, x, out);
 }
 
 /* Sums of the defect over the cells of each coarser one. */
@@ -138,32 +115,16 @@ static void restrict_sum(const struct solute_cells *f, const struct solute_cells
       }
 }
 
-/* x += the coarser correction, interpolated with the weights 3/4 and 1/4 along each axis between
- * the coarse cells that are open. */
-static void prolong_add(const struct solute_cells *f, const struct solute_cells *c,
-                        const float *fine_inverse, const float *coarse_inverse, const float *y,
-                        float *x) {
+/* x += the coarser correction, interpolated. */
+static void prolong_add(const struct solute_solver *solver, int level, float *x) {
+  const struct solute_cells *c = &solver->cells[level];
 #pragma omp parallel for schedule(static)
-  for (int k = 0; k < f->n[2]; k++)
-    for (int j = 0; j < f->n[1]; j++)
-      for (int i = 0; i < f->n[0]; i++) {
-        const size_t at = solute_cells_at(f, i, j, k);
-        if (!(fine_inverse[at] > 0)) continue;
-        const size_t near = solute_cells_at(c, i / 2, j / 2, k / 2);
-        const ptrdiff_t d[3] = {(i & 1 ? 1 : -1) * (ptrdiff_t)c->stride[0],
-                                (j & 1 ? 1 : -1) * (ptrdiff_t)c->stride[1],
-                                (k & 1 ? 1 : -1) * (ptrdiff_t)c->stride[2]};
-        float sum = 0, weights = 0;
-        for (int o = 0; o < 8; o++) {
-          const size_t from =
-              near + (size_t)((o & 1 ? d[0] : 0) + (o & 2 ? d[1] : 0) + (o & 4 ? d[2] : 0));
-          const float w = (o & 1 ? 1.0f : 3.0f) * (o & 2 ? 1.0f : 3.0f) * (o & 4 ? 1.0f : 3.0f);
-          if (!(coarse_inverse[from] > 0)) continue;
-          sum += w * y[from];
-          weights += w;
-        }
-        if (weights > 0) x[at] += sum / weights;
-      }
+  FOR_ROWS(c) {
+    ptrdiff_t steps[2];
+    const size_t near = coarse_row(c + 1, j, k, steps), at = solute_cells_at(c, 0, j, k);
+    multigrid_row_prolong(solver->x[level + 1], near, steps, c->n[0], solver->share[level] + at,
+                          x + at);
+  }
 }
 
 /* V-cycle from x = 0. */
@@ -177,8 +138,7 @@ static void cycle(const struct solute_solver *solver, int level, const float *re
   const struct solute_cells *coarse = &solver->cells[level + 1];
   restrict_sum(c, coarse, solver->work[level], solver->rest[level + 1]);
   cycle(solver, level + 1, solver->rest[level + 1], solver->x[level + 1]);
-  prolong_add(c, coarse, solver->inverse[level], solver->inverse[level + 1], solver->x[level + 1],
-              x);
+  prolong_add(solver, level, x);
   solute_cells_wrap(c, x);
   for (int i = 0; i < SWEEPS; i++) sweep(solver, level, rest, x);
 }
@@ -217,6 +177,8 @@ enum status solute_solver_build(const struct solute_flow *flow, const int axis[3
     const size_t size = s->cells[l].size;
     TRY(memory_allocate(&s->inverse[l], size, sizeof(float), "diagonal of the closure problem"));
     TRY(memory_allocate(&s->work[l], size, sizeof(float), "multigrid"));
+    if (l + 1 < s->level_count)
+      TRY(memory_allocate(&s->share[l], size, sizeof(float), "multigrid"));
     if (l == 0) continue;
     TRY(memory_allocate(&s->x[l], size, sizeof(float), "multigrid"));
     TRY(memory_allocate(&s->rest[l], size, sizeof(float), "multigrid"));
@@ -236,6 +198,7 @@ void solute_solver_free(struct solute_solver *s) {
   for (int l = 0; l < SOLUTE_LEVELS; l++) {
     solute_cells_free(&s->cells[l]);
     memory_free(&s->inverse[l]);
+    memory_free(&s->share[l]);
     memory_free(&s->x[l]);
     memory_free(&s->rest[l]);
     memory_free(&s->work[l]);

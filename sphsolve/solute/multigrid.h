@@ -20,6 +20,7 @@ struct solute_solver {
   int level_count;
   struct solute_cells cells[SOLUTE_LEVELS]; /* [0]: those of the flow */
   float *inverse[SOLUTE_LEVELS]; /* of the diagonal of the cycle's operator; 0 in cells closed */
+  float *share[SOLUTE_LEVELS];   /* of what the coarser cells give (multigrid_rows.h) */
   float *x[SOLUTE_LEVELS], *rest[SOLUTE_LEVELS], *work[SOLUTE_LEVELS];
   struct stokes_krylov krylov;
 };
