@@ -21,6 +21,7 @@ void pdf_free(struct pdf *pdf);
 struct moments {
   double mean, standard_deviation, skewness, excess_kurtosis;
 };
+/* Of n >= 1 values, each counted alike. */
 void moments_of(const double *values, size_t n, struct moments *moments);
 
 /* Exact densities of normalised velocity s = v / mean: a slit, (1/3)/sqrt(1 - 2s/3) on [0, 1.5); a
@@ -33,6 +34,7 @@ double pdf_exponential(double s);
  * positive values, by maximum likelihood; gamma within [0.3, 4]. */
 void pdf_fit_power_exponential(const double *values, size_t n, double *sigma, double *gamma);
 
+/* Of the last snapshots of n runs, into the product's JSON, CSV, plot and summary. */
 enum status pdf_analyze(const struct run *runs, size_t n, struct product *product);
 
 #endif

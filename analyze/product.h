@@ -24,6 +24,7 @@ struct product {
   int width, height; /* of the plot, pixels; no plot while width is 0 */
 };
 
+/* An empty JSON object and open texts. Free with product_free; `name` is not copied. */
 enum status product_start(const char *name, struct product *product);
 /* Ends writing: the texts' data are valid from here on. */
 enum status product_finish(struct product *product);

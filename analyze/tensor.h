@@ -20,6 +20,7 @@ struct tensor {
 /* *found is false where the run has none. */
 enum status tensor_read(const struct run *run, struct tensor *tensor, bool *found);
 
+/* The tensor as JSON (a new object), as lines for people, and as tables of HTML. */
 json_t *tensor_json(const struct tensor *tensor);
 void tensor_summary(const struct tensor *tensor, FILE *stream);
 void tensor_html(const struct tensor *tensor, FILE *stream);

@@ -14,8 +14,10 @@
 
 struct h5_file;
 enum h5_type { H5_U8, H5_I32, H5_U32, H5_I64, H5_U64, H5_F32, H5_F64 };
+/* Bytes of a value in memory. */
 size_t h5_type_size(enum h5_type type);
 
+/* A new file, written at PATH.part; ends with h5_commit or h5_close. */
 enum status h5_create(const char *path, struct h5_file **file);
 /* Read only, as an input, which no output may replace. A process of its own looks at the file
  * first: see hdf5_probe.c. */
@@ -50,6 +52,7 @@ enum status h5_write_attribute(struct h5_file *file, const char *name, const cha
 enum status h5_write_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                     const char *text); /* fixed length, as VTKHDF wants */
 
+/* Whether an object of that name is in the file (a broken link is not). */
 bool h5_exists(struct h5_file *file, const char *name);
 /* Names of a group's members, sorted; free with h5_free_texts. */
 enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names);

@@ -13,6 +13,7 @@ void log_start(const char *program, enum log_level level);
 const char *log_program(void);
 enum log_level log_level(void);
 
+/* A line on stderr: of interest to all (not with --quiet), or with --verbose only. */
 void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_verbose(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* "PROGRAM: warning: ..."; shown at every level but quiet. */

@@ -26,6 +26,7 @@ struct voxel_model {
   float *micro_porosity, *micro_permeability;
 };
 
+/* Product of the sizes. */
 size_t model_site_count(const struct voxel_model *model);
 /* Volume of the pores over that of the model, those of the soil with them. */
 double model_porosity(const struct voxel_model *model);

@@ -42,6 +42,8 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
                           struct options **options, bool *done);
 void options_free(struct options *options);
 
+/* The subcommand, the free arguments in their order, and whether an option was given, by its long
+ * name. Texts are owned by `options`. */
 const char *options_command(const struct options *options);
 size_t options_operand_count(const struct options *options);
 const char *options_operand(const struct options *options, size_t i);

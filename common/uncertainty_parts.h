@@ -14,8 +14,9 @@
  * micro        from the uncertainty of the permeability of soil below the voxel
  * averaging    over time
  * steadiness   the change still to come, or what the solver left
- * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, d ln k / d ln of
- * the permeability of soil below the voxel, and ln k in a tube that the sample fills, less ln k. */
+ * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, d ln k / d ln
+ * of the permeability of soil below the voxel, and ln k in a tube that the sample fills, less ln k.
+ */
 #define UNCERTAINTY_PARTS_MEMBERS                                                                  \
   double resolution, scan, sides, void_ratio, threshold, micro, averaging, steadiness;             \
   double slope_void_ratio, slope_threshold, slope_micro, sides_closed;
@@ -31,6 +32,7 @@ struct uncertainty_parts {
 };
 extern const char *const uncertainty_part_names[UNCERTAINTY_PARTS]; /* of their attributes */
 
+/* All parts NAN. */
 struct uncertainty_parts uncertainty_parts_none(void);
 /* Root of the sum of squares of the known shares, with another resolution; NAN if none is known. */
 double uncertainty_parts_total(const struct uncertainty_parts *parts, double resolution);

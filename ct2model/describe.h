@@ -6,6 +6,7 @@
 #include "common/options.h"
 #include "ct2model/request.h"
 
+/* Prints what each operand of the command line holds, as text or JSON. Pixels are not read. */
 enum status describe_files(const struct options *options, const struct request *request);
 
 #endif

@@ -6,6 +6,7 @@
 #include "common/options.h"
 #include "ct2model/state.h"
 
+/* Writes the pipeline's model to request->output (docs/formats.md), atomically. */
 enum status model_output_write(const struct pipeline *pipeline, const struct options *options);
 
 #endif

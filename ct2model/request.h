@@ -53,6 +53,8 @@ struct request {
 
 extern const struct option_table ct2model_options;
 
+/* Usage errors name the option. Texts of the request point into `options`, which must outlive it.
+ */
 enum status request_parse(const struct options *options, struct request *request);
 
 #endif

@@ -37,7 +37,7 @@ struct pipeline {
   struct stack stack;
   struct region region;
   struct labels labels;              /* of a segmented image: `region` reads them smoothed */
-  struct grey_soil micro;          /* what --micro made of greys */
+  struct grey_soil micro;            /* what --micro made of greys */
   struct survey survey;              /* of the greys as stored, in the scan's axes */
   size_t survey_size[2];             /* of its slices */
   struct scanner scanner;            /* of the greys that are used */
@@ -73,8 +73,10 @@ struct pipeline {
   size_t specks, disagreeing;
 };
 
+/* Frees all that the stages have made. */
 void pipeline_end(struct pipeline *pipeline);
 
+/* A grey of the region, as it is reported: of the scan as stored. */
 double pipeline_grey(const struct pipeline *pipeline, double internal);
 /* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
 double pipeline_threshold_error(const struct pipeline *pipeline);

@@ -18,6 +18,7 @@ enum asset_name {
   ASSET_THREE,
   ASSET_ORBIT
 };
+/* Not to be freed. */
 struct asset asset_get(enum asset_name name);
 
 #endif

@@ -18,6 +18,7 @@ struct methods_facts {
   bool lattices;     /* or from those that the run itself has solved */
 };
 
+/* HTML: the paragraph, and the list of the references it has used. */
 void page_methods(const struct run *runs, size_t n, const struct page_model *model,
                   const struct methods_facts *facts, FILE *stream);
 

@@ -20,6 +20,7 @@ struct grey_histogram {
   uint64_t total;
 };
 
+/* `bins` empty bins from grey `low` on. Free with grey_histogram_end. */
 enum status grey_histogram_start(double low, double width, size_t bins,
                                  struct grey_histogram *histogram);
 void grey_histogram_end(struct grey_histogram *histogram);

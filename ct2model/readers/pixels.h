@@ -17,6 +17,7 @@ enum pixel_type {
   PIXEL_F64
 };
 
+/* Bytes. */
 size_t pixel_size(enum pixel_type type);
 /* "16-bit unsigned" and the like. */
 const char *pixel_name(enum pixel_type type);

@@ -21,7 +21,9 @@ struct resample_axis {
   float *weight;
 };
 
+/* Keys' cubic at a distance x, in voxels. */
 double keys_kernel(double x);
+/* Weights from `in` voxels to `out`. Free with resample_axis_end. */
 enum status resample_axis_start(enum filter filter, size_t in, size_t out,
                                 struct resample_axis *axis);
 void resample_axis_end(struct resample_axis *axis);

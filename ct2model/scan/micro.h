@@ -35,6 +35,7 @@ struct micro {
   struct soil soil[MICRO_KINDS]; /* of kinds 1 .. 254 */
 };
 
+/* Frees `kind`. */
 void micro_end(struct micro *micro);
 
 /* Soil of pores wider than the model's voxels (m) is an input error. */

@@ -24,6 +24,7 @@ struct edge_fit {
   double fringe, pore, grain, shift, residual;
 };
 
+/* The middle of a bin, voxels, positive in the pore. */
 double edge_bin_distance(size_t bin);
 /* Over the bins within `reach` voxels; false where too few hold anything. */
 bool edge_fit_find(const struct edge_response *response, double reach, struct edge_fit *fit);

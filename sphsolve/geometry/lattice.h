@@ -35,8 +35,8 @@ struct lattice {
   /* Region that claimed a site + 1, 0 for none (outer walls); NULL for a model. Wall velocity and
    * slip come from scene.regions. */
   uint16_t *region;
-  /* Soil with pores below the sites (soil.h): porosity 0..1 and permeability, m^2, of fluid sites, 0
-   * where there is none. NULL where no site is soil. */
+  /* Soil with pores below the sites (soil.h): porosity 0..1 and permeability, m^2, of fluid sites,
+   * 0 where there is none. NULL where no site is soil. */
   float *micro_porosity, *micro_permeability;
   uint64_t model_hash; /* of the model file; 0 without */
 };
@@ -46,6 +46,8 @@ struct lattice_spill {
   bool distances, regions;
 };
 
+/* The sites of a scene, with `wall_layers` of wall outside closed axes. Collective: ranks of one
+ * machine hold kinds and distances once. Free with lattice_free. */
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
 void lattice_free(struct lattice *lattice);
 

@@ -8,6 +8,8 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/output/recorder.h"
 
+/* The columns of the history beyond those of every method; a row; the particles; the state. `dt` is
+ * the last step's, s. Collective. */
 enum status isph_add_columns(const struct isph *s, struct recorder *recorder);
 enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt);
 enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder);

@@ -24,6 +24,7 @@ struct monitor_verdict {
   double drift; /* its part that is change still to come */
 };
 
+/* The next sample. Free with monitor_free. */
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
 void monitor_free(struct monitor *monitor);
 /* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about

@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
+/* A new file beside the checkpoints of PREFIX, for checkpoint_commit. */
 enum status checkpoint_create(const char *prefix, struct h5_file **file);
 /* Seals the file and moves it into place; the one before is kept. Takes the file over. */
 enum status checkpoint_commit(const char *prefix, struct h5_file *file);

@@ -51,9 +51,12 @@ struct run_result {
   double pair_interactions_per_second; /* over the time in pair loops */
   struct conservation conservation;
   struct micropores micropores; /* sites 0: the model has no soil */
-  const struct tensor *tensor; /* of the run that completes it; NULL */
+  const struct tensor *tensor;  /* of the run that completes it; NULL */
 };
 
+/* Opens the record of a run to PREFIX; `scene`, `plan` and `lattice` must outlive it. With `resume`
+ * an earlier run is gone on with (recorder_resume). A usage error where an output would replace an
+ * input. Free with recorder_close. */
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
                           const struct lattice *lattice, const char *command_line, bool resume,
                           struct recorder **recorder);

@@ -48,6 +48,7 @@ bool tensor_find(const struct scene *scene, const struct lattice *lattice, doubl
                  const char *prefix, int axis, struct tensor *tensor);
 bool tensor_complete(const struct tensor *tensor);
 
+/* To stdout; as a new JSON object. */
 void tensor_print(const struct tensor *tensor);
 json_t *tensor_json(const struct tensor *tensor);
 /* /run/tensor of an open file. */

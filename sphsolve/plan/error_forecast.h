@@ -20,6 +20,7 @@ struct pore_shape {
   bool flat;     /* and all of one direction: slits */
 };
 
+/* From kinds, distances and faces of the lattice. */
 void pore_shape_find(const struct scene *scene, const struct lattice *lattice,
                      struct pore_shape *shape);
 

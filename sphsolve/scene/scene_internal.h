@@ -26,6 +26,7 @@ enum status scene_check_geometry(struct config *config, config_node *list,
 /* Whether a point lies inside a wall that rests. */
 bool scene_in_wall(const struct scene *scene, const double point[3]);
 
+/* The groups that a file of the reader is for, into the scene. */
 enum status scene_read_regions(struct config *config, struct scene *scene);
 enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */
 enum status scene_read_solute(struct config *config, struct scene *scene); /* flow, solute */

@@ -10,6 +10,7 @@ struct time_table {
   double (*value)[3]; /* one number, or a vector */
 };
 
+/* The value at a time (s); `component` 0 where the values are single numbers. */
 double time_table_at(const struct time_table *table, double time, int component);
 /* Integral from a time to a later one: exact. */
 double time_table_integral(const struct time_table *table, double from, double to, int component);

@@ -5,6 +5,7 @@
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/stokes/state.h"
 
+/* Fills flux_open, force_open and power_open of the conservation budget. Collective. */
 enum status stokes_balance(const struct stokes_solver *solver, struct conservation *conservation);
 
 #endif

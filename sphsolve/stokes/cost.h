@@ -5,6 +5,7 @@
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/stokes/step.h"
 
+/* Of GMRES, until the goal is reached. */
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,
                          enum wall_scheme wall);
 /* Processor seconds of so many iterations and what goes before, predicted. */

@@ -52,6 +52,8 @@ void wcsph_set_last_step(struct wcsph_run *run);
 /* The effect that limits the present dt. */
 const char *wcsph_limiting_effect(const struct wcsph_run *run);
 
+/* A row of the history from the sums at hand; all particles; the state, and the same read back
+ * (*resumed: there was one). Collective. */
 enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *totals);
 enum status wcsph_write_snapshot(struct wcsph_run *run);
 enum status wcsph_write_checkpoint(struct wcsph_run *run);

@@ -13,6 +13,7 @@ enum status wcsph_scales(struct plan *plan);
 enum status wcsph_cost(struct plan *plan, int threads);
 void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
+/* The treatment of walls that the pair loops take for a scene. */
 enum pass_wall wcsph_pass_wall(const struct effect_context *context);
 /* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */
 enum status wcsph_settings(const struct scene *scene, const struct plan *plan,

@@ -21,6 +21,8 @@ struct stokes_krylov {
   bool (*stop)(void *system); /* asked before each iteration; true gives the correction up */
 };
 
+/* Room for vectors of `length` floats; apply, precondition and stop are the caller's to set. Free
+ * with stokes_krylov_free. */
 enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *krylov);
 void stokes_krylov_free(struct stokes_krylov *krylov);
 
@@ -31,6 +33,7 @@ void stokes_krylov_free(struct stokes_krylov *krylov);
 int stokes_krylov_correct(struct stokes_krylov *krylov, double reduction, double *x,
                           double *reached);
 
+/* Euclidean norm of x, over all ranks: collective. */
 double stokes_krylov_norm(struct stokes_krylov *krylov, const float *x);
 
 #endif

@@ -17,11 +17,13 @@
 struct stokes_preconditioner {
   struct stokes_operator *op;
   float *kappa; /* [n] */
-  float *darcy; /* [n] the permeability that the pressure sees: kappa, but no more than soil has of
-                 * its own, whose surface is dragged along by the pores; kappa where there is none */
+  float
+      *darcy; /* [n] the permeability that the pressure sees: kappa, but no more than soil has of
+               * its own, whose surface is dragged along by the pores; kappa where there is none */
   struct stokes_multigrid velocity, pressure;
 };
 
+/* For an assembled operator, which must outlive it: solves A kappa = 1 and coarsens. Collective. */
 enum status stokes_preconditioner_build(struct stokes_operator *op,
                                         struct stokes_preconditioner *preconditioner);
 void stokes_preconditioner_free(struct stokes_preconditioner *preconditioner);

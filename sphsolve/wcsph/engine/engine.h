@@ -93,6 +93,7 @@ struct engine {
   } given[ENGINE_OWN];
 };
 
+/* The arrays that particles need with these settings. */
 struct particle_fields engine_fields(const struct engine_settings *settings);
 /* The lattice must outlive the engine. */
 enum status engine_make(const struct lattice *lattice, const struct engine_settings *settings,

@@ -8,6 +8,7 @@
 
 #include "sphsolve/wcsph/engine/frame.h"
 
+/* Bits of a key per coordinate, and the key of a place along the curve. */
 int order_bits(const struct frame *frame);
 /* `cell`: position in half sites. */
 uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]);
