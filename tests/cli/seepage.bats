@@ -220,3 +220,31 @@ END
   within "$(last held force_block_z)" 0.1226 0.005
   within "$(last held force_block_x)" 0 0.003
 }
+
+@test "a dam with upright faces: Dupuit's flow, which is exact, and the phreatic line" {
+  cat > dupuit.cfg <<'END'
+scene = { name = "dupuit"; method = "isph"; end_time = "30 s"; };
+domain = { size = ["2 m", "1.2 m"]; spacing = "5 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0.5 m", "0", "1.5 m", "1.2 m"]; porosity = 0.4; permeability = "1 cm/s"; },
+  { type = "water"; box = ["0", "0", "0.5 m", "1 m"]; }, { type = "water"; box = ["0.5 m", "0", "1.5 m", "0.75 m"]; },
+  { type = "water"; box = ["1.5 m", "0", "2 m", "0.4 m"]; },
+  { type = "inflow"; box = ["0", "0", "5 cm", "1.2 m"]; head = "1 m"; }, { type = "inflow"; box = ["1.95 m", "0", "2 m", "1.2 m"]; head = "0.4 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+planes = ( { name = "mid"; x = "1 m"; } );
+output = { interval = "1 s"; history_interval = "0.1 s"; };
+END
+  sphsolve run dupuit.cfg -o dupuit --quiet > dupuit.txt
+  analyze seepage dupuit.hdf --json > dupuit.json
+  /usr/bin/python3 - <<'END'
+import json
+run = json.load(open("dupuit.json"))
+exact = 1e-2 * (1.0**2 - 0.4**2) / 2 # k (h1^2 - h2^2) / 2 L (Charny 1951)
+assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] / exact - 1) < 0.03, run["fluxes_m2_per_s"]
+assert abs(run["flow_m2_per_s"] / exact - 1) < 0.04, run["flow_m2_per_s"]
+line = dict(zip(run["phreatic_line"]["x_m"], run["phreatic_line"]["level_m"]))
+for x, level in line.items():
+    if 0.55 < x < 1.4: # above Dupuit's parabola, as a face of seepage makes it, and below the water before the dam
+        assert (1 - 0.84 * (x - 0.5)) ** 0.5 - 0.02 < level < 1.01, (x, level)
+END
+}
