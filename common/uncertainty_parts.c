@@ -3,10 +3,18 @@
 #include <math.h>
 #include <stdbool.h>
 
-const char *const uncertainty_part_names[UNCERTAINTY_PARTS] = {
-    "resolution",       "scan",            "sides",           "void_ratio",
-    "threshold",        "micro",           "averaging",       "steadiness",
-    "dlnk_dvoid_ratio", "dlnk_dthreshold", "dlnk_dlnk_micro", "dlnk_sides_closed"};
+const char *const uncertainty_part_names[UNCERTAINTY_PARTS] = {"resolution",
+                                                               "scan",
+                                                               "sides",
+                                                               "void_ratio",
+                                                               "threshold",
+                                                               "micro",
+                                                               "averaging",
+                                                               "steadiness",
+                                                               "dlnk_dvoid_ratio",
+                                                               "dlnk_dthreshold",
+                                                               "dlnk_dlnk_micro",
+                                                               "dlnk_sides_closed"};
 
 struct uncertainty_parts uncertainty_parts_none(void) {
   struct uncertainty_parts parts;

@@ -14,7 +14,7 @@
 
 /* The plot of `body` as a still picture; a page without one is better than no page. */
 void page_still(FILE *out, const char *name, const char *body, int width, int height,
-                        const char *title) {
+                const char *title) {
   char *svg = NULL;
   if (plot_svg(name, body, width, height, &svg) != STATUS_OK) {
     log_warning("%s", error_message());
@@ -69,7 +69,7 @@ void page_figure(struct page *page, enum part part, const char *title, const cha
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
   if (!page->lean || still_only)
     page_still(out, page_part_names[part], product->plot.data, product->width, product->height,
-                title);
+               title);
   fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
   html_text(out, product->summary.data);
   fprintf(out, "</pre>%s</section>\n", shown ? "" : "</details>");

@@ -40,14 +40,15 @@ static enum status write_curve(struct page *page, const struct curve *c, double 
   for (size_t i = 0; i < c->count; i++)
     fprintf(plot, "%.6g %.8g %.6g\n", c->factor[i] * permeability, 100.0 * c->k[i],
             100.0 * c->flux[i]);
-  fprintf(plot,
-          "EOD\nset logscale x\nset format x '10^{%%L}'\nset xlabel 'permeability of the soil (m^2)'\n"
-          "set ylabel 'k (cm/s)'\nset yrange [0:*]\nset y2label 'flux through soil (%%)'\n"
-          "set y2range [0:*]\nset y2tics\nset ytics nomirror\nset key top left\n"
-          "plot $curve using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
-          "title 'k', $curve using 1:3 axes x1y2 with linespoints pointtype 5 linewidth 1.4 "
-          "dashtype 2 linecolor rgb '%s' title 'flux through soil'\n",
-          plot_colours[0], plot_colours[1]);
+  fprintf(
+      plot,
+      "EOD\nset logscale x\nset format x '10^{%%L}'\nset xlabel 'permeability of the soil (m^2)'\n"
+      "set ylabel 'k (cm/s)'\nset yrange [0:*]\nset y2label 'flux through soil (%%)'\n"
+      "set y2range [0:*]\nset y2tics\nset ytics nomirror\nset key top left\n"
+      "plot $curve using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
+      "title 'k', $curve using 1:3 axes x1y2 with linespoints pointtype 5 linewidth 1.4 "
+      "dashtype 2 linecolor rgb '%s' title 'flux through soil'\n",
+      plot_colours[0], plot_colours[1]);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<figure>", out);
   page_still(out, "micro", body, 760, 420, "k against the permeability of the soil");

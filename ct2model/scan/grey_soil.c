@@ -240,10 +240,10 @@ enum status micro_take(struct region *region, const struct micro_rules *rules, d
   b.high += shift;
   TRY(labels_smooth(region, grain, reflect, labels));
   *greys = (struct grey_soil){.low = sign < 0.0 ? -b.high : b.low,
-                                .high = sign < 0.0 ? -b.low : b.high,
-                                .shift = sign * shift,
-                                .pore_peak = sign * b.pore,
-                                .grain_peak = sign * b.grain};
+                              .high = sign < 0.0 ? -b.low : b.high,
+                              .shift = sign * shift,
+                              .pore_peak = sign * b.pore,
+                              .grain_peak = sign * b.grain};
 cleanup:
   grey_histogram_end(&histogram);
   memory_free(&grain);

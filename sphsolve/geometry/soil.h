@@ -26,9 +26,10 @@ static inline void lattice_soil_copy(const struct lattice *from, size_t site, st
 enum status lattice_soil_resample(const struct lattice *fine, struct lattice *out);
 /* The largest permeability of its soil, m^2; 0 without. */
 double lattice_soil_most(const struct lattice *lattice);
-/* `scaled` is `lattice` but for its permeabilities, in memory of their own, which are times `factor`:
- * to be freed alone. */
-enum status lattice_soil_scale(const struct lattice *lattice, double factor, struct lattice *scaled);
+/* `scaled` is `lattice` but for its permeabilities, in memory of their own, which are times
+ * `factor`: to be freed alone. */
+enum status lattice_soil_scale(const struct lattice *lattice, double factor,
+                               struct lattice *scaled);
 /* Whether two planes hold the same; and makes the upper half of a mirrored lattice the image of the
  * lower. */
 bool lattice_soil_same(const struct lattice *lattice, size_t low, size_t high, size_t count);

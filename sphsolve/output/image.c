@@ -26,9 +26,8 @@ cleanup:
 }
 
 /* Soil with pores below the sites: where it is, and what its drag takes, viscosity v^2 / k. */
-static enum status write_soil(struct h5_file *file, const struct lattice *lattice,
-                              double viscosity, size_t count, const uint64_t *site,
-                              const float *velocity) {
+static enum status write_soil(struct h5_file *file, const struct lattice *lattice, double viscosity,
+                              size_t count, const uint64_t *site, const float *velocity) {
   enum status status = STATUS_OK;
   static const struct field fields[] = {
       {"micro_porosity", "1", "porosity of soil with pores below the voxel; 0 elsewhere", 1},
@@ -38,8 +37,8 @@ static enum status write_soil(struct h5_file *file, const struct lattice *lattic
   TRY(memory_allocate(&power, lattice->count, sizeof *power, "the flow as an image"));
   for (size_t i = 0; i < count; i++) {
     const float *v = velocity + 3 * i;
-    const double square = (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] +
-                          (double)v[2] * (double)v[2];
+    const double square =
+        (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2];
     if (lattice_is_soil(lattice, site[i]))
       power[site[i]] = (float)(viscosity * square / (double)lattice->micro_permeability[site[i]]);
   }

@@ -121,9 +121,9 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
     types[k] = region_type_names[region->type];
     memcpy(boxes + 6 * k, region->box, sizeof region->box);
     porosity[k] = soil ? e : NAN;
-    permeability[k] = soil ? GRAVITY_STANDARD * e * e * e * d * d /
-                                 (region->alpha * nu * (1 - e) * (1 - e))
-                           : NAN;
+    permeability[k] =
+        soil ? GRAVITY_STANDARD * e * e * e * d * d / (region->alpha * nu * (1 - e) * (1 - e))
+             : NAN;
   }
   TRY(h5_write_texts(file, "/run/regions/type", n, types));
   TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));

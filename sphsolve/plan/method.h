@@ -57,9 +57,10 @@ struct method {
   double error_narrow, error_narrow_order;
   double error_uneven; /* less flow, times (slope of ln k per spacing)^2 */
 
-  /* Of one that works on a flow which is solved already (scene.flow_path) in place of a lattice; all
-   * but its name, `takes` and effects is empty then. With `resume` from the last checkpoint, if there is one. Results go
-   * to `prefix` and to stdout, as JSON or for people. NULL for the others. */
+  /* Of one that works on a flow which is solved already (scene.flow_path) in place of a lattice;
+   * all but its name, `takes` and effects is empty then. With `resume` from the last checkpoint, if
+   * there is one. Results go to `prefix` and to stdout, as JSON or for people. NULL for the others.
+   */
   enum status (*run_on_flow)(const struct scene *scene, const char *prefix, bool resume,
                              const char *command_line, bool json);
   enum status (*explain_on_flow)(const struct scene *scene, int threads, bool json);

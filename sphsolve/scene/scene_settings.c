@@ -161,8 +161,9 @@ static enum status read_micro(struct config *config, struct scene *scene) {
   bool given;
   scene->micro.uncertainty = NAN;
   if (group != NULL && !*scene->model_path)
-    TRY(config_error(config, group, "is of soil with pores below the voxels of a model, and the "
-                                    "scene has none; leave it out"));
+    TRY(config_error(config, group,
+                     "is of soil with pores below the voxels of a model, and the "
+                     "scene has none; leave it out"));
   TRY(config_quantities(config, group, "factors", DIM_NONE, 1, MICRO_FACTORS_MOST,
                         scene->micro.factors, &scene->micro.factor_count, &given));
   qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double), ascending);

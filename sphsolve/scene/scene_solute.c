@@ -11,8 +11,8 @@ const char *const solute_way_names[] = {"closure", "walk", "both", NULL};
 
 /* What a flow brings along itself. */
 static enum status refuse_other_groups(struct config *config) {
-  static const char *const groups[] = {"model",  "lattice", "domain", "fluids",    "regions",
-                                       "force",  "wcsph",   "stokes", "isph",      "effects",
+  static const char *const groups[] = {"model",  "lattice", "domain", "fluids", "regions",
+                                       "force",  "wcsph",   "stokes", "isph",   "effects",
                                        "gauges", "planes",  "output", "micro"};
   for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
     config_node *node = config_child(config, config_root(config), groups[i]);

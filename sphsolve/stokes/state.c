@@ -219,9 +219,9 @@ enum status stokes_solver_take_soil(struct stokes_solver *s, const struct lattic
   const struct stokes_operator was = s->operator;
   omp_set_num_threads(was.threads);
   stokes_operator_free(&s->operator);
-  const enum status status = stokes_operator_build(
-      was.stencil, was.grid, lattice, was.scene, was.wall, was.stabilisation, was.velocity_unit,
-      was.force, &s->operator);
+  const enum status status =
+      stokes_operator_build(was.stencil, was.grid, lattice, was.scene, was.wall, was.stabilisation,
+                            was.velocity_unit, was.force, &s->operator);
   omp_set_num_threads(threads);
   return status;
 }

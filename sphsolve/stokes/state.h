@@ -1,5 +1,5 @@
-/* The steady Stokes system of a lattice and its solution so far (step.h improves it). Lattice units:
- * accelerations in `acceleration`, |driving| or what a moving wall imposes; velocity in
+/* The steady Stokes system of a lattice and its solution so far (step.h improves it). Lattice
+ * units: accelerations in `acceleration`, |driving| or what a moving wall imposes; velocity in
  * acceleration unit^2 / nu, pressure in rho acceleration unit. */
 #ifndef TOSUI_SPHSOLVE_STOKES_STATE_H
 #define TOSUI_SPHSOLVE_STOKES_STATE_H

@@ -60,8 +60,9 @@ static inline struct engine_settings test_march_settings(const struct lattice *l
 }
 
 /* Darcy velocity along the force, mean of the last tenth of the time, or as the program has it
- * where there is a tolerance: sampled 50 times a viscous time of the mean pore (wcsph/method.c). `travel`:
- * how far the fluid has moved by then, spacings (NULL: not asked). NAN where the engine fails. */
+ * where there is a tolerance: sampled 50 times a viscous time of the mean pore (wcsph/method.c).
+ * `travel`: how far the fluid has moved by then, spacings (NULL: not asked). NAN where the engine
+ * fails. */
 static inline double test_march(const struct lattice *l, const struct march *m, double *travel) {
   struct engine engine;
   struct engine_settings settings = test_march_settings(l, m);

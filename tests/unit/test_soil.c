@@ -142,9 +142,11 @@ static void test_slope_is_one(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_slope_of_one_solution), cmocka_unit_test(test_slope_is_one),
-      cmocka_unit_test(test_channel_over_soil), cmocka_unit_test(test_layers_in_series),
-      cmocka_unit_test(test_soil_alone), cmocka_unit_test(test_resampled)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_slope_of_one_solution),
+                                     cmocka_unit_test(test_slope_is_one),
+                                     cmocka_unit_test(test_channel_over_soil),
+                                     cmocka_unit_test(test_layers_in_series),
+                                     cmocka_unit_test(test_soil_alone),
+                                     cmocka_unit_test(test_resampled)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -39,8 +39,9 @@ static void start(struct run *run, const char *format, ...) {
   va_start(arguments, format);
   FILE *file = fopen(scene_file, "w");
   if (file == NULL) exit(1);
-  fprintf(file, "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
-                "viscosity = \"1e-3 Pa s\"; %s } );\n",
+  fprintf(file,
+          "fluids = ( { name = \"water\"; density = \"1000 kg/m^3\"; "
+          "viscosity = \"1e-3 Pa s\"; %s } );\n",
           fluid_more);
   vfprintf(file, format, arguments);
   fclose(file);

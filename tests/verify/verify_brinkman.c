@@ -1,6 +1,6 @@
-/* A channel half of whose width is soil, along which both methods that know soil carry water: stokes
- * on its lattice (soil with pores below the sites) and isph by particles (a porous region), against
- * the exact flow and against each other. Usage: verify_brinkman RESULTS.json [CASE...] */
+/* A channel half of whose width is soil, along which both methods that know soil carry water:
+ * stokes on its lattice (soil with pores below the sites) and isph by particles (a porous region),
+ * against the exact flow and against each other. Usage: verify_brinkman RESULTS.json [CASE...] */
 #include "common/memory.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/step.h"
@@ -49,19 +49,19 @@ static double by_isph(int sites, double k, double *error) {
   struct run run = {0};
   const double width = 0.8e-3, dx = width / sites, force = 0.1, alpha = 1000;
   const double solid = 1 - POROSITY;
-  const double grain =
-      sqrt(k * dx * dx * alpha * solid * solid / (POROSITY * POROSITY * POROSITY));
+  const double grain = sqrt(k * dx * dx * alpha * solid * solid / (POROSITY * POROSITY * POROSITY));
   double v[3];
-  start(&run,
-        "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-        "domain = { size = [\"%.9g m\", \"%.9g m\"]; spacing = \"%.9g m\"; periodic = [true, true]; "
-        "};\n"
-        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%.9g m\", \"%.9g m\"]; },\n"
-        "{ type = \"porous\"; box = [\"0\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; porosity = %g; "
-        "grain_size = \"%.9g m\"; alpha = %g; beta = 0.0; } );\n"
-        "force = { body_acceleration = [\"%g m/s^2\", \"0\"]; };\n",
-        8 * dx, 2 * width, dx, 8 * dx, 2 * width, width, 8 * dx, 2 * width, POROSITY, grain, alpha,
-        force);
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+      "domain = { size = [\"%.9g m\", \"%.9g m\"]; spacing = \"%.9g m\"; periodic = [true, true]; "
+      "};\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%.9g m\", \"%.9g m\"]; },\n"
+      "{ type = \"porous\"; box = [\"0\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; porosity = %g; "
+      "grain_size = \"%.9g m\"; alpha = %g; beta = 0.0; } );\n"
+      "force = { body_acceleration = [\"%g m/s^2\", \"0\"]; };\n",
+      8 * dx, 2 * width, dx, 8 * dx, 2 * width, width, 8 * dx, 2 * width, POROSITY, grain, alpha,
+      force);
   advance(&run, 0.8);
   isph_darcy_velocity(&run.s, v);
   *error = run.plan.expected.error;

@@ -95,8 +95,8 @@ static void taylor_green_decay(void) {
  * Judged by what the equations give: interFoam (OpenFOAM 1912, tests/verify/dam_reference), a
  * volume of fluid method with water, air and walls that hold, which on grids of L/20, L/40 and L/80
  * agrees with itself within .5 % (L/80 until 1.935; 1.7 % at .381). Koshizuka, Oka's (1996)
- * experiment is shown beside, not judged: its front is 8 to 21 % behind, behind interFoam's as much,
- * and 6 to 9 % behind Martin and Moyce's own table. */
+ * experiment is shown beside, not judged: its front is 8 to 21 % behind, behind interFoam's as
+ * much, and 6 to 9 % behind Martin and Moyce's own table. */
 static void dam_break(void) {
   static const double t[] = {.381, .769, 1.153, 1.537, 1.935, 2.323, 2.719, 3.096};
   static const double computed[2][8] = {{1.079, 1.309, 1.655, 2.059, 2.532, 3.038, 3.597, 4.159},

@@ -209,7 +209,8 @@ static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *li
         stokes_grid_row(grid, row % grid->size[1], row / grid->size[1], step[1], step[2]);
     uint8_t *at = line + STOKES_REACH;
     for (size_t i = 0; i < nx; i++) at[i] = (uint8_t)stokes_grid_is_active(grid, other, i);
-    for (size_t i = 0; op->soil && i < nx; i++) at[i] &= !stokes_soil_is(op->soil, op->lattice, other * nx + i);
+    for (size_t i = 0; op->soil && i < nx; i++)
+      at[i] &= !stokes_soil_is(op->soil, op->lattice, other * nx + i);
     for (size_t i = 0; i < STOKES_REACH; i++) {
       at[nx + i] = at[i % nx];
       at[-1 - (long)i] = at[nx - 1 - i % nx];
@@ -267,11 +268,11 @@ static bool ends_line(const struct stokes_operator *op, size_t other) {
 }
 
 static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
-  if (op->soil && stokes_soil_is(op->soil, op->lattice, site)) return false; /* its velocity does not end at a wall */
+  if (op->soil && stokes_soil_is(op->soil, op->lattice, site))
+    return false; /* its velocity does not end at a wall */
   for (int c = 0; c < op->stencil->axis_count; c++)
     for (int up = 0; up < 2; up++)
-      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up)))
-        return true;
+      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up))) return true;
   return false;
 }
 
@@ -374,8 +375,8 @@ static bool walls_move(const struct scene *scene) {
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
                                   const struct scene *scene, enum wall_scheme wall,
-                                  double stabilisation, double velocity_unit,
-                                  const double force[3], struct stokes_operator *op) {
+                                  double stabilisation, double velocity_unit, const double force[3],
+                                  struct stokes_operator *op) {
   enum status status = STATUS_OK;
   memset(op, 0, sizeof *op);
   op->stencil = stencil;

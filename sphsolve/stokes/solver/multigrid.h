@@ -37,8 +37,8 @@ enum status stokes_multigrid_build(const size_t size[3], const struct slabs *sla
 void stokes_multigrid_coarsen(struct stokes_multigrid *multigrid);
 void stokes_multigrid_free(struct stokes_multigrid *multigrid);
 
-/* One cycle from u = 0: levels[0].b in, levels[0].u out; each level visits the next `visits` times, 1
- * for a V-cycle, 2 for a W-cycle. A fixed, symmetric, linear operation. */
+/* One cycle from u = 0: levels[0].b in, levels[0].u out; each level visits the next `visits` times,
+ * 1 for a V-cycle, 2 for a W-cycle. A fixed, symmetric, linear operation. */
 void stokes_multigrid_cycle(struct stokes_multigrid *multigrid, int visits);
 
 #endif

@@ -45,16 +45,16 @@ struct stokes_operator {
   double force[3];           /* that drives; where there is soil, it is part of the gradient */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
-  double stabilisation;      /* s: gamma of the equations */
-  double laplace;            /* and before L: where there is soil, L and div G cancel for linear p */
-  int components;            /* axis_count velocities, then the pressure */
-  size_t n;                  /* active sites; vectors are [components][n] */
-  float *diagonal;           /* [n] of A */
-  float *parabola;           /* [n] D */
-  float *pore_sum;           /* [n] sum of c_ab over pore sites: diagonal of L */
-  float *pore_gradient;      /* [axis_count][n] sum of g_ab over pore sites */
-  float *correction;         /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
-  float *drag;               /* [axis_count][n] of moving walls; NULL: none moves */
+  double stabilisation; /* s: gamma of the equations */
+  double laplace;       /* and before L: where there is soil, L and div G cancel for linear p */
+  int components;       /* axis_count velocities, then the pressure */
+  size_t n;             /* active sites; vectors are [components][n] */
+  float *diagonal;      /* [n] of A */
+  float *parabola;      /* [n] D */
+  float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
+  float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
+  float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
+  float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
   struct stokes_edge *edges; /* sites with a wall beside them, row by row */
   size_t *edge_start;        /* [rows + 1] */
   float (*edge_moving)[3];   /* and what moving walls add; NULL: none moves */
@@ -73,8 +73,8 @@ struct stokes_operator {
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
                                   const struct scene *scene, enum wall_scheme wall,
-                                  double stabilisation, double velocity_unit,
-                                  const double force[3], struct stokes_operator *op);
+                                  double stabilisation, double velocity_unit, const double force[3],
+                                  struct stokes_operator *op);
 void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */

@@ -214,9 +214,9 @@ static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
   for (size_t i = 0; i < pc->op->n; i++) p[i] -= mean;
 }
 
-/* The Schur complement over distances shorter than a pore: r itself; beside soil, along whose surface
- * pores slip, it is less stiff. Of 1, 2, 3 and 5 times r 2 takes the fewest iterations over all of
- * k_micro/dx^2 = 1e-6 to 0.01 in packings (docs/notes/2026-11-23-micropores.md). */
+/* The Schur complement over distances shorter than a pore: r itself; beside soil, along whose
+ * surface pores slip, it is less stiff. Of 1, 2, 3 and 5 times r 2 takes the fewest iterations over
+ * all of k_micro/dx^2 = 1e-6 to 0.01 in packings (docs/notes/2026-11-23-micropores.md). */
 #define LOCAL_SOIL 2.0f
 
 /* p = S~^-1 r: a two-grid cycle of Darcy's law, a sweep of Jacobi before and after the coarse

@@ -73,9 +73,9 @@ static const double *convolve_double(const struct stokes_operator *op,
   const double *sum = convolve_field(op, convolution, field, row);
   if (weights == NULL || !op->soil->rows[row]) return sum;
   const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
-  double *out = (double *)(void *)(op->scratch +
-                                   ((size_t)omp_get_thread_num() + 1) * op->scratch_size) -
-                grid->stride;
+  double *out =
+      (double *)(void *)(op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size) -
+      grid->stride;
   for (size_t i = 0; i < count; i++) out[i] = (double)weights->value[0][start + i] * sum[i];
   for (int s = 1; s < weights->count; s++) {
     sum = convolve_field(op, convolution, field + (size_t)s * grid->rows * grid->stride, row);

@@ -35,7 +35,7 @@ struct stokes_soil {
   double pivot;                 /* mobility of the second column over a pore's; 0: there are two */
   struct stokes_weights viscosity, mobility;
   bool thick_layer; /* the velocity falls over more than a part of a site beneath the surface */
-  float *relative; /* [n] mobility over a pore's */
+  float *relative;  /* [n] mobility over a pore's */
   /* [n] its root. Residuals are made of momentum times this and continuity over this: both have the
    * size then that they have in the flux, where soil lets through 1e-8 of what pores do, too. */
   float *balance;
