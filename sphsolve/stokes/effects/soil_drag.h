@@ -2,11 +2,11 @@
  *   0 = F - grad p + (1/n) laplace v - v / k        (nu = rho = 1; n porosity, k permeability)
  * the steady slow form of the unified equation of Morimoto, Akbari et al. (2015), where water has
  * n = 1 and 1/k = 0 (Darcy, Brinkman, Stokes; Whitaker 1999, ch. 4). p is the pressure in the
- * pores. Flux and pressure are continuous where k jumps (Whitaker 1999, ch. 4), so that the
- * gradient of the pressure kinks there. With mobilities M of sites, and of links their harmonic
- * mean M_ab, (G p)_a = (1/M_a) sum of M_ab (p_b - p_a) g_ab takes from each link a site's own side
- * of the kink, and minus its transpose is the divergence; the stabilisation is gamma M, L with
- * M_ab. */
+ * pores. Where k jumps, flux and pressure are continuous and the gradient of p is not (Whitaker
+ * 1999, ch. 4). So sites have mobilities M, links between them the harmonic mean M_ab of both, and
+ *   (G p)_a = (1/M_a) sum over b of M_ab (p_b - p_a) g_ab
+ * is the gradient on site a's own side of the jump. The divergence is minus its transpose; the
+ * stabilisation has gamma M for gamma, and M_ab in L. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_DRAG_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_DRAG_H
 
@@ -15,10 +15,10 @@
 
 #include "sphsolve/plan/plan.h"
 
-/* A pore's mobility, spacing^2. The drag of layers in series is exact for any; a small one lets
- * flux pass the surface of soil by the stabilisation, a large one takes that from the depth of
- * soil. Of 0.05, 0.2, 0.4, 1 and 4 layers of 8 sites are off by up to 8, 2, 1, 1.6 and 2 %, after
- * 35, 35, 50, 92 and 250 iterations (verify_micro). */
+/* The mobility of a pore site, spacing^2. The drag of layers in series is exact with any value.
+ * With a small one the stabilisation lets flux through the surface of soil, with a large one too
+ * little of it acts in the soil. Error of layers 8 sites thick, and iterations (verify_micro):
+ *   0.05: 8 %, 35;  0.2: 2 %, 35;  0.4: 1 %, 50;  1: 1.6 %, 92;  4: 2 %, 250. */
 #define STOKES_SOIL_PORE 0.4
 
 /* Mobility over that of a pore: M = 1 / (1 / STOKES_SOIL_PORE + 1 / k), k in spacing^2. */
@@ -26,7 +26,7 @@ static inline double stokes_soil_mobility(double permeability) {
   return permeability / (permeability + STOKES_SOIL_PORE);
 }
 
-/* And back. */
+/* The inverse: k, spacing^2, from the mobility over that of a pore. */
 static inline double stokes_soil_permeability(double mobility) {
   return STOKES_SOIL_PORE * mobility / (1.0 - mobility);
 }

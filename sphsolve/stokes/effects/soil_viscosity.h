@@ -2,13 +2,13 @@
  * superficial one and the stress that on the fluid (Whitaker 1999, ch. 4; Ochoa-Tapia, Whitaker
  * 1995, without a jump of stress): velocity and stress are continuous at the surface of soil.
  *
- * Of a link between two sites of soil it is a mean of the two; between pore and soil, whose surface
- * is half-way, the two halves are in series. Beneath its surface the velocity in soil falls to that
- * of Darcy over sqrt(k / n), which may be far less than a site: the surface then slips over
- * L = sqrt(k n) (Beavers, Joseph 1967; Neale, Nader 1974). What the sites beneath give of L by
- * themselves is 1/X, X^2 = X / k + 1 / (n k); the half link has the rest:
- *   1/W = 1/2 + L - 1/X
- * k -> 0: a wall half-way; k -> infinity: (1 + n) / 2, the harmonic mean. */
+ * A link between two sites of soil has a mean of both viscosities. A link between pore and soil,
+ * whose surface is half-way, is two halves in series. Beneath the surface the velocity in soil
+ * falls to that of Darcy's law over sqrt(k / n), which may be far less than a spacing: seen from
+ * the pore there is then a slip length (Beavers, Joseph 1967; Neale, Nader 1974) L = sqrt(k n). The
+ * part of L that the sites beneath the surface resolve by themselves is 1/X, X^2 = X / k + 1 / (n
+ * k), and the viscosity W of the link has the rest: 1/W = 1/2 + L - 1/X. For k -> 0 this is a wall
+ * half-way, for k -> infinity 1/W = (1 + n) / 2, the two in series. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_VISCOSITY_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_VISCOSITY_H
 
@@ -29,8 +29,8 @@ static inline double stokes_soil_viscosity_to_pore(double porosity, double perme
   return 1.0 / (0.5 + stokes_soil_slip(porosity, permeability) - resolved);
 }
 
-/* Half of the last link above soil is bent as the momentum equation says (wall_subvoxel.h): what is
- * left of a wall's quarter. */
+/* The parabola of the momentum equation (wall_subvoxel.h) over the half link above soil: 1/4 at a
+ * wall, less where the surface slips (`slip`: L, spacings). */
 static inline double stokes_soil_parabola(double slip) {
   return 0.25 / (1.0 + 2.0 * slip);
 }

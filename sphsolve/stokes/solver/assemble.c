@@ -15,9 +15,9 @@
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
   double moment[3][3];    /* sum over pore sites of g_ab times the vector to b */
-  double surface;         /* of D: what the surface of soil beside a pore takes of it */
+  double surface;         /* part of D by the surface of soil beside a pore */
   double plain[3][3];     /* where there is soil: the moment without the links' mobilities, */
-  double drawn[3][3];     /* and with them, less that which B inverts */
+  double drawn[3][3];     /* and with them, less the one that B inverts */
   double towards[3];      /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
   double beside[3];       /* its length along each axis without signs, of the sites beside */
   struct wall_shape wall; /* the nearest; without where there is none */
@@ -66,7 +66,7 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
                      struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const double mobility = stokes_soil_weight(own->mobility, other->mobility);
-  const double drawn = mobility / own->relative; /* of the pressure's difference */
+  const double drawn = mobility / own->relative; /* weight of the pressure's difference */
   sums->diagonal += offset->viscous * stokes_soil_weight(own->viscosity, other->viscosity);
   sums->pore_sum += offset->viscous * mobility;
   if (!own->soil && other->soil)
@@ -92,10 +92,12 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
 /* Jumps (M_b - M_a) / (M_b + M_a) on both sides of a site add up to more than one alone can. */
 #define BOTH_SIDES 1.1
 
-/* Pressure is continuous at the surface of soil: along it the links' differences are drawn by their
- * mobilities, and the moment with them; across it the gradient jumps as the mobility does, and
- * differences so drawn are those of the site's own gradient: m = T m T + n (n m' n) n, T = 1 - n n,
- * m' without mobilities. */
+/* The moment m that the correction B inverts, at a site beside the surface of soil, n its normal.
+ * Along the surface the gradient of the pressure is continuous, and differences count by the
+ * mobilities of their links, as in m. Across it the gradient jumps as the mobility does, so that
+ * differences weighted by mobilities already are those of the site's own gradient, and m' without
+ * weights is right:
+ *   m = T m T + n (n.m'.n) n,   T = 1 - n n. */
 static void join_soil(int axes, struct site_sums *sums) {
   double n[3] = {0}, length = 0.0, across = 0.0;
   for (int a = 0; a < axes; a++) length = hypot(length, sums->towards[a]);

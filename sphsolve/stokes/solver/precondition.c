@@ -198,8 +198,8 @@ void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
   stokes_multigrid_free(&pc->pressure);
 }
 
-/* A constant pressure does nothing, but single precision tells it from the small differences that
- * soil needs. Odd pressures have none. */
+/* A constant pressure has no effect, but in single precision it would swamp the small differences
+ * that matter in soil. Odd pressures have none. */
 static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
   const struct stokes_grid *grid = pc->op->grid;
   double sum = 0.0;

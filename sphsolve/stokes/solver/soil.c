@@ -8,8 +8,8 @@
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 
-/* Against that of the most permeable soil; soil of more than ENCLOSED_BELOW, spacing^2, leaves
- * pores what they are. */
+/* Enclosed pores are soil of this permeability, times the largest of soil, and porosity; where soil
+ * of more than ENCLOSED_BELOW (spacing^2) occurs they stay pores. */
 #define ENCLOSED 500.0
 #define ENCLOSED_BELOW 5e-3
 #define ENCLOSED_POROSITY 0.999
@@ -44,7 +44,7 @@ cleanup:
   return status;
 }
 
-/* Harmonic mean of two mobilities over a pore's, less what the first column has of it. */
+/* Harmonic mean of two mobilities, over a pore's, less the first product V_0(a) V_0(b). */
 static double left_by_pores(double a, double b) {
   return 2.0 * a * b / (a + b) - stokes_soil_mobility_to_pore(a) * stokes_soil_mobility_to_pore(b);
 }
@@ -78,7 +78,8 @@ struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct
 /* Soils whose mobilities differ by less are taken as one in the sums. */
 #define SOILS_ALIKE 1.05
 
-/* A mobility that occurs, in the middle of all; 0 where they are alike. */
+/* The mobility nearest to the geometric mean of the least and the largest; 0 where all are alike.
+ */
 static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
   double least = INFINITY, most = 0.0, pivot = 0.0;
   for (int pass = 0; pass < 2; pass++)
@@ -96,8 +97,8 @@ static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
   return most > SOILS_ALIKE * least ? pivot : 0.0;
 }
 
-/* Where the velocity falls within a tenth of a site beneath the surface of soil, the viscosity
- * between soils is nothing beside the drag, and the second column is left out. */
+/* Where the velocity falls within a tenth of a spacing beneath the surface of soil, viscous forces
+ * between soils are negligible beside the drag, and the second product is left out. */
 #define THIN_LAYER 0.1
 /* And to precondition, within three tenths. */
 #define THICK_LAYER 0.3

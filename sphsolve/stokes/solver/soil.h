@@ -1,11 +1,10 @@
-/* Weights of the links to and between sites of soil (effects/soil_drag.h, soil_viscosity.h), in a
- * form that leaves the operators convolutions: as a sum of products,
- *   w_ab = sum over s of V_s(a) V_s(b),
- *   sum over b of w_ab c_ab u_b = sum over s of V_s(a) sum over b of c_ab V_s(b) u_b
- * V_0 is 1 in pores and their link's weight in soil, the others are 0 in pores. These are the
- * columns of a Cholesky factor of w as a matrix over all soils there are; the last is the root of
- * what is left of w_aa, which is exact up to two soils; links between others of more have something
- * between the harmonic and the geometric mean. */
+/* Weights of the links to and between sites of soil (effects/soil_drag.h, soil_viscosity.h), as
+ * sums of products, so that the operators stay convolutions: w_ab = sum over s of V_s(a) V_s(b),
+ *   sum over b of w_ab c_ab u_b = sum over s of V_s(a) sum over b of c_ab V_s(b) u_b.
+ * V_0 is 1 in pores and the weight of a link to a pore in soil; the others are 0 in pores. The V
+ * are the first columns of a Cholesky factor of w, taken as a matrix over all kinds of soil; the
+ * last one is the root of the remainder of w_aa. This is exact for up to two soils; of more, links
+ * between different soils have a weight between the harmonic and the geometric mean. */
 #ifndef TOSUI_SPHSOLVE_STOKES_SOLVER_SOIL_H
 #define TOSUI_SPHSOLVE_STOKES_SOLVER_SOIL_H
 
@@ -26,27 +25,27 @@ struct stokes_weights {
 
 struct stokes_soil {
   double unit; /* m */
-  /* [sites] Pores that lead nowhere but through soil. Nothing but soil limits what flows through
-   * them: they are soil of ENCLOSED times the permeability of the most permeable soil, which is
-   * wrong by no more than that part of their resistance. NULL: there are none, or the operator is
-   * assembled. */
+  /* [sites] Pores that lead nowhere but through soil, which alone limits the flow through them.
+   * They are taken as soil of ENCLOSED times the largest permeability of soil: the error is that
+   * small part of the resistance. NULL: there are none, or the operator is assembled. */
   uint8_t *enclosed;
   double enclosed_permeability; /* spacing^2 */
   double pivot;                 /* mobility of the second column over a pore's; 0: there are two */
   struct stokes_weights viscosity, mobility;
   bool thick_layer; /* the velocity falls over more than a part of a site beneath the surface */
   float *relative;  /* [n] mobility over a pore's */
-  /* [n] its root. Residuals are made of momentum times this and continuity over this: both have the
-   * size then that they have in the flux, where soil lets through 1e-8 of what pores do, too. */
+  /* [n] its root. Residuals are of the momentum equation times this, and of continuity divided by
+   * this: both then have the size of their effect on the flux, also where soil lets through 1e-8 of
+   * what pores do. */
   float *balance;
   bool *rows; /* [rows] whether a row has soil */
-  /* [axes][n] What the links' mobilities make of a uniform gradient equal to the force, less the
-   * force: it is taken from G p, as pressure less that of the force at rest is what kinks at the
-   * surface of soil. */
+  /* [axes][n] G applied to a pressure whose gradient is the force everywhere, less the force: it is
+   * subtracted from G p, since it is the pressure without its hydrostatic part whose gradient jumps
+   * at the surface of soil. */
   float *drawn;
 };
 
-/* The most that an operator has. */
+/* The larger number of products of the two. */
 static inline int stokes_soil_sums(const struct stokes_soil *soil) {
   const int viscosity = soil->viscosity.count, mobility = soil->mobility.count;
   return viscosity > mobility ? viscosity : mobility;
@@ -68,8 +67,8 @@ static inline double stokes_soil_weight(const double a[STOKES_SOIL_SUMS],
 /* Whether a site is soil, or a pore that leads nowhere else. */
 bool stokes_soil_is(const struct stokes_soil *soil, const struct lattice *lattice, size_t site);
 
-/* NULL in *soil where the lattice has none; driving: pores lead through along it. Free with
- * stokes_soil_free. */
+/* *soil is NULL where the lattice has none. `driving` (m/s^2): pores that lead through the box
+ * along it are not enclosed; `unit`: m a spacing. Free with stokes_soil_free. */
 enum status stokes_soil_build(const struct lattice *lattice, const struct stokes_grid *grid,
                               const double driving[3], double unit, struct stokes_soil **soil);
 void stokes_soil_free(struct stokes_soil **soil);
