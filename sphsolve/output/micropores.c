@@ -35,8 +35,8 @@ static json_t *point_json(const struct micropores *m, const struct micropores_po
 json_t *micropores_json(const struct micropores *m) {
   json_t *curve = json_array();
   for (int i = 0; i < m->count; i++) json_array_append_new(curve, point_json(m, &m->curve[i]));
-  return json_pack("{s:f, s:f, s:f, s:o, s:o, s:o}", "sites", m->sites, "porosity", m->porosity,
-                   "permeability", m->permeability, "flux_share", json_number(m->own.flux),
+  return json_pack("{s:f, s:o, s:f, s:f, s:o, s:o, s:o}", "sites", m->sites, "connected",
+                   json_number(m->own.connected), "porosity", m->porosity, "permeability", m->permeability, "flux_share", json_number(m->own.flux),
                    "dlnk_dlnk_micro", json_number(m->own.slope), "curve", curve);
 }
 
@@ -47,6 +47,7 @@ enum status micropores_write(const struct micropores *m, struct h5_file *file) {
     const char *name;
     double value;
   } facts[] = {{"sites", m->sites},
+               {"connected", m->own.connected},
                {"porosity", m->porosity},
                {"permeability", m->permeability},
                {"flux_share", m->own.flux},

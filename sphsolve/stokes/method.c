@@ -306,6 +306,10 @@ static enum status add_micropores(struct stokes_job *job) {
   struct micropores *m = &result->micropores;
   if (job->lattice.micro_porosity == NULL || !(result->k > 0.0)) return STATUS_OK;
   soil_response_describe(&job->lattice, m);
+  if (m->own.connected == 0.0)
+    log_warning("%s: no soil with pores below the voxel lies on a path along the force: it carries "
+                "nothing, and k is that of the pores alone",
+                job->scene->path);
   return soil_response_curve(&job->cascade, &job->lattice, result->k, stop_asked, m);
 }
 
@@ -327,9 +331,10 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
   const bool blocked = job.cascade.coarse.grid.active_all == 0;
   if (blocked)
-    log_warning("%s: no pore leads through the model along the force: k is 0; resolve the "
-                "throats with smaller voxels, or look at the threshold",
-                scene->path);
+    log_warning("%s: no pore%s leads through the model along the force: k is 0; resolve the "
+                "throats with smaller voxels, or look at the %s",
+                scene->path, base.micro_porosity != NULL ? " or soil" : "",
+                base.micro_porosity != NULL ? "greys or labels taken as soil" : "threshold");
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
   if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
     struct throats throats;

@@ -152,6 +152,27 @@ END
   refused "square of a voxel" --set model.file=wide.hdf
   refused "not 0 in the grain" --set model.file=grain.hdf
   refused "knows no soil" --set stokes.wall=adami
+  refused "isph" --set scene.method=isph
+  # A pore that leads through beside a pocket of soil in the grain; and the pocket alone.
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+z, y, x = np.meshgrid(*[np.arange(16)] * 3, indexing="ij")
+pocket = (abs(x - 11) < 3) & (abs(y - 8) < 3) & (abs(z - 8) < 3)
+for name, pore in ("pocket", x < 5), ("alone", x < 0):
+    with h5py.File(f"{name}.hdf", "w") as f:
+        m = f.create_group("model")
+        m["solid"] = (~(pore | pocket)).astype("u1")
+        m.attrs["spacing"] = [1e-5] * 3
+        m["micro_porosity"], m["micro_permeability"] = .3 * pocket.astype("f4"), 1e-12 * pocket.astype("f4")
+END
+  run --separate-stderr sphsolve run soil.cfg -o pocket-run --set 'model.file="pocket.hdf"' --json
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"no soil with pores below the voxel lies on a path"* ]]
+  [[ "$output" == *'"connected": 0.0'* ]]
+  run --separate-stderr sphsolve run soil.cfg -o alone-run --set 'model.file="alone.hdf"' --json
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"no pore or soil leads through the model along the force: k is 0"* ]]
+  [[ "$output" == *'"status": "blocked"'* ]]
 }
 
 @test "soil: memory is what explain says, and k is the same on 1, 2 and 3 ranks" {
@@ -189,6 +210,8 @@ END
   done
   /usr/bin/python3 - <<'END'
 import h5py, json
+plans = [json.load(open(f"{name}-plan.json")) for name in ("aggregates", "pores")]
+assert plans[0]["seconds"] > 1.2 * plans[1]["seconds"], plans
 for name in "aggregates", "pores":
     plan = json.load(open(f"{name}-plan.json"))
     peak = float(h5py.File(f"{name}-run.hdf")["run/timing"].attrs["memory_peak_bytes"])

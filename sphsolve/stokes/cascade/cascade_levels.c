@@ -131,7 +131,9 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     const double refined = pow(CASCADE_SHRINKS, i - steps);
     const double sites = (double)base->count * pow(refined, base->dimensions);
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
-    const double own = solves * stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
+    const double own = solves * stokes_soil_seconds(base) *
+                       stokes_seconds(stokes_soil_iterations(base) * ITERATIONS_WARM, half * sites,
+                                      half * phi * sites);
     seconds += own;
     const struct error_forecast e =
         error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);

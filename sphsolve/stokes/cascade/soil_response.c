@@ -19,25 +19,31 @@ static double along_force(const struct stokes_solver *s) {
   return mean;
 }
 
-static double flux_share(const struct stokes_solver *s, const struct lattice *l) {
+static void find_shares(const struct stokes_solver *s, const struct lattice *l,
+                        struct micropores_point *point) {
   const struct stokes_grid *grid = &s->grid;
-  double sum = 0.0;
+  double sums[2] = {0.0}, soils = 0.0; /* flux; sites on a path */
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
-    double own = 0.0;
+    double own = 0.0, sites = 0.0;
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
-      for (int a = 0; a < s->stencil.axis_count && lattice_is_soil(l, row * grid->size[0] + i);
-           a++) {
+      const bool soil = lattice_is_soil(l, row * grid->size[0] + i);
+      sites += soil;
+      for (int a = 0; a < s->stencil.axis_count && soil; a++) {
         const int axis = s->stencil.axes[a];
         if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
         own += s->force[axis] * s->x[(size_t)a * grid->active + n];
       }
       n++;
     }
-    sum += stokes_grid_weight(grid, row) * own;
+    sums[0] += stokes_grid_weight(grid, row) * own;
+    sums[1] += stokes_grid_weight(grid, row) * sites;
   }
-  return ranks_sum(sum) / (along_force(s) * s->bulk_count);
+  ranks_sum_all(sums, 2);
+  for (size_t i = 0; i < l->count; i++) soils += lattice_is_soil(l, i);
+  point->flux = sums[0] / (along_force(s) * s->bulk_count);
+  point->connected = sums[1] / soils;
 }
 
 enum status soil_response_measure(struct stokes_solver *s, const struct lattice *lattice,
@@ -45,7 +51,7 @@ enum status soil_response_measure(struct stokes_solver *s, const struct lattice 
   enum status status = STATUS_OK;
   struct lattice scaled = *lattice;
   double logarithm[2], mean[3];
-  point->flux = flux_share(s, lattice);
+  find_shares(s, lattice, point);
   point->slope = NAN;
   memcpy(mean, s->mean, sizeof mean);
   if (s->walls_move) return STATUS_OK; /* no adjoint is known then */

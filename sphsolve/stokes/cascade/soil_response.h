@@ -11,7 +11,7 @@
 #include "sphsolve/output/micropores.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 
-/* Fills flux and slope of a solved lattice. Solution, mean and stencil of the solver stand
+/* Fills flux, connected and slope of a solved lattice. Solution, mean and stencil of the solver stand
  * afterwards, all else is of other soil: it is only to be kept. */
 enum status soil_response_measure(struct stokes_solver *solver, const struct lattice *lattice,
                                   struct micropores_point *point);
