@@ -2,12 +2,9 @@
 # The plan of every sample scene, held against tests/cli/golden/NAME.txt. After a wanted change:
 #   UPDATE_GOLDEN=1 BUILD=$PWD/build bats tests/cli/explain.bats
 
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH"
-  cd "$BATS_FILE_TMPDIR"
+  programs_path
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 32x32x14 -o dense.hdf --quiet > /dev/null
 }
 

@@ -1,10 +1,15 @@
-# Called by setup_file of the tests of the programs: ROOT, the programs in PATH, one thread, a folder of the file's own.
-programs_setup() {
+# Called by setup_file of the tests of the programs: ROOT, the programs in PATH, a folder of the file's own.
+programs_path() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
   local build=${BUILD:-build}
   case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
+  export PATH="$build/bin:$PATH"
   cd "$BATS_FILE_TMPDIR"
+}
+# The same, with one thread.
+programs_setup() {
+  programs_path
+  export OMP_NUM_THREADS=1
 }
 setup() { cd "$BATS_FILE_TMPDIR"; }
 

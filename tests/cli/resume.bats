@@ -2,12 +2,9 @@
 # Nothing lost: a run that was killed and resumed is, bit for bit, the run that never was.
 bats_require_minimum_version 1.5.0
 
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH"
-  cd "$BATS_FILE_TMPDIR"
+  programs_path
   . "$ROOT/tests/cli/resumable.bash"
   resumable_make
   for method in wcsph stokes isph; do (resumable_start $method whole-$method > /dev/null); done

@@ -2,12 +2,9 @@
 # Nothing lost, nothing believed: budgets, equal bytes, hostile files, bounds on memory.
 bats_require_minimum_version 1.5.0
 
+load programs
 setup_file() {
-  export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
-  local build=${BUILD:-build}
-  case $build in /*) ;; *) build=$ROOT/$build ;; esac
-  export PATH="$build/bin:$PATH"
-  cd "$BATS_FILE_TMPDIR"
+  programs_path
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o m.hdf --quiet > /dev/null
   cat > flow.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
