@@ -10,6 +10,7 @@
 #include "analyze/darcy.h"
 #include "analyze/dispersion.h"
 #include "analyze/history.h"
+#include "analyze/breakthrough.h"
 #include "analyze/compatible_runs.h"
 #include "analyze/report/page.h"
 #include "analyze/report/page_model.h"
@@ -194,6 +195,11 @@ static void print_verdict(const struct run *runs, size_t n, const json_t *darcy)
 }
 
 /* Results: to stdout as text or JSON; with -o into files as well. */
+static void print_product(const struct product *product, const char *folder) {
+  fputs(product->summary.data, stdout);
+  if (folder != NULL) printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
+}
+
 static enum status deliver(const struct options *options, struct product *product) {
   enum status status = STATUS_OK;
   const char *folder = options_text(options, "output");
@@ -203,9 +209,19 @@ static enum status deliver(const struct options *options, struct product *produc
     json_dumpf(product->json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
     putchar('\n');
   } else if (log_level() > LOG_QUIET) {
-    fputs(product->summary.data, stdout);
-    if (folder != NULL) printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
+    print_product(product, folder);
   }
+cleanup:
+  return status;
+}
+
+/* One whose JSON the first holds. */
+static enum status deliver_second(const struct options *options, struct product *product) {
+  enum status status = STATUS_OK;
+  const char *folder = options_text(options, "output");
+  TRY(product_finish(product));
+  if (folder != NULL) TRY(product_save(product, folder));
+  if (!options_json(options) && log_level() > LOG_QUIET) print_product(product, folder);
 cleanup:
   return status;
 }
@@ -257,18 +273,28 @@ cleanup:
   return status;
 }
 
+/* Walks leave breakthrough curves too: a product of its own, in one JSON object. */
 static enum status dispersion_command(const struct options *options) {
   enum status status = STATUS_OK;
-  struct product product = {0};
+  struct product product = {0}, curves = {0};
+  bool walked = false;
   const char **paths = NULL;
   const size_t n = options_operand_count(options);
   TRY(memory_allocate(&paths, n, sizeof *paths, "names of files"));
   for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
   TRY(product_start("dispersion", &product));
   TRY(dispersion_analyze(paths, n, &product));
+  for (size_t i = 0; i < n; i++) walked = walked || breakthrough_is(paths[i]);
+  if (walked) {
+    TRY(product_start("breakthrough", &curves));
+    TRY(breakthrough_analyze(paths, n, &curves));
+    json_object_set(product.json, "breakthrough", curves.json);
+  }
   TRY(deliver(options, &product));
+  if (walked) TRY(deliver_second(options, &curves));
 cleanup:
   memory_free(&paths);
+  product_free(&curves);
   product_free(&product);
   return status;
 }

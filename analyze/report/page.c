@@ -80,6 +80,7 @@ static void write_contents(const struct page *page, bool budget) {
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
               {"pdf", "Pore velocity", page->has[PART_PDF]},
               {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
+              {"breakthrough", "Breakthrough", page->has[PART_BREAKTHROUGH]},
               {"seepage", "Seepage", page->has[PART_SEEPAGE]},
               {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
               {"history", "History", page->has[PART_HISTORY]},
@@ -140,6 +141,10 @@ static enum status write_body(struct page *page) {
   page_figure(page, PART_DISPERSION, "Dispersion of a solute",
               "How fast a solute spreads along and across the flow, over the molecular diffusion "
               "coefficient, against the Peclet number; with the curve of beds of beads and sand.");
+  page_figure(page, PART_BREAKTHROUGH, "Breakthrough",
+              "When a solute that began spread over the pores has passed the first plane across "
+              "the flow, one box length on: share and density of travel times of the random walk "
+              "(points), and the fit of the advection-dispersion equation (lines).");
   page_figure(
       page, PART_SEEPAGE, "Seepage",
       "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "

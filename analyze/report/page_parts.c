@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/breakthrough.h"
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/dispersion.h"
@@ -14,7 +15,7 @@
 #include "common/log.h"
 
 const char *const page_part_names[PARTS] = {"darcy",    "history",    "pdf",    "slice",
-                                            "converge", "dispersion", "seepage"};
+                                            "converge", "dispersion", "breakthrough", "seepage"};
 
 /* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
  */
@@ -43,6 +44,9 @@ static enum status run_part(struct page *page, enum part part) {
     break;
   case PART_DISPERSION:
     TRY(dispersion_analyze(page->solutes, page->solute_count, product));
+    break;
+  case PART_BREAKTHROUGH:
+    TRY(breakthrough_analyze(page->solutes, page->solute_count, product));
     break;
   default:
     TRY(converge_analyze(page->runs, page->n, product));
@@ -95,6 +99,8 @@ enum status page_analyse(struct page *page) {
   if (permeable) TRY(run_part(page, PART_DARCY));
   TRY(run_part(page, PART_HISTORY));
   if (page->solute_count > 0) TRY(run_part(page, PART_DISPERSION));
+  for (size_t i = 0; i < page->solute_count && !page->has[PART_BREAKTHROUGH]; i++)
+    if (breakthrough_is(page->solutes[i])) TRY(run_part(page, PART_BREAKTHROUGH));
   if (all_have_snapshots(page)) {
     if (permeable) TRY(run_part(page, PART_PDF));
     TRY(run_part(page, PART_SLICE));

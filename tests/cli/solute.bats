@@ -143,6 +143,24 @@ P
   run grep 'passed over' said
   [ "$status" -eq 1 ]
   grep -q 'id="dispersion"' page.html
+  analyze dispersion walked.hdf -o curves > curves.txt
+  grep -q "^  Pe 30, D_L/D = " curves.txt
+  [ -s curves/breakthrough.csv ]
+  /usr/bin/python3 - <<'P'
+import json
+
+planes = json.load(open("curves/dispersion.json"))["breakthrough"]["walks"][0]["planes"]
+# 9.6 mm, where a solute has long forgotten where in the slit it began: D_L/D as Taylor and Aris have it
+far = next(p for p in planes if abs(p["distance_m"] / 9.6e-3 - 1) < 1e-6)
+assert abs(far["longitudinal"] / (1 + 30**2 / 210) - 1) < 0.1, far["longitudinal"]
+assert abs(far["velocity_over_mean"] - 1) < 0.02 and far["misfit"] < 0.02 and far["holds"], far
+times = [t for t in far["time_s"] if t is not None]
+assert times == sorted(times) and len(times) > 150
+# half a gap on, most of a solute is still where it began: no such equation
+assert not planes[0]["holds"] and planes[0]["misfit"] > 2 * far["misfit"], planes[0]["misfit"]
+P
+  analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
+  grep -q 'id="breakthrough"' walked.html
   run -3 --separate-stderr analyze darcy carried.hdf
   [[ $stderr == *"analyze dispersion carried.hdf"* ]]
   run -3 --separate-stderr analyze dispersion slit.hdf

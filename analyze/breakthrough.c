@@ -1,0 +1,282 @@
+/* Breakthrough curves from the walks of a run: read, fitted, told and drawn. */
+#include "analyze/breakthrough.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/plot.h"
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+
+#define CURVES 4 /* drawn at most */
+/* What the equation may miss by before it is said to fail: of the share, and of times, relative. */
+#define MISFIT_MOST 0.02
+#define TAIL_MOST 0.1
+
+/* One plane of one walk. Times in units of distance / U, D in units of distance U. */
+struct plane {
+  double distance; /* m */
+  double *time;    /* [quantiles], NAN: not by the end of the walk */
+  bool fitted, reached;
+  double v, d, misfit, first, last; /* times of the first and last walkers over those of the fit */
+};
+
+struct curves {
+  const char *path;
+  size_t walk; /* its place in the list of Peclet numbers */
+  double peclet, speed, length, longitudinal;
+  size_t planes, quantiles;
+  double *share;
+  struct plane *plane;
+};
+
+static bool has_walk(struct h5_file *file, size_t walk) {
+  char path[64];
+  snprintf(path, sizeof path, "/solute/walk/%zu/passage_time", walk);
+  return h5_exists(file, path);
+}
+
+bool breakthrough_is(const char *path) {
+  struct h5_file *file = NULL;
+  const bool is = h5_open(path, &file) == STATUS_OK && has_walk(file, 0);
+  h5_close(file);
+  error_clear();
+  return is;
+}
+
+static void fit(const struct curves *c, struct plane *p) {
+  const size_t n = c->quantiles;
+  p->reached = isfinite(p->time[n - 1]);
+  p->fitted = breakthrough_fit(p->time, c->share, n, &p->v, &p->d, &p->misfit);
+  if (!p->fitted) return;
+  p->first = p->time[0] / breakthrough_time(p->v, p->d, c->share[0]);
+  p->last = p->time[n - 1] / breakthrough_time(p->v, p->d, c->share[n - 1]);
+}
+
+static enum status read_walk(struct h5_file *file, struct curves *c) {
+  enum status status = STATUS_OK;
+  double *distance = NULL, *time = NULL;
+  char path[64];
+  size_t planes, dims[2];
+  snprintf(path, sizeof path, "/solute/walk/%zu/passage_distance", c->walk);
+  TRY(h5_read(file, path, H5_F64, 1, &planes, &distance));
+  snprintf(path, sizeof path, "/solute/walk/%zu/passage_time", c->walk);
+  TRY(h5_read(file, path, H5_F64, 2, dims, &time));
+  if (dims[0] != planes || dims[1] < 2)
+    TRY_FAIL(STATUS_INPUT, "%s: %s does not belong to its distances", h5_path(file), path);
+  c->planes = planes, c->quantiles = dims[1];
+  TRY(memory_allocate(&c->share, c->quantiles, sizeof *c->share, "shares"));
+  TRY(memory_allocate(&c->plane, planes, sizeof *c->plane, "planes"));
+  for (size_t q = 0; q < c->quantiles; q++) c->share[q] = ((double)q + 0.5) / (double)c->quantiles;
+  for (size_t p = 0; p < planes; p++) {
+    struct plane *plane = &c->plane[p];
+    plane->distance = distance[p];
+    if (!(plane->distance > 0))
+      TRY_FAIL(STATUS_INPUT, "%s: a plane lies where the walkers begin", h5_path(file));
+    TRY(memory_allocate(&plane->time, c->quantiles, sizeof *plane->time, "times of passage"));
+    for (size_t q = 0; q < c->quantiles; q++)
+      plane->time[q] = time[p * c->quantiles + q] * c->speed / plane->distance;
+    fit(c, plane);
+  }
+cleanup:
+  memory_free(&distance);
+  memory_free(&time);
+  return status;
+}
+
+/* All walks with a flow in one file, appended to `list`. */
+static enum status read_file(const char *path, struct curves **list, size_t *count) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  double *peclet = NULL, *longitudinal = NULL;
+  size_t n, columns;
+  TRY(h5_open(path, &file));
+  TRY(h5_read(file, "/solute/peclet", H5_F64, 1, &n, &peclet));
+  TRY(h5_read(file, "/solute/longitudinal", H5_F64, 1, &columns, &longitudinal));
+  for (size_t i = 0; i < n && i < columns; i++) {
+    if (!has_walk(file, i) || !(peclet[i] > 0)) continue;
+    TRY(memory_resize(list, *count + 1, sizeof **list, "breakthrough curves"));
+    struct curves *c = &(*list)[(*count)++];
+    *c = (struct curves){.path = path,
+                         .walk = i,
+                         .peclet = peclet[i],
+                         .speed = h5_attribute_or_nan(file, "/solute", "speed"),
+                         .length = h5_attribute_or_nan(file, "/solute", "length"),
+                         .longitudinal = longitudinal[i]};
+    TRY(read_walk(file, c));
+  }
+cleanup:
+  h5_close(file);
+  memory_free(&peclet);
+  memory_free(&longitudinal);
+  return status;
+}
+
+static void free_curves(struct curves *c) {
+  for (size_t p = 0; p < c->planes && c->plane != NULL; p++) memory_free(&c->plane[p].time);
+  memory_free(&c->plane);
+  memory_free(&c->share);
+}
+
+/* The fitted D over the molecular one. */
+static double over_diffusion(const struct curves *c, const struct plane *p) {
+  return p->d * p->distance * c->peclet / c->length;
+}
+
+static bool holds(const struct plane *p) {
+  return p->misfit <= MISFIT_MOST && fabs(p->first - 1) <= TAIL_MOST &&
+         fabs(p->last - 1) <= TAIL_MOST;
+}
+
+static void write_json(const struct curves *list, size_t n, json_t *json) {
+  json_t *all = json_array();
+  for (size_t i = 0; i < n; i++) {
+    const struct curves *c = &list[i];
+    json_t *planes = json_array();
+    for (size_t p = 0; p < c->planes; p++) {
+      const struct plane *plane = &c->plane[p];
+      json_t *object = json_object(), *time = json_array();
+      for (size_t q = 0; q < c->quantiles; q++)
+        json_array_append_new(time, json_number(plane->time[q] * plane->distance / c->speed));
+      json_put_number(object, "distance_m", plane->distance);
+      json_object_set_new(object, "time_s", time);
+      if (plane->fitted) {
+        json_put_number(object, "velocity_over_mean", plane->v);
+        json_put_number(object, "longitudinal", over_diffusion(c, plane));
+        json_put_number(object, "misfit", plane->misfit);
+        json_put_number(object, "first_over_fit", plane->first);
+        json_put_number(object, "last_over_fit", plane->last);
+        json_object_set_new(object, "holds", json_boolean(holds(plane)));
+      }
+      json_array_append_new(planes, object);
+    }
+    json_array_append_new(all,
+                          json_pack("{s:o,s:f,s:f,s:o,s:o}", "path", json_text(c->path), "peclet",
+                                    c->peclet, "longitudinal", c->longitudinal, "share",
+                                    json_numbers(c->share, c->quantiles), "planes", planes));
+  }
+  json_object_set_new(json, "walks", all);
+}
+
+static void write_csv(const struct curves *list, size_t n, FILE *stream) {
+  fputs("run,peclet,distance_m,share,time_s,time_s_of_the_fit\n", stream);
+  for (size_t i = 0; i < n; i++)
+    for (size_t p = 0; p < list[i].planes; p++) {
+      const struct plane *plane = &list[i].plane[p];
+      const double unit = plane->distance / list[i].speed;
+      for (size_t q = 0; q < list[i].quantiles && plane->fitted; q++) {
+        if (!isfinite(plane->time[q])) continue;
+        csv_text(stream, list[i].path);
+        fprintf(stream, ",%.10g,%.8g,%.5g,%.8g,%.8g\n", list[i].peclet, plane->distance,
+                list[i].share[q], unit * plane->time[q],
+                unit * breakthrough_time(plane->v, plane->d, list[i].share[q]));
+      }
+    }
+}
+
+static void write_summary(const struct curves *list, size_t n, FILE *stream) {
+  fputs("breakthrough of planes, fitted by the advection-dispersion equation\n", stream);
+  for (size_t i = 0; i < n; i++) {
+    const struct curves *c = &list[i];
+    fprintf(stream, "  Pe %.4g, D_L/D = %.4g\n  %10s  %8s  %10s  %7s  %9s  %9s\n", c->peclet,
+            c->longitudinal, "plane (mm)", "v / U", "D_L/D", "misfit", "first", "last");
+    for (size_t p = 0; p < c->planes; p++) {
+      const struct plane *plane = &c->plane[p];
+      if (!plane->fitted) continue;
+      fprintf(stream, "  %10.4g  %8.4g  %10.4g  %5.1f %%  %9.3g", 1e3 * plane->distance, plane->v,
+              over_diffusion(c, plane), 100 * plane->misfit, plane->first);
+      if (plane->reached)
+        fprintf(stream, "  %9.3g  %s\n", plane->last, holds(plane) ? "holds" : "fails");
+      else
+        fprintf(stream, "  %9s  not all have passed\n", "");
+    }
+  }
+  fputs("  first, last: when a share of 0.0025 and of 0.9975 passed, over the time of the fit\n\n",
+        stream);
+}
+
+/* The first plane, where the equation holds least; NULL: none was fitted. */
+static const struct plane *drawn(const struct curves *c) {
+  for (size_t p = 0; p < c->planes; p++)
+    if (c->plane[p].fitted) return &c->plane[p];
+  return NULL;
+}
+
+/* Share by time; and the density of the travel times between shares, with that of the fit. */
+static void write_blocks(const struct curves *c, const struct plane *p, size_t i, FILE *stream) {
+  fprintf(stream, "$share%zu << EOD\n", i);
+  for (size_t q = 0; q < c->quantiles; q += 4)
+    if (isfinite(p->time[q])) fprintf(stream, "%.6g %.6g\n", p->time[q], c->share[q]);
+  fprintf(stream, "EOD\n$fit%zu << EOD\n", i);
+  for (size_t q = 0; q < c->quantiles; q++)
+    fprintf(stream, "%.6g %.6g\n", breakthrough_time(p->v, p->d, c->share[q]), c->share[q]);
+  fprintf(stream, "EOD\n$rate%zu << EOD\n", i);
+  const size_t step = 5;
+  for (size_t q = 0; q + step < c->quantiles; q += step) {
+    const double from = p->time[q], to = p->time[q + step];
+    const double part = c->share[q + step] - c->share[q];
+    if (!isfinite(to) || !(to > from)) continue;
+    fprintf(stream, "%.6g %.6g %.6g\n", sqrt(from * to), part / (to - from),
+            (breakthrough_share(p->v, p->d, to) - breakthrough_share(p->v, p->d, from)) /
+                (to - from));
+  }
+  fputs("EOD\n", stream);
+}
+
+static void write_curves(const struct curves *list, size_t n, bool rates, FILE *stream) {
+  size_t drawn_so_far = 0;
+  for (size_t i = 0; i < n && drawn_so_far < CURVES; i++) {
+    const struct plane *p = drawn(&list[i]);
+    char title[120];
+    if (p == NULL) continue;
+    snprintf(title, sizeof title, "Pe %.4g, %.3g mm", list[i].peclet, 1e3 * p->distance);
+    fprintf(stream, "%s$%s%zu using 1:2 with points pointsize 0.6 ",
+            drawn_so_far > 0 ? ", \\\n  " : "plot ", rates ? "rate" : "share", i);
+    plot_line_style(stream, drawn_so_far);
+    plot_point_style(stream, drawn_so_far);
+    fputs(rates ? " notitle" : " title ", stream);
+    if (!rates) plot_text(stream, title);
+    fprintf(stream, ", \\\n  $%s%zu using 1:%d with lines linewidth 1.5 ", rates ? "rate" : "fit",
+            i, rates ? 3 : 2);
+    plot_line_style(stream, drawn_so_far);
+    fputs(" notitle", stream);
+    drawn_so_far++;
+  }
+  fputc('\n', stream);
+}
+
+static void write_plot(const struct curves *list, size_t n, FILE *stream) {
+  for (size_t i = 0; i < n; i++)
+    if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
+  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.13,0.97 spacing 0.095,0\n"
+        "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
+        "set logscale x\nset yrange [0:1]\nset key bottom right spacing 1.2\n",
+        stream);
+  write_curves(list, n, false, stream);
+  fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
+        "set format y '10^{%T}'\nset key top right\n",
+        stream);
+  write_curves(list, n, true, stream);
+  fputs("unset multiplot\n", stream);
+}
+
+enum status breakthrough_analyze(const char *const *paths, size_t n, struct product *product) {
+  enum status status = STATUS_OK;
+  struct curves *list = NULL;
+  size_t count = 0;
+  bool any = false;
+  for (size_t i = 0; i < n; i++)
+    if (breakthrough_is(paths[i])) TRY(read_file(paths[i], &list, &count));
+  for (size_t i = 0; i < count; i++) any = any || drawn(&list[i]) != NULL;
+  write_json(list, count, product->json);
+  write_csv(list, count, product->csv.stream);
+  write_summary(list, count, product->summary.stream);
+  if (any) {
+    write_plot(list, count, product->plot.stream);
+    product->width = 1000, product->height = 460;
+  }
+cleanup:
+  for (size_t i = 0; i < count; i++) free_curves(&list[i]);
+  memory_free(&list);
+  return status;
+}
