@@ -28,6 +28,28 @@
 #define ERROR_RESOLUTION 9.0
 #define ERROR_PECLET 5.0
 
+/* Processor seconds of a step of a walker in sand, half of whose cells are near a wall, and what a
+ * way of one cell with the water adds to it; and D_T / D, for the time in which walkers spread
+ * across the box: measured on the sample sand. */
+#define SECONDS_STEP 1e-7
+#define SECONDS_WAY 1.3
+#define ACROSS_STILL 0.6
+#define ACROSS_PECLET 0.04
+
+/* Of one Peclet number on the flow's cells and on those twice as large. */
+static double walk_seconds(const struct solute_flow *flow, double cell_peclet, double peclet,
+                           double wanted) {
+  double widest = 0;
+  for (int a = 0; a < 3; a++)
+    if ((flow->dimensions == 3 || a != 1) &&
+        !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
+      widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
+  struct walk_pace pace =
+      walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
+  const double way = cell_peclet > 0 ? pace.dt : 0;
+  return 1.25 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP * (1 + SECONDS_WAY * way);
+}
+
 static double iterations(double cell_peclet) {
   return ITERATIONS_STILL + ITERATIONS_PECLET * pow(cell_peclet, ITERATIONS_POWER);
 }
@@ -46,21 +68,23 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   const double given = scene->solute.length;
   const double length = isnan(given) ? flow.grain_size : given;
   const int count = scene->solute.peclet_count > 0 ? scene->solute.peclet_count : 1;
-  double all = iterations(0), largest = 0;
+  const bool walks = scene->solute.way != SOLUTE_CLOSURE;
+  const bool closes = scene->solute.way != SOLUTE_WALK;
+  const double wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR : scene->solute.error;
+  double all = iterations(0), largest = 0, walking = 0;
   for (int i = 0; i < count; i++) {
     const double peclet = scene->solute.peclet_count > 0
                               ? scene->solute.peclet[i]
                               : flow.speed * length / scene->solute.diffusion;
     all += iterations(peclet * spacing / length);
+    walking += walk_seconds(&flow, peclet * flow.spacing[0] / length, peclet, wanted);
     largest = fmax(largest, peclet);
   }
   double padded = 1;
   for (int a = 0; a < 3; a++) padded *= flow.n[a] + 2;
-  const double seconds =
-      (SECONDS_ITERATION * padded * all * 9 / 8 + SECONDS_READ * padded) / threads;
-  const bool walks = scene->solute.way != SOLUTE_CLOSURE;
-  const bool closes = scene->solute.way != SOLUTE_WALK;
-  const double wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR : scene->solute.error;
+  const double seconds = ((closes ? SECONDS_ITERATION * padded * all * 9 / 8 : 0) +
+                          (walks ? walking : 0) + SECONDS_READ * padded) /
+                         threads;
   const size_t walkers = walks ? walk_walkers(wanted) : 0;
   const double sites = (double)flow.count;
   const double by_closure = (BYTES_SOLVER + BYTES_CLOSURE) * padded;
@@ -79,7 +103,7 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
                   flow.n[2], "spacing", spacing, "porosity", flow.porosity, "mean_velocity",
                   flow.speed, "length", length, "peclet_numbers", count, "memory_bytes", bytes);
     if (object == NULL) TRY_FAIL(STATUS_RUN, "the JSON object cannot be made");
-    json_put_number(object, "seconds", walks ? NAN : seconds);
+    json_put_number(object, "seconds", seconds);
     json_put_number(object, "expected_error", closes ? error : wanted);
     if (walks) json_object_set_new(object, "walkers", json_integer((json_int_t)walkers));
     json_dumpf(object, stdout, JSON_INDENT(2));
@@ -94,17 +118,14 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   printf("length     %.4g m%s, of Pe = U length / D\n", length,
          isnan(given) ? " (6 grain volume / grain surface)" : "");
   if (walks)
-    printf(
-        "walk       %zu walkers at each Peclet number, to %.2g %%; it takes as many steps as that "
-        "needs, and its time is not foretold\n",
-        walkers, 100 * wanted);
+    printf("walk       %zu walkers at each Peclet number, to %.2g %%, in about %.2g s\n", walkers,
+           100 * wanted, walking / threads);
   if (closes)
     printf(
         "closure    on the flow's cells and on those twice as large, %d Peclet number%s and none\n",
         count, count == 1 ? "" : "s");
   printf("memory     %.3g MB\n", 1e-6 * bytes);
-  if (closes)
-    printf("time       about %.2g s on %d thread%s\n", seconds, threads, threads == 1 ? "" : "s");
+  printf("time       about %.2g s on %d thread%s\n", seconds, threads, threads == 1 ? "" : "s");
   if (closes && isfinite(error))
     printf(
         "error      about %.2g %% of D* without flow, %.2g %% of D_L at Pe %.3g: %.3g cells across "

@@ -65,6 +65,10 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   output_protect(scene->flow_path);
   snprintf(path, sizeof path, "%s.hdf", prefix);
   TRY(output_allow(path));
+  for (int i = 0; i < SOLUTE_PECLET_MAX && scene->solute.way != SOLUTE_CLOSURE; i++) {
+    snprintf(path, sizeof path, "%s-tracks-%d.hdf", prefix, i);
+    TRY(output_allow(path));
+  }
   TRY(memory_allocate(&state, 1, sizeof *state, "what is found so far"));
   TRY(solute_state_begin(scene, prefix, resume, state));
   interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");

@@ -6,6 +6,7 @@
 
 #include "common/hdf5_file.h"
 #include "common/provenance.h"
+#include "sphsolve/solute/tracks.h"
 
 static enum status write_number(struct h5_file *file, const char *name, double value) {
   return h5_write_attribute(file, "/solute", name, H5_F64, 1, &value);
@@ -67,10 +68,15 @@ cleanup:
   return status;
 }
 
+/* h / U, or h^2 / D without flow, s. */
+static double time_unit(const struct solute_flow *flow, const struct solute_result *r, int i) {
+  const double h = flow->spacing[0];
+  return r->peclet[i] > 0 && flow->speed > 0 ? h / flow->speed : h * h / r->diffusion;
+}
+
 static enum status write_walk(struct h5_file *file, const struct solute_flow *flow,
                               const struct solute_result *r) {
   enum status status = STATUS_OK;
-  const double h = flow->spacing[0];
 #define COLUMN(name, member)                                                                       \
   TRY(write_column(file, "walk/" name, r->count, r->walk, sizeof *r->walk,                         \
                    offsetof(struct solute_walked, member)))
@@ -85,10 +91,8 @@ static enum status write_walk(struct h5_file *file, const struct solute_flow *fl
 #undef COLUMN
   for (int i = 0; i < r->count; i++) {
     char group[64];
-    const bool flows = r->peclet[i] > 0 && flow->speed > 0;
     snprintf(group, sizeof group, "/solute/walk/%d", i);
-    TRY(walk_record_write(file, group, &r->record[i], h,
-                          flows ? h / flow->speed : h * h / r->diffusion));
+    TRY(walk_record_write(file, group, &r->record[i], flow->spacing[0], time_unit(flow, r, i)));
   }
 cleanup:
   return status;
@@ -148,6 +152,10 @@ enum status solute_result_write(const struct scene *scene, const struct solute_f
   TRY(provenance_write(file, "sphsolve", command_line, 2, inputs, hashes));
   status = h5_commit(file);
   file = NULL;
+  for (int i = 0; i < r->count && r->by_walk && status == STATUS_OK; i++) {
+    snprintf(path, sizeof path, "%s-tracks-%d.hdf", prefix, i);
+    status = tracks_write(path, flow, &r->record[i], time_unit(flow, r, i) * r->record[i].interval);
+  }
 cleanup:
   h5_close(file);
   return status;

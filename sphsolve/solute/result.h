@@ -52,7 +52,7 @@ struct solute_result {
   double wall_time;
 };
 
-/* PREFIX.hdf: /run, /solute, /provenance (docs/formats.md). */
+/* PREFIX.hdf: /run, /solute, /provenance, and PREFIX-tracks-N.hdf of walks (docs/formats.md). */
 enum status solute_result_write(const struct scene *scene, const struct solute_flow *flow,
                                 const struct solute_result *result, const char *prefix,
                                 const char *command_line);

@@ -110,5 +110,7 @@ void solute_result_print(const struct scene *scene, const struct solute_flow *fl
     print_row(r, i, &r->walk[i].value);
     puts("  walk");
   }
-  printf("files      %s.hdf\nnext       analyze dispersion %s.hdf -o results\n", prefix, prefix);
+  printf("files      %s.hdf", prefix);
+  if (r->by_walk) printf(", %s-tracks-*.hdf (ways of 64 walkers, for ParaView)", prefix);
+  printf("\nnext       analyze dispersion %s.hdf -o results\n", prefix);
 }

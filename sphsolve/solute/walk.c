@@ -23,6 +23,22 @@ size_t walk_walkers(double tolerance) {
   return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
 }
 
+static double time_step(double peclet, double flight) {
+  const double diffusion = peclet > 0 ? 1 / peclet : 1, dt = flight * flight / (6 * diffusion);
+  return peclet > 0 ? fmin(dt, WALK_CARRIED) : dt;
+}
+
+/* Two displacements of each walker at least, over the first lag of 32, 64 ... steps that is long
+ * enough. */
+struct walk_pace walk_pace(double peclet, double widest, double across, double wanted) {
+  struct walk_pace pace = {.dt = time_step(peclet, WALK_FLIGHT)};
+  const double memory = MEMORY * widest * widest * (peclet > 0 ? peclet : 1) / across;
+  const double each = DISPLACEMENTS_VARIANCE / pow(0.4 * wanted, 2) / (double)walk_walkers(wanted);
+  pace.steps = WALK_INTERVAL * exp2(ceil(log2(fmax(memory / pace.dt / WALK_INTERVAL, 1))));
+  pace.steps *= fmax(2, each);
+  return pace;
+}
+
 double walk_bytes(size_t walkers) {
   const double each =
       sizeof(struct walker) * 2 + sizeof(struct walk_spot) * 16.0 + sizeof(float) * WALK_PLANES;

@@ -56,6 +56,13 @@ void walk_end(struct walk *walk);
 enum status walk_gather(const struct walk *walk, const void *own, size_t size, void *all);
 enum status walk_sum_track(struct walk *walk);
 
+/* Of a walk to come: its time step (time units), and the steps that `wanted` takes where walkers
+ * spread across a box of `widest` first spacings with D_T / D = `across`. */
+struct walk_pace {
+  double dt, steps;
+};
+struct walk_pace walk_pace(double peclet, double widest, double across, double wanted);
+
 /* Bytes of a walk beside its cells, and its cells. */
 double walk_bytes(size_t walkers);
 double walk_cells_bytes(size_t cells, size_t with_pores);

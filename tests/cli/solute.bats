@@ -106,7 +106,9 @@ assert abs(r["length"] / (6 * 0.2e-3 / 2) - 1) < 0.01, r["length"]  # 6 times th
   sphsolve explain carried.cfg > explain.txt
   grep -q "^closure " explain.txt
   sphsolve explain carried.cfg --json > explain.json
-  sphsolve explain carried.cfg --set 'solute.way="walk"' | grep -q "^walk .* walkers"
+  sphsolve explain carried.cfg --set 'solute.way="walk"' --error 5% > walk.txt
+  grep -q "^walk .* walkers at each Peclet number, to 5 %, in about" walk.txt
+  grep -q "^time       about" walk.txt
   /usr/bin/python3 -c '
 import json
 r = json.load(open("explain.json"))
@@ -158,6 +160,18 @@ times = [t for t in far["time_s"] if t is not None]
 assert times == sorted(times) and len(times) > 150
 # half a gap on, most of a solute is still where it began: no such equation
 assert not planes[0]["holds"] and planes[0]["misfit"] > 2 * far["misfit"], planes[0]["misfit"]
+P
+  /usr/bin/python3 - <<'P'
+import h5py
+import numpy as np
+
+grid, walk = h5py.File("walked-tracks-0.hdf")["VTKHDF"], h5py.File("walked.hdf")["solute/walk/0"]
+n, lines = len(grid["Points"]), len(grid["Offsets"]) - 1
+assert lines == 64 and set(grid["Types"][()]) == {4} and grid["Offsets"][-1] == n == len(grid["Connectivity"])
+time, id = (grid["PointData"][name][()].reshape(64, -1) for name in ("time", "id"))
+assert (np.diff(time, axis=1) > 0).all() and (id == np.arange(64)[:, None]).all()
+step = grid["Points"][()].reshape(64, -1, 3)[:, -1] - grid["Points"][()].reshape(64, -1, 3)[:, 0]
+assert abs(step[:, 2]).mean() > 5 * abs(step[:, 0]).mean() > 0, step.mean(axis=0)
 P
   analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
   grep -q 'id="breakthrough"' walked.html
