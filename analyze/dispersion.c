@@ -187,12 +187,17 @@ static void write_value(FILE *stream, double value, double error) {
 static void write_summary(const struct solute_run *runs, size_t n, FILE *stream) {
   for (size_t r = 0; r < n; r++) {
     const struct solute_run *run = &runs[r];
-    fprintf(stream, "%s\n  formation factor F = ", name_of(run));
-    write_value_with_error(stream, run->formation, run->formation * run->formation_error, "+-", "");
+    fprintf(stream, "%s\n  ", name_of(run));
+    if (isfinite(run->formation)) {
+      fputs("formation factor F = ", stream);
+      write_value_with_error(stream, run->formation, run->formation * run->formation_error, "+-",
+                             "");
+      fprintf(stream, ", D*/D without flow = %.4g, ", 1 / run->tortuosity);
+    }
     fprintf(stream,
-            ", D*/D without flow = %.4g, porosity %.4f\n  Pe = U length / D with the length "
+            "porosity %.4f\n  Pe = U length / D with the length "
             "%.4g mm\n  %10s  %9s %10s   %9s %10s   %s\n",
-            1 / run->tortuosity, run->porosity, 1e3 * run->length, "Pe", "D_L/D", "", "D_T/D", "",
+            run->porosity, 1e3 * run->length, "Pe", "D_L/D", "", "D_T/D", "",
             "D_L/U (mm)  D_T/U (mm)");
     for (size_t i = 0; i < run->count; i++) {
       double *const *column = run->best.column;
@@ -236,13 +241,19 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
     for (int w = 0; w < WAYS && both; w++)
       write_block(stream, way_names[w], r, &runs[r], &runs[r].way[w]);
   }
-  fprintf(stream,
-          "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
-          "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
-          "set samples 300\nset key top left reverse Left spacing 1.3\n"
-          "bed(x) = x*%.9g > %d && x*%.9g < %d ? %.9g + 0.5*(x*%.9g)**1.2 : NaN\nplot ",
-          runs[0].grain_size / runs[0].length, BED_FIRST, runs[0].grain_size / runs[0].length,
-          BED_LAST, 1 / runs[0].tortuosity, runs[0].grain_size / runs[0].length);
+  /* The curve of beds takes the formation factor of the first run that has one. */
+  const struct solute_run *still = NULL;
+  for (size_t r = n; r-- > 0;)
+    if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
+  fprintf(stream, "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
+                  "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
+                  "set samples 300\nset key top left reverse Left spacing 1.3\n");
+  if (still != NULL) {
+    const double grains = still->grain_size / still->length;
+    fprintf(stream, "bed(x) = x*%.9g > %d && x*%.9g < %d ? %.9g + 0.5*(x*%.9g)**1.2 : NaN\n",
+            grains, BED_FIRST, grains, BED_LAST, 1 / still->tortuosity, grains);
+  }
+  fputs("plot ", stream);
   for (size_t r = 0; r < n; r++) {
     char title[400];
     const bool both = runs[r].way[0].there && runs[r].way[1].there;
@@ -263,9 +274,11 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
                 r, y, y + 1, y + 2, t ? 4 : 6, t || r ? "notitle" : "title 'random walk'");
     }
   }
-  fputs(", \\\n  bed(x) with lines linewidth 1.6 dashtype 2 linecolor rgb '#888888' title "
-        "'beds in print, along: 1 / (F porosity) + Pe^1.2 / 2'\n",
-        stream);
+  if (still != NULL)
+    fputs(", \\\n  bed(x) with lines linewidth 1.6 dashtype 2 linecolor rgb '#888888' title "
+          "'beds in print, along: 1 / (F porosity) + Pe^1.2 / 2'",
+          stream);
+  fputc('\n', stream);
 }
 
 enum status dispersion_analyze(const char *const *paths, size_t n, struct product *product) {
