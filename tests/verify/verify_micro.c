@@ -236,7 +236,7 @@ int main(int argc, char **argv) {
   for (int e = -8; e <= 0; e += 2) channel(16, 8, 0.8, pow(10, e), 1.0, 0.01);
   /* The order: the same body with finer sites. */
   for (int i = 2; i <= 32; i *= 2) channel(2 * i, i, 0.35, 0.02, i, 0.04 / (i * i) + 1e-3);
-  for (int e = -4; e <= 0; e += 2) {
+  for (int e = -8; e <= 0; e += 2) {
     const double k = pow(10, e);
     const struct layers series = {2, {8, 8}, {0, 0.35}, {INFINITY, k}};
     snprintf(name, sizeof name, "water and soil in series, k_micro %g", k);
