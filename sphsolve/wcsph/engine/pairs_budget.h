@@ -121,9 +121,7 @@ static void budget(const struct pass *pass, struct local *local, size_t begin, s
     struct row_sides walls[CLUSTER];
     struct reference ref;
     vec at[3];
-    reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fields, 0);
-    n = pad_columns(local, n, 4);
+    size_t n = gather_fluid(pass, local, c, 4, fields, &ref);
     gather_terms(pass, local, n);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;

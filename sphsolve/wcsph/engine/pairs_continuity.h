@@ -28,11 +28,11 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       all = pad_columns(local, all, 3);
     }
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
+      vec at[3];
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       float tile[MAX_SUMS][SIMD_LANES];
-      vec at[3], vi[3], u[3], state = vec_set(p->state[i]);
-      row_position(pass, &ref, l, at);
+      vec vi[3], u[3], state = vec_set(p->state[i]);
       /* Eulerian: walls, which move with -v_i, complete the sum of gradients to 0: that of
        * v_j - v_i with them is that of v_j + v_i without. */
       for (int a = 0; a < 3; a++) vi[a] = vec_set(eulerian ? -v[a][i] : v[a][i]);
@@ -85,15 +85,12 @@ SIMD_INLINE void continuity_exact_rows(const struct pass *pass, struct local *lo
   const double diffuse = diffusion ? 2 * pass->diffusion * pass->l_scale : 0;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
-    reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, 0);
-    n = pad_columns(local, n, 4);
+    size_t n = gather_fluid(pass, local, c, 4, fluid, &ref);
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
-      double sum[2];
+      size_t i;
       vec at[3];
-      row_position(pass, &ref, l, at);
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
+      double sum[2];
       row_continuity_exact(pass, local, n, at, i, diffuse / pass->g_scale, shift, sum);
       p->state_next[i] = (float)((double)p->state[i] + pass->dt * pass->g_scale * sum[0] /
                                                            (1 + pass->dt * diffuse * sum[1]));
@@ -112,12 +109,11 @@ static void image_velocity(const struct pass *pass, struct local *local, size_t 
     size_t n = gather_columns(pass, local, 0, pass->wall_fluid, c, false, &ref, 4, fluid, 0);
     n = pad_columns(local, n, 4);
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
+      vec at[3];
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       float tile[MAX_SUMS][SIMD_LANES];
       double sum[8];
-      vec at[3];
-      row_position(pass, &ref, l, at);
       for (int group = 0; group < SIMD_GROUPS; group++) {
         vec sums[8] = {{0}};
         for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {

@@ -23,13 +23,13 @@ static void eulerian_walls(const struct pass *pass, struct local *local, size_t 
         gather_columns(pass, local, 0, pass->fluid_wall, c, true, &ref, 0, NULL, GATHER_DEPTH);
     n = pad_columns(local, n, 4);
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      const size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
+      vec at[3];
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       const float d = p->distance[i] * (float)(1.0 / pass->smoothing_length);
-      vec at[3], d_a = vec_set(d), inverse_d_a = vec_set(1.0f / d);
+      vec d_a = vec_set(d), inverse_d_a = vec_set(1.0f / d);
       float tile[MAX_SUMS][SIMD_LANES];
       double sum[3];
-      row_position(pass, &ref, l, at);
       for (int group = 0; group < SIMD_GROUPS; group++) {
         vec sums[3] = {{0}};
         for (size_t k = (size_t)group * SIMD_WIDTH; k < n; k += SIMD_LANES) {
@@ -54,9 +54,7 @@ static void eulerian_moments(const struct pass *pass, struct local *local, size_
   struct particles *p = pass->particles;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
-    reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 0, NULL, 0);
-    n = pad_columns(local, n, 0);
+    size_t n = gather_fluid(pass, local, c, 0, NULL, &ref);
     for (int l = 0; l < CLUSTER; l++) {
       if (!ref.live[l]) continue;
       vec at[3];
@@ -87,18 +85,15 @@ SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *loca
   const double gradient = pass->g_scale, square = pass->sound_speed * pass->sound_speed;
   for (size_t c = begin; c < end; c++) {
     struct reference ref;
-    reference_make(pass, c, false, &ref);
-    size_t n = gather_columns(pass, local, 0, pass->fluid_fluid, c, false, &ref, 4, fluid, 0);
-    n = pad_columns(local, n, 4);
+    size_t n = gather_fluid(pass, local, c, 4, fluid, &ref);
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      const size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
+      vec at[3];
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       struct site_terms terms;
       struct row_force row;
       float carry[3] = {0};
       double pull[3], more[3];
-      vec at[3];
-      row_position(pass, &ref, l, at);
       site_terms_load(p, i, &terms);
       const double drag = 2 * pass->kinematic_viscosity * pass->l_scale / terms.kept;
       for (int a = 0; a < 3; a++) carry[a] = (float)(-gradient / drag * (double)p->v[a][i]);

@@ -130,20 +130,18 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
     /* All walls first: what a row needs of them is then there when its fluid's turn comes. */
     struct row_wall walls_of[CLUSTER] = {{0}};
     for (int l = 0; l < CLUSTER && all > n; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
       vec at[3];
-      row_position(pass, &ref, l, at);
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       if (moving) /* two instances: resting walls have no velocity to load */
         row_force_subvoxel(pass, local, n, all, at, i, true, &walls_of[l]);
       else
         row_force_subvoxel(pass, local, n, all, at, i, false, &walls_of[l]);
     }
     for (int l = 0; l < CLUSTER; l++) {
-      if (!ref.live[l]) continue;
-      size_t i = c * CLUSTER + (size_t)l;
+      size_t i;
       vec at[3];
-      row_position(pass, &ref, l, at);
+      if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       const struct row_wall *near = &walls_of[l];
       struct row_force row;
       double drag = viscous ? 2 * pass->kinematic_viscosity * pass->l_scale : gradient, stiff = 0;

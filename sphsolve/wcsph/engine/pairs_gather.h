@@ -180,6 +180,26 @@ SIMD_INLINE void row_position(const struct pass *pass, const struct reference *r
     at[a] = vec_set((float)(int32_t)(ref->x[l][a] - ref->centre[a]) * pass->scale[a]);
 }
 
+/* Row l of a row cluster: the slot of its particle and where that is, as pair_geometry takes it;
+ * false where the slot is empty. */
+SIMD_INLINE bool row_begin(const struct pass *pass, const struct reference *ref, size_t cluster,
+                           int l, size_t *slot, vec at[3]) {
+  if (!ref->live[l]) return false;
+  *slot = cluster * CLUSTER + (size_t)l;
+  row_position(pass, ref, l, at);
+  return true;
+}
+
+/* A row cluster of fluid with its columns of fluid, `fields` values each from `source`. Returns
+ * their number, of whole vectors. */
+SIMD_INLINE size_t gather_fluid(const struct pass *pass, struct local *local, size_t cluster,
+                                int fields, const float *const *source, struct reference *ref) {
+  reference_make(pass, cluster, false, ref);
+  const size_t n =
+      gather_columns(pass, local, 0, pass->fluid_fluid, cluster, false, ref, fields, source, 0);
+  return pad_columns(local, n, fields);
+}
+
 /* Sums over the columns of a row: of the pressure, of differences of velocity with the weights of
  * viscosity and shift, and of the offsets, the gradient of the particle concentration. */
 struct row_force {
