@@ -87,8 +87,8 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
     if (s->dog.halvings > 0) dt = ldexp(dt, -s->dog.halvings), limited_by = "watchdog";
     double left = scene->end_time - s->time;
-    /* Equal steps at the end: a crumb of a step would turn what rounding leaves of div v into
-     * pressure. */
+    /* Two equal steps at the end: in a very short one the divergence that rounding leaves, over dt,
+     * would be a large pressure. */
     if (dt > left * (1 - 1e-6))
       dt = left, limited_by = "end_time";
     else if (dt > 0.5 * left * (1 + 1e-6))

@@ -10,18 +10,18 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Filling (sum of V W, 1 in the bulk) up to twice, a spacing a step, and the pressure solve's own
- * bound on its residual, beyond which it fails. */
+/* Bounds of the watchdog: of the kernel sum (sum of V W, 1 in the bulk), beside one spacing a step,
+ * and the pressure solve's own bound on its residual. */
 #define KERNEL_SUM_MOST 2.0
-/* Filling beyond which a run says so, once: impacts reach 1.1. */
+/* A larger kernel sum is warned of, once: impacts reach 1.1. */
 #define KERNEL_SUM_TOLD 1.3
-/* Filling below which water without a surface has a gap. */
+/* Water without a surface has a gap where the kernel sum is smaller. */
 #define KERNEL_SUM_GAP 0.7
-/* Energy beyond this speed in spacings a step: see watchdog.h. */
+/* Energies below that of this speed, in spacings a step, are no cause for alarm (watchdog.h). */
 #define ENERGY_FLOOR 0.02
-/* Speed over what drives the water. Jets of an impact reach some 5 times. Without it the step,
- * which is shortened in proportion to the fastest particle, follows one that is lost in its
- * equations to nothing, and no other bound is left. */
+/* Of the speed over what drives the water; jets of an impact reach some 5 times. Without this bound
+ * the step, which shortens as the fastest particle speeds up, would follow a diverging one towards
+ * 0, and no other bound would be reached. */
 #define SPEED_MOST 100.0
 
 double isph_given_speed(const struct isph *s) {
@@ -58,7 +58,7 @@ double isph_speed_most(const struct isph *s) {
   return speed / s->soil_porosity_least;
 }
 
-/* A particle that leads: of a rank, then of all. */
+/* The particle with the largest value: of a rank, then of all. */
 struct leader {
   double value, position[3], kernel_sum, square;
   uint64_t id;

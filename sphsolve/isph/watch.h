@@ -1,11 +1,11 @@
-/* Whether a step left the bounds of what can be, and what then. */
+/* Whether a step left the bounds of what is physically possible, and how the run goes on. */
 #ifndef TOSUI_SPHSOLVE_ISPH_WATCH_H
 #define TOSUI_SPHSOLVE_ISPH_WATCH_H
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/output/recorder.h"
 
-/* What has left its bounds, and where. */
+/* Which bound was left, and where. */
 struct isph_trip {
   char what[STEP_BACK_CAUSE];
   enum watch_bound bound;
