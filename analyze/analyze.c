@@ -9,6 +9,7 @@
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/dispersion.h"
+#include "analyze/film.h"
 #include "analyze/history.h"
 #include "analyze/breakthrough.h"
 #include "analyze/compatible_runs.h"
@@ -273,28 +274,38 @@ cleanup:
   return status;
 }
 
-/* Walks leave breakthrough curves too: a product of its own, in one JSON object. */
+/* Walks leave breakthrough curves and a film strip too: products of their own, in one JSON object. */
 static enum status dispersion_command(const struct options *options) {
   enum status status = STATUS_OK;
-  struct product product = {0}, curves = {0};
-  bool walked = false;
+  struct product product = {0}, curves = {0}, film = {0};
+  bool walked = false, filmed = false;
   const char **paths = NULL;
   const size_t n = options_operand_count(options);
   TRY(memory_allocate(&paths, n, sizeof *paths, "names of files"));
   for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
   TRY(product_start("dispersion", &product));
   TRY(dispersion_analyze(paths, n, &product));
-  for (size_t i = 0; i < n; i++) walked = walked || breakthrough_is(paths[i]);
+  for (size_t i = 0; i < n; i++) {
+    walked = walked || breakthrough_is(paths[i]);
+    filmed = filmed || film_is(paths[i]);
+  }
   if (walked) {
     TRY(product_start("breakthrough", &curves));
     TRY(breakthrough_analyze(paths, n, &curves));
     json_object_set(product.json, "breakthrough", curves.json);
   }
+  if (filmed) {
+    TRY(product_start("film", &film));
+    TRY(film_analyze(paths, n, &film));
+    json_object_set(product.json, "film", film.json);
+  }
   TRY(deliver(options, &product));
   if (walked) TRY(deliver_second(options, &curves));
+  if (filmed) TRY(deliver_second(options, &film));
 cleanup:
   memory_free(&paths);
   product_free(&curves);
+  product_free(&film);
   product_free(&product);
   return status;
 }

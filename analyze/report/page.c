@@ -81,6 +81,7 @@ static void write_contents(const struct page *page, bool budget) {
               {"pdf", "Pore velocity", page->has[PART_PDF]},
               {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
               {"breakthrough", "Breakthrough", page->has[PART_BREAKTHROUGH]},
+              {"film", "Plume", page->has[PART_FILM]},
               {"seepage", "Seepage", page->has[PART_SEEPAGE]},
               {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
               {"history", "History", page->has[PART_HISTORY]},
@@ -145,6 +146,10 @@ static enum status write_body(struct page *page) {
               "When a solute that began spread over the pores has passed the first plane across "
               "the flow, one box length on: share and density of travel times of the random walk "
               "(points), and the fit of the advection-dispersion equation (lines).");
+  page_figure(page, PART_FILM, "Plume",
+              "Where a solute is that began at one point, on the mean over all points of the "
+              "pores: concentration over its maximum, at times that double; along the flow and "
+              "across it.");
   page_figure(
       page, PART_SEEPAGE, "Seepage",
       "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "

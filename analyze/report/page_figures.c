@@ -64,7 +64,7 @@ void page_figure(struct page *page, enum part part, const char *title, const cha
   const bool shown = page_is_worth_a_screen(page, part);
   fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", page_part_names[part], title,
           shown ? "" : "<details><summary>One value a run: show the figure</summary>");
-  const bool still_only = part == PART_SLICE || part == PART_DISPERSION || part == PART_BREAKTHROUGH || part == PART_SEEPAGE;
+  const bool still_only = part == PART_SLICE || part == PART_DISPERSION || part == PART_BREAKTHROUGH || part == PART_FILM || part == PART_SEEPAGE;
   if (!still_only)
     fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
   if (!page->lean || still_only)

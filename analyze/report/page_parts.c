@@ -6,6 +6,7 @@
 #include "analyze/converge.h"
 #include "analyze/darcy.h"
 #include "analyze/dispersion.h"
+#include "analyze/film.h"
 #include "analyze/history.h"
 #include "analyze/pdf.h"
 #include "analyze/report/page_internal.h"
@@ -15,7 +16,7 @@
 #include "common/log.h"
 
 const char *const page_part_names[PARTS] = {"darcy",    "history",    "pdf",    "slice",
-                                            "converge", "dispersion", "breakthrough", "seepage"};
+                                            "converge", "dispersion", "breakthrough", "film", "seepage"};
 
 /* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
  */
@@ -44,6 +45,9 @@ static enum status run_part(struct page *page, enum part part) {
     break;
   case PART_DISPERSION:
     TRY(dispersion_analyze(page->solutes, page->solute_count, product));
+    break;
+  case PART_FILM:
+    TRY(film_analyze(page->solutes, page->solute_count, product));
     break;
   case PART_BREAKTHROUGH:
     TRY(breakthrough_analyze(page->solutes, page->solute_count, product));
@@ -101,6 +105,8 @@ enum status page_analyse(struct page *page) {
   if (page->solute_count > 0) TRY(run_part(page, PART_DISPERSION));
   for (size_t i = 0; i < page->solute_count && !page->has[PART_BREAKTHROUGH]; i++)
     if (breakthrough_is(page->solutes[i])) TRY(run_part(page, PART_BREAKTHROUGH));
+  for (size_t i = 0; i < page->solute_count && !page->has[PART_FILM]; i++)
+    if (film_is(page->solutes[i])) TRY(run_part(page, PART_FILM));
   if (all_have_snapshots(page)) {
     if (permeable) TRY(run_part(page, PART_PDF));
     TRY(run_part(page, PART_SLICE));

@@ -36,7 +36,13 @@ static void track_path(char path[64], int lattice, int peclet) {
   snprintf(path, 64, GROUP "/track-%d-%d", lattice, peclet);
 }
 
-/* The tracks of the walks that are over. */
+#define FRAME_WORDS (WALK_FRAMES * sizeof(struct walk_frame) / sizeof(uint32_t))
+
+static void frame_path(char path[64], int lattice, int peclet) {
+  snprintf(path, 64, GROUP "/frames-%d-%d", lattice, peclet);
+}
+
+/* The tracks and pictures of the walks that are over. */
 static enum status save_tracks(const struct solute_state *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   for (int l = 0; l < SOLUTE_LATTICES; l++)
@@ -46,6 +52,9 @@ static enum status save_tracks(const struct solute_state *s, struct h5_file *fil
       char path[64];
       track_path(path, l, i);
       TRY(h5_write(file, path, H5_F32, 1, dims, r->track, true));
+      const size_t words = FRAME_WORDS;
+      frame_path(path, l, i);
+      TRY(h5_write(file, path, H5_U32, 1, &words, r->frame, true));
     }
 cleanup:
   return status;
@@ -61,6 +70,12 @@ static enum status load_tracks(struct solute_state *s) {
       track_path(path, l, i);
       TRY(h5_read(s->from, path, H5_F32, 1, &count, &r->track));
       if (count != (size_t)WALK_TRACK * WALK_TRACKED * 3)
+        TRY_FAIL(STATUS_INPUT, "%s: %s has another size", h5_path(s->from), path);
+      uint32_t *frame = NULL;
+      frame_path(path, l, i);
+      TRY(h5_read(s->from, path, H5_U32, 1, &count, &frame));
+      r->frame = (struct walk_frame *)(void *)frame;
+      if (count != FRAME_WORDS || r->frames < 0 || r->frames > WALK_FRAMES)
         TRY_FAIL(STATUS_INPUT, "%s: %s has another size", h5_path(s->from), path);
     }
 cleanup:
@@ -105,7 +120,10 @@ static enum status load(struct solute_state *s) {
     memory_free(&data);
   }
   for (int l = 0; l < SOLUTE_LATTICES; l++)
-    for (int i = 0; i < SOLUTE_PECLET_MAX; i++) s->record[l][i].track = NULL; /* of that process */
+    for (int i = 0; i < SOLUTE_PECLET_MAX; i++) {
+      s->record[l][i].track = NULL; /* of that process */
+      s->record[l][i].frame = NULL;
+    }
   for (int l = 0; l < SOLUTE_LATTICES; l++)
     if (s->solved_count[l] < 0 || s->solved_count[l] > SOLUTE_PECLET_MAX + 1 ||
         s->walked_count[l] < 0 || s->walked_count[l] > SOLUTE_PECLET_MAX)

@@ -114,6 +114,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   TRY(memory_allocate(&walk->now, m->count, sizeof *walk->now, "places of walkers"));
   TRY(memory_allocate(&m->start, m->count, sizeof *m->start, "places of walkers"));
   TRY(memory_allocate(&walk->track, WALK_TRACK, sizeof *walk->track, "tracks of walkers"));
+  TRY(memory_allocate(&walk->frame, WALK_FRAMES, sizeof *walk->frame, "pictures of the plume"));
   for (int p = 0; p < WALK_PLANES; p++) {
     walk->plane[p] = box_along(cells, s->direction) * (double)(1 << p);
     TRY(memory_allocate(&walk->passage[p], m->count, sizeof(float), "passages of walkers"));
@@ -137,6 +138,7 @@ void walk_end(struct walk *walk) {
   memory_free(&walk->spare);
   memory_free(&walk->now);
   memory_free(&walk->track);
+  memory_free(&walk->frame);
   for (int p = 0; p < WALK_PLANES; p++) memory_free(&walk->passage[p]);
   walk_moments_free(&walk->moments);
 }
@@ -159,12 +161,12 @@ cleanup:
   return status;
 }
 
-/* Distance along the flow from where walker w began, first spacings. */
-static double passed(const struct walk *walk, const struct walk_spot *spot, size_t w) {
+double walk_passed(const struct walk *walk, const double direction[3], const struct walk_spot *spot,
+                   size_t w) {
   const struct walk_spot *start = &walk->moments.start[w];
   double sum = 0;
   for (int a = 0; a < 3; a++)
-    sum += walk->settings.direction[a] * walk->moments.stretch[a] *
+    sum += direction[a] * walk->moments.stretch[a] *
            ((double)(spot->cell[a] - start->cell[a]) + ((double)spot->x[a] - (double)start->x[a]));
   return sum;
 }
@@ -177,7 +179,8 @@ static void pass_planes(struct walk *walk) {
       walk->moments.lags > 0 ? walk->moments.from[0] : walk->moments.start;
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < walk->moments.count; w++) {
-    const double to = passed(walk, &walk->now[w], w), from = passed(walk, &before[w], w);
+    const double to = walk_passed(walk, walk->settings.direction, &walk->now[w], w),
+                 from = walk_passed(walk, walk->settings.direction, &before[w], w);
     for (int p = 0; p < WALK_PLANES; p++)
       if (to >= walk->plane[p] && !(walk->passage[p][w] > 0))
         walk->passage[p][w] =
@@ -209,6 +212,7 @@ enum status walk_advance(struct walk *walk) {
             (float)(((double)walk->now[w].cell[a] + (double)walk->now[w].x[a]) *
                     walk->moments.stretch[a]);
   TRY(walk_moments_add(&walk->moments, walk->now));
+  walk_frames_take(walk);
 cleanup:
   return status;
 }

@@ -15,6 +15,17 @@
 #define WALK_TRACKED 64 /* walkers whose places are kept */
 #define WALK_TRACK 1024 /* intervals for which they are */
 
+#define WALK_FRAMES 12 /* pictures of the plume, after 32, 64, 128 ... steps */
+#define WALK_ALONG_BINS 96
+#define WALK_ACROSS_BINS 32
+
+/* Walkers by their place from where they began, along the flow and across it: first spacings. */
+struct walk_frame {
+  double time; /* time units */
+  double low[2], width[2];
+  uint32_t count[WALK_ACROSS_BINS][WALK_ALONG_BINS];
+};
+
 struct walk_settings {
   double peclet;       /* mean speed of the water x first spacing / D; 0: at rest */
   double direction[3]; /* unit vector of the mean flow */
@@ -37,6 +48,8 @@ struct walk {
   double plane[WALK_PLANES];       /* first spacings from where each walker began */
   float *passage[WALK_PLANES];     /* by id, time units of the first passage; 0: not yet */
   float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK] places, first spacings */
+  struct walk_frame *frame; /* [WALK_FRAMES], of which `frames` are taken; of this rank's walkers */
+  int frames;
   struct walk_kept kept;
 };
 
@@ -50,6 +63,14 @@ int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]);
 /* Whether the verdict is within the tolerance, or the steps are used up. */
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict);
 void walk_end(struct walk *walk);
+
+/* From where walker w of this rank began to `spot`, along `direction`: first spacings. */
+double walk_passed(const struct walk *walk, const double direction[3], const struct walk_spot *spot,
+                   size_t w);
+/* A picture of the plume where it is time for one; all ranks' counts to the first (walk_frames.c;
+ * collective). */
+void walk_frames_take(struct walk *walk);
+void walk_frames_sum(struct walk *walk);
 
 /* Between ranks (walk_file.c; collective): `own` of this rank's walkers, items of `size` bytes,
  * into `all` of all walkers, in order of rank; the places of the tracked walkers. */
@@ -88,8 +109,10 @@ struct walk_record {
                                                   first passed; NAN: not by the end */
   float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK], of which `tracked` are filled; owned */
   size_t tracked;
+  struct walk_frame *frame; /* [WALK_FRAMES], of which `frames` are taken; owned */
+  int frames;
 };
-/* Takes the tracks over. Free with walk_record_free. */
+/* Takes tracks and frames over. Free with walk_record_free. */
 enum status walk_record(struct walk *walk, struct walk_record *record);
 void walk_record_free(struct walk_record *record);
 /* In SI: the first spacing and the time unit are `length` m and `time` s. Tracks are in m after. */

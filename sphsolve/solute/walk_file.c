@@ -90,6 +90,7 @@ static enum status save_shared(struct h5_file *file, const char *group, struct w
   double *sums = NULL;
   char path[PATH];
   const size_t dims[1] = {SUMS}, track[1] = {(size_t)3 * WALK_TRACKED * WALK_TRACK};
+  const size_t frames[1] = {(size_t)w->frames * sizeof *w->frame / sizeof(uint32_t)};
   TRY(memory_allocate(&sums, SUMS, sizeof *sums, "sums of walkers"));
   memcpy(sums, w->moments.sums, sizeof w->moments.sums);
   ranks_sum_all(sums, SUMS);
@@ -98,6 +99,9 @@ static enum status save_shared(struct h5_file *file, const char *group, struct w
   TRY(walk_sum_track(w));
   snprintf(path, sizeof path, "%.255s/track", group);
   TRY(h5_write(file, path, H5_F32, 1, track, w->track, false));
+  walk_frames_sum(w);
+  snprintf(path, sizeof path, "%.255s/frames", group);
+  TRY(h5_write(file, path, H5_U32, 1, frames, w->frame, true));
   for (size_t i = 0; i < WALK_TRACKED; i++) /* again 0 where it is another rank's */
     for (int t = 0; t < WALK_TRACK && i - w->moments.first >= w->moments.count; t++)
       memset(w->track[t][i], 0, sizeof w->track[t][i]);
@@ -164,15 +168,24 @@ static enum status load_shared(struct h5_file *file, const char *group, struct w
   enum status status = STATUS_OK;
   double *sums = NULL;
   float *track = NULL;
+  uint32_t *frames = NULL;
   char path[PATH];
-  size_t count[2];
+  size_t count[3];
   snprintf(path, sizeof path, "%.255s/sums", group);
   TRY(h5_read(file, path, H5_F64, 1, &count[0], &sums));
   snprintf(path, sizeof path, "%.255s/track", group);
   TRY(h5_read(file, path, H5_F32, 1, &count[1], &track));
-  if (count[0] != SUMS || count[1] != (size_t)3 * WALK_TRACKED * WALK_TRACK)
+  snprintf(path, sizeof path, "%.255s/frames", group);
+  TRY(h5_read(file, path, H5_U32, 1, &count[2], &frames));
+  const size_t bytes = count[2] * sizeof *frames;
+  w->frames = (int)(bytes / sizeof *w->frame);
+  if (bytes > WALK_FRAMES * sizeof *w->frame || bytes % sizeof *w->frame != 0 || count[0] != SUMS ||
+      count[1] != (size_t)3 * WALK_TRACKED * WALK_TRACK)
     TRY_FAIL(STATUS_INPUT, "%s: %s has another size than the walk; start afresh", h5_path(file),
              group);
+  memcpy(w->frame, frames, bytes);
+  for (int f = 0; f < w->frames && ranks_own() > 0; f++)
+    memset(w->frame[f].count, 0, sizeof w->frame[f].count);
   memcpy(w->moments.sums, sums, sizeof w->moments.sums);
   for (int g = 0; g < WALK_GROUPS; g++)
     for (int k = 0; k < WALK_LAGS && (g < w->moments.group[0] || g >= w->moments.group[1]); k++)
@@ -183,6 +196,7 @@ static enum status load_shared(struct h5_file *file, const char *group, struct w
 cleanup:
   memory_free(&sums);
   memory_free(&track);
+  memory_free(&frames);
   return status;
 }
 

@@ -42,6 +42,8 @@ enum status walk_record(struct walk *walk, struct walk_record *r) {
   }
   TRY(walk_sum_track(walk));
   r->track = walk->track, walk->track = NULL;
+  walk_frames_sum(walk);
+  r->frame = walk->frame, walk->frame = NULL, r->frames = walk->frames;
   r->tracked = walk->moments.intervals < WALK_TRACK ? walk->moments.intervals : WALK_TRACK;
 cleanup:
   memory_free(&sorted);
@@ -50,6 +52,7 @@ cleanup:
 
 void walk_record_free(struct walk_record *r) {
   memory_free(&r->track);
+  memory_free(&r->frame);
 }
 
 static enum status write_lags(struct h5_file *file, const char *group, const char *name,
@@ -105,6 +108,42 @@ cleanup:
   return status;
 }
 
+/* Pictures of the plume: shares of the walkers by place from where they began, and the places and
+ * widths of the bins, m. */
+static enum status write_frames(struct h5_file *file, const char *group,
+                                const struct walk_record *r, double length, double time) {
+  enum status status = STATUS_OK;
+  const size_t frames = (size_t)r->frames;
+  const size_t shape[3] = {frames, WALK_ACROSS_BINS, WALK_ALONG_BINS}, pair[2] = {frames, 2};
+  float *share = NULL;
+  double times[WALK_FRAMES], low[WALK_FRAMES][2], width[WALK_FRAMES][2];
+  char path[PATH];
+  if (frames == 0) return STATUS_OK;
+  TRY(memory_allocate(&share, frames * WALK_ACROSS_BINS * WALK_ALONG_BINS, sizeof *share,
+                      "pictures of the plume"));
+  for (size_t f = 0, to = 0; f < frames; f++) {
+    times[f] = time * r->frame[f].time;
+    for (int d = 0; d < 2; d++) {
+      low[f][d] = length * r->frame[f].low[d];
+      width[f][d] = length * r->frame[f].width[d];
+    }
+    for (int j = 0; j < WALK_ACROSS_BINS; j++)
+      for (int i = 0; i < WALK_ALONG_BINS; i++)
+        share[to++] = (float)(r->frame[f].count[j][i] / r->walkers);
+  }
+  snprintf(path, sizeof path, "%.255s/plume", group);
+  TRY(h5_write(file, path, H5_F32, 3, shape, share, true));
+  snprintf(path, sizeof path, "%.255s/plume_time", group);
+  TRY(h5_write(file, path, H5_F64, 1, &frames, times, false));
+  snprintf(path, sizeof path, "%.255s/plume_low", group);
+  TRY(h5_write(file, path, H5_F64, 2, pair, low, false));
+  snprintf(path, sizeof path, "%.255s/plume_width", group);
+  TRY(h5_write(file, path, H5_F64, 2, pair, width, false));
+cleanup:
+  memory_free(&share);
+  return status;
+}
+
 enum status walk_record_write(struct h5_file *file, const char *group, struct walk_record *r,
                               double length, double time) {
   enum status status = STATUS_OK;
@@ -126,6 +165,7 @@ enum status walk_record_write(struct h5_file *file, const char *group, struct wa
 #undef COLUMN
   TRY(write_passages(file, group, r, length, time));
   TRY(write_tracks(file, group, r, length, time));
+  TRY(write_frames(file, group, r, length, time));
 cleanup:
   return status;
 }

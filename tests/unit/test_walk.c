@@ -210,6 +210,8 @@ static void expect_same(const struct walk *a, const struct walk *b) {
   for (int p = 0; p < WALK_PLANES; p++)
     assert_memory_equal(a->passage[p], b->passage[p], n * sizeof(float));
   assert_memory_equal(a->track, b->track, WALK_TRACK * sizeof *a->track);
+  assert_int_equal(a->frames, b->frames);
+  assert_memory_equal(a->frame, b->frame, WALK_FRAMES * sizeof *a->frame);
 }
 
 static void test_same_bits(void **state) {
