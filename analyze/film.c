@@ -77,7 +77,7 @@ static void write_frame(const struct film *f, size_t frame, FILE *stream) {
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES ? f->frames - FRAMES : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 2,3 margins 0.07,0.985,0.1,0.94 spacing 0.075,0.16\n"
+  fputs("set multiplot layout 2,3 margins 0.07,0.985,0.14,0.94 spacing 0.075,0.16\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);
@@ -144,7 +144,7 @@ enum status film_analyze(const char *const *paths, size_t n, struct product *pro
   json_object_set_new(product->json, "frames", list);
   if (film.frames > 0) {
     write_plot(&film, product->plot.stream);
-    product->width = 1000, product->height = 480;
+    product->width = 1000, product->height = 500;
   }
 cleanup:
   free_film(&film);

@@ -153,6 +153,13 @@ import json
 
 planes = json.load(open("curves/dispersion.json"))["breakthrough"]["walks"][0]["planes"]
 # 9.6 mm, where a solute has long forgotten where in the slit it began: D_L/D as Taylor and Aris have it
+film = json.load(open("curves/dispersion.json"))["film"]
+last = film["frames"][-1]
+# the spread of the last picture is what D_L makes of its time, and its mean the way of the water
+run = json.load(open("walked.json"))
+d = run["mean_velocity"] * run["length"] / 30
+assert abs(last["mean_m"] / (run["mean_velocity"] * last["time_s"]) - 1) < 0.05, last
+assert abs(last["deviation_along_m"] ** 2 / (2 * 5.286 * d * last["time_s"]) - 1) < 0.15, last
 far = next(p for p in planes if abs(p["distance_m"] / 9.6e-3 - 1) < 1e-6)
 assert abs(far["longitudinal"] / (1 + 30**2 / 210) - 1) < 0.1, far["longitudinal"]
 assert abs(far["velocity_over_mean"] - 1) < 0.02 and far["misfit"] < 0.02 and far["holds"], far
@@ -175,6 +182,7 @@ assert abs(step[:, 2]).mean() > 5 * abs(step[:, 0]).mean() > 0, step.mean(axis=0
 P
   analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
   grep -q 'id="breakthrough"' walked.html
+  grep -q 'id="film"' walked.html
   run -3 --separate-stderr analyze darcy carried.hdf
   [[ $stderr == *"analyze dispersion carried.hdf"* ]]
   run -3 --separate-stderr analyze dispersion slit.hdf
