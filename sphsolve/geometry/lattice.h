@@ -38,6 +38,8 @@ struct lattice {
   /* Soil with pores below the sites (soil.h): porosity 0..1 and permeability, m^2, of fluid sites,
    * 0 where there is none. NULL where no site is soil. */
   float *micro_porosity, *micro_permeability;
+  double micro_moved; /* 0; else they are moved by this factor to see what k makes of it, and how they
+                       * are solved is decided by what they were */
   uint64_t model_hash; /* of the model file; 0 without */
 };
 

@@ -56,7 +56,9 @@ enum status soil_response_measure(struct stokes_solver *s, const struct lattice 
   memcpy(mean, s->mean, sizeof mean);
   if (s->walls_move) return STATUS_OK; /* no adjoint is known then */
   for (int up = 0; up < 2; up++) {
-    TRY(lattice_soil_scale(lattice, exp(up ? STEP : -STEP), &scaled));
+    const double factor = exp(up ? STEP : -STEP);
+    TRY(lattice_soil_scale(lattice, factor, &scaled));
+    scaled.micro_moved = factor;
     TRY(stokes_solver_take_soil(s, &scaled));
     logarithm[up] = log(stokes_solver_answer(s));
     memory_free(&scaled.micro_permeability);

@@ -11,7 +11,7 @@
 /* Enclosed pores are soil of this permeability, times the largest of soil, and porosity; where soil
  * of more than ENCLOSED_BELOW (spacing^2) occurs they stay pores. */
 #define ENCLOSED 500.0
-#define ENCLOSED_BELOW 5e-3
+#define ENCLOSED_BELOW 2e-3
 #define ENCLOSED_POROSITY 0.999
 
 bool stokes_soil_is(const struct stokes_soil *s, const struct lattice *l, size_t site) {
@@ -37,7 +37,8 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
     most = fmax(most, (double)l->micro_permeability[i]);
   }
   s->enclosed_permeability = ENCLOSED * most / (s->unit * s->unit);
-  if (s->enclosed_permeability > ENCLOSED * ENCLOSED_BELOW) memory_free(&s->enclosed);
+  const double moved = l->micro_moved > 0.0 ? l->micro_moved : 1.0;
+  if (s->enclosed_permeability / moved > ENCLOSED * ENCLOSED_BELOW) memory_free(&s->enclosed);
 cleanup:
   memory_free(&pores.kind);
   memory_free(&flowing);
