@@ -49,6 +49,25 @@ static void take_best(struct solute_result *r) {
   }
 }
 
+/* Says it where an error is asked for and not reached. */
+static void tell_missed(const struct scene *scene, const struct solute_result *r) {
+  const double wanted = scene->solute.error;
+  int missed = 0, worst = 0;
+  double most = 0;
+  for (int i = 0; i < r->count; i++) {
+    const double error = fmax(r->best[i].longitudinal_error,
+                              walk_error_unit(r->best[i].transverse) > r->best[i].transverse
+                                  ? 0 /* next to nothing, as across a slit */
+                                  : r->best[i].transverse_error);
+    missed += error > wanted;
+    if (error > most) most = error, worst = i;
+  }
+  if (missed > 0)
+    log_warning("--error: %d of %d Peclet numbers are known less well than %.3g %%, Pe %.4g to "
+                "%.2g %%; a flow on a finer lattice, or solute.way = \"both\", brings it down",
+                missed, r->count, 100 * wanted, r->peclet[worst], 100 * most);
+}
+
 static enum status run_on_flow(const struct scene *scene, const char *prefix, bool resume,
                                const char *command_line, bool json) {
   enum status status = STATUS_OK;
@@ -86,6 +105,7 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, state, &result));
   if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, state, &result));
   take_best(&result);
+  tell_missed(scene, &result);
   result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
   if (json)

@@ -62,6 +62,15 @@ assert r["longitudinal_error"][0] == min(error, r["closure"]["longitudinal_error
 P
 }
 
+@test "an error that is asked for and not reached is told" {
+  run --separate-stderr sphsolve run carried.cfg -o wanted --error 0.1%
+  [ "$status" -eq 0 ]
+  [[ $stderr == *"--error: "*" of 5 Peclet numbers are known less well than 0.1 %, Pe 1000 to "*"finer lattice"* ]]
+  run --separate-stderr sphsolve run carried.cfg -o wanted --error 5% --force
+  [ "$status" -eq 0 ]
+  [[ $stderr != *"--error"* ]]
+}
+
 @test "the same bits for any number of threads" {
   sphsolve run carried.cfg -o again --json --threads 2 > again.json
   grep -v wall_time carried.json > one
