@@ -180,14 +180,12 @@ static double middle_of_two(const struct grey_histogram *histogram) {
 static enum status resampled_threshold(struct pipeline *pipeline, double porosity,
                                        double *threshold) {
   enum status status = STATUS_OK;
-  size_t layer = pipeline->size[0] * pipeline->size[1];
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
   double low = fmax(0.001, porosity - 0.005), high = fmin(0.999, porosity + 0.005);
   double at_low = 0.0, at_high = 0.0;
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, porosity,
-                       threshold));
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, low, &at_low));
-  TRY(volume_threshold(pipeline->volume, pipeline->size[2], layer, pipeline->weight, high,
-                       &at_high));
+  TRY(volume_threshold(pipeline->volume, &mirroring, porosity, threshold));
+  TRY(volume_threshold(pipeline->volume, &mirroring, low, &at_low));
+  TRY(volume_threshold(pipeline->volume, &mirroring, high, &at_high));
   pipeline->threshold_slope = (at_high - at_low) / (void_ratio_of(high) - void_ratio_of(low));
 cleanup:
   return status;

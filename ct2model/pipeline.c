@@ -165,9 +165,6 @@ static enum status choose_region(struct pipeline *pipeline) {
   if (axis != 2 || region->denoise != DENOISE_NONE)
     TRY(region_turn(region, axis, &pipeline->turned));
   TRY(choose_size(pipeline));
-  TRY(memory_allocate(&pipeline->weight, pipeline->size[2], sizeof *pipeline->weight, "layers"));
-  for (size_t z = 0; z < pipeline->size[2]; z++)
-    pipeline->weight[z] = request->mirror && z + 1 < pipeline->size[2] ? 2 : 1;
 cleanup:
   return status;
 }
@@ -192,15 +189,10 @@ cleanup:
 static void add_layers(struct pipeline *pipeline) {
   struct voxel_model *model = &pipeline->model;
   const enum sides sides = pipeline->request->sides;
-  size_t n = pipeline->size[2];
-  memcpy(model->size, pipeline->size, sizeof model->size);
-  model->mirror_plane = -1;
-  if (pipeline->request->mirror) {
-    model->size[2] = 2 * n - 1;
-    model->mirror_plane = (int)n - 1;
-  }
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
+  model->mirror_plane = pipeline->request->mirror ? (int)pipeline->size[2] - 1 : -1;
   for (int d = 0; d < 3; d++) {
-    if (sides == SIDES_MIRRORED && d < 2) model->size[d] = 2 * pipeline->size[d] - 1;
+    model->size[d] = mirroring.mirrored[d] ? 2 * pipeline->size[d] - 1 : pipeline->size[d];
     model->periodic[d] = sides != SIDES_CLOSED || d == 2;
     model->spacing[d] =
         pipeline->region.voxel[d] * (double)pipeline->region.size[d] / (double)pipeline->size[d];
@@ -439,8 +431,8 @@ static enum status restore(struct pipeline *pipeline) {
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
   TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
-  TRY(volume_threshold(pipeline->volume, size[2], size[0] * size[1], pipeline->weight,
-                       e / (1.0 + e), &pipeline->solid_threshold));
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
+  TRY(volume_threshold(pipeline->volume, &mirroring, e / (1.0 + e), &pipeline->solid_threshold));
 cleanup:
   return status;
 }
@@ -473,8 +465,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   pipeline->solid_threshold = pipeline->threshold;
   const struct sweep_source swept = {.histogram = &pipeline->histogram,
                                      .volume = pipeline->volume,
-                                     .size = pipeline->size,
-                                     .weight = pipeline->weight,
+                                     .mirroring = pipeline_mirroring(pipeline),
                                      .unit = pipeline_grey(pipeline, 1.0),
                                      .dark_grains = request->dark_grains};
   if (!labels) TRY(sweep_table_make(&swept, &pipeline->table));

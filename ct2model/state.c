@@ -4,6 +4,12 @@
 
 #include "common/memory.h"
 
+struct mirroring pipeline_mirroring(const struct pipeline *pipeline) {
+  const bool sides = pipeline->request->sides == SIDES_MIRRORED;
+  const size_t *n = pipeline->size;
+  return (struct mirroring){{n[0], n[1], n[2]}, {sides, sides, pipeline->request->mirror}};
+}
+
 double pipeline_grey(const struct pipeline *pipeline, double internal) {
   const bool negated = pipeline->request->dark_grains && !pipeline->labels.on;
   return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
@@ -36,7 +42,6 @@ void pipeline_end(struct pipeline *pipeline) {
   memory_free(&pipeline->volume);
   memory_free(&pipeline->middle);
   memory_free(&pipeline->turned);
-  memory_free(&pipeline->weight);
   surface_sample_end(&pipeline->sample);
   coarse_end(&pipeline->coarse);
   restored_end(&pipeline->restored);

@@ -53,7 +53,6 @@ struct pipeline {
   bool resampled;    /* false where a sweep leaves a huge scan alone */
   float *volume;     /* greys after resampling, until the model and the table are made of them */
   float *middle;     /* the middle slice of the region, full resolution */
-  unsigned *weight;  /* how often each layer occurs in the mirrored model */
   double grey_scale; /* reported = stored * grey_scale */
   struct surface_sample sample; /* where the scan is not read again */
   struct coarse coarse;         /* likewise, of a build; until the walls are measured */
@@ -75,6 +74,9 @@ struct pipeline {
 
 /* Frees all that the stages have made. */
 void pipeline_end(struct pipeline *pipeline);
+
+/* How the volume becomes the model. */
+struct mirroring pipeline_mirroring(const struct pipeline *pipeline);
 
 /* A grey of the region, as it is reported: of the scan as stored. */
 double pipeline_grey(const struct pipeline *pipeline, double internal);

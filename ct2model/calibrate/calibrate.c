@@ -203,23 +203,26 @@ static float value_of(uint32_t key) {
 
 enum { DIGITS = 65536 };
 
-/* Adds the weights of greys to the counts of their upper digit, or of the lower one of those with
+/* Adds how often greys occur to the counts of their upper digit, or of the lower one of those with
  * the upper digit of `key`. */
-static void count_digits(const float *volume, size_t layers, size_t layer_size,
-                         const unsigned *layer_weight, const uint32_t *key, uint64_t *own,
-                         uint64_t *counts) {
+static void count_digits(const float *volume, const struct mirroring *mirroring,
+                         const uint32_t *key, uint64_t *own, uint64_t *counts) {
+  const size_t nx = mirroring->size[0], ny = mirroring->size[1];
 #pragma omp parallel
   {
     uint64_t *mine = own + (size_t)omp_get_thread_num() * DIGITS;
     memset(mine, 0, DIGITS * sizeof *mine);
 #pragma omp for schedule(static)
-    for (size_t z = 0; z < layers; z++) {
-      for (size_t i = z * layer_size; i < (z + 1) * layer_size; i++) {
-        const uint32_t k = key_of(volume[i]);
+    for (size_t row = 0; row < ny * mirroring->size[2]; row++) {
+      const unsigned often = mirroring_count(mirroring, 1, row % ny) * // NOLINT: there is a row
+                             mirroring_count(mirroring, 2, row / ny);
+      for (size_t x = 0; x < nx; x++) {
+        const uint32_t k = key_of(volume[row * nx + x]);
+        const unsigned count = often * mirroring_count(mirroring, 0, x);
         if (key == NULL)
-          mine[k >> 16] += layer_weight[z];
+          mine[k >> 16] += count;
         else if (k >> 16 == *key >> 16)
-          mine[k & 0xffffu] += layer_weight[z];
+          mine[k & 0xffffu] += count;
       }
     }
 #pragma omp critical(grey_digits) /* sums of whole numbers know no order */
@@ -227,19 +230,20 @@ static void count_digits(const float *volume, size_t layers, size_t layer_size,
   }
 }
 
-enum status volume_threshold(const float *volume, size_t layers, size_t layer_size,
-                             const unsigned *layer_weight, double porosity, double *threshold) {
+enum status volume_threshold(const float *volume, const struct mirroring *mirroring,
+                             double porosity, double *threshold) {
   enum status status = STATUS_OK;
-  uint64_t *counts = NULL, total = 0, below = 0, digit = 0;
+  const size_t *n = mirroring->size;
+  uint64_t *counts = NULL, total = 1, below = 0, digit = 0;
   uint64_t *own = NULL;
   TRY(memory_allocate(&counts, 2 * DIGITS, sizeof *counts, "grey counts"));
   TRY(memory_allocate(&own, (size_t)omp_get_max_threads() * DIGITS, sizeof *own, "grey counts"));
-  for (size_t z = 0; z < layers; z++) total += (uint64_t)layer_weight[z] * layer_size;
+  for (int d = 0; d < 3; d++) total *= mirroring->mirrored[d] ? 2 * n[d] - 1 : n[d];
   double target = porosity * (double)total;
   uint32_t key = 0;
   for (int pass = 0; pass < 2; pass++) {
     uint64_t *count = counts + pass * DIGITS;
-    count_digits(volume, layers, layer_size, layer_weight, pass == 0 ? NULL : &key, own, count);
+    count_digits(volume, mirroring, pass == 0 ? NULL : &key, own, count);
     for (digit = 0; digit + 1 < DIGITS && (double)(below + count[digit]) < target; digit++)
       below += count[digit];
     key |= (uint32_t)digit << (pass == 0 ? 16 : 0);
@@ -248,7 +252,7 @@ enum status volume_threshold(const float *volume, size_t layers, size_t layer_si
   float grey = value_of(key), lower = -INFINITY, upper = INFINITY;
   double equal = (double)counts[DIGITS + digit];
 #pragma omp parallel for schedule(static) reduction(max : lower) reduction(min : upper)
-  for (size_t i = 0; i < layers * layer_size; i++) {
+  for (size_t i = 0; i < n[0] * n[1] * n[2]; i++) {
     if (volume[i] < grey && volume[i] > lower) lower = volume[i];
     if (volume[i] > grey && volume[i] < upper) upper = volume[i];
   }

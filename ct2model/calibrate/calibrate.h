@@ -6,6 +6,7 @@
 #ifndef TOSUI_CT2MODEL_CALIBRATE_CALIBRATE_H
 #define TOSUI_CT2MODEL_CALIBRATE_CALIBRATE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -48,9 +49,20 @@ struct grey_phases {
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
                            struct grey_phases *phases);
 
-/* The threshold at which a share `porosity` of the volume lies at or under it, exactly: layers of
- * `layer_size` values count layer_weight[layer] times. Solid is grey > threshold. */
-enum status volume_threshold(const float *volume, size_t layers, size_t layer_size,
-                             const unsigned *layer_weight, double porosity, double *threshold);
+/* Which axes of a volume are mirrored in the model: there all layers but the last occur twice. */
+struct mirroring {
+  size_t size[3];
+  bool mirrored[3];
+};
+/* How often layer i along axis d occurs. */
+static inline unsigned mirroring_count(const struct mirroring *mirroring, int d, size_t i) {
+  return mirroring->mirrored[d] && i + 1 < mirroring->size[d] ? 2 : 1;
+}
+
+/* The threshold at which a share `porosity` of the mirrored volume (size[2] layers of size[1] rows
+ * of size[0] values, each as often as it occurs) lies at or under it, exactly. Solid is grey >
+ * threshold. */
+enum status volume_threshold(const float *volume, const struct mirroring *mirroring,
+                             double porosity, double *threshold);
 
 #endif

@@ -28,21 +28,28 @@ static void choose_rows(const struct sweep_source *source, double *first, double
   }
 }
 
-/* counts[i]: weighted voxels of the resampled volume above row i - 1 and up to row i. */
+/* counts[i]: voxels of the mirrored volume above row i - 1 and up to row i. */
 static void count_volume(const struct sweep_source *source, double first, double step, size_t rows,
                          double *counts, double *total) {
-  size_t layer = source->size[0] * source->size[1];
+  const struct mirroring *mirroring = &source->mirroring;
+  const size_t nx = mirroring->size[0], ny = mirroring->size[1];
 #pragma omp parallel for schedule(static)
-  for (size_t z = 0; z < source->size[2]; z++) {
-    uint32_t below[MOST_ROWS] = {0};
-    for (size_t i = 0; i < layer; i++) {
-      double row = ceil(((double)source->volume[z * layer + i] - first) / step);
-      if (row < (double)rows) below[row > 0.0 ? (size_t)row : 0]++;
+  for (size_t z = 0; z < mirroring->size[2]; z++) {
+    uint64_t below[MOST_ROWS] = {0}, all = 0;
+    for (size_t y = 0; y < ny; y++) {
+      const float *greys = source->volume + (z * ny + y) * nx;
+      const unsigned often = mirroring_count(mirroring, 1, y) * mirroring_count(mirroring, 2, z);
+      for (size_t x = 0; x < nx; x++) {
+        const unsigned count = often * mirroring_count(mirroring, 0, x);
+        double row = ceil(((double)greys[x] - first) / step);
+        if (row < (double)rows) below[row > 0.0 ? (size_t)row : 0] += count;
+        all += count;
+      }
     }
 #pragma omp critical(volume_counts) /* sums of whole numbers know no order */
     {
-      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i] * source->weight[z];
-      *total += (double)layer * source->weight[z];
+      for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i];
+      *total += (double)all;
     }
   }
 }

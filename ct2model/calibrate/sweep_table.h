@@ -18,14 +18,12 @@ struct sweep_table {
   double *void_ratio_resampled, *histogram_resampled; /* NULL without a resampled volume */
 };
 
-/* What a sweep is of: greys at full resolution and, unless NULL, the resampled volume, whose layers
- * count `weight` times each. A reported grey is `unit` times one of these; of dark grains it falls
- * as they rise. */
+/* What a sweep is of: greys at full resolution and, unless NULL, the resampled volume, counted as
+ * mirrored. A reported grey is `unit` times one of these; of dark grains it falls as they rise. */
 struct sweep_source {
   const struct grey_histogram *histogram;
   const float *volume;
-  const size_t *size;
-  const unsigned *weight;
+  struct mirroring mirroring;
   double unit;
   bool dark_grains;
 };

@@ -113,6 +113,13 @@ bats_require_minimum_version 1.5.0
   near "$(echo "$output" | value files.0.void_ratio 2> /dev/null || echo 3.959)" 3.959 0.01
 }
 
+@test "sides that are mirrored count in the void ratio as often as they occur" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --crop 0,0,0,24,30,24 --void-ratio 2.5 --sides mirrored --json -o sides.hdf
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value void_ratio)" 2.5 0.01
+}
+
 @test "what is printed about the quality of a model is stored, with its meaning" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"

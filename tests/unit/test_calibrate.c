@@ -10,42 +10,51 @@
 
 #include "ct2model/calibrate/calibrate.h"
 
-static void test_threshold_counts_exactly(void **state) {
+static void test_threshold_counts_what_is_mirrored(void **state) {
   (void)state;
-  enum { LAYER = 500, LAYERS = 3 };
-  static float volume[LAYER * LAYERS];
-  const unsigned weight[LAYERS] = {2, 2, 1};
+  enum { NX = 20, NY = 25, NZ = 3 };
+  static float volume[NX * NY * NZ];
   srand(11);
-  for (size_t i = 0; i < LAYER * LAYERS; i++) volume[i] = (float)rand() / 1e6f - 500.0f;
-  for (double porosity = 0.05; porosity < 1.0; porosity += 0.05) {
-    double threshold;
-    assert_int_equal(volume_threshold(volume, LAYERS, LAYER, weight, porosity, &threshold),
-                     STATUS_OK);
-    size_t pores = 0;
-    for (size_t i = 0; i < LAYER * LAYERS; i++)
-      if (!((double)volume[i] > threshold)) pores += weight[i / LAYER];
-    assert_true(fabs((double)pores - porosity * 2500.0) <= 1.0);
+  for (size_t i = 0; i < NX * NY * NZ; i++) volume[i] = (float)rand() / 1e6f - 500.0f;
+  for (int axes = 0; axes < 8; axes++) {
+    const struct mirroring mirroring = {{NX, NY, NZ},
+                                        {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0}};
+    double sites = 1.0;
+    for (int d = 0; d < 3; d++)
+      sites *= (double)(mirroring.mirrored[d] ? 2 * mirroring.size[d] - 1 : mirroring.size[d]);
+    for (double porosity = 0.05; porosity < 1.0; porosity += 0.05) {
+      double threshold;
+      assert_int_equal(volume_threshold(volume, &mirroring, porosity, &threshold), STATUS_OK);
+      size_t pores = 0;
+      for (size_t i = 0; i < NX * NY * NZ; i++) {
+        const size_t at[3] = {i % NX, i / NX % NY, i / NX / NY};
+        size_t often = 1;
+        for (int d = 0; d < 3; d++)
+          often *= mirroring.mirrored[d] && at[d] + 1 < mirroring.size[d] ? 2u : 1u;
+        if (!((double)volume[i] > threshold)) pores += often;
+      }
+      assert_true(fabs((double)pores - porosity * sites) <= 4.0); /* half of what one is, 8 */
+    }
   }
 }
 
 static void test_tied_greys_go_to_the_nearer_count(void **state) {
   (void)state;
   float volume[10] = {1, 1, 5, 5, 5, 5, 5, 9, 9, 9};
-  const unsigned weight[1] = {1};
+  const struct mirroring plain = {.size = {10, 1, 1}};
   double threshold;
-  (void)volume_threshold(volume, 1, 10, weight, 0.4,
-                         &threshold); /* 2 of 5 fives: they stay solid */
+  (void)volume_threshold(volume, &plain, 0.4, &threshold); /* 2 of 5 fives: they stay solid */
   assert_true(threshold < 5.0 && threshold > 1.0);
-  (void)volume_threshold(volume, 1, 10, weight, 0.5, &threshold); /* 3 of 5: they become pore */
+  (void)volume_threshold(volume, &plain, 0.5, &threshold); /* 3 of 5: they become pore */
   assert_true(threshold >= 5.0 && threshold < 9.0);
 }
 
 static void test_negative_greys_are_ordered(void **state) {
   (void)state;
   float volume[6] = {-3, -1, -2, 0, 2, 1};
-  const unsigned weight[1] = {1};
+  const struct mirroring plain = {.size = {1, 6, 1}};
   double threshold;
-  (void)volume_threshold(volume, 1, 6, weight, 0.5, &threshold);
+  (void)volume_threshold(volume, &plain, 0.5, &threshold);
   assert_true(threshold >= -1.0 && threshold < 0.0);
 }
 
@@ -119,7 +128,7 @@ static void test_slope(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_threshold_counts_exactly),
+      cmocka_unit_test(test_threshold_counts_what_is_mirrored),
       cmocka_unit_test(test_tied_greys_go_to_the_nearer_count),
       cmocka_unit_test(test_negative_greys_are_ordered),
       cmocka_unit_test(test_quantile_and_porosity_are_inverse),
