@@ -154,8 +154,11 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
   } else if (*scene->model_path) {
     return scene_error(scene, AT_METHOD,
                        "method %s takes a domain with regions, not a voxel model; use "
-                       "method = \"wcsph\" or \"stokes\"",
-                       method->name);
+                       "method = %s\"stokes\"%s",
+                       method->name, lattice->micro_porosity != NULL ? "" : "\"wcsph\" or ",
+                       lattice->micro_porosity != NULL
+                           ? ", which solves the model's soil with the pores"
+                           : "");
   }
   return refuse_contradictions(scene, &context, method);
 }

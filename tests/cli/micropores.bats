@@ -152,7 +152,7 @@ END
   refused "square of a voxel" --set model.file=wide.hdf
   refused "not 0 in the grain" --set model.file=grain.hdf
   refused "knows no soil" --set stokes.wall=adami
-  refused "isph" --set scene.method=isph
+  refused "\"stokes\", which solves the model's soil" --set scene.method=isph
   # A pore that leads through beside a pocket of soil in the grain; and the pocket alone.
   /usr/bin/python3 - <<'END'
 import h5py, numpy as np
