@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "analyze/run_model.h"
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
@@ -267,6 +267,7 @@ enum status run_read(const char *path, struct run *run) {
   TRY(read_snapshots(file, run));
   TRY(read_solid(file, run));
   TRY(read_identity(file, run));
+  TRY(run_model_find(file, run));
 cleanup:
   h5_close(file);
   if (status != STATUS_OK) run_free(run);
@@ -308,17 +309,6 @@ bool run_has_permeability(const struct run *run) {
   return run->hydraulic_gradient > 0.0 && !(strcmp(run->method, "isph") == 0 && isnan(run->k));
 }
 
-bool run_find_model(const struct run *run, char *path, size_t size) {
-  const char *slash = strrchr(run->model_path, '/');
-  if (run->model_path[0] == '\0') return false;
-  snprintf(path, size, "%s", run->model_path);
-  if (access(path, R_OK) == 0) return true;
-  snprintf(path, size, "%s%s", run->folder, run->model_path);
-  if (access(path, R_OK) == 0) return true;
-  snprintf(path, size, "%s%s", run->folder, slash == NULL ? run->model_path : slash + 1);
-  return access(path, R_OK) == 0;
-}
-
 void run_free(struct run *run) {
   for (size_t i = 0; i < run->column_count; i++) {
     memory_free(&run->columns[i].name);
@@ -345,6 +335,7 @@ void run_free(struct run *run) {
   memory_free(&run->wall);
   memory_free(&run->kernel);
   memory_free(&run->model_path);
+  memory_free(&run->model_file);
   memory_free(&run->resolution_needs);
   memset(run, 0, sizeof *run);
 }

@@ -32,6 +32,8 @@ struct run {
   char *name;   /* the title, or the file's where several runs share it (runs_name_apart) */
   char *method, *status, *wall, *kernel;
   char *model_path;  /* "" without a model */
+  char *model_file;  /* where the model that was run is found; "" if it is not */
+  bool model_other;  /* files of that name are there, but none is the one that was run */
   uint64_t identity; /* equal for runs of the same geometry: model hash, else the sites' own hash */
 
   double driving[3];            /* m/s^2 */
@@ -75,9 +77,6 @@ bool run_is_companion(const char *path);
 /* Whether the run can have a k: something drives its flow, and `isph` found one (it has none where
  * a force only holds the water in a tank). */
 bool run_has_permeability(const struct run *run);
-
-/* The run's model file: as the run names it, or beside the run. False without one. */
-bool run_find_model(const struct run *run, char *path, size_t size);
 
 /* The column of that name with that many components, or NULL. */
 const struct history_column *run_column(const struct run *run, const char *name, int components);

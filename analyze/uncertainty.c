@@ -7,15 +7,14 @@
 #include "common/log.h"
 
 void uncertainty_read(const struct run *run, struct uncertainty *u) {
-  char path[8200];
   struct h5_file *file = NULL;
   *u = (struct uncertainty){.parts = run->error,
                             .resolution_needs = run->resolution_needs,
                             .slope_solved = isfinite(run->error.slope_void_ratio)};
   if (isnan(u->resolution)) u->resolution = run->predicted_error;
   u->resolution_expected = isnan(run->error.resolution) || run->levels.count < 2;
-  if (u->slope_solved || !run_find_model(run, path, sizeof path)) return;
-  if (h5_open(path, &file) != STATUS_OK) {
+  if (u->slope_solved || run->model_file[0] == '\0') return;
+  if (h5_open(run->model_file, &file) != STATUS_OK) {
     error_clear();
     return;
   }

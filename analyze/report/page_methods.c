@@ -60,7 +60,9 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
 static void write_geometry(const struct page_model *model, struct cited *cited, FILE *stream) {
   if (!model->named) return;
   if (!model->found) {
-    fputs(", from a model file that could not be read when this page was made", stream);
+    fputs(model->other ? ", from a model file that was changed or replaced after the run"
+                       : ", from a model file that could not be read when this page was made",
+          stream);
     return;
   }
   if (!model->scanned) {

@@ -54,7 +54,9 @@ void page_model_read(const struct run *run, struct page_model *model) {
                                .void_ratio_measured = NAN,
                                .porosity = NAN,
                                .specific_surface = NAN};
-  if (!run_find_model(run, model->path, sizeof model->path)) return;
+  model->other = run->model_other;
+  snprintf(model->path, sizeof model->path, "%s", run->model_file);
+  if (model->path[0] == '\0') return;
   if (h5_open(model->path, &file) != STATUS_OK) {
     error_clear();
     return;

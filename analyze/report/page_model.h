@@ -18,6 +18,7 @@ enum threshold_rule {
 /* NAN where the file does not say. */
 struct page_model {
   bool named, found; /* the run names a model; its file could be read */
+  bool other;        /* the file of that name is not the one that was run */
   bool scanned;      /* ct2model made it from slices */
   enum threshold_rule rule;
   bool wall_distance, grain_fraction;

@@ -360,13 +360,15 @@ enum status page_specimen(const struct run *run, const struct page_model *facts,
     if (write_model(facts->path, facts, stream, calibration) == STATUS_OK) return STATUS_OK;
     log_warning("%s; the report leaves the specimen out", error_message());
     error_clear();
-  } else {
+  } else if (!facts->other) {
     log_warning("%s: the model file %s is not found; the report leaves the specimen out (put it "
                 "beside the run)",
                 run->path, run->model_path);
   }
   fputs("<p>The model file <code>", stream);
   html_text(stream, run->model_path);
-  fputs("</code> could not be read when this page was made.</p>\n", stream);
+  fputs(facts->other ? "</code> is not the one that was run: it was changed or replaced since.</p>\n"
+                     : "</code> could not be read when this page was made.</p>\n",
+        stream);
   return STATUS_OK;
 }

@@ -54,6 +54,23 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   sentences i.html i1.hdf i5.hdf
 }
 
+@test "of a model that was changed or replaced since the run nothing is taken, and all say so" {
+  mkdir -p replaced && cp run-matched.hdf run-matched-0000.hdf replaced && cp otsu.hdf replaced/matched.hdf
+  cd replaced
+  analyze report run-matched.hdf -o page.html 2> said
+  [ "$(grep -c "not the one that was run" said)" -eq 1 ]
+  grep -q "changed or replaced" page.html
+  ! grep -qE "Kozeny-Carman</th>|whose grey threshold|Void ratio</th>" page.html
+  data page.html 'page["verdict"][0].get("formulas") is None'
+  analyze darcy run-matched.hdf 2> said > out
+  grep -q "not the one that was run" said
+  # The one that was run is taken, wherever of the places it lies.
+  mkdir -p sub && cp run-matched.hdf run-matched-0000.hdf ../matched.hdf sub
+  analyze report sub/run-matched.hdf -o page.html 2> said
+  ! grep -q "not the one that was run" said
+  grep -q "whose grey threshold" page.html
+}
+
 @test "a page that claims a match that was not made is found" {
   sed 's/at a given grey threshold of/whose grey threshold was set to match/' given.html > liar.html
   run sentences liar.html run-given.hdf
