@@ -267,7 +267,7 @@ enum status run_read(const char *path, struct run *run) {
   TRY(read_snapshots(file, run));
   TRY(read_solid(file, run));
   TRY(read_identity(file, run));
-  TRY(run_model_find(file, run));
+  TRY(run_model_find(file, run->folder, run->model_path, &run->model_file, &run->model_other));
 cleanup:
   h5_close(file);
   if (status != STATUS_OK) run_free(run);

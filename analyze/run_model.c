@@ -22,15 +22,16 @@ static bool is_model_of(const char *path, const char *hash) {
   return strcmp(text, hash) == 0;
 }
 
-enum status run_model_find(struct h5_file *file, struct run *run) {
+enum status run_model_find(struct h5_file *file, const char *folder, const char *named,
+                           char **model, bool *other) {
   enum status status = STATUS_OK;
-  const char *slash = strrchr(run->model_path, '/');
-  const char *base = slash == NULL ? run->model_path : slash + 1;
-  const char *const places[3][2] = {
-      {"", run->model_path}, {run->folder, run->model_path}, {run->folder, base}};
+  const char *slash = strrchr(named, '/');
+  const char *base = slash == NULL ? named : slash + 1;
+  const char *const places[3][2] = {{"", named}, {folder, named}, {folder, base}};
   char *hash = NULL;
   char path[8200] = "";
   bool found = false;
+  *other = false;
   if (h5_attribute_exists(file, "/run", "model_hash"))
     status = h5_read_attribute_text(file, "/run", "model_hash", &hash);
   if (status == STATUS_INPUT) { /* a number, of another program */
@@ -42,15 +43,15 @@ enum status run_model_find(struct h5_file *file, struct run *run) {
     snprintf(path, sizeof path, "%s%s", places[i][0], places[i][1]);
     if (places[i][1][0] == '\0' || access(path, R_OK) != 0) continue;
     found = is_model_of(path, hash);
-    run->model_other |= !found;
+    *other |= !found;
   }
-  if (found) run->model_other = false;
-  if (run->model_other)
+  if (found) *other = false;
+  if (*other)
     log_warning("%s: the model file %s is not the one that was run (it was changed or replaced "
                 "since): nothing is taken from it",
-                run->path, run->model_path);
-  TRY(memory_allocate(&run->model_file, sizeof path, 1, "text"));
-  if (found) snprintf(run->model_file, sizeof path, "%s", path);
+                h5_path(file), named);
+  TRY(memory_allocate(model, sizeof path, 1, "text"));
+  if (found) snprintf(*model, sizeof path, "%s", path);
 cleanup:
   memory_free(&hash);
   return status;
