@@ -14,10 +14,15 @@ static const char *const column_names[COLUMNS] = {"longitudinal", "transverse",
 static const char *const way_names[] = {"closure", "walk"};
 enum { WAYS = 2 };
 
+/* What their errors are made of, relative; the root of the sum of squares is the error. */
+enum { PARTS = 4, DIRECTIONS = 2 };
+static const char *const part_names[PARTS] = {"resolution", "projection", "statistics",
+                                              "asymptotics"};
+
 /* D* over D of one way, or of what is reported; arrays of `count`. */
 struct curve {
   bool there;
-  double *column[COLUMNS];
+  double *column[COLUMNS], *part[DIRECTIONS][PARTS]; /* parts NULL where the way has none */
 };
 
 struct solute_run {
@@ -50,6 +55,15 @@ static enum status read_curve(struct h5_file *file, const char *group, size_t co
       TRY_FAIL(STATUS_INPUT, "%s: %s has %zu values, not %zu as there are Peclet numbers",
                h5_path(file), path, n, count);
   }
+  for (int d = 0; d < DIRECTIONS; d++)
+    for (int p = 0; p < PARTS; p++) {
+      char path[128];
+      size_t n;
+      snprintf(path, sizeof path, "%s/%s_%s", group, column_names[d], part_names[p]);
+      if (!h5_exists(file, path)) continue;
+      TRY(h5_read(file, path, H5_F64, 1, &n, &curve->part[d][p]));
+      if (n != count) memory_free(&curve->part[d][p]);
+    }
   curve->there = true;
 cleanup:
   return status;
@@ -90,7 +104,14 @@ cleanup:
   return status;
 }
 
+static void free_parts(struct curve *curve) {
+  for (int d = 0; d < DIRECTIONS; d++)
+    for (int p = 0; p < PARTS; p++) memory_free(&curve->part[d][p]);
+}
+
 static void free_run(struct solute_run *run) {
+  free_parts(&run->best);
+  for (int w = 0; w < WAYS; w++) free_parts(&run->way[w]);
   memory_free(&run->name);
   memory_free(&run->flow);
   memory_free(&run->peclet);
@@ -143,6 +164,13 @@ static void write_json(const struct solute_run *runs, size_t n, json_t *json) {
       json_t *way = json_object();
       for (int c = 0; c < COLUMNS && run->way[w].there; c++)
         json_object_set_new(way, column_names[c], json_numbers(run->way[w].column[c], run->count));
+      for (int d = 0; d < DIRECTIONS; d++)
+        for (int p = 0; p < PARTS; p++) {
+          char name[64];
+          snprintf(name, sizeof name, "%s_%s", column_names[d], part_names[p]);
+          if (run->way[w].part[d][p] != NULL)
+            json_object_set_new(way, name, json_numbers(run->way[w].part[d][p], run->count));
+        }
       if (run->way[w].there)
         json_object_set_new(object, way_names[w], way);
       else
@@ -184,6 +212,23 @@ static void write_value(FILE *stream, double value, double error) {
     fprintf(stream, " %-11s", "");
 }
 
+/* Of D_L and D_T, so of the dispersivities too, in the order of the Peclet numbers. */
+static void write_parts(const struct solute_run *run, FILE *stream) {
+  for (int w = 0; w < WAYS; w++)
+    for (int p = 0; p < PARTS; p++) {
+      double *const *own = run->way[w].part[LONGITUDINAL];
+      if (!run->way[w].there || own[p] == NULL) continue;
+      fprintf(stream, "  error of D_L by %s, %s:", way_names[w], part_names[p]);
+      for (size_t i = 0; i < run->count; i++) {
+        if (isfinite(own[p][i]))
+          fprintf(stream, " %.2g", 100 * own[p][i]);
+        else
+          fputs(" ?", stream);
+      }
+      fputs(" %\n", stream);
+    }
+}
+
 static void write_summary(const struct solute_run *runs, size_t n, FILE *stream) {
   for (size_t r = 0; r < n; r++) {
     const struct solute_run *run = &runs[r];
@@ -209,6 +254,7 @@ static void write_summary(const struct solute_run *runs, size_t n, FILE *stream)
                 1e3 * dispersivity(run, i, column[TRANSVERSE][i]));
       fputc('\n', stream);
     }
+    write_parts(run, stream);
     fputc('\n', stream);
   }
 }

@@ -135,7 +135,10 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
     const struct solute_walked *coarse = &state->walked[SOLUTE_COARSE][i];
     r->walk[i] = state->walked[SOLUTE_FINE][i];
     if (!r->walk[i].settled) r->status = "steps";
-    if (!twice) continue;
+    if (!twice) { /* not known */
+      r->walk[i].resolution[0] = r->walk[i].resolution[1] = NAN;
+      continue;
+    }
     compare(&r->walk[i], coarse);
     r->walk[i].seconds += coarse->seconds;
   }

@@ -140,6 +140,7 @@ assert r["method"] == "solute" and r["size"] == [24, 1, 6] and r["memory_bytes"]
 @test "analyze dispersion shows the curve, and the report has it beside its flow" {
   analyze dispersion carried.hdf -o shown > shown.txt
   grep -q "formation factor F = " shown.txt
+  grep -q "error of D_L by closure, resolution: " shown.txt
   [ -s shown/dispersion.csv ]
   /usr/bin/python3 - <<'P'
 import json
@@ -148,6 +149,8 @@ run, shown = json.load(open("carried.json")), json.load(open("shown/dispersion.j
 for key in ("peclet", "longitudinal", "transverse", "longitudinal_error"):
     assert all(abs(a - b) <= 1e-9 * abs(a) for a, b in zip(run[key], shown[key])), key
 assert shown["closure"]["longitudinal"] == shown["longitudinal"]
+for error, parts in zip(run["longitudinal_error"], zip(*(shown["closure"]["longitudinal_" + p] for p in ("resolution", "projection")))):
+    assert abs(sum(p * p for p in parts) ** 0.5 - error) <= 1e-3 * error + 1e-4, (error, parts)
 assert abs(shown["longitudinal_dispersivity_m"][1] / run["longitudinal_dispersivity"][1] - 1) < 1e-9
 P
   analyze report slit.hdf carried.hdf -o page.html > /dev/null 2> said
