@@ -38,6 +38,9 @@ struct micro_summary {
 struct micro_summary micro_summary(const struct voxel_model *model);
 /* Frees the arrays. */
 void model_free(struct voxel_model *model);
+/* Longest over shortest edge of voxels that are still solved: the lattice is one of cubes. */
+#define MODEL_LONGEST_EDGE 1.5
+
 /* Reads and validates: values, finiteness, sizes. Only /model/solid and its attribute `spacing` are
  * required (periodic by default). */
 enum status model_read(const char *path, struct voxel_model *model);

@@ -30,7 +30,17 @@ static enum status check_reading(const struct pipeline *pipeline, double porosit
     return STATUS_OK;
   }
   double misfit = fabs(log(e / request->void_ratio)), swapped = fabs(log(e * request->void_ratio));
-  if (!(misfit > log(1.5) && swapped < 0.5 * misfit)) return STATUS_OK;
+  if (!(misfit > log(1.5))) return STATUS_OK;
+  /* Near 1, e and 1/e are both not far from anything: the other reading has to meet what was
+   * measured, as well as a valley does. */
+  if (!(swapped < fmax(log(1.15), 0.2 * misfit))) {
+    if (sure && request->rule == THRESHOLD_AUTO)
+      log_warning("the histogram's own valley gives a void ratio of %.3g with bright grains and "
+                  "%.3g with dark ones, and neither is the measured %.3g: check that it is of this "
+                  "specimen, and the region (--crop auto leaves a container out)",
+                  bright, 1.0 / bright, request->void_ratio);
+    return STATUS_OK;
+  }
   if (sure && !request->grain_given)
     return FAIL(STATUS_INPUT,
                 "%s: the image has a void ratio of %.3g with bright grains and %.3g with dark "

@@ -1,6 +1,7 @@
 #include "ct2model/pipeline.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "common/side_distance.h"
@@ -11,6 +12,7 @@
 #include "common/units.h"
 #include "ct2model/scan/autocrop.h"
 #include "ct2model/binarise.h"
+#include "ct2model/misfit.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
 #include "ct2model/segment.h"
@@ -97,10 +99,19 @@ static enum status choose_size(struct pipeline *pipeline) {
   else if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 ||
            fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
     double ny = (double)in[1] * voxel[1] / spacing[0], nz = (double)in[2] * voxel[2] / spacing[0];
-    log_warning("model voxels of %.4g x %.4g x %.4g um are not cubic; --size %zux%.0fx%.0f%s "
-                "would keep them so",
-                spacing[0] * 1e6, spacing[1] * 1e6, spacing[2] * 1e6, out[0], fmax(1.0, round(ny)),
-                fmax(1.0, round(nz)),
+    const double least = fmin(fmin(spacing[0], spacing[1]), spacing[2]);
+    const double most = fmax(fmax(spacing[0], spacing[1]), spacing[2]);
+    char text[160];
+    snprintf(text, sizeof text, "model voxels of %.4g x %.4g x %.4g um are", spacing[0] * 1e6,
+             spacing[1] * 1e6, spacing[2] * 1e6);
+    if (pipeline->distances && most > MODEL_LONGEST_EDGE * least)
+      return FAIL(STATUS_USAGE,
+                  "%s too far from cubes to be solved (%.3g times as long as wide, %g at most); "
+                  "--size %zux%.0fx%.0f would make cubes",
+                  text, most / least, MODEL_LONGEST_EDGE, out[0], fmax(1.0, round(ny)),
+                  fmax(1.0, round(nz)));
+    log_warning("%s not cubic; --size %zux%.0fx%.0f%s would keep them so", text, out[0],
+                fmax(1.0, round(ny)), fmax(1.0, round(nz)),
                 fabs(ny - round(ny)) + fabs(nz - round(nz)) > 1e-3 ? " with a --crop to match"
                                                                    : "");
   }
@@ -293,13 +304,7 @@ static enum status make_solid(struct pipeline *pipeline) {
   TRY(sides_mirror(pipeline->size, model, model->solid, 1));
   TRY(binarise_connect(pipeline));
   model->void_ratio_measured = pipeline->request->void_ratio;
-  if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2 &&
-      !pipeline->labels.on && pipeline->request->roi.kind == ROI_NONE &&
-      !pipeline->request->fill_islands &&
-      fabs(model->void_ratio / model->void_ratio_measured - 1.0) > 0.01)
-    log_warning("the model's void ratio is %.4g, not %.4g: the scan has too few grey levels near "
-                "the threshold to come nearer",
-                model->void_ratio, model->void_ratio_measured);
+  misfit_warn(pipeline);
   model->threshold = pipeline->labels.on ? NAN : pipeline_grey(pipeline, pipeline->threshold);
 cleanup:
   return status;

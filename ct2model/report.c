@@ -206,10 +206,15 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
 static void print_model(const struct pipeline *pipeline) {
   const struct voxel_model *model = &pipeline->model;
   const struct quality *quality = &pipeline->quality;
-  char spacing[40];
-  quantity_format(model->spacing[0], "m", spacing, sizeof spacing);
+  char edge[3][40];
+  bool cubes = true;
+  for (int d = 0; d < 3; d++) {
+    quantity_format(model->spacing[d], "m", edge[d], sizeof edge[d]);
+    cubes &= fabs(model->spacing[d] / model->spacing[0] - 1.0) < 1e-3;
+  }
   printf("model             %zux%zux%zu voxels", model->size[0], model->size[1], model->size[2]);
-  if (!pipeline->unsized) printf(" of %s", spacing);
+  if (!pipeline->unsized) printf(" of %s", edge[0]);
+  if (!pipeline->unsized && !cubes) printf(" x %s x %s", edge[1], edge[2]);
   if (model->mirror_plane >= 0)
     printf(", mirrored about layer %d of %s", model->mirror_plane + 1, mirror_axis(pipeline));
   if (pipeline->request->sides != SIDES_PERIODIC)
@@ -342,11 +347,20 @@ static void print_labels(const struct labels *labels) {
          LABEL_SMOOTHING, 100.0 * labels_effect_on_k(labels));
 }
 
+/* Four digits behind the point of a grey level, four in all of greys that are small. */
+static const char *grey_text(const struct pipeline *pipeline, double grey, char text[32]) {
+  const double told = pipeline_grey(pipeline, grey);
+  snprintf(text, 32, fabs(told) < 1.0 ? "%.4g" : "%.4f", told);
+  return text;
+}
+
 static void print_greys(const struct pipeline *pipeline) {
-  printf("threshold         %.4f", pipeline_grey(pipeline, pipeline->threshold));
+  char model[32], original[32];
+  printf("threshold         %s", grey_text(pipeline, pipeline->threshold, model));
   if (isfinite(pipeline_threshold_error(pipeline)))
     printf(" +- %.3g", pipeline_threshold_error(pipeline));
-  printf(" (full resolution %.4f, Otsu %.4g", pipeline_grey(pipeline, pipeline->threshold_original),
+  printf(" (full resolution %s, Otsu %.4g",
+         grey_text(pipeline, pipeline->threshold_original, original),
          pipeline_grey(pipeline, pipeline->otsu));
   if (pipeline->phases.levels > 2 && pipeline->phases.valley_depth < 0.9)
     printf(", least between the peaks %.4g", pipeline_grey(pipeline, pipeline->phases.valley));

@@ -47,7 +47,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   TRY(hash_file(scene->model_path, &lattice->model_hash));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
-  if (most > 1.5 * least)
+  if (most > MODEL_LONGEST_EDGE * least)
     TRY_FAIL(STATUS_INPUT,
              "%s: voxels of %g x %g x %g m are too far from cubes; choose --size so that "
              "they are about as wide as high",

@@ -120,6 +120,32 @@ bats_require_minimum_version 1.5.0
   near "$(echo "$output" | value void_ratio)" 2.5 0.01
 }
 
+@test "a model off the measured void ratio says why, and which k it has" {
+  cd "$WORK"
+  e=$(cat tube.txt)
+  loud=${RAW/ --quiet/}
+  run_ct build tube.raw $loud --void-ratio $e --roi cylinder:24,24,22 -o whole.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"its k is not that of the specimen: what lies outside --roi is in the model"* ]]
+  run_ct build tube.raw $loud --void-ratio $e --threshold 40 --crop 10,10,4,28,28,40 -o low.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"times that of the specimen (Kozeny, Carman): --threshold sets the greys"* ]]
+  run_ct build spheres.raw $loud --void-ratio 3.959 -o spheres.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" != *"the model's void ratio"* ]] || false
+}
+
+@test "voxels too far from cubes to be solved are refused, others told with all edges" {
+  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 12x12x48 -o flat.hdf
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"too far from cubes"*"--size 12x12x12 would make cubes"* ]]
+  [ ! -e flat.hdf ]
+  run_ct build spheres.raw ${RAW/ --quiet/} --void-ratio 3.959 --size 24x24x32 -o tall.hdf
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"24x24x63 voxels of 20 um x 20 um x 15 um"* ]]
+}
+
 @test "what is printed about the quality of a model is stored, with its meaning" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"
@@ -299,6 +325,18 @@ END
   # Read as bright the same image has 1/e: refused, with both readings.
   run_ct build dark.raw $RAW --void-ratio 3.959 -o no.hdf
   [ "$status" -eq 3 ]; [[ "$stderr" == *"--grain dark"* ]]
+}
+
+@test "dark grains are advised only where they meet the measured void ratio" {
+  cd "$WORK"
+  # Slabs: pores of grey 20 and on, grains of 120 and on, a void ratio of 26/22; dark grains: 22/26 = 0.85.
+  awk 'BEGIN { for (i = 0; i < 48 * 48 * 48; i++) { z = int(i / 2304)
+    printf "%c", (z < 26 ? 20 : 120) + i * 7919 % 11 } }' > slabs.raw
+  for e in 0.6 0.7; do
+    run_ct build slabs.raw ${RAW/ --quiet/} --void-ratio $e -o slabs.hdf
+    [ "$status" -eq 0 ]
+    [[ "$stderr" == *"and neither is the measured $e"* ]] || false
+  done
 }
 
 @test "sweep writes a table that rises and holds the match" {

@@ -1,0 +1,50 @@
+#include "ct2model/misfit.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/log.h"
+
+/* What a match to the nearest voxel leaves is far less. A part of a specimen differs from the whole
+ * by this much where it is large enough to stand for it. */
+#define OFF_MOST 0.01
+#define OFF_MOST_ELSEWHERE 0.05
+
+/* k over that at void ratio `e`, at one specific surface of the grains: k goes as
+ * e^3 / (1 + e) (Kozeny 1927, Carman 1937). */
+static double permeability_ratio(double model, double e) {
+  return pow(model / e, 3.0) * (1.0 + e) / (1.0 + model);
+}
+
+/* Why, and what to do. */
+static const char *reason(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  const bool part = request->crop_given || request->crop_auto;
+  if (request->roi.kind != ROI_NONE && !part)
+    return "what lies outside --roi is in the model, and a gap beside the specimen conducts more "
+           "than all of its pores; --crop auto, or a --crop BOX inside of the --roi, leaves it out";
+  if (request->roi.kind != ROI_NONE)
+    return "the box of --crop differs from the --roi; check that it lies inside of it";
+  if (request->rule != THRESHOLD_AUTO)
+    return "--threshold sets the greys, and not the void ratio; --threshold auto matches it";
+  if (request->fill_islands) return "--islands fill made grain of pores; --islands keep leaves them";
+  if (pipeline->phases.levels == 2)
+    return "the scan holds two greys, which no threshold moves; segment it anew from its greys";
+  return "the scan has too few grey levels near the threshold to come nearer";
+}
+
+void misfit_warn(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  const double e = pipeline->model.void_ratio, measured = request->void_ratio;
+  const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
+  const double most = request->roi.kind != ROI_NONE ? OFF_MOST_ELSEWHERE : OFF_MOST;
+  if (pipeline->labels.on && !request->fill_islands) return; /* told with the labels */
+  if (isnan(measured) || !(fabs(e - measured) > fmax(most * measured, error))) return;
+  char effect[100] = "its k is not that of the specimen";
+  if (request->roi.kind == ROI_NONE) /* elsewhere other grains, or none */
+    snprintf(effect, sizeof effect,
+             "its k would be %.3g times that of the specimen (Kozeny, Carman)",
+             permeability_ratio(e, measured));
+  log_warning("the model's void ratio is %.4g, not the measured %.4g, and %s: %s", e, measured,
+              effect, reason(pipeline));
+}
