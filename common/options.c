@@ -307,6 +307,8 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     /* A value that may be left out stands behind a space too, where it cannot be a file's name. */
     if (entry->metavar != NULL && entry->metavar[0] == '[' && optarg == NULL)
       optarg = optind < count && is_number_or_pairs(words[optind]) ? words[optind++] : "";
+    if (strcmp(entry->name, "output") == 0 && optarg != NULL && strcmp(optarg, "-") == 0)
+      TRY_FAIL(STATUS_USAGE, "-o -: files are written, not standard output; give a name");
     options->given[options->given_count++] = (struct given){entry, optarg};
   }
   options->operands = words + optind;

@@ -190,7 +190,9 @@ static double middle_of_two(const struct grey_histogram *histogram) {
 static enum status resampled_threshold(struct pipeline *pipeline, double porosity,
                                        double *threshold) {
   enum status status = STATUS_OK;
-  const struct mirroring mirroring = pipeline_mirroring(pipeline);
+  struct mirroring mirroring = pipeline_mirroring(pipeline);
+  /* Walls between labels stay where they are, whatever the mirrored sides add. */
+  for (int d = 0; d < 2; d++) mirroring.mirrored[d] &= !pipeline->labels.on;
   double low = fmax(0.001, porosity - 0.005), high = fmin(0.999, porosity + 0.005);
   double at_low = 0.0, at_high = 0.0;
   TRY(volume_threshold(pipeline->volume, &mirroring, porosity, threshold));
