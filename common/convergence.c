@@ -108,16 +108,16 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
 #define LIMIT_ORDER_STEP 0.1
 #define LIMIT_ORDER_MEAN 2.4
 #define LIMIT_ORDER_SPREAD 0.5
-/* Standard deviation of a value: of what it is above the finest, and of the value itself at the
- * spacing `scale`, falling with h. */
+/* Standard deviation of a value: of the most that it or a finer one is off the finest, and of the
+ * value itself at the spacing `scale`, falling with h. */
 #define LIMIT_NOISE_CHANGE 0.15
 #define LIMIT_NOISE_VALUE 0.02
 /* From one standard deviation to 95 %, and what the step to the limit adds. */
-#define LIMIT_COVERAGE 2.0
+#define LIMIT_COVERAGE 2.2
 #define LIMIT_STEP_SHARE 0.05
 
 struct limit_fit {
-  double value, variance, evidence; /* evidence: logarithm */
+  double value, variance, left, evidence; /* evidence: logarithm */
 };
 
 static struct limit_fit fit_order(const double *h, const double *f, const double *weight, size_t n,
@@ -138,25 +138,27 @@ static struct limit_fit fit_order(const double *h, const double *f, const double
   for (size_t i = 0; i < n; i++)
     left += weight[i] * (f[i] - value - slope * x[i]) * (f[i] - value - slope * x[i]);
   const double off = (p - LIMIT_ORDER_MEAN) / LIMIT_ORDER_SPREAD;
-  return (struct limit_fit){value, 1.0 / sum + mx * mx / xx, -0.5 * (left + off * off)};
+  return (struct limit_fit){value, 1.0 / sum + mx * mx / xx, left, -0.5 * (left + off * off)};
 }
 
 void converge_limit(const double *h, const double *f, size_t n, double scale,
                     struct limit_estimate *limit) {
   struct limit_fit fits[LIMIT_ORDERS];
   double weight[LIMIT_WINDOW], best = -INFINITY, total = 0.0, mean = 0.0, square = 0.0;
-  double order = 0.0;
+  double order = 0.0, off_finest = 0.0, left = INFINITY;
   *limit = (struct limit_estimate){f[0], NAN, NAN, NAN};
   if (n < 2) return;
   const size_t window = n < LIMIT_WINDOW ? n : LIMIT_WINDOW;
   for (size_t i = 0; i < window; i++) {
-    const double change = LIMIT_NOISE_CHANGE * (f[i] - f[0]);
+    off_finest = fmax(off_finest, fabs(f[i] - f[0]));
+    const double change = LIMIT_NOISE_CHANGE * off_finest;
     const double own = fmax(LIMIT_NOISE_VALUE * h[i] / scale, 1e-9) * f[0];
     weight[i] = 1.0 / (change * change + own * own);
   }
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     fits[p] = fit_order(h, f, weight, window, LIMIT_ORDER_FIRST + LIMIT_ORDER_STEP * p);
     best = fmax(best, fits[p].evidence);
+    left = fmin(left, fits[p].left);
   }
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     const double share = exp(fits[p].evidence - best);
@@ -165,9 +167,12 @@ void converge_limit(const double *h, const double *f, size_t n, double scale,
     order += share * (LIMIT_ORDER_FIRST + LIMIT_ORDER_STEP * p);
   }
   mean /= total;
+  /* Values that scatter more than was thought tell so themselves (Birge 1932, Phys. Rev. 40): as
+   * regular grains do whose narrow gaps fall now on a site, now between two. */
+  const double scatter = window > 2 ? fmax(left / (double)(window - 2), 1.0) : 1.0;
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     const double off = fits[p].value - mean;
-    square += exp(fits[p].evidence - best) * (off * off + fits[p].variance) / total;
+    square += exp(fits[p].evidence - best) * (off * off + scatter * fits[p].variance) / total;
   }
   limit->order = order / total;
   /* An extrapolation that leaves less than half of the finest is none. */

@@ -25,6 +25,8 @@
 /* Two and three coarse lattices err by more than their fits say, by up to so many times: from 14
  * bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
 static const double few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
+/* So do those of a scene's own spacing and coarser, where a mean pore has fewer sites than this. */
+#define COARSE 4.5
 static const struct stokes_goal side_goal = {.mean = 3e-4};
 /* Other sides change k by per cents, on four times the sites. */
 static const struct stokes_goal sides_goal = {.mean = 1e-3};
@@ -298,7 +300,8 @@ static void estimate(struct cascade *c) {
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
-  if (c->fixed == 0 && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
+  const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
+  if (few && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
     limit.low *= few_lattices[n];
     limit.high *= few_lattices[n];
   }
