@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # The Python module: its own tests, and the page that shows it.
 
+bats_require_minimum_version 1.5.0
 setup_file() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
   local build=${BUILD:-build}
