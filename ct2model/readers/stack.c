@@ -15,6 +15,9 @@
 #include "ct2model/readers/byte_order.h"
 #include "ct2model/readers/image_hdf5.h"
 
+/* No scanner makes more voxels along an axis; a mistyped size does. */
+#define SIDE_MOST (1 << 20)
+
 struct name_list {
   char **names;
   size_t count, room;
@@ -213,6 +216,10 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
   stack->size[0] = first->size[0];
   stack->size[1] = first->size[1];
   stack->size[2] = stack->first_slice[list->count];
+  for (int a = 0; a < 3; a++)
+    if (stack->size[a] > SIDE_MOST)
+      TRY_FAIL(STATUS_INPUT, "%s: %zu voxels along %c: up to %d are read; is the size right?",
+               first->path, stack->size[a], 'x' + a, SIDE_MOST);
   stack->type = first->type;
   memcpy(stack->voxel, first->voxel, sizeof stack->voxel);
   stack->voxel_source = first->voxel_source;
