@@ -83,14 +83,25 @@ enum status average_darcy(const struct run *run, struct average *average) {
   enum status status = STATUS_OK;
   size_t rows = 0;
   double *times = NULL, *values = NULL;
-  if (strcmp(run->method, "stokes") == 0 && isfinite(run->darcy_velocity[0])) {
+  /* What isph found of the second half of its record is its k. */
+  const bool isph = strcmp(run->method, "isph") == 0 && isfinite(run->k);
+  if ((isph || strcmp(run->method, "stokes") == 0) && isfinite(run->darcy_velocity[0])) {
     memset(average, 0, sizeof *average);
     average->rows = 1;
     for (int d = 0; d < 3; d++) average->mean += run->darcy_velocity[d] * run->direction[d];
     average->standard_error = NAN;
     average->error95 = run->k_error * fabs(average->mean);
     average->without_drift = !(run->k_error > drift_allowed);
-    return STATUS_OK;
+    if (!isph) return STATUS_OK;
+    average->drift = run->error.steadiness * fabs(average->mean);
+    average->without_drift = !(run->error.steadiness > drift_allowed);
+    if (isnan(run->error.averaging)) return STATUS_OK; /* round a box: the last one */
+    TRY(run_darcy_series(run, &rows, &times, &values));
+    average->from_time = 0.5 * times[rows - 1];
+    while (average->first + 1 < rows && times[average->first] < average->from_time)
+      average->first++;
+    average->rows = rows - average->first;
+    goto cleanup;
   }
   TRY(run_darcy_series(run, &rows, &times, &values));
   TRY(average_record(times, values, rows, average));

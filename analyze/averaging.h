@@ -26,7 +26,8 @@ enum status average_record(const double *times, const double *values, size_t n,
                            struct average *average);
 
 /* Darcy velocity of a run along its driving force: for method stokes the one converged value with
- * the run's own k_error, else the mean of its history after the start-up. */
+ * the run's own k_error, for isph that of the second half with the run's own error, else the mean
+ * of its history after the start-up. */
 enum status average_darcy(const struct run *run, struct average *average);
 
 #endif

@@ -38,6 +38,11 @@ static enum status measure(const struct run *run, struct level *level) {
   TRY(average_darcy(run, &average));
   double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
                         run->driving[2] * run->driving[2]);
+  if (average.mean == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no pore leads through along the force: k is 0, and says nothing of the "
+             "resolution; leave it out",
+             run->path);
   level->run = run;
   level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
   if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);

@@ -105,7 +105,7 @@ static struct uncertainty uncertainty_of(const struct run *run, const struct dar
 /* The whole error of the group's k, relative: what its headline carries. */
 static double whole_error(const struct run *run, const struct darcy_fit *fit) {
   const struct uncertainty uncertainty = uncertainty_of(run, fit);
-  return uncertainty_total(&uncertainty);
+  return fit->k != 0 ? uncertainty_total(&uncertainty) : NAN; /* of nothing, no share */
 }
 
 static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
@@ -209,7 +209,9 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
       if (point->group != g) continue;
       fprintf(stream, "  %-26.60s %10.5g %14.6g ", table->runs[i].name, point->gradient,
               point->average.mean);
-      if (isfinite(point->average.error95))
+      if (point->average.mean == 0)
+        fprintf(stream, "%9s", "-");
+      else if (isfinite(point->average.error95))
         fprintf(stream, "%7.2f %%", 100.0 * point->average.error95 / fabs(point->average.mean));
       else
         fprintf(stream, "%9s", "unknown");
@@ -223,6 +225,10 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
     }
     if (fit->count == 0) {
       fputs("  k: none, since every run still drifts; run longer\n\n", stream);
+      continue;
+    }
+    if (fit->k == 0) {
+      fputs("  k = 0: no pore leads through along the force\n\n", stream);
       continue;
     }
     const double scale = fit->intrinsic_permeability / fit->k;

@@ -162,7 +162,9 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
       snprintf(from, sizeof from, "%.4g s", h->average.from_time);
     if (isfinite(h->density_peak))
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
-    if (isfinite(h->average.error95))
+    if (h->average.mean == 0)
+      snprintf(error, sizeof error, "-");
+    else if (isfinite(h->average.error95))
       snprintf(error, sizeof error, percent < 100.0 ? "%.2g %%" : "%.0f %%", percent);
     fprintf(stream, "  %-26.60s %14s %14s %14.6g %9s %12s %11s\n", h->run->name, end, from,
             h->average.mean, error, density, h->run->status);

@@ -153,6 +153,10 @@ void write_value_with_error(FILE *stream, double value, double error, const char
     fprintf(stream, "%.4g%s (error unknown)", value, unit);
     return;
   }
+  if (value == 0 && error == 0) {
+    fprintf(stream, "0%s", unit);
+    return;
+  }
   double share = error / fabs(value);
   int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   /* As many digits as bring two of the error. */

@@ -78,7 +78,7 @@ static void write_contents(const struct page *page, bool budget) {
               {"levels", "Accuracy", page->n == 1 && page->runs[0].levels.count > 1},
               {"soil", "Soil", page_has_soil(page)},
               {"converge", "Accuracy", page->has[PART_CONVERGE]},
-              {"pdf", "Pore velocity", page->has[PART_PDF]},
+              {"pdf", "Pore velocity", page->has[PART_PDF] || page->blocked},
               {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
               {"breakthrough", "Breakthrough", page->has[PART_BREAKTHROUGH]},
               {"film", "Plume", page->has[PART_FILM]},
@@ -139,6 +139,11 @@ static enum status write_body(struct page *page) {
               "Probability density of the velocity along the driving force, raw and over the "
               "pore mean, with those of a slit, a tube, an exponential and a fitted "
               "power-exponential.");
+  if (page->blocked)
+    fputs(
+        "<section id=\"pdf\"><h2>Pore velocity</h2>\n<p>No pore leads through the model along the "
+        "force: the water is at rest, and there is no velocity to show.</p></section>\n",
+        out);
   page_figure(page, PART_DISPERSION, "Dispersion of a solute",
               "How fast a solute spreads along and across the flow, over the molecular diffusion "
               "coefficient, against the Peclet number; with the curve of beds of beads and sand.");

@@ -38,6 +38,7 @@ struct page {
   bool has_flow;
   struct plane plane;
   bool has_plane;
+  bool blocked; /* a run has k = 0 */
   bool lean;    /* leaves the still pictures to the charts, to stay small */
   json_t *data; /* {"darcy": .., "pdf": .., ...} as embedded */
   FILE *out;

@@ -15,8 +15,9 @@
 #include "analyze/averaging.h"
 #include "common/log.h"
 
-const char *const page_part_names[PARTS] = {"darcy",    "history",    "pdf",    "slice",
-                                            "converge", "dispersion", "breakthrough", "film", "seepage"};
+const char *const page_part_names[PARTS] = {"darcy",        "history",  "pdf",
+                                            "slice",        "converge", "dispersion",
+                                            "breakthrough", "film",     "seepage"};
 
 /* Whether an analysis applies is decided by what runs hold, not by trying: a failure is a failure.
  */
@@ -83,6 +84,14 @@ cleanup:
   return status;
 }
 
+/* Whether nothing leads through a model: its water is at rest, and has no distribution of
+ * velocities. */
+static bool any_blocked(const struct page *page) {
+  for (size_t i = 0; i < page->n; i++)
+    if (page->runs[i].k == 0) return true;
+  return false;
+}
+
 static bool all_have_snapshots(const struct page *page) {
   for (size_t i = 0; i < page->n; i++)
     if (page->runs[i].snapshot_count == 0) return false;
@@ -107,9 +116,10 @@ enum status page_analyse(struct page *page) {
     if (breakthrough_is(page->solutes[i])) TRY(run_part(page, PART_BREAKTHROUGH));
   for (size_t i = 0; i < page->solute_count && !page->has[PART_FILM]; i++)
     if (film_is(page->solutes[i])) TRY(run_part(page, PART_FILM));
+  page->blocked = permeable && any_blocked(page);
   if (all_have_snapshots(page)) {
-    if (permeable) TRY(run_part(page, PART_PDF));
-    TRY(run_part(page, PART_SLICE));
+    if (permeable && !page->blocked) TRY(run_part(page, PART_PDF));
+    if (!page->blocked) TRY(run_part(page, PART_SLICE));
     if (page->n == 1) TRY(seepage_applies(&page->runs[0], &net));
     if (net) TRY(run_part(page, PART_SEEPAGE));
     TRY(run_last_snapshot(&page->runs[0], &particles));

@@ -367,8 +367,9 @@ enum status page_specimen(const struct run *run, const struct page_model *facts,
   }
   fputs("<p>The model file <code>", stream);
   html_text(stream, run->model_path);
-  fputs(facts->other ? "</code> is not the one that was run: it was changed or replaced since.</p>\n"
-                     : "</code> could not be read when this page was made.</p>\n",
+  fputs(facts->other
+            ? "</code> is not the one that was run: it was changed or replaced since.</p>\n"
+            : "</code> could not be read when this page was made.</p>\n",
         stream);
   return STATUS_OK;
 }

@@ -36,7 +36,7 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
   double permeability = number(fit, "intrinsic_permeability_m2");
   if (!isfinite(k) || run == NULL) return;
   if (json_array_size(rows) == 1 && isfinite(run->k_low) && isfinite(run->k_high)) {
-    permeability *= run->k / k; /* the run's own best estimate and interval */
+    if (k != 0) permeability *= run->k / k; /* the run's own best estimate and interval */
     k = run->k, low = run->k_low, high = run->k_high;
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
@@ -124,7 +124,9 @@ static void judge_class(json_t *result, const char *key, const struct class_of_k
   json_object_set_new(result, key, json_string(text));
 }
 
-static const char *good_for(double relative) {
+static const char *good_for(double k, double relative) {
+  if (k == 0)
+    return "nothing leads through: at these voxels no pore joins the ends along the force";
   if (!(relative >= 0.0)) return "its error is not known";
   if (relative <= wanted) return "good enough to compare with a test on the specimen";
   if (relative <= 0.25) return "good enough to compare specimens, and to choose among formulas";
@@ -151,6 +153,12 @@ static void judge_advice(json_t *result) {
   double resolution = number(parts, "resolution"), rest = 0.0, most = 0.0;
   size_t largest = 0;
   char text[300] = "";
+  if (number(result, "k_m_per_s") == 0) {
+    json_object_set_new(result, "advice",
+                        json_string("Resolve the throats with smaller voxels, or look at the "
+                                    "threshold."));
+    return;
+  }
   for (size_t i = 1; i < sizeof remedies / sizeof *remedies; i++) {
     const double part = number(parts, remedies[i].part);
     if (!isfinite(part)) continue;
@@ -213,8 +221,9 @@ static void judge_formulas(json_t *result, const struct run *run, const struct p
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
-  json_object_set_new(result, "good_for",
-                      json_string(good_for(number(result, "k_relative_error"))));
+  json_object_set_new(
+      result, "good_for",
+      json_string(good_for(number(result, "k_m_per_s"), number(result, "k_relative_error"))));
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
   judge_advice(result);

@@ -21,6 +21,7 @@ static void write_string(const json_t *object, const char *key, FILE *stream) {
 static void quantity(FILE *out, double value, double relative, const char *unit) {
   char scaled[80];
   int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
+  if (value == 0) relative = 0;
   fputs("<span class=\"quantity\">", out);
   if (power >= -2 && power < 5) {
     snprintf(scaled, sizeof scaled, " %s", unit);
@@ -38,6 +39,10 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
 /* "0.030 cm/s, 0.026 to 0.034 (95 %)", or with a power of ten behind. */
 static void interval(FILE *out, double value, double low, double high, const char *unit) {
   const double half = 0.5 * (high - low);
+  if (value == 0 && half == 0) {
+    fprintf(out, "0 %s", unit);
+    return;
+  }
   int power = value > 0.0 ? (int)floor(log10(value)) : 0;
   if (power >= -3 && power < 5) power = 0;
   const double scale = pow(10.0, power);

@@ -145,7 +145,8 @@ cleanup:
     double velocity[3];
     isph_darcy_velocity(s, velocity);
     result_from_darcy(scene, velocity, result);
-    isph_find_k(s, plan, recorder, result);
+    const enum status found = isph_find_k(s, plan, recorder, result);
+    if (found != STATUS_OK) status = found;
     result->reynolds = isph_reynolds(s, result->darcy_velocity);
     result->steps = s->step;
     s->pair_interactions = ranks_sum(s->pair_interactions);

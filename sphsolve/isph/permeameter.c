@@ -74,9 +74,11 @@ static bool find_column(const struct isph *s, struct column *column) {
  *   inertia dv/dt = drive (1 - v / v_inf)
  * relaxes with the time inertia v_inf / drive for friction that is linear in v, and faster else.
  * False where the run is too short for that; else the steadiness of v, the mean of the second half:
- * the change from its third quarter to its fourth, and what it has still to grow by. */
+ * the change from its third quarter to its fourth, and what it has still to grow by; and that of
+ * averaging, from `sampling`, the 95 % error of that mean; NAN where k is no mean. */
 static bool find_steadiness(const struct isph *s, double v, double third, double fourth,
-                            double inertia, double drive, struct run_result *result) {
+                            double sampling, double inertia, double drive,
+                            struct run_result *result) {
   const double relaxation = fabs(v) * inertia / drive, drift = fourth - third;
   if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
     log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
@@ -84,9 +86,11 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
                 s->scene->path, s->time);
     return false;
   }
-  result->k_error =
+  result->error.steadiness =
       hypot(isfinite(drift) ? drift / v : 0, monitor_relaxation_deficit(s->time, relaxation));
-  result->error.steadiness = result->k_error;
+  result->error.averaging = fabs(sampling / v);
+  result->k_error =
+      hypot(result->error.steadiness, isfinite(sampling) ? result->error.averaging : 0);
   return true;
 }
 
@@ -115,12 +119,12 @@ static void find_round(const struct isph *s, const struct recorder *recorder,
   recorder_mean_velocity(recorder, 0.5 * s->time, 0.75 * s->time, third);
   recorder_mean_velocity(recorder, 0.75 * s->time, s->time, fourth);
   if (!find_steadiness(s, dot(direction, result->darcy_velocity), dot(direction, third),
-                       dot(direction, fourth), mean_inertia(s), drive, result))
+                       dot(direction, fourth), NAN, mean_inertia(s), drive, result))
     result->k = result->intrinsic_permeability = NAN;
 }
 
-void isph_find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
-                 struct run_result *result) {
+enum status isph_find_k(const struct isph *s, const struct plan *plan,
+                        const struct recorder *recorder, struct run_result *result) {
   const struct scene *scene = plan->context.scene;
   bool round = !plan->context.has_surface && !plan->context.has_inflow;
   const double *g = scene->gravity;
@@ -128,24 +132,30 @@ void isph_find_k(const struct isph *s, const struct plan *plan, const struct rec
   for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
   if (round) {
     find_round(s, recorder, result);
-    return;
+    return STATUS_OK;
   }
   result->k = result->intrinsic_permeability = NAN;
-  if (!find_column(s, &column)) return;
+  if (!find_column(s, &column)) return STATUS_OK;
   double strength = sqrt(dot(g, g));
   if (!(strength > 0)) strength = GRAVITY_STANDARD;
   const double middle = 0.5 * s->time, late = 0.75 * s->time;
   const double v = recorder_mean(recorder, COLUMN_VELOCITY, middle, s->time);
+  double sampling;
+  const double along[3] = {1, 0, 0};
+  enum status status =
+      recorder_sampling(recorder, COLUMN_VELOCITY, along, middle, s->time, &sampling);
+  if (status != STATUS_OK) return status;
   if (!find_steadiness(s, v, recorder_mean(recorder, COLUMN_VELOCITY, middle, late),
-                       recorder_mean(recorder, COLUMN_VELOCITY, late, s->time), column.inertia,
-                       strength * fabs(column.fall), result))
-    return;
+                       recorder_mean(recorder, COLUMN_VELOCITY, late, s->time), sampling,
+                       column.inertia, strength * fabs(column.fall), result))
+    return STATUS_OK;
   memset(result->darcy_velocity, 0, sizeof result->darcy_velocity);
   result->darcy_velocity[column.axis] = v;
   result->k = v / column.gradient;
   result->fall[column.axis] = column.gradient;
   result->error.resolution = plan->expected.error;
   result->intrinsic_permeability = result->k * s->kinematic_viscosity / strength;
+  return STATUS_OK;
 }
 
 bool isph_column_velocity(const struct isph *s, double *velocity) {

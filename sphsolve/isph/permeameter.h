@@ -15,9 +15,9 @@
  * axis: of the soil, clear of its ends, and never of the water before it, which moves by more than
  * what fine soil lets through. False where the scene is no column between two heads. Collective. */
 bool isph_column_velocity(const struct isph *s, double *velocity);
-/* k with its steadiness into `result`, NAN where there is none: after the run. Between heads v is
- * the mean over its second half. Collective. */
-void isph_find_k(const struct isph *s, const struct plan *plan, const struct recorder *recorder,
-                 struct run_result *result);
+/* k with its steadiness and averaging into `result`, NAN where there is none: after the run.
+ * Between heads v is the mean over its second half. Collective. */
+enum status isph_find_k(const struct isph *s, const struct plan *plan,
+                        const struct recorder *recorder, struct run_result *result);
 
 #endif

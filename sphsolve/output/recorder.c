@@ -11,6 +11,7 @@
 #include "common/output_guard.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
+#include "common/statistics.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_internal.h"
@@ -149,6 +150,29 @@ double recorder_mean(const struct recorder *recorder, const char *name, double f
     if (!strcmp(recorder->columns[c].name, name))
       return mean_of(recorder, recorder->columns[c].first, from, to);
   return NAN;
+}
+
+enum status recorder_sampling(const struct recorder *recorder, const char *name,
+                              const double direction[3], double from, double to, double *error95) {
+  enum status status = STATUS_OK;
+  double *values = NULL, mean, error = NAN;
+  size_t n = 0, c = 0;
+  *error95 = NAN;
+  while (c < recorder->column_count && strcmp(recorder->columns[c].name, name) != 0) c++;
+  if (c == recorder->column_count) return STATUS_OK;
+  TRY(memory_allocate(&values, recorder->row_count, sizeof *values, "the history's rows"));
+  for (size_t r = 0; r < recorder->row_count; r++) {
+    const double *row = recorder->rows + r * (size_t)recorder->width;
+    if (row[0] < from || row[0] > to) continue;
+    for (int i = 0; i < recorder->columns[c].components; i++)
+      values[n] += direction[i] * row[recorder->columns[c].first + i];
+    n++;
+  }
+  if (n >= 4) batch_means(values, n, &mean, &error);
+  *error95 = student_t95(floor(sqrt((double)n)) - 1) * error;
+cleanup:
+  memory_free(&values);
+  return status;
 }
 
 /* The columns' names, and last what scene and model the rows are of. */

@@ -74,6 +74,10 @@ void recorder_mean_velocity(const struct recorder *recorder, double from, double
                             double velocity[3]);
 /* The same of a column of one component, registered under that name. */
 double recorder_mean(const struct recorder *recorder, const char *name, double from, double to);
+/* The 95 % error of such a mean of a column along `direction` (of one component: its factor first),
+ * by batch means, in its unit; NAN of fewer rows than four. */
+enum status recorder_sampling(const struct recorder *recorder, const char *name,
+                              const double direction[3], double from, double to, double *error95);
 /* Interval of history rows the scene asks for, s; NAN: the method chooses. */
 double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */

@@ -115,3 +115,23 @@ END
   grep -q "^lattice 3" told.txt
   run ! grep -q "|" told.txt
 }
+
+@test "isph between two heads: darcy and the page take k and error of the run's record" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o heads --json > heads.json
+  analyze darcy heads.hdf --json > darcy.json
+  analyze report heads.hdf -o heads.html --json > page.json
+  /usr/bin/python3 - <<'END'
+import json
+run, darcy, page = (json.load(open(f)) for f in ("heads.json", "darcy.json", "page.json"))
+verdict = page["verdict"][0]
+for k in (darcy["k_m_per_s"], verdict["k_m_per_s"], darcy["groups"][0]["runs"][0]["k_m_per_s"]):
+    assert abs(k / run["k"] - 1) < 1e-9, (k, run["k"])
+for error in (darcy["k_relative_error"], verdict["k_relative_error"]):
+    assert abs(error / run["k_relative_error"] - 1) < 1e-9, error
+assert 0 < run["error"]["averaging"] < 0.02
+for share in ("resolution", "averaging", "steadiness"):
+    for budget in (darcy["error_budget"], verdict["error_budget"]):
+        assert abs(budget[share] - run["error"][share]) < 1e-12, share
+END
+}

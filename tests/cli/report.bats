@@ -3,6 +3,7 @@
 
 model() { ct2model build "$ROOT/data-samples/small" --voxel-size 8.745um -q --size "${@:2}" -o "$1.hdf" > /dev/null; }
 
+bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_setup
@@ -69,6 +70,26 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
   analyze report sub/run-matched.hdf -o page.html 2> said
   ! grep -q "not the one that was run" said
   grep -q "whose grey threshold" page.html
+}
+
+@test "a model that nothing leads through: k is 0, the page says why it shows no velocity, and no nan" {
+  /usr/bin/python3 -c 'import numpy as np
+a = np.full((16, 16, 16), 255, np.uint8)
+a[2:14, 3:8, 3:8] = 0
+np.save("blocked.npy", a)'
+  ct2model build blocked.npy --segmented 0 --voxel-size 2um -q -o blocked.hdf > /dev/null 2>&1
+  sphsolve run scene.cfg --set model.file=blocked.hdf -o run-blocked -q > /dev/null 2>&1
+  analyze report run-blocked.hdf -o blocked.html -q > /dev/null
+  grep -q "there is no velocity to show" blocked.html
+  data blocked.html '(lambda v: v["k_m_per_s"] == 0 and "nothing leads through" in v["good_for"])(page["verdict"][0])'
+  sed 's#<script.*##;/Dygraph=t/d;/NaN/d' blocked.html > text
+  run ! grep -qiw -- "-\?nan" text
+  analyze darcy run-blocked.hdf > said
+  grep -q "k = 0: no pore leads through" said
+  grep -q "^Verdict: nothing leads through" said
+  run ! grep -qiw -- "-\?nan" said
+  run -3 analyze converge run-blocked.hdf run-matched.hdf
+  run -3 analyze pdf run-blocked.hdf
 }
 
 @test "a page that claims a match that was not made is found" {
