@@ -84,7 +84,8 @@ enum status average_darcy(const struct run *run, struct average *average) {
   size_t rows = 0;
   double *times = NULL, *values = NULL;
   /* What isph found of the second half of its record is its k. */
-  const bool isph = strcmp(run->method, "isph") == 0 && isfinite(run->k);
+  const bool isph = strcmp(run->method, "isph") == 0 && isfinite(run->k) &&
+                    isfinite(run->error.steadiness);
   if ((isph || strcmp(run->method, "stokes") == 0) && isfinite(run->darcy_velocity[0])) {
     memset(average, 0, sizeof *average);
     average->rows = 1;
