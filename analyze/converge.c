@@ -17,6 +17,7 @@ struct level {
   size_t group;
   double spacing;      /* m */
   double permeability; /* intrinsic, m^2 */
+  bool of_finest;      /* k of the finest lattice of a run that solved several */
   double error;        /* relative, of averaging or residual; NAN unknown */
 };
 
@@ -47,6 +48,12 @@ static enum status measure(const struct run *run, struct level *level) {
   level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
   if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);
   level->permeability = average.mean * run->viscosity / (run->density * driving);
+  /* What several lattices say of the limit is no value of a lattice: the finest's own is. */
+  level->of_finest = run->levels.count > 0 && run->k_finest > 0.0;
+  if (level->of_finest) {
+    level->permeability = run->k_finest * run->viscosity / (run->density * GRAVITY_STANDARD);
+    level->spacing = run->levels.spacing[run->levels.count - 1];
+  }
   level->error = average.error95 / fabs(average.mean);
   if (!average.without_drift)
     log_warning("%s: the Darcy velocity still drifts by %.1f %%; its k is not final", run->path,
@@ -206,6 +213,9 @@ static void write_summary(const struct level *levels, const struct series *serie
     fprintf(stream, "%s%s%s%s\n  %-26s %12s %12s %14s %11s %10s\n", fine->run->method,
             fine->run->wall[0] ? ", " : "", fine->run->wall, fine->run->wall[0] ? " walls" : "",
             "run", "spacing (m)", "k (cm/s)", "K (m^2)", "deviation", "time (s)");
+    bool finest = false;
+    for (size_t i = s->first; i < s->first + s->count; i++) finest |= levels[i].of_finest;
+    if (finest) fputs("  (of runs with several lattices: the finest alone, k_finest)\n", stream);
     for (size_t i = s->first; i < s->first + s->count; i++) {
       const struct level *level = &levels[i];
       fprintf(stream, "  %-26.60s %12.4g %12.5g %14.5g ", level->run->name, level->spacing,

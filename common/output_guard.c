@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/hdf5_file.h"
 #include "common/output_file.h"
 #include "common/provenance.h"
 
@@ -100,6 +101,25 @@ enum status output_allow(const char *path) {
              "%s: is there already and is no product of Tosui's; give another name with -o, or "
              "--force to replace it",
              path);
+cleanup:
+  return status;
+}
+
+enum status output_allow_kind(const char *path, const char *group, const char *what) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  bool other = false;
+  TRY(output_allow(path));
+  if (path == NULL || forced || access(path, F_OK) != 0) return STATUS_OK;
+  if (h5_open_output(path, &file) == STATUS_OK)
+    other = h5_exists(file, group);
+  else
+    error_clear();
+  h5_close(file);
+  if (other)
+    TRY_FAIL(STATUS_USAGE,
+             "%s: is there already and is %s; give another name with -o, or --force to replace it",
+             path, what);
 cleanup:
   return status;
 }

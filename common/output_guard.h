@@ -17,6 +17,10 @@ void output_start(bool force);
  * STATUS_RUN where its folder is absent or may not be written. NULL is fine. */
 enum status output_allow(const char *path);
 
+/* Likewise for a run or a model: a file that holds `group` ("/model", "/run") is of another kind,
+ * `what`, and is not replaced unless --force says so. */
+enum status output_allow_kind(const char *path, const char *group, const char *what);
+
 /* The name of a file of a kind: `path` as it is where it has one of `endings` (".hdf", ..., NULL),
  * with the first of them where it has none, into `named` of `size` bytes. STATUS_USAGE where it has
  * another, with `kind` as the reason ("a model is an HDF5 file"). The 725 of "sand-0.725" is no

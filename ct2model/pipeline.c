@@ -415,7 +415,7 @@ static enum status check_output(const struct pipeline *pipeline) {
     output_protect(stack->files[i].path);
     if (stack->files[i].data_path != NULL) output_protect(stack->files[i].data_path);
   }
-  return output_allow(pipeline->request->output);
+  return output_allow_kind(pipeline->request->output, "/run", "a run of sphsolve");
 }
 
 /* A grey scan whose scanner is known, and which the user does not want otherwise. */

@@ -14,6 +14,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import warnings
 
 import h5py
 import numpy as np
@@ -246,7 +247,8 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
                  density=998.2, viscosity=1.002e-3, folder=None, threads=None):
     """The permeability of image[z, y, x] along `axis` ("z" is the first axis of the array, "x" the last).
 
-    An image of labels: `pore` is the label, or the labels, of pores (True of a boolean image is 1). An image of greys,
+    An image of labels: `pore` is the label, or the labels, of pores (of a boolean image name it: pore=True or
+    pore=False; without, False is pore, other than in PoreSpy, and a warning says so). An image of greys,
     where grains are bright: give the measured `void_ratio`. `voxel_size`: metres, a text with a unit ("5 um"), or three
     of them for x, y and z. `error`: relative; None for that of the voxels as they are. `size`: (nx, ny, nz) to resample
     to. `mirror`: the image and its mirror image stand one behind the other along the flow, so that pores fit; False
@@ -258,6 +260,8 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
     if axis not in ("x", "y", "z"):
         raise TosuiError(f"axis {axis!r}: 'x', 'y' or 'z' is wanted")
     if image.dtype == bool:
+        if void_ratio is None and pore is not True and pore is not False:
+            warnings.warn(f"a boolean image: pores are where it is {bool(pore)}; name pore=True or pore=False", stacklevel=2)
         image = image.astype(np.uint8)
     elif image.dtype.itemsize == 8 and image.dtype.kind in "iu":
         image = image.astype(np.int32)

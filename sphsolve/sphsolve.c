@@ -222,7 +222,7 @@ static enum status run_tensor(const struct options *options, struct job *job, co
   output_protect(own.path);
   if (*own.model_path) output_protect(own.model_path);
   snprintf(path, sizeof path, "%s.hdf", prefix);
-  TRY(output_allow(path));
+  TRY(output_allow_kind(path, "/model", "a model"));
   for (int turn = 1; turn <= 3; turn++) {
     const int axis = (last + turn) % 3;
     char force[200], part[3][40] = {"\"0\"", "\"0\"", "\"0\""};
@@ -302,10 +302,12 @@ static enum status run(const struct options *options, struct job *job) {
     TRY(prepare(options, NULL, job));
     TRY(run_scene(options, job, prefix, NULL, 0, &result));
   }
+  double wanted = INFINITY;
+  if (options_given(options, "error")) TRY(parse_error(options_text(options, "error"), &wanted));
   if (options_json(options))
     TRY(run_print_json(&result));
   else if (log_level() > LOG_QUIET)
-    run_print(&result, prefix);
+    run_print(&result, prefix, wanted);
 cleanup:
   return status;
 }

@@ -52,7 +52,7 @@ static enum status refuse_overwriting(const struct recorder *recorder) {
     snprintf(path, sizeof path, "%s%s", recorder->prefix, endings[i]);
     /* A damaged checkpoint that --resume asks for is ours: reading it says what is wrong. */
     if (recorder->resume && strstr(endings[i], ".ckpt") != NULL) continue;
-    TRY(output_allow(path));
+    TRY(output_allow_kind(path, "/model", "a model"));
   }
 cleanup:
   return ranks_agree(status);

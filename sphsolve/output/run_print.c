@@ -155,7 +155,7 @@ static void print_verdict(const struct uncertainty *b) {
   printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
 }
 
-void run_print(const struct run_result *result, const char *prefix) {
+void run_print(const struct run_result *result, const char *prefix, double wanted) {
   char error[120] = "", text[32];
   double low, high;
   uncertainty_total(&result->error, &low, &high);
@@ -183,6 +183,12 @@ void run_print(const struct run_result *result, const char *prefix) {
   if (result->tensor != NULL) tensor_print(result->tensor);
   if (isfinite(result->k) && result->micropores.sites > 0) micropores_print(&result->micropores);
   if (isfinite(result->k)) print_verdict(&result->error);
+  if (result->k > 0 && largest > wanted) {
+    char asked[32];
+    printf("           the error asked for, %s %%, was not reached: finer lattices would not have "
+           "lessened it, or take more time or memory\n",
+           percent(wanted, asked));
+  }
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);
   conservation_print(&result->conservation);

@@ -135,3 +135,22 @@ for share in ("resolution", "averaging", "steadiness"):
         assert abs(budget[share] - run["error"][share]) < 1e-12, share
 END
 }
+
+@test "an error asked for that was not reached is said" {
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o short --error 0.1% --time 1us > short.txt 2> /dev/null
+  grep -q "the error asked for, 0.1 %, was not reached" short.txt
+  run ! grep -q "was not reached" run.txt
+}
+
+@test "a run replaces no model, a model no run, unless by force; its own kind as ever" {
+  cp m.hdf kept.hdf
+  cp run.hdf kept-run.hdf
+  run -2 sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o kept
+  [[ "$output" == *"kept.hdf: is there already and is a model"* ]]
+  cmp m.hdf kept.hdf
+  run -2 ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf
+  [[ "$output" == *"kept-run.hdf: is there already and is a run"* ]]
+  cmp run.hdf kept-run.hdf
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q --force > /dev/null
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q > /dev/null
+}

@@ -22,7 +22,7 @@ class Module(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.grain, cls.exact = sphere()
-        cls.result = tosui.permeability(cls.grain, 320e-6 / 12, mirror=False, error=None, folder=cls.folder.name)
+        cls.result = tosui.permeability(cls.grain, 320e-6 / 12, pore=False, mirror=False, error=None, folder=cls.folder.name)
 
     @classmethod
     def tearDownClass(cls):
@@ -71,12 +71,14 @@ class Module(unittest.TestCase):
         for words, image, size in ((("axes",), np.zeros((4, 4)), 1e-6), (("label 5",), self.grain, 1e-6),
                                    (("1 nm to 1 cm",), self.grain, 5.0)):
             with self.assertRaises(tosui.TosuiError) as caught:
-                tosui.permeability(image, size, pore=5 if words == ("label 5",) else 0)
+                tosui.permeability(image, size, pore=5 if words == ("label 5",) else False)
             self.assertIn(words[0], str(caught.exception))
         for path, said in ((__file__, "no HDF5 file"), ("nothere.hdf", "nothere.hdf: No such file or directory")):
             with self.assertRaises(tosui.TosuiError) as caught:
                 tosui.load(path)
             self.assertIn(said, str(caught.exception))
+        with self.assertWarnsRegex(UserWarning, "name pore=True"), self.assertRaises(tosui.TosuiError):
+            tosui.permeability(self.grain, 5.0)  # False or True, that is not said
         with self.assertRaises(tosui.TosuiError) as caught:
             tosui.permeability(np.ones((4, 4, 4), int) * np.arange(4), 1e-6, void_ratio=-1)
         self.assertEqual(caught.exception.code, 2)
