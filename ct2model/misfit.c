@@ -27,7 +27,8 @@ static const char *reason(const struct pipeline *pipeline) {
     return "the box of --crop differs from the --roi; check that it lies inside of it";
   if (request->rule != THRESHOLD_AUTO)
     return "--threshold sets the greys, and not the void ratio; --threshold auto matches it";
-  if (request->fill_islands) return "--islands fill made grain of pores; --islands keep leaves them";
+  if (request->fill_islands)
+    return "--islands fill made grain of pores; --islands keep leaves them";
   if (pipeline->phases.levels == 2)
     return "the scan holds two greys, which no threshold moves; segment it anew from its greys";
   return "the scan has too few grey levels near the threshold to come nearer";

@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/scan/slice_check.h"
 
 enum { BATCH_LEAST = 4, BATCH_MOST = 128 };
 static const double BATCH_BYTES = 16e6; /* of reduced slices */
@@ -24,6 +25,7 @@ struct scan {
   const struct region *region;
   struct pipeline *pipeline;
   struct resampler resampler;
+  struct slice_check check; /* of greys in the scan's own slices; else of no slices */
   bool has_levels;
   double low, high; /* levels */
   size_t batch, worker_count;
@@ -63,6 +65,8 @@ static enum status scan_start(struct pipeline *pipeline, struct scan *scan) {
   *scan = (struct scan){.region = region, .pipeline = pipeline};
   scan->batch = (size_t)fmin(BATCH_MOST, fmax(BATCH_LEAST, floor(BATCH_BYTES / reduced)));
   scan->batch -= scan->batch % pipeline->coarse.step; // NOLINT: a step is one slice at least
+  if (!pipeline->labels.on && region->held == NULL)
+    TRY(slice_check_start(region->size[2], &scan->check));
   scan->has_levels = region_has_levels(region);
   if (pixel_levels(pipeline->labels.on ? PIXEL_U8 : pipeline->stack.type, &scan->low,
                    &scan->high)) {
@@ -106,6 +110,7 @@ static void scan_end(struct scan *scan) {
   }
   memory_free(&scan->workers);
   resampler_end(&scan->resampler);
+  slice_check_end(&scan->check);
 }
 
 /* Moves a worker's counts into the pipeline's histogram; sums of whole numbers know no order. */
@@ -134,6 +139,7 @@ static enum status take_slice(struct scan *scan, size_t z, size_t place) {
   struct coarse *coarse = &scan->pipeline->coarse;
   struct pixel_rows rows;
   TRY(region_read_rows(region, z, worker->buffer, &rows));
+  if (scan->check.count > 0) slice_check_add(&scan->check, z, &rows, region->size);
   if (worker->held + nx * ny > UINT32_MAX) gather_counts(scan, worker);
   worker->held += nx * ny;
   const bool wanted = scan->pipeline->resampled && resampler_wants(&scan->resampler, z);
@@ -186,6 +192,7 @@ enum status scan_take(struct pipeline *pipeline) {
   }
   for (size_t i = 0; i < scan.worker_count; i++) gather_counts(&scan, &scan.workers[i]);
   progress_end(&progress);
+  TRY(slice_check_warn(&scan.check, &pipeline->region));
 cleanup:
   scan_end(&scan);
   return status;

@@ -43,6 +43,36 @@ static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, float *
   return true;
 }
 
+/* Share of neighbours in a row that are 3/4 of the type's range apart. */
+static double leaps(const float *pixels, size_t width, size_t n, enum pixel_type type) {
+  double low, high;
+  size_t count = 0;
+  if (!pixel_levels(type, &low, &high)) return 0.0;
+  for (size_t i = 1; i < n; i++)
+    count += i % width > 0 && fabs((double)pixels[i] - (double)pixels[i - 1]) > 0.75 * (high - low);
+  return (double)count / (double)n;
+}
+
+/* Whether signed pixels are unsigned ones: those above half of the range wrapped to below zero, so
+ * that neighbours leap from end to end of it. Labels of both ends leap nowhere when turned, and
+ * may be meant: of few values nothing is said. `pixels` is overwritten. */
+static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_type type,
+                         float *pixels) {
+  const enum pixel_type turned = type == PIXEL_I8 ? PIXEL_U8 : PIXEL_U16;
+  float seen[16];
+  size_t values = 0;
+  if (type != PIXEL_I8 && type != PIXEL_I16) return false;
+  pixels_to_float(pixels, stored, n, type);
+  for (size_t i = 0; i < n && values < 16; i++) {
+    size_t v = 0;
+    while (v < values && seen[v] != pixels[i]) v++;
+    if (v == values) seen[values++] = pixels[i];
+  }
+  const double given = leaps(pixels, width, n, type);
+  pixels_to_float(pixels, stored, n, turned);
+  return values == 16 && given > 0.001 && leaps(pixels, width, n, turned) < 0.1 * given;
+}
+
 static char letter_of(enum pixel_type type) {
   if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
   return type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
@@ -53,7 +83,7 @@ enum status byte_order_check(const struct image *image) {
   const size_t n = image->size[0] * image->size[1], bytes = pixel_size(image->type);
   void *stored = NULL;
   float *pixels = NULL;
-  if (bytes == 1) return STATUS_OK;
+  if (image->type == PIXEL_U8) return STATUS_OK;
   TRY(memory_allocate(&stored, n, bytes, "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
@@ -64,6 +94,16 @@ enum status byte_order_check(const struct image *image) {
         image->path, letter_of(image->type));
     goto cleanup;
   }
+  if (are_unsigned(stored, image->size[0], n, image->type, pixels)) {
+    log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
+                "without a sign: is u%zu%s meant in --raw?",
+                image->path, 8 * bytes,
+                bytes == 1    ? ""
+                : image->swap ? "be"
+                              : "le");
+    goto cleanup;
+  }
+  if (bytes == 1) goto cleanup;
   pixels_to_float(pixels, stored, n, image->type);
   const double given = roughness(pixels, image->size[0], image->size[1]);
   pixels_swap(stored, n, image->type);

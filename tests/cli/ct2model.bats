@@ -144,6 +144,23 @@ bats_require_minimum_version 1.5.0
   done
 }
 
+@test "slices that are copies or of one grey, and unsigned pixels read as signed, are told" {
+  cd "$WORK"
+  # Noise on slabs across x, 24 x 24 x 12; then slices 4 to 6 as 3, and slice 5 black.
+  awk 'BEGIN { srand(2); for (i = 0; i < 6912; i++)
+    printf "%c", (i % 8 < 4 ? 60 : 118) + int(8 * (rand() + rand() + rand())) }' > noise.raw
+  for i in 0 1 2 3 3 3 3 7 8 9 10 11; do tail -c +$((i * 576 + 1)) noise.raw | head -c 576; done > copies.raw
+  { head -c 2880 noise.raw; head -c 576 /dev/zero; tail -c 3456 noise.raw; } > black.raw
+  said() { "$CT" sweep "$1" --raw 24x24x12:$2 --void-ratio 1 --threads 1 -o said.csv 2>&1 > /dev/null; }
+  [[ "$(said copies.raw u8)" == *"3 of 12 slices are copies"*"first: copies.raw[4] of copies.raw[3]"* ]]
+  [[ "$(said black.raw u8)" == *"1 of 12 slices are of one grey (first: black.raw[5])"* ]] || false
+  [[ "$(said noise.raw i8)" == *"is u8 meant in --raw?"* ]] || false
+  [[ "$(said noise.raw u8)" != *slices* ]] || false
+  # Slabs without noise, as a program draws them: all slices are alike, and one is empty.
+  awk 'BEGIN { for (i = 0; i < 6912; i++) printf "%c", (int(i / 576) == 5 ? 0 : i % 8 < 4 ? 60 : i % 8 < 6 ? 150 : 140) }' > drawn.raw
+  [[ "$(said drawn.raw u8)" != *slices* ]] || false
+}
+
 @test "voxels too far from cubes to be solved are refused, others told with all edges" {
   cd "$WORK"
   run_ct build spheres.raw $RAW --void-ratio 3.959 --size 12x12x48 -o flat.hdf
