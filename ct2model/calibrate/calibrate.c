@@ -50,14 +50,34 @@ double grey_histogram_quantile(const struct grey_histogram *histogram, double po
   return histogram->low + histogram->width * (double)histogram->bins;
 }
 
-double grey_histogram_slope(const struct grey_histogram *histogram, double porosity) {
-  double low = fmax(porosity - 0.005, 0.0), high = fmin(porosity + 0.005, 0.999);
-  return (grey_histogram_quantile(histogram, high) - grey_histogram_quantile(histogram, low)) /
-         (high / (1.0 - high) - low / (1.0 - low));
-}
-
 static double bin_centre(const struct grey_histogram *histogram, size_t bin) {
   return histogram->low + histogram->width * ((double)bin + 0.5);
+}
+
+/* As grey_histogram_quantile, but a bin stands for all greys half-way to the next that are not
+ * empty: levels stored as floats leave most of the narrow bins empty. */
+static double level_quantile(const struct grey_histogram *histogram, double porosity) {
+  double target = porosity * (double)histogram->total, below = 0.0;
+  size_t bin = 0, bins = histogram->bins;
+  for (; bin + 1 < bins; bin++) {
+    const double count = (double)histogram->counts[bin];
+    if (count > 0.0 && below + count >= target) break;
+    below += count;
+  }
+  size_t last = bin, next = bin + 1;
+  while (last > 0 && histogram->counts[last - 1] == 0) last--;
+  while (next < bins && histogram->counts[next] == 0) next++;
+  const double centre = bin_centre(histogram, bin), half = 0.5 * histogram->width;
+  const double low = last > 0 ? 0.5 * (bin_centre(histogram, last - 1) + centre) : centre - half;
+  const double high = next < bins ? 0.5 * (centre + bin_centre(histogram, next)) : centre + half;
+  const double count = (double)histogram->counts[bin];
+  return low + (count > 0.0 ? (high - low) * (target - below) / count : 0.0);
+}
+
+double grey_histogram_slope(const struct grey_histogram *histogram, double porosity) {
+  double low = fmax(porosity - 0.005, 0.0), high = fmin(porosity + 0.005, 0.999);
+  return (level_quantile(histogram, high) - level_quantile(histogram, low)) /
+         (high / (1.0 - high) - low / (1.0 - low));
 }
 
 double grey_histogram_otsu(const struct grey_histogram *histogram) {

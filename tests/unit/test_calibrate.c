@@ -124,6 +124,12 @@ static void test_slope(void **state) {
   histogram.total = 256000;
   assert_true(fabs(grey_histogram_slope(&histogram, 0.4) / (256.0 * 0.36) - 1.0) < 1e-3);
   grey_histogram_end(&histogram);
+  /* The same levels as floats: one bin of many. */
+  (void)grey_histogram_start(0.0, 1.0 / 64.0, 64 * 256, &histogram);
+  for (size_t i = 0; i < 256; i++) histogram.counts[64 * i + 20] = 1000;
+  histogram.total = 256000;
+  assert_true(fabs(grey_histogram_slope(&histogram, 0.4) / (256.0 * 0.36) - 1.0) < 1e-3);
+  grey_histogram_end(&histogram);
 }
 
 int main(void) {
