@@ -73,6 +73,41 @@ static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_
   return values == 16 && given > 0.001 && leaps(pixels, width, n, turned) < 0.1 * given;
 }
 
+/* Mean difference of pixels `lag` apart, of some thousand that lie all over the first n - most. */
+static double lag_difference(const float *pixels, size_t n, size_t most, size_t lag) {
+  enum { SAMPLES = 4096 };
+  double sum = 0.0;
+  for (size_t k = 0; k < SAMPLES; k++) {
+    const size_t i = (size_t)(k * UINT64_C(2654435761) % (n - most));
+    sum += fabs((double)pixels[i + lag] - (double)pixels[i]);
+  }
+  return sum / SAMPLES;
+}
+
+/* The width at which a pixel is like the one below as it is like the one beside it, where that is
+ * clearly not so at the width given; else 0. A body that repeats along x passes: there pixels are
+ * alike at the width given too; so does one of layers: at none of these lags more than at others.
+ */
+static size_t better_width(const float *pixels, size_t width, size_t n) {
+  enum { LEAST = 8, ASIDE = 4 };
+  const size_t most = 4 * width + ASIDE < n / 2 ? 4 * width + ASIDE : n / 2;
+  if (most <= width) return 0;
+  const double beside = lag_difference(pixels, n, most, 1);
+  const double given = lag_difference(pixels, n, most, width);
+  if (!(beside > 0.0 && given > 1.5 * beside)) return 0;
+  size_t best = 0;
+  double least = fmin(1.25 * beside, 0.75 * given);
+  for (size_t lag = LEAST; lag + ASIDE < most; lag++) {
+    const double here = lag_difference(pixels, n, most, lag);
+    if (!(here < least) || here > 0.75 * lag_difference(pixels, n, most, lag - ASIDE) ||
+        here > 0.75 * lag_difference(pixels, n, most, lag + ASIDE))
+      continue;
+    least = here;
+    best = lag;
+  }
+  return best;
+}
+
 static char letter_of(enum pixel_type type) {
   if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
   return type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
@@ -83,7 +118,6 @@ enum status byte_order_check(const struct image *image) {
   const size_t n = image->size[0] * image->size[1], bytes = pixel_size(image->type);
   void *stored = NULL;
   float *pixels = NULL;
-  if (image->type == PIXEL_U8) return STATUS_OK;
   TRY(memory_allocate(&stored, n, bytes, "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
@@ -103,8 +137,15 @@ enum status byte_order_check(const struct image *image) {
                               : "le");
     goto cleanup;
   }
-  if (bytes == 1) goto cleanup;
   pixels_to_float(pixels, stored, n, image->type);
+  const size_t better = better_width(pixels, image->size[0], n);
+  if (better > 0) {
+    log_warning("%s: rows of %zu pixels, one below the other, are not alike, rows of %zu are: is "
+                "that the width in --raw?",
+                image->path, image->size[0], better);
+    goto cleanup;
+  }
+  if (bytes == 1) goto cleanup;
   const double given = roughness(pixels, image->size[0], image->size[1]);
   pixels_swap(stored, n, image->type);
   pixels_to_float(pixels, stored, n, image->type);

@@ -161,6 +161,14 @@ bats_require_minimum_version 1.5.0
   [[ "$(said drawn.raw u8)" != *slices* ]] || false
 }
 
+@test "a wrong width of headerless pixels is told, where rows show it" {
+  cd "$WORK"
+  said() { "$CT" sweep spheres.raw --raw $1:u8 --void-ratio 3.959 --crop 0,0,20,$2,8 --threads 1 -o said.csv 2>&1 > /dev/null; }
+  [[ "$(said 96x24x48 96,24)" == *"rows of 96 pixels"*"rows of 48 are: is that the width in --raw?"* ]]
+  [[ "$(said 36x64x48 36,64)" == *"rows of 48 are"* ]] || false
+  [[ "$(said 48x48x48 48,48)" != *"rows of"* ]] || false
+}
+
 @test "voxels too far from cubes to be solved are refused, others told with all edges" {
   cd "$WORK"
   run_ct build spheres.raw $RAW --void-ratio 3.959 --size 12x12x48 -o flat.hdf
