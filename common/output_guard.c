@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,6 +18,7 @@ static bool forced;
 
 void output_start(bool force) {
   forced = force;
+  signal(SIGXFSZ, SIG_IGN); /* past the limit of a file's size a write fails, and is told */
   output_note_inputs();
 }
 

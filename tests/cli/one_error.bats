@@ -154,3 +154,9 @@ END
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q --force > /dev/null
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q > /dev/null
 }
+
+@test "past the limit of a file's size a line says so, and nothing half-written stays" {
+  run -1 bash -c 'ulimit -f 4; analyze report run.hdf -o limited.html -q'
+  [[ "$output" == *"limited.html: cannot be written"* ]]
+  [ "$(ls limited* 2> /dev/null | wc -l)" -eq 0 ]
+}
