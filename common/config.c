@@ -422,6 +422,9 @@ enum status config_quantities(struct config *config, config_node *group, const c
       snprintf(range, sizeof range, "%d", min);
     else
       snprintf(range, sizeof range, "%d to %d", min, max);
+    const struct dimension none = DIM_NONE;
+    if (memcmp(&dimension, &none, sizeof none) == 0)
+      return config_error(config, node, "a list of %s numbers is wanted, like [1.0, ...]", range);
     return config_error(config, node, "a list of %s quantities is wanted, like [\"%s\", ...]",
                         range, dimension_example(dimension));
   }

@@ -160,3 +160,9 @@ END
   [[ "$output" == *"limited.html: cannot be written"* ]]
   [ "$(ls limited* 2> /dev/null | wc -l)" -eq 0 ]
 }
+
+@test "a list of numbers is asked for by numbers" {
+  printf 'scene = { name = "s"; };\nflow = { file = "run.hdf"; };\nsolute = { peclet = []; };\n' > empty.cfg
+  run -3 sphsolve run empty.cfg -o empty
+  [[ "$output" == *"numbers is wanted, like [1.0"* ]]
+}
