@@ -177,7 +177,7 @@ END
 }
 
 @test "-q prints nothing but errors, --json and files aside" {
-  for words in "ct2model build $SCAN -o quiet.hdf" "ct2model sweep $SCAN" "sphsolve run a.cfg -o quiet --quiet" \
+  for words in "ct2model build $SCAN -o quiet-model.hdf" "ct2model sweep $SCAN" "sphsolve run a.cfg -o quiet --quiet" \
                "analyze darcy run.hdf -q" "analyze report run.hdf -o quiet.html -q"; do
     run $words
     [ "$status" -eq 0 ] && [ -z "$output" ] || { echo "$words: $output"; false; }
