@@ -144,11 +144,11 @@ static int decimals(const struct tensor *t) {
 
 void tensor_html(const struct tensor *t, FILE *out) {
   const int digits = decimals(t);
-  fputs(
-      "<table class=\"tensor\"><caption>Permeability tensor, cm/s: flow along the row&rsquo;s axis "
-      "under a gradient along the column&rsquo;s</caption>"
-      "<thead><tr><th></th><th>x</th><th>y</th><th>z</th></tr></thead><tbody>\n",
-      out);
+  fputs("<div class=\"wide\"><table class=\"tensor\"><caption>Permeability tensor, cm/s: flow "
+        "along the row&rsquo;s axis "
+        "under a gradient along the column&rsquo;s</caption>"
+        "<thead><tr><th></th><th>x</th><th>y</th><th>z</th></tr></thead><tbody>\n",
+        out);
   for (int i = 0; i < 3; i++) {
     fprintf(out, "<tr><th>%c</th>", "xyz"[i]);
     for (int j = 0; j < 3; j++) {
@@ -159,7 +159,8 @@ void tensor_html(const struct tensor *t, FILE *out) {
     }
     fputs("</tr>\n", out);
   }
-  fputs("</tbody></table>\n<table class=\"tensor\"><caption>Its principal values</caption><tbody>"
+  fputs("</tbody></table></div>\n<div class=\"wide\"><table class=\"tensor\"><caption>Its "
+        "principal values</caption><tbody>"
         "<tr><th>along</th>",
         out);
   for (const double *a = t->axes; a < t->axes + 9; a += 3)
@@ -174,7 +175,7 @@ void tensor_html(const struct tensor *t, FILE *out) {
   for (int p = 0; p < 3; p++)
     fprintf(out, "<td>%.*f to %.*f</td>", digits, 100 * t->principal_low[p], digits,
             100 * t->principal_high[p]);
-  fputs("</tr>\n</tbody></table>\n<p class=\"note\">", out);
+  fputs("</tr>\n</tbody></table></div>\n<p class=\"note\">", out);
   write_symmetry(t, out);
   fputs("</p>\n", out);
 }

@@ -123,6 +123,14 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
   TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
   if (count != CHECKPOINT_NUMBERS)
     TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
+  int rank;
+  size_t rows[1];
+  TRY(h5_shape(file, "/state/x0", 1, &rank, rows));
+  if (rank != 1 || rows[0] != s->grid.active_all)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: is of a run on other lattices; go on with the --error, --time or lattice.spacing "
+             "that it had, or remove it to start anew",
+             h5_path(file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
     TRY(h5_read_rows(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));

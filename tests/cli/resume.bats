@@ -100,6 +100,20 @@ END
   done
 }
 
+@test "stokes: a checkpoint on other lattices than --error takes is told" {
+  lattices() {
+    sphsolve run s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 \
+      --set checkpoint.interval="1 ms" -o lattices --quiet "$@"
+  }
+  (lattices) &
+  until [ -s lattices.ckpt.hdf ] || [ -s lattices.hdf ]; do sleep 0.02; done
+  pkill -9 -P $! || true
+  wait $! 2> /dev/null || true
+  run --separate-stderr lattices --resume --error 50%
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"lattices.ckpt.hdf: is of a run on other lattices; go on with the --error"* ]]
+}
+
 @test "the same bits for 1, 2 and 3 threads" {
   for method in wcsph isph; do
     for threads in 1 2 3; do
