@@ -98,8 +98,8 @@ END
   sphsolve run slit.cfg -o slit --quiet
   sphsolve $given -o alone --quiet --set checkpoint.interval='"1 h"'
   for n in 2 3; do
-    on $n sphsolve-mpi $given -o "on$n" --quiet --set checkpoint.interval='"1 h"'
-    /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf "on$n.hdf"
+    on $n sphsolve-mpi $given -o "carried$n" --quiet --set checkpoint.interval='"1 h"'
+    /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf "carried$n.hdf"
   done
   on 3 sphsolve-mpi $given -o cut --quiet > log 2>&1 &
   killed cut $!
