@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/report/page_html.h"
+#include "common/kernel.h"
 #include "common/provenance.h"
 
 /* A reference is listed when a sentence calls for it, in the order in which they do. */
@@ -122,7 +123,7 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
-            strcmp(run->kernel, "wendland") == 0 ? "Wendland C2 kernel" : "quintic spline");
+            kernel_in_words(run->kernel));
     cite(stream, "morris", cited);
     fputs(" was integrated in time. ", stream);
   }

@@ -48,9 +48,15 @@ enum status wcsph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
-  if (!pair_table_exists(scene->wcsph.kernel))
-    return scene_error(scene, AT_WCSPH_KERNEL,
-                       "wcsph has no loops with this kernel; write \"quintic\" or \"wendland\"");
+  if (!pair_table_exists(scene->wcsph.kernel)) {
+    char known[100] = "";
+    for (int k = 0; k < KERNELS; k++)
+      if (pair_table_exists((enum kernel)k))
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s\"%s\"",
+                 *known ? " or " : "", kernel_names[k]);
+    return scene_error(scene, AT_WCSPH_KERNEL, "wcsph has no loops with this kernel; write %s",
+                       known);
+  }
   for (size_t r = 0; r < scene->region_count; r++)
     if (scene->regions[r].type == REGION_WALL && scene->regions[r].slip)
       return FAIL(STATUS_INPUT,
