@@ -101,10 +101,10 @@ END
     on $n sphsolve-mpi $given -o "carried$n" --quiet --set checkpoint.interval='"1 h"'
     /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf "carried$n.hdf"
   done
-  on 3 sphsolve-mpi $given -o cut --quiet > log 2>&1 &
-  killed cut $!
-  sphsolve $given -o cut --quiet --resume --set checkpoint.interval='"1 h"'
-  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf cut.hdf
+  on 3 sphsolve-mpi $given -o ended --quiet > log 2>&1 &
+  killed ended $!
+  sphsolve $given -o ended --quiet --resume --set checkpoint.interval='"1 h"'
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf ended.hdf
 }
 
 @test "an error is said once, and ends all ranks" {
