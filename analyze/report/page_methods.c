@@ -123,7 +123,7 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
-            kernel_in_words(run->kernel));
+            kernel_in_words(*run->kernel ? run->kernel : "quintic")); /* what older runs have */
     cite(stream, "morris", cited);
     fputs(" was integrated in time. ", stream);
   }
