@@ -6,21 +6,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "analyze/converge.h"
-#include "analyze/darcy.h"
-#include "analyze/dispersion.h"
-#include "analyze/film.h"
-#include "analyze/history.h"
-#include "analyze/breakthrough.h"
+#include "analyze/analysis.h"
 #include "analyze/compatible_runs.h"
+#include "analyze/dispersion.h"
 #include "analyze/report/page.h"
 #include "analyze/report/page_model.h"
 #include "analyze/report/page_verdict.h"
-#include "analyze/pdf.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
-#include "analyze/seepage/seepage.h"
-#include "analyze/slice.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -30,107 +23,45 @@
 #include "common/threads.h"
 #include "common/units.h"
 
-enum command {
-  COMMAND_DARCY,
-  COMMAND_PDF,
-  COMMAND_HISTORY,
-  COMMAND_SLICE,
-  COMMAND_CONVERGE,
-  COMMAND_DISPERSION,
-  COMMAND_SEEPAGE,
-  COMMAND_REPORT
+/* Commands: those of the analyses, in their order, and the report; with the options of each. */
+#define COMMANDS (ANALYSES + 2)
+#define ENTRIES (ANALYSES * ANALYSIS_OPTIONS + 3)
+
+struct analyze_table {
+  struct option_command commands[COMMANDS];
+  struct option_entry entries[ENTRIES];
 };
-#define BIT(command) (1u << (command))
 
-static const struct option_command commands[] = {
-    {"darcy", "RUN... [-o DIR]", "permeability with its error: Darcy velocity against gradient",
-     "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
-    {"pdf", "RUN... [-o DIR]", "probability density of the pore velocity, raw and normalised",
-     "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
-    {"history", "RUN... [-o DIR]", "Darcy velocity, density and gauges against time; steadiness",
-     "analyze history dense-1G.hdf -o results", 1, -1},
-    {"slice", "RUN [--plane x=Q] [--thickness Q] [--zoom Y0,Z0,Y1,Z1] [-o DIR]",
-     "velocity vectors over the grains in a slab",
-     "analyze slice dense-1G.hdf --plane x=1.4mm --thickness 0.2mm -o results", 1, 1},
-    {"converge", "RUN RUN... [-o DIR]",
-     "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
-     "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
-    {"dispersion", "RUN... [-o DIR]",
-     "how a solute spreads along and across the flow, against the Peclet number",
-     "analyze dispersion solute.hdf -o results", 1, -1},
-    {"seepage", "RUN [--grain-density Q] [-o DIR]",
-     "flow through soil: fluxes, heads, exit gradient and heave, forces on walls, flow net",
-     "analyze seepage excavation.hdf -o results", 1, 1},
-    {"report", "RUN... -o report.html", "one self-contained page of all that the runs support",
-     "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html", 1, -1},
-    {0}};
-
-static const struct option_entry entries[] = {
-    {"output", 'o', "DIR", OPTION_ALL,
-     "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; report: the page"},
-    {"mix", 0, NULL,
-     OPTION_ALL & ~(BIT(COMMAND_SLICE) | BIT(COMMAND_DISPERSION) | BIT(COMMAND_SEEPAGE)),
-     "take runs of different models together (refused without)"},
-    {"plane", 0, "AXIS=Q", BIT(COMMAND_SLICE),
-     "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
-    {"thickness", 0, "Q", BIT(COMMAND_SLICE), "of the slab (one spacing)"},
-    {"zoom", 0, "Y0,Z0,Y1,Z1", BIT(COMMAND_SLICE),
-     "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"},
-    {"grain-density", 0, "Q", BIT(COMMAND_SEEPAGE),
-     "of the soil's grains, for the critical gradient (2650 kg/m^3)"},
-    {0}};
-
-static const struct option_table table = {
-    "analyze", "from runs of sphsolve to permeability, distributions, plots and a report", commands,
-    entries};
-
-static enum status parse_plane(const struct options *options, struct slice_request *request) {
-  const char *plane = options_text(options, "plane");
-  if (plane == NULL) return STATUS_OK;
-  if (plane[0] < 'x' || plane[0] > 'z' || plane[1] != '=')
-    return FAIL(STATUS_USAGE, "--plane %s: give an axis and a place, such as x=1.4mm", plane);
-  request->axis = plane[0] - 'x';
-  enum status status = quantity_parse(plane + 2, DIM_LENGTH, &request->position);
-  if (status != STATUS_OK) error_context(STATUS_USAGE, "--plane");
-  return status == STATUS_OK ? STATUS_OK : STATUS_USAGE;
-}
-
-static enum status parse_zoom(const struct options *options, struct slice_request *request) {
-  const char *zoom = options_text(options, "zoom");
-  if (zoom == NULL) return STATUS_OK;
-  for (int i = 0; i < 4; i++) {
-    char part[64];
-    size_t length = strcspn(zoom, ",");
-    if (length >= sizeof part || (i < 3) != (zoom[length] == ','))
-      return FAIL(STATUS_USAGE, "--zoom: give four lengths, such as 0.5mm,0.5mm,1mm,1mm");
-    memcpy(part, zoom, length);
-    part[length] = '\0';
-    if (quantity_parse(part, DIM_LENGTH, &request->zoom[i]) != STATUS_OK)
-      return error_context(STATUS_USAGE, "--zoom");
-    zoom += length + (i < 3);
+static void build_table(struct analyze_table *table) {
+  static const struct option_command report = {
+      "report",
+      "RUN... -o report.html",
+      "one self-contained page of all that the runs support",
+      "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html",
+      1,
+      -1};
+  struct option_entry mix = {"mix", 0, NULL, 0,
+                             "take runs of different models together (refused without)"};
+  size_t commands = 0, entries = 2;
+  *table = (struct analyze_table){0};
+  for (size_t i = 0; i < ANALYSES; i++) {
+    const struct analysis *analysis = analyses[i];
+    if (analysis->command.name == NULL) continue;
+    for (size_t o = 0; o < ANALYSIS_OPTIONS && analysis->options[o].name != NULL; o++) {
+      table->entries[entries] = analysis->options[o];
+      table->entries[entries++].commands = 1u << commands;
+    }
+    if (!analysis->of_solutes && analysis->command.operands_max != 1)
+      mix.commands |= 1u << commands;
+    table->commands[commands++] = analysis->command;
   }
-  request->zoomed = true;
-  return STATUS_OK;
-}
-
-static enum status slice_command(const struct options *options, const struct run *run,
-                                 struct product *product) {
-  enum status status = STATUS_OK;
-  struct slice_request request = {.axis = -1, .position = NAN, .thickness = NAN};
-  TRY(parse_plane(options, &request));
-  TRY(parse_zoom(options, &request));
-  TRY(options_quantity(options, "thickness", DIM_LENGTH, &request.thickness));
-  TRY(slice_analyze(run, &request, product));
-cleanup:
-  return status;
-}
-
-static enum status seepage_command(const struct options *options, const struct run *run,
-                                   struct product *product) {
-  struct seepage_request request = {.grain_density = NAN};
-  enum status status =
-      options_quantity(options, "grain-density", DIM_DENSITY, &request.grain_density);
-  return status == STATUS_OK ? seepage_analyze(run, &request, product) : status;
+  mix.commands |= 1u << commands;
+  table->commands[commands] = report;
+  table->entries[0] =
+      (struct option_entry){"output", 'o', "DIR", OPTION_ALL,
+                            "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; "
+                            "report: the page"};
+  table->entries[1] = mix;
 }
 
 /* Whether two names are those of one file. */
@@ -227,15 +158,6 @@ cleanup:
   return status;
 }
 
-/* Commands on any number of runs. */
-static const struct {
-  const char *name;
-  enum status (*analyze)(const struct run *runs, size_t n, struct product *product);
-} many[] = {{"darcy", darcy_analyze},
-            {"pdf", pdf_analyze},
-            {"history", history_analyze},
-            {"converge", converge_analyze}};
-
 /* The operands that hold what a solute did; free with memory_free. */
 static enum status find_solutes(const struct options *options, const char ***paths, size_t *n) {
   enum status status = STATUS_OK;
@@ -274,82 +196,76 @@ cleanup:
   return status;
 }
 
-/* Walks leave breakthrough curves and a film strip too: products of their own, in one JSON object. */
-static enum status dispersion_command(const struct options *options) {
+/* An analysis, and those that its command delivers besides: products of their own, in one JSON
+ * object. */
+static enum status deliver_analysis(const struct options *options, const struct analysis *analysis,
+                                    const struct subject *subject) {
   enum status status = STATUS_OK;
-  struct product product = {0}, curves = {0}, film = {0};
-  bool walked = false, filmed = false;
-  const char **paths = NULL;
-  const size_t n = options_operand_count(options);
-  TRY(memory_allocate(&paths, n, sizeof *paths, "names of files"));
-  for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
-  TRY(product_start("dispersion", &product));
-  TRY(dispersion_analyze(paths, n, &product));
-  for (size_t i = 0; i < n; i++) {
-    walked = walked || breakthrough_is(paths[i]);
-    filmed = filmed || film_is(paths[i]);
-  }
-  if (walked) {
-    TRY(product_start("breakthrough", &curves));
-    TRY(breakthrough_analyze(paths, n, &curves));
-    json_object_set(product.json, "breakthrough", curves.json);
-  }
-  if (filmed) {
-    TRY(product_start("film", &film));
-    TRY(film_analyze(paths, n, &film));
-    json_object_set(product.json, "film", film.json);
+  struct product product = {0}, second[ANALYSES] = {{0}};
+  TRY(product_start(analysis->name, &product));
+  TRY(analysis->analyze(subject, options, &product));
+  for (size_t i = 0; i < ANALYSES; i++) {
+    bool applies = false;
+    if (analyses[i]->delivered_with == NULL ||
+        strcmp(analyses[i]->delivered_with, analysis->name) != 0)
+      continue;
+    TRY(analyses[i]->applies(subject, &applies));
+    if (!applies) continue;
+    TRY(product_start(analyses[i]->name, &second[i]));
+    TRY(analyses[i]->analyze(subject, options, &second[i]));
+    json_object_set(product.json, analyses[i]->name, second[i].json);
   }
   TRY(deliver(options, &product));
-  if (walked) TRY(deliver_second(options, &curves));
-  if (filmed) TRY(deliver_second(options, &film));
+  for (size_t i = 0; i < ANALYSES; i++)
+    if (second[i].name != NULL) TRY(deliver_second(options, &second[i]));
+  if (analysis == &darcy_analysis && !options_json(options) && log_level() > LOG_QUIET)
+    print_verdict(subject->runs, subject->n, product.json);
 cleanup:
-  memory_free(&paths);
-  product_free(&curves);
-  product_free(&film);
+  for (size_t i = 0; i < ANALYSES; i++) product_free(&second[i]);
   product_free(&product);
   return status;
 }
 
 static enum status run_command(const struct options *options) {
   enum status status = STATUS_OK;
-  const char *command = options_command(options);
+  const struct analysis *analysis = NULL; /* none: the report */
   struct run *runs = NULL;
-  struct product product = {0};
+  const char **solutes = NULL;
   size_t n = 0;
-  if (strcmp(command, "dispersion") == 0) return dispersion_command(options);
-  TRY(product_start(command, &product));
-  const bool report = strcmp(command, "report") == 0;
-  TRY(read_runs(options, report, &runs, &n));
-  /* A study of the resolution has a model for each spacing. */
-  bool levels = report || strcmp(command, "converge") == 0;
-  TRY(compatible_runs_check(runs, n, levels, options_given(options, "mix")));
-  if (report) {
-    TRY(report_command(options, runs, n));
+  for (size_t i = 0; i < ANALYSES; i++)
+    if (strcmp(options_command(options), analyses[i]->name) == 0) analysis = analyses[i];
+  if (analysis != NULL && analysis->of_solutes) {
+    n = options_operand_count(options);
+    TRY(memory_allocate(&solutes, n, sizeof *solutes, "names of files"));
+    for (size_t i = 0; i < n; i++) solutes[i] = options_operand(options, i);
+    TRY(deliver_analysis(options, analysis,
+                         &(struct subject){.solutes = solutes, .solute_count = n}));
     goto cleanup;
   }
-  if (strcmp(command, "slice") == 0) {
-    TRY(slice_command(options, &runs[0], &product));
-  } else if (strcmp(command, "seepage") == 0) {
-    TRY(seepage_command(options, &runs[0], &product));
-  } else {
-    for (size_t i = 0; i < sizeof many / sizeof *many; i++)
-      if (strcmp(command, many[i].name) == 0) TRY(many[i].analyze(runs, n, &product));
-  }
-  TRY(deliver(options, &product));
-  if (!strcmp(command, "darcy") && !options_json(options) && log_level() > LOG_QUIET)
-    print_verdict(runs, n, product.json);
+  TRY(read_runs(options, analysis == NULL, &runs, &n));
+  TRY(compatible_runs_check(runs, n, analysis == NULL || analysis->several_models,
+                            options_given(options, "mix")));
+  if (analysis == NULL)
+    TRY(report_command(options, runs, n));
+  else
+    TRY(deliver_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
 cleanup:
-  for (size_t i = 0; i < n; i++) run_free(&runs[i]);
+  for (size_t i = 0; runs != NULL && i < n; i++) run_free(&runs[i]);
   memory_free(&runs);
-  product_free(&product);
+  memory_free(&solutes);
   return status;
 }
 
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
+  struct analyze_table parts;
   struct options *options = NULL;
   bool done = false;
   log_start("analyze", LOG_NORMAL);
+  build_table(&parts);
+  const struct option_table table = {
+      "analyze", "from runs of sphsolve to permeability, distributions, plots and a report",
+      parts.commands, parts.entries};
   enum status status = options_parse(&table, argc, argv, &options, &done);
   if (status == STATUS_OK && !done) status = run_command(options);
   if (status == STATUS_OK) status = output_flush();

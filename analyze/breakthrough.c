@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "analyze/plot.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
@@ -36,7 +37,8 @@ static bool has_walk(struct h5_file *file, size_t walk) {
   return h5_exists(file, path);
 }
 
-bool breakthrough_is(const char *path) {
+/* Whether a file holds walks of method solute. */
+static bool is_walk(const char *path) {
   struct h5_file *file = NULL;
   const bool is = h5_open(path, &file) == STATUS_OK && has_walk(file, 0);
   h5_close(file);
@@ -260,13 +262,17 @@ static void write_plot(const struct curves *list, size_t n, FILE *stream) {
   fputs("unset multiplot\n", stream);
 }
 
-enum status breakthrough_analyze(const char *const *paths, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const char *const *paths = subject->solutes;
+  const size_t n = subject->solute_count;
+  (void)options;
   struct curves *list = NULL;
   size_t count = 0;
   bool any = false;
   for (size_t i = 0; i < n; i++)
-    if (breakthrough_is(paths[i])) TRY(read_file(paths[i], &list, &count));
+    if (is_walk(paths[i])) TRY(read_file(paths[i], &list, &count));
   for (size_t i = 0; i < count; i++) any = any || drawn(&list[i]) != NULL;
   write_json(list, count, product->json);
   write_csv(list, count, product->csv.stream);
@@ -280,3 +286,22 @@ cleanup:
   memory_free(&list);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = false;
+  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_walk(subject->solutes[i]);
+  return STATUS_OK;
+}
+
+const struct analysis breakthrough_analysis = {
+    .name = "breakthrough",
+    .of_solutes = true,
+    .delivered_with = "dispersion",
+    .heading = "Breakthrough",
+    .contents = "Breakthrough",
+    .caption =
+        "When a solute that began spread over the pores has passed the first plane across the "
+        "flow, one box length on: share and density of travel times of the random walk "
+        "(points), and the fit of the advection-dispersion equation (lines).",
+    .applies = applies,
+    .analyze = analyze};

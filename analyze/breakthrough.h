@@ -19,9 +19,4 @@ double breakthrough_time(double v, double d, double share);
 bool breakthrough_fit(const double *t, const double *share, size_t n, double *v, double *d,
                       double *misfit);
 
-/* Whether a file holds walks of method solute. */
-bool breakthrough_is(const char *path);
-/* Curves, travel times and fits at each plane of each walk. */
-enum status breakthrough_analyze(const char *const *paths, size_t n, struct product *product);
-
 #endif

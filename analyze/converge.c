@@ -1,8 +1,7 @@
-#include "analyze/converge.h"
-
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "analyze/uncertainty.h"
 #include "analyze/compatible_runs.h"
 #include "analyze/plot.h"
@@ -322,8 +321,12 @@ static void write_plot(const struct level *levels, const struct series *series, 
   fputs("\nunset multiplot\n", stream);
 }
 
-enum status converge_analyze(const struct run *runs, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const struct run *runs = subject->runs;
+  const size_t n = subject->n;
+  (void)options;
   struct level *levels = NULL;
   struct series *series = NULL;
   size_t count = 0, good = 0, last = 0;
@@ -367,3 +370,27 @@ cleanup:
   memory_free(&series);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = false;
+  for (size_t i = 1; subject->permeable && i < subject->n; i++)
+    *applies |= fabs(subject->runs[i].spacing[0] / subject->runs[0].spacing[0] - 1.0) > 1e-4;
+  return STATUS_OK;
+}
+
+const struct analysis converge_analysis = {
+    .name = "converge",
+    .command =
+        {"converge", "RUN RUN... [-o DIR]",
+         "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
+         "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
+    .several_models = true,
+    .heading = "Accuracy and its cost",
+    .contents = "Accuracy",
+    .caption =
+        "k against spacing with the extrapolation, and its deviation from the extrapolated k "
+        "against wall-clock time.",
+    .charts = true,
+    .may_fail = true, /* runs of different bodies: nothing to extrapolate */
+    .applies = applies,
+    .analyze = analyze};

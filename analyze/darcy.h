@@ -28,8 +28,4 @@ struct darcy_fit {
 enum status darcy_fit(const double *gradient, const double *velocity, const double *error95,
                       size_t n, double kinematic, double gravity, struct darcy_fit *fit);
 
-/* k of each group of runs that may be compared (runs_group), with its error, into the
- * product's JSON, CSV, plot and summary. */
-enum status darcy_analyze(const struct run *runs, size_t n, struct product *product);
-
 #endif

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "analyze/uncertainty.h"
 #include "analyze/plot.h"
 #include "analyze/tensor.h"
@@ -314,8 +315,12 @@ static void write_plot(const struct darcy_table *table, FILE *stream) {
   fputc('\n', stream);
 }
 
-enum status darcy_analyze(const struct run *runs, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const struct run *runs = subject->runs;
+  const size_t n = subject->n;
+  (void)options;
   struct darcy_table table = {.runs = runs, .n = n};
   TRY(collect(&table));
   for (size_t g = 0; g < table.groups; g++) TRY(fit_group(&table, g));
@@ -333,3 +338,32 @@ cleanup:
   memory_free(&table.first);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = subject->permeable;
+  return STATUS_OK;
+}
+
+/* A line through one point waits behind a fold. */
+static enum showing showing(const struct subject *subject, const json_t *json) {
+  size_t i;
+  const json_t *group;
+  (void)subject;
+  json_array_foreach(json_object_get(json, "groups"), i, group) {
+    if (json_array_size(json_object_get(group, "runs")) > 1) return SHOW_OPEN;
+  }
+  return SHOW_FOLDED;
+}
+
+const struct analysis darcy_analysis = {
+    .name = "darcy",
+    .command = {"darcy", "RUN... [-o DIR]",
+                "permeability with its error: Darcy velocity against gradient",
+                "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
+    .heading = "Darcy&rsquo;s law",
+    .contents = "Darcy&rsquo;s law",
+    .caption = "Darcy velocity against hydraulic gradient with the fitted line.",
+    .charts = true,
+    .applies = applies,
+    .analyze = analyze,
+    .showing = showing};

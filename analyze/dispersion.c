@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "analyze/plot.h"
 #include "common/hdf5_file.h"
 #include "common/json_number.h"
@@ -327,8 +328,12 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
   fputc('\n', stream);
 }
 
-enum status dispersion_analyze(const char *const *paths, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const char *const *paths = subject->solutes;
+  const size_t n = subject->solute_count;
+  (void)options;
   struct solute_run *runs = NULL;
   TRY(memory_allocate(&runs, n, sizeof *runs, "runs of a solute"));
   for (size_t r = 0; r < n; r++) TRY(read_run(paths[r], &runs[r]));
@@ -343,3 +348,21 @@ cleanup:
   memory_free(&runs);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = subject->solute_count > 0;
+  return STATUS_OK;
+}
+
+const struct analysis dispersion_analysis = {
+    .name = "dispersion",
+    .command = {"dispersion", "RUN... [-o DIR]",
+                "how a solute spreads along and across the flow, against the Peclet number",
+                "analyze dispersion solute.hdf -o results", 1, -1},
+    .of_solutes = true,
+    .heading = "Dispersion of a solute",
+    .contents = "Dispersion",
+    .caption = "How fast a solute spreads along and across the flow, over the molecular diffusion "
+               "coefficient, against the Peclet number; with the curve of beds of beads and sand.",
+    .applies = applies,
+    .analyze = analyze};

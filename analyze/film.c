@@ -1,7 +1,7 @@
-#include "analyze/film.h"
-
+/* Film strip of a plume: where walkers are from where they began, at times that double. */
 #include <math.h>
 
+#include "analyze/analysis.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
@@ -19,7 +19,8 @@ static void name_of(char path[64], size_t walk, const char *what) {
   snprintf(path, 64, "/solute/walk/%zu/plume%s", walk, what);
 }
 
-bool film_is(const char *path) {
+/* Whether a file holds such pictures. */
+static bool is_filmed(const char *path) {
   struct h5_file *file = NULL;
   bool is = false;
   if (h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute/walk/0/plume")) is = true;
@@ -117,11 +118,15 @@ static void measure(const struct film *f, size_t frame, double *mean, double dev
   for (int d = 0; d < 2; d++) deviation[d] = sqrt(fmax(square[d] / all - pow(sum[d] / all, 2), 0));
 }
 
-enum status film_analyze(const char *const *paths, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const char *const *paths = subject->solutes;
+  const size_t n = subject->solute_count;
+  (void)options;
   struct film film = {0};
   size_t i = 0;
-  while (i + 1 < n && !film_is(paths[i])) i++;
+  while (i + 1 < n && !is_filmed(paths[i])) i++;
   TRY(read_film(paths[i], &film));
   json_t *list = json_array();
   fputs("time_s,mean_m,deviation_along_m,deviation_across_m\n", product->csv.stream);
@@ -150,3 +155,21 @@ cleanup:
   free_film(&film);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = false;
+  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_filmed(subject->solutes[i]);
+  return STATUS_OK;
+}
+
+const struct analysis film_analysis = {
+    .name = "film",
+    .of_solutes = true,
+    .delivered_with = "dispersion",
+    .heading = "Plume",
+    .contents = "Plume",
+    .caption =
+        "Where a solute is that began at one point, on the mean over all points of the pores: "
+        "concentration over its maximum, at times that double; along the flow and across it.",
+    .applies = applies,
+    .analyze = analyze};

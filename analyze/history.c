@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/statistics.h"
@@ -171,8 +172,12 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
   }
 }
 
-enum status history_analyze(const struct run *runs, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const struct run *runs = subject->runs;
+  const size_t n = subject->n;
+  (void)options;
   struct run_history *table = NULL;
   TRY(memory_allocate(&table, n, sizeof *table, "runs"));
   json_t *list = json_array();
@@ -196,3 +201,27 @@ cleanup:
   memory_free(&table);
   return status;
 }
+
+/* A record of a few rows, and that of an iteration, wait behind a fold. */
+static enum showing showing(const struct subject *subject, const json_t *json) {
+  (void)json;
+  for (size_t i = 0; i < subject->n; i++) {
+    const struct run *run = &subject->runs[i];
+    if (run->column_count > 0 && run->columns[0].rows >= 10 && strcmp(run->method, "stokes") != 0)
+      return SHOW_OPEN;
+  }
+  return SHOW_FOLDED;
+}
+
+const struct analysis history_analysis = {
+    .name = "history",
+    .command = {"history", "RUN... [-o DIR]",
+                "Darcy velocity, density and gauges against time; steadiness",
+                "analyze history dense-1G.hdf -o results", 1, -1},
+    .heading = "History",
+    .contents = "History",
+    .caption = "Darcy velocity and density against time, the density's histogram at the end, and "
+               "what the scene records.",
+    .charts = true,
+    .analyze = analyze,
+    .showing = showing};

@@ -26,7 +26,4 @@ bool history_is_standard(const char *column);
 /* Writes the plot of n runs and its size. */
 void history_plot(const struct run_history *table, size_t n, struct product *product);
 
-/* The histories of n runs into the product's JSON, CSV, plot and summary. */
-enum status history_analyze(const struct run *runs, size_t n, struct product *product);
-
 #endif

@@ -34,7 +34,4 @@ double pdf_exponential(double s);
  * positive values, by maximum likelihood; gamma within [0.3, 4]. */
 void pdf_fit_power_exponential(const double *values, size_t n, double *sigma, double *gamma);
 
-/* Of the last snapshots of n runs, into the product's JSON, CSV, plot and summary. */
-enum status pdf_analyze(const struct run *runs, size_t n, struct product *product);
-
 #endif

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "analyze/plot.h"
 #include "common/memory.h"
 
@@ -249,8 +250,12 @@ static void write_plot(const struct velocity_statistics *table, size_t n, struct
   fputs("\nunset multiplot\n", stream);
 }
 
-enum status pdf_analyze(const struct run *runs, size_t n, struct product *product) {
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const struct run *runs = subject->runs;
+  const size_t n = subject->n;
+  (void)options;
   struct velocity_statistics *table = NULL;
   TRY(memory_allocate(&table, n, sizeof *table, "runs"));
   json_t *list = json_array();
@@ -275,3 +280,21 @@ cleanup:
   memory_free(&table);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = subject->permeable && subject->snapshots && !subject->blocked;
+  return STATUS_OK;
+}
+
+const struct analysis pdf_analysis = {
+    .name = "pdf",
+    .command = {"pdf", "RUN... [-o DIR]",
+                "probability density of the pore velocity, raw and normalised",
+                "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
+    .heading = "Pore velocity",
+    .contents = "Pore velocity",
+    .caption = "Probability density of the velocity along the driving force, raw and over the pore "
+               "mean, with those of a slit, a tube, an exponential and a fitted power-exponential.",
+    .charts = true,
+    .applies = applies,
+    .analyze = analyze};

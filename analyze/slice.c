@@ -1,10 +1,21 @@
-#include "analyze/slice.h"
-
+/* Velocity vectors over the grains in a slab across one axis. */
 #include <math.h>
 
+#include <string.h>
+
+#include "analyze/analysis.h"
 #include "analyze/plot.h"
 #include "common/memory.h"
 #include "common/statistics.h"
+
+struct slice_request {
+  int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y of a 2-D run */
+  double position;  /* m, middle of the slab; NAN: middle of the run */
+  double thickness; /* m; NAN: one spacing */
+  double vectors;   /* most along the longer side; 0: 60 */
+  bool zoomed;
+  double zoom[4]; /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
+};
 
 struct window {
   int axis, across, up;     /* normal; horizontal; vertical */
@@ -169,16 +180,54 @@ static void write_plot(const struct run *run, const struct window *w, const stru
           20.0 / product->width, dy, 0.45 * w->cell * pixels / product->width);
 }
 
-enum status slice_analyze(const struct run *run, const struct slice_request *request,
-                          struct product *product) {
+static enum status parse_plane(const struct options *options, struct slice_request *request) {
+  const char *plane = options_text(options, "plane");
+  if (plane == NULL) return STATUS_OK;
+  if (plane[0] < 'x' || plane[0] > 'z' || plane[1] != '=')
+    return FAIL(STATUS_USAGE, "--plane %s: give an axis and a place, such as x=1.4mm", plane);
+  request->axis = plane[0] - 'x';
+  enum status status = quantity_parse(plane + 2, DIM_LENGTH, &request->position);
+  if (status != STATUS_OK) error_context(STATUS_USAGE, "--plane");
+  return status == STATUS_OK ? STATUS_OK : STATUS_USAGE;
+}
+
+static enum status parse_zoom(const struct options *options, struct slice_request *request) {
+  const char *zoom = options_text(options, "zoom");
+  if (zoom == NULL) return STATUS_OK;
+  for (int i = 0; i < 4; i++) {
+    char part[64];
+    size_t length = strcspn(zoom, ",");
+    if (length >= sizeof part || (i < 3) != (zoom[length] == ','))
+      return FAIL(STATUS_USAGE, "--zoom: give four lengths, such as 0.5mm,0.5mm,1mm,1mm");
+    memcpy(part, zoom, length);
+    part[length] = '\0';
+    if (quantity_parse(part, DIM_LENGTH, &request->zoom[i]) != STATUS_OK)
+      return error_context(STATUS_USAGE, "--zoom");
+    zoom += length + (i < 3);
+  }
+  request->zoomed = true;
+  return STATUS_OK;
+}
+
+/* Vectors are means over cells so that not more than `vectors` stand along an axis. */
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
   enum status status = STATUS_OK;
+  const struct run *run = &subject->runs[0];
+  struct slice_request request = {
+      .axis = -1, .position = NAN, .thickness = NAN, .vectors = options == NULL ? 42.0 : 0.0};
   static const char axes[] = "xyz";
   struct particles particles = {0};
   struct cell *cells = NULL;
   struct window w = {0};
   size_t vectors = 0;
   double fastest = 0.0, mean = 0.0;
-  TRY(choose_window(run, request, &w));
+  if (options != NULL) {
+    TRY(parse_plane(options, &request));
+    TRY(parse_zoom(options, &request));
+    TRY(options_quantity(options, "thickness", DIM_LENGTH, &request.thickness));
+  }
+  TRY(choose_window(run, &request, &w));
   TRY(run_last_snapshot(run, &particles));
   TRY(fill_cells(&particles, &w, &cells));
   fprintf(product->csv.stream, "%c_m,%c_m,velocity_%c_m_per_s,velocity_%c_m_per_s,particles\n",
@@ -220,3 +269,30 @@ cleanup:
   memory_free(&cells);
   return status;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = subject->snapshots && !subject->blocked;
+  return STATUS_OK;
+}
+
+/* Maps of a plane say what its arrows would. */
+static enum showing showing(const struct subject *subject, const json_t *json) {
+  (void)json;
+  return subject->maps ? SHOW_NOT : SHOW_OPEN;
+}
+
+const struct analysis slice_analysis = {
+    .name = "slice",
+    .command = {"slice", "RUN [--plane x=Q] [--thickness Q] [--zoom Y0,Z0,Y1,Z1] [-o DIR]",
+                "velocity vectors over the grains in a slab",
+                "analyze slice dense-1G.hdf --plane x=1.4mm --thickness 0.2mm -o results", 1, 1},
+    .options = {{"plane", 0, "AXIS=Q", 0, "where: x=1.4mm, y=0.2mm, ... (the middle, across x)"},
+                {"thickness", 0, "Q", 0, "of the slab (one spacing)"},
+                {"zoom", 0, "Y0,Z0,Y1,Z1", 0,
+                 "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"}},
+    .heading = "Slice",
+    .contents = "Slice",
+    .caption = "Velocity in the plane over the grains (grey), half-way through the body.",
+    .applies = applies,
+    .analyze = analyze,
+    .showing = showing};

@@ -70,41 +70,37 @@ static void write_foot(struct page *page) {
         page->out);
 }
 
+static void write_link(FILE *out, const char *id, const char *name) {
+  fprintf(out, "<a href=\"#%s\">%s</a> ", id, name);
+}
+
+/* The list of sections, in their order on the page. */
 static void write_contents(const struct page *page, bool budget) {
-  const struct {
-    const char *id, *name;
-    bool there;
-  } list[] = {{"flow", "Flow", page->has_flow},
-              {"levels", "Accuracy", page->n == 1 && page->runs[0].levels.count > 1},
-              {"soil", "Soil", page_has_soil(page)},
-              {"converge", "Accuracy", page->has[PART_CONVERGE]},
-              {"pdf", "Pore velocity", page->has[PART_PDF] || page->blocked},
-              {"dispersion", "Dispersion", page->has[PART_DISPERSION]},
-              {"breakthrough", "Breakthrough", page->has[PART_BREAKTHROUGH]},
-              {"film", "Plume", page->has[PART_FILM]},
-              {"seepage", "Seepage", page->has[PART_SEEPAGE]},
-              {"darcy", "Darcy&rsquo;s law", page->has[PART_DARCY]},
-              {"history", "History", page->has[PART_HISTORY]},
-              {"slice", "Slice", page->has[PART_SLICE] && !page->has_plane},
-              {"specimen", "Specimen", true},
-              {"methods", "Methods", true},
-              {"effects", "Effects", true},
-              {"ledger", "Budget", budget},
-              {"provenance", "Provenance", true}};
-  fputs("<nav>", page->out);
-  for (size_t i = 0; i < sizeof list / sizeof *list; i++)
-    if (list[i].there) fprintf(page->out, "<a href=\"#%s\">%s</a> ", list[i].id, list[i].name);
-  fputs("</nav>\n", page->out);
+  FILE *out = page->out;
+  fputs("<nav>", out);
+  if (page->has_flow) write_link(out, "flow", "Flow");
+  if (page->n == 1 && page->runs[0].levels.count > 1) write_link(out, "levels", "Accuracy");
+  if (page_has_soil(page)) write_link(out, "soil", "Soil");
+  if (page->subject.blocked) write_link(out, "pdf", "Pore velocity");
+  for (enum showing showing = SHOW_OPEN; showing >= SHOW_FOLDED; showing--)
+    for (size_t i = 0; i < ANALYSES; i++)
+      if (page->parts[i].there && page->parts[i].showing == showing)
+        write_link(out, analyses[i]->name, analyses[i]->contents);
+  write_link(out, "specimen", "Specimen");
+  write_link(out, "methods", "Methods");
+  write_link(out, "effects", "Effects");
+  if (budget) write_link(out, "ledger", "Budget");
+  write_link(out, "provenance", "Provenance");
+  fputs("</nav>\n", out);
 }
 
 static void write_methods(struct page *page) {
-  const json_t *converge = page->has[PART_CONVERGE] ? page->part[PART_CONVERGE].json : NULL;
+  const json_t *converge = page_found(page, &converge_analysis);
   const json_t *result = json_array_get(json_object_get(page->data, "verdict"), 0), *series;
   const char *from = json_string_value(
       json_object_get(json_object_get(result, "error_budget"), "resolution_from"));
   struct methods_facts facts = {.permeable = result != NULL,
-                                .fitted = page->has[PART_DARCY] &&
-                                          page_is_worth_a_screen(page, PART_DARCY),
+                                .fitted = page->parts[ANALYSIS_darcy].showing == SHOW_OPEN,
                                 .index = from != NULL && from[0] == 'g',
                                 .lattices = from != NULL && from[0] == 'l'};
   size_t i;
@@ -132,41 +128,12 @@ static enum status write_body(struct page *page) {
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   TRY(page_soil(page));
-  page_figure(page, PART_CONVERGE, "Accuracy and its cost",
-              "k against spacing with the extrapolation, and its deviation from the "
-              "extrapolated k against wall-clock time.");
-  page_figure(page, PART_PDF, "Pore velocity",
-              "Probability density of the velocity along the driving force, raw and over the "
-              "pore mean, with those of a slit, a tube, an exponential and a fitted "
-              "power-exponential.");
-  if (page->blocked)
+  if (page->subject.blocked)
     fputs(
         "<section id=\"pdf\"><h2>Pore velocity</h2>\n<p>No pore leads through the model along the "
         "force: the water is at rest, and there is no velocity to show.</p></section>\n",
         out);
-  page_figure(page, PART_DISPERSION, "Dispersion of a solute",
-              "How fast a solute spreads along and across the flow, over the molecular diffusion "
-              "coefficient, against the Peclet number; with the curve of beds of beads and sand.");
-  page_figure(page, PART_BREAKTHROUGH, "Breakthrough",
-              "When a solute that began spread over the pores has passed the first plane across "
-              "the flow, one box length on: share and density of travel times of the random walk "
-              "(points), and the fit of the advection-dispersion equation (lines).");
-  page_figure(page, PART_FILM, "Plume",
-              "Where a solute is that began at one point, on the mean over all points of the "
-              "pores: concentration over its maximum, at times that double; along the flow and "
-              "across it.");
-  page_figure(
-      page, PART_SEEPAGE, "Seepage",
-      "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "
-      "what the water does to soil and walls.");
-  page_figure(page, PART_DARCY, "Darcy&rsquo;s law",
-              "Darcy velocity against hydraulic gradient with the fitted line.");
-  page_figure(page, PART_HISTORY, "History",
-              "Darcy velocity and density against time, the density's histogram at the end, and "
-              "what the scene records.");
-  if (!page->has_plane)
-    page_figure(page, PART_SLICE, "Slice",
-                "Velocity in the plane over the grains (grey), half-way through the body.");
+  page_analyses(page);
   fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
   TRY(page_specimen(&page->runs[0], &page->model, out, &calibration));
   if (calibration != NULL) {
@@ -221,11 +188,11 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
                        size_t solute_count, const char *path, const char *command_line,
                        json_t **json) {
   enum status status = STATUS_OK;
-  struct page page = {.runs = runs,
-                      .n = n,
-                      .solutes = solutes,
-                      .solute_count = solute_count,
-                      .command_line = command_line};
+  struct page page = {
+      .subject = {.runs = runs, .n = n, .solutes = solutes, .solute_count = solute_count},
+      .runs = runs,
+      .n = n,
+      .command_line = command_line};
   char *text = NULL;
   size_t size = 0;
   bool charts = asset_get(ASSET_DYGRAPH).size > 0;
@@ -236,9 +203,8 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
                 "still pictures; install both and build again");
   page_model_read(&runs[0], &page.model);
   TRY(page_analyse(&page));
-  json_t *results =
-      verdict_results(runs, n, page.has[PART_DARCY] ? page.part[PART_DARCY].json : NULL,
-                      page.has[PART_CONVERGE] ? page.part[PART_CONVERGE].json : NULL);
+  json_t *results = verdict_results(runs, n, page_found(&page, &darcy_analysis),
+                                    page_found(&page, &converge_analysis));
   json_object_set_new(page.data, "verdict", results);
   verdict_judge(results, &runs[0], &page.model);
   TRY(compose(&page, &text, &size));
@@ -251,7 +217,7 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
 cleanup:
   free(text);
   json_decref(page.data);
-  for (int i = 0; i < PARTS; i++) product_free(&page.part[i]);
+  for (size_t i = 0; i < ANALYSES; i++) product_free(&page.parts[i].product);
   flow_free(&page.flow);
   plane_free(&page.plane);
   return status;

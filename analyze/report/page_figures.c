@@ -35,44 +35,29 @@ void page_still(FILE *out, const char *name, const char *body, int width, int he
   memory_free(&svg);
 }
 
-/* Whether a part deserves the reader's screen: a line through one point and a record of a few rows
- * do not; they wait behind a fold. */
-bool page_is_worth_a_screen(const struct page *page, enum part part) {
-  size_t i;
-  const json_t *group, *json = page->part[part].json;
-  if (part == PART_DARCY) {
-    json_array_foreach(json_object_get(json, "groups"), i, group) {
-      if (json_array_size(json_object_get(group, "runs")) > 1) return true;
-    }
-    return false;
-  }
-  if (part == PART_HISTORY) {
-    for (i = 0; i < page->n; i++)
-      if (page->runs[i].column_count > 0 && page->runs[i].columns[0].rows >= 10 &&
-          strcmp(page->runs[i].method, "stokes") != 0)
-        return true;
-    return false;
-  }
-  return true;
+/* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
+static void write_analysis(struct page *page, const struct analysis *analysis,
+                           const struct part *part) {
+  FILE *out = page->out;
+  const struct product *product = &part->product;
+  const bool open = part->showing == SHOW_OPEN;
+  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", analysis->name, analysis->heading,
+          open ? "" : "<details><summary>One value a run: show the figure</summary>");
+  if (analysis->charts)
+    fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", analysis->name);
+  if (!page->lean || !analysis->charts)
+    page_still(out, analysis->name, product->plot.data, product->width, product->height,
+               analysis->heading);
+  fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", analysis->caption);
+  html_text(out, product->summary.data);
+  fprintf(out, "</pre>%s</section>\n", open ? "" : "</details>");
 }
 
-/* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
-void page_figure(struct page *page, enum part part, const char *title, const char *caption) {
-  FILE *out = page->out;
-  const struct product *product = &page->part[part];
-  if (!page->has[part]) return;
-  const bool shown = page_is_worth_a_screen(page, part);
-  fprintf(out, "<section id=\"%s\"><h2>%s</h2>\n%s<figure>", page_part_names[part], title,
-          shown ? "" : "<details><summary>One value a run: show the figure</summary>");
-  const bool still_only = part == PART_SLICE || part == PART_DISPERSION || part == PART_BREAKTHROUGH || part == PART_FILM || part == PART_SEEPAGE;
-  if (!still_only)
-    fprintf(out, "<div class=\"charts\" data-part=\"%s\"></div>\n", page_part_names[part]);
-  if (!page->lean || still_only)
-    page_still(out, page_part_names[part], product->plot.data, product->width, product->height,
-               title);
-  fprintf(out, "<figcaption>%s</figcaption></figure>\n<pre class=\"summary\">", caption);
-  html_text(out, product->summary.data);
-  fprintf(out, "</pre>%s</section>\n", shown ? "" : "</details>");
+void page_analyses(struct page *page) {
+  for (enum showing showing = SHOW_OPEN; showing >= SHOW_FOLDED; showing--)
+    for (size_t i = 0; i < ANALYSES; i++)
+      if (page->parts[i].there && page->parts[i].showing == showing)
+        write_analysis(page, analyses[i], &page->parts[i]);
 }
 
 enum status page_calibration(FILE *out, const json_t *calibration, const struct page_model *model) {
@@ -166,7 +151,7 @@ cleanup:
 static enum status write_pictures(struct page *page) {
   enum status status = STATUS_OK;
   FILE *out = page->out;
-  if (page->has_plane) {
+  if (page->subject.maps) {
     fprintf(out, "<div class=\"maps\"><figure>");
     TRY(map_write(&page->plane, MAP_SPEED, out));
     fprintf(out,

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/analysis.h"
 #include "common/json_number.h"
 #include "common/statistics.h"
 
@@ -130,16 +131,22 @@ static void put_phreatic(const struct seepage *s, json_t *json) {
   json_object_set_new(json, "phreatic_line", json_pack("{s:o,s:o}", "x_m", x, "level_m", level));
 }
 
-enum status seepage_analyze(const struct run *run, const struct seepage_request *request,
-                            struct product *product) {
+/* JSON, CSV of the cells, summary and picture of the flow net. */
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
+  const struct run *run = &subject->runs[0];
+  double grain_density = NAN;
   struct seepage seepage, *s = &seepage;
   FILE *summary = product->summary.stream;
   json_t *json = product->json, *heads = json_object(), *levels = json_object(),
          *fluxes = json_object();
-  enum status status = seepage_find(run, request, s);
   json_object_set_new(json, "fluxes_m2_per_s", fluxes);
   json_object_set_new(json, "heads_m", heads);
   json_object_set_new(json, "levels_m", levels);
+  enum status status =
+      options == NULL ? STATUS_OK
+                      : options_quantity(options, "grain-density", DIM_DENSITY, &grain_density);
+  if (status == STATUS_OK) status = seepage_find(run, grain_density, s);
   if (status != STATUS_OK) return status;
   json_object_set_new(json, "path", json_text(run->path));
   json_object_set_new(json, "name", json_text(run->name));
@@ -166,3 +173,25 @@ enum status seepage_analyze(const struct run *run, const struct seepage_request 
   seepage_free(s);
   return STATUS_OK;
 }
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies = false;
+  return subject->snapshots && subject->n == 1 ? seepage_applies(&subject->runs[0], applies)
+                                               : STATUS_OK;
+}
+
+const struct analysis seepage_analysis = {
+    .name = "seepage",
+    .command =
+        {"seepage", "RUN [--grain-density Q] [-o DIR]",
+         "flow through soil: fluxes, heads, exit gradient and heave, forces on walls, flow net",
+         "analyze seepage excavation.hdf -o results", 1, 1},
+    .options = {{"grain-density", 0, "Q", 0,
+                 "of the soil's grains, for the critical gradient (2650 kg/m^3)"}},
+    .heading = "Seepage",
+    .contents = "Seepage",
+    .caption =
+        "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "
+        "what the water does to soil and walls.",
+    .applies = applies,
+    .analyze = analyze};

@@ -7,10 +7,6 @@
 #include "analyze/run_file.h"
 #include "analyze/seepage/head_field.h"
 
-struct seepage_request {
-  double grain_density; /* kg/m^3; NAN: 2650 */
-};
-
 /* Where water leaves soil upwards. */
 struct seepage_exit {
   bool found;
@@ -51,8 +47,8 @@ struct seepage {
   double *phreatic; /* [nx] m; NAN where there is no surface */
 };
 
-enum status seepage_find(const struct run *run, const struct seepage_request *request,
-                         struct seepage *seepage);
+/* grain_density in kg/m^3, NAN: 2650. Free with seepage_free, also after a failure. */
+enum status seepage_find(const struct run *run, double grain_density, struct seepage *seepage);
 void seepage_free(struct seepage *seepage);
 
 /* (Gs - 1) / (1 + e), the gradient at which water carries the grains (Terzaghi 1922). */
@@ -61,9 +57,6 @@ double seepage_critical(double grain_density, double density, double porosity);
 /* Whether water seeps in a run so that a flow net says something: head falls in its soil by more
  * than a spacing. False also where there is no such field. */
 enum status seepage_applies(const struct run *run, bool *applies);
-/* JSON, CSV of the cells, summary and picture of the flow net. */
-enum status seepage_analyze(const struct run *run, const struct seepage_request *request,
-                            struct product *product);
 /* seepage_plot.c: gnuplot's body of the flow net. */
 void seepage_plot(const struct seepage *seepage, struct product *product);
 

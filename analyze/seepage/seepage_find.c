@@ -158,12 +158,11 @@ static void find_ranges(struct seepage *s) {
   s->flow = fmax(0, most - least);
 }
 
-enum status seepage_find(const struct run *run, const struct seepage_request *request,
-                         struct seepage *s) {
+enum status seepage_find(const struct run *run, double grain_density, struct seepage *s) {
   enum status status = STATUS_OK;
   struct head_field *f = &s->field;
   *s = (struct seepage){.run = run};
-  s->grain_density = isnan(request->grain_density) ? 2650 : request->grain_density;
+  s->grain_density = isnan(grain_density) ? 2650 : grain_density;
   if (!(s->grain_density > run->density))
     TRY_FAIL(STATUS_USAGE, "--grain-density %g kg/m^3: grains lighter than the water float",
              s->grain_density);
@@ -197,7 +196,7 @@ enum status seepage_applies(const struct run *run, bool *applies) {
   *applies = false;
   if (strcmp(run->method, "isph") != 0 || run->dimensions != 2 || run->snapshot_count == 0)
     return STATUS_OK;
-  enum status status = seepage_find(run, &(struct seepage_request){NAN}, &seepage);
+  enum status status = seepage_find(run, NAN, &seepage);
   if (status == STATUS_INPUT) { /* of an older version, or with gravity along x */
     error_clear();
     return STATUS_OK;
