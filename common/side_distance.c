@@ -25,13 +25,16 @@ static float between(const size_t n[3], const double spacing[3], const float *di
   return own < 0.0f ? -least : least;
 }
 
-void sides_forget(const size_t n[3], const double spacing[3], float *distance) {
+void sides_forget(const size_t n[3], const double spacing[3], const bool axes[2],
+                  float *distance) {
   const size_t plane = n[0] * n[1];
   /* First what is next to the other phase, from distances that are still all there. */
   for (int pass = 0; pass < 2; pass++)
     for (size_t i = 0; i < plane * n[2]; i++) {
       const size_t at[3] = {i % n[0], i / n[0] % n[1], i / plane};
-      const double reach = fmin(room(at[0], n[0], spacing[0]), room(at[1], n[1], spacing[1]));
+      double reach = INFINITY;
+      for (int a = 0; a < 2; a++)
+        if (axes[a]) reach = fmin(reach, room(at[a], n[a], spacing[a]));
       if (!isfinite(distance[i]) || fabs((double)distance[i]) <= reach) continue;
       const float near = between(n, spacing, distance, at);
       if (pass == 0 && isfinite(near) && fabsf(near) > fabsf(distance[i])) distance[i] = near;

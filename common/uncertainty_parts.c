@@ -35,6 +35,13 @@ double uncertainty_parts_total(const struct uncertainty_parts *parts, double res
   return known ? sqrt(sum) : NAN;
 }
 
+double uncertainty_share_of_sides(double wrapped, double x_mirrored, double mirrored) {
+  if (!(wrapped > 0.0 && mirrored > 0.0)) return NAN;
+  const double both = fabs(mirrored / wrapped - 1.0);
+  if (!(x_mirrored > 0.0)) return both;
+  return fmax(both, hypot(x_mirrored / wrapped - 1.0, mirrored / x_mirrored - 1.0));
+}
+
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,
                                    struct uncertainty_parts *parts) {
   enum status status = STATUS_OK;

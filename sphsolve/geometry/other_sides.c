@@ -13,11 +13,12 @@ static size_t source(size_t i, size_t n) {
 }
 
 /* Distances as they are inside, where nothing is known of what lies beyond a side. */
-static enum status distances_inside(const struct lattice *wrapped, float **distance) {
+static enum status distances_inside(const struct lattice *wrapped, const bool axes[2],
+                                    float **distance) {
   enum status status = STATUS_OK;
   TRY(memory_allocate(distance, wrapped->count, sizeof **distance, "a lattice"));
   memcpy(*distance, wrapped->wall_distance, wrapped->count * sizeof **distance);
-  sides_forget(wrapped->size, wrapped->spacing, *distance);
+  sides_forget(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
       /* No wall beside it inside: as far as it said, and one spacing at least. */
@@ -28,19 +29,21 @@ cleanup:
   return status;
 }
 
-enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *mirrored) {
+enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[2],
+                                 struct lattice *mirrored) {
   enum status status = STATUS_OK;
-  const size_t *n = wrapped->size;
+  const size_t *n = wrapped->size, times[2] = {axes[0] ? 2 : 1, axes[1] ? 2 : 1};
+  const size_t copies = times[0] * times[1];
   float *distance = NULL;
   *mirrored = *wrapped;
   mirrored->kind = NULL, mirrored->wall_distance = NULL, mirrored->region = NULL;
   mirrored->micro_porosity = mirrored->micro_permeability = NULL;
-  TRY(distances_inside(wrapped, &distance));
-  mirrored->size[0] = 2 * n[0], mirrored->size[1] = 2 * n[1];
-  mirrored->count = 4 * wrapped->count;
-  mirrored->bulk_count = 4 * wrapped->bulk_count;
-  mirrored->fluid_count = 4 * wrapped->fluid_count;
-  mirrored->wall_count = 4 * wrapped->wall_count;
+  TRY(distances_inside(wrapped, axes, &distance));
+  mirrored->size[0] = times[0] * n[0], mirrored->size[1] = times[1] * n[1];
+  mirrored->count = copies * wrapped->count;
+  mirrored->bulk_count = (double)copies * wrapped->bulk_count;
+  mirrored->fluid_count = copies * wrapped->fluid_count;
+  mirrored->wall_count = copies * wrapped->wall_count;
   TRY(memory_allocate(&mirrored->kind, mirrored->count, 1, "a lattice"));
   TRY(memory_allocate(&mirrored->wall_distance, mirrored->count, sizeof *distance, "a lattice"));
   if (wrapped->micro_porosity != NULL) TRY(lattice_soil_allocate(mirrored));
@@ -73,7 +76,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
   *closed = *wrapped;
   closed->kind = NULL, closed->wall_distance = NULL, closed->region = NULL;
   closed->micro_porosity = closed->micro_permeability = NULL;
-  TRY(distances_inside(wrapped, &distance));
+  TRY(distances_inside(wrapped, (const bool[2]){true, true}, &distance));
   closed->size[0] = n[0] + layers, closed->size[1] = n[1] + layers;
   closed->count = closed->size[0] * closed->size[1] * n[2];
   closed->wall_count += closed->count - wrapped->count;

@@ -5,9 +5,11 @@
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
 
-/* A lattice whose x and y wrap round, mirrored at those sides instead: twice the sites along each.
- * Distances that reach beyond a side are found anew from what is inside. Free with lattice_free. */
-enum status lattice_mirror_sides(const struct lattice *wrapped, struct lattice *mirrored);
+/* A lattice whose x and y wrap round, mirrored at the sides of `axes` (x, y) instead: twice the sites
+ * along each. Distances that reach beyond such a side are found anew from what is inside. Free with
+ * lattice_free. */
+enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[2],
+                                 struct lattice *mirrored);
 
 /* The same with walls on those sides, as in a tube: `layers` sites of wall after the last along x
  * and y. Free with lattice_free. */

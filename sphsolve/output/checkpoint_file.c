@@ -102,3 +102,23 @@ enum status checkpoint_open(const char *prefix, struct h5_file **file) {
   return FAIL(STATUS_INPUT, "%s: is damaged, and so is the one before; remove both to start anew",
               newest);
 }
+
+/* Whether the file ends in a seal, of whatever bytes. */
+static bool is_sealed(const char *path) {
+  char mark[8];
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return false;
+  const bool sealed = fseek(file, -16, SEEK_END) == 0 && fread(mark, sizeof mark, 1, file) == 1 &&
+                      memcmp(mark, seal_mark, sizeof mark) == 0;
+  fclose(file);
+  return sealed;
+}
+
+void checkpoint_remove(const char *prefix) {
+  char newest[4096], older[4096], fresh[4096];
+  if (ranks_own() > 0) return;
+  paths(prefix, newest, older, fresh);
+  /* The newest last: while it is there nobody takes the older one. */
+  if (is_sealed(older)) unlink(older);
+  if (is_sealed(newest)) unlink(newest);
+}

@@ -14,5 +14,8 @@ enum status checkpoint_commit(const char *prefix, struct h5_file *file);
 /* The newest whole checkpoint; *file is NULL when there is none at all. Warns when it has to take
  * the older one; fails when both are damaged. */
 enum status checkpoint_open(const char *prefix, struct h5_file **file);
+/* Removes what is left of them, of a run that needs none any more; a file without a seal is not ours
+ * and stays. */
+void checkpoint_remove(const char *prefix);
 
 #endif

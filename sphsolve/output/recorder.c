@@ -43,8 +43,8 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
 /* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
 static enum status refuse_overwriting(const struct recorder *recorder) {
   enum status status = STATUS_OK;
-  static const char *const endings[] = {".hdf", ".ckpt.hdf", ".history.csv", ".hdf.series",
-                                        "-image.hdf"};
+  static const char *const endings[] = {".hdf",         ".ckpt.hdf",   ".ckpt.1.hdf",
+                                        ".history.csv", ".hdf.series", "-image.hdf"};
   char path[4096];
   output_protect(recorder->scene->path);
   if (*recorder->scene->model_path) output_protect(recorder->scene->model_path);

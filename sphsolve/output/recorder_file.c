@@ -11,6 +11,7 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/units.h"
+#include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/plan/method.h"
 
@@ -235,6 +236,14 @@ cleanup:
   return status;
 }
 
+/* Nothing is left to go on with; a run that its end time or budget ended can be given more. */
+static bool run_is_over(const struct run_result *result) {
+  static const char *const over[] = {"steady", "converged", "blocked"};
+  for (size_t i = 0; i < sizeof over / sizeof *over; i++)
+    if (!strcmp(result->status, over[i])) return true;
+  return false;
+}
+
 enum status recorder_finish(struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -258,7 +267,9 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
                        hashes));
   status = h5_commit(file);
   file = NULL;
-  if (status == STATUS_OK) history_file_close(&recorder->history, true);
+  if (status != STATUS_OK) goto cleanup;
+  history_file_close(&recorder->history, true);
+  if (run_is_over(result)) checkpoint_remove(recorder->prefix);
 cleanup:
   h5_close(file);
   return status;

@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
+#include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/solute/closure.h"
 #include "sphsolve/solute/cost.h"
@@ -108,6 +109,7 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   tell_missed(scene, &result);
   result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
+  checkpoint_remove(prefix);
   if (json)
     TRY(solute_result_print_json(scene, &flow, &result));
   else if (log_level() > LOG_QUIET)

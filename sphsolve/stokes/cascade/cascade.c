@@ -65,8 +65,7 @@ static bool sides_wait(const struct cascade *c) {
          cascade_sides_are_wrapped(c->scene->model_path);
 }
 
-/* Processor seconds that the share of the sides will take: the lattice as it is, mirrored in x and
- * y, and closed, as the last lattice took. */
+/* Processor seconds that the share of the sides will take, as the last lattice took. */
 static double sides_seconds(const struct cascade *c) {
   const int n = c->uncertainty.level_count;
   size_t size[3], count;
@@ -77,7 +76,7 @@ static double sides_seconds(const struct cascade *c) {
     return 0.0;
   }
   const struct error_level *l = &c->uncertainty.levels[n - 1];
-  return l->seconds * (1.0 + 4.0 + 1.0) * (double)count / l->sites;
+  return l->seconds * CASCADE_SIDES_SITES * (double)count / l->sites;
 }
 
 bool cascade_next(struct cascade *c, double *spacing, const char **why) {
@@ -222,15 +221,18 @@ static void add_calibration(const char *path, struct uncertainty *u) {
 static enum status add_sides(struct cascade *c) {
   enum status status = STATUS_OK;
   struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
-  double k, other, tube;
+  double k, one, other, tube;
   const struct stokes_solver none = {0};
   if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
-  TRY(lattice_mirror_sides(&wrapped, &mirrored));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
   TRY(solve(c, &wrapped, WALL_SUBVOXEL, &none, &sides_goal, false, &k));
+  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, false}, &mirrored));
+  TRY(solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false, &one));
+  lattice_free(&mirrored);
+  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));
   TRY(solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false, &other));
-  if (k > 0.0 && other > 0.0) c->uncertainty.sides = fabs(other / k - 1.0);
+  c->uncertainty.sides = uncertainty_share_of_sides(k, one, other);
   lattice_free(&mirrored);
   TRY(solve(c, &closed, WALL_SUBVOXEL, &none, &sides_goal, false, &tube));
   if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);

@@ -105,7 +105,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
   const double sides = cascade_sides_sites(plan);
   if (sides > 0.0) {
     const double refined = cbrt(sides / 4.0 / (double)l->count);
-    seconds += 6.0 * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
+    seconds += CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
   }
   return seconds;
 }

@@ -16,6 +16,9 @@
 #define CASCADE_ENOUGH 4
 /* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
 #define CASCADE_FIXED 3
+/* The effect of the sides is solved on a lattice as it is, mirrored in x, in x and y, and closed:
+ * so many times its sites. */
+#define CASCADE_SIDES_SITES (1.0 + 2.0 + 4.0 + 1.0)
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
 
 /* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
