@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/lattice_note.h"
 #include "analyze/plot.h"
 #include "common/memory.h"
 
@@ -89,6 +90,7 @@ static void fill_json(const struct velocity_statistics *s, json_t *object) {
   json_object_set_new(object, "particles", json_integer((json_int_t)s->particles));
   json_put_number(object, "hydraulic_gradient", s->run->hydraulic_gradient);
   json_put_number(object, "pore_mean_m_per_s", s->mean);
+  json_put_number(object, "k_of_velocities_m_per_s", lattice_note_k(s->run));
   json_put_number(object, "normalised_velocity_min", s->low);
   json_put_number(object, "normalised_velocity_max", s->high);
   json_object_set_new(object, "pdf", pdf_json(&s->normalised));
@@ -106,7 +108,9 @@ static void fill_json(const struct velocity_statistics *s, json_t *object) {
 }
 
 static void write_csv(const struct velocity_statistics *table, size_t n, FILE *stream) {
-  fputs("run,normalised_velocity,density,velocity_m_per_s,density_s_per_m\n", stream);
+  fputs("run,normalised_velocity,density,velocity_m_per_s,density_s_per_m,"
+        "k_of_velocities_m_per_s\n",
+        stream);
   for (size_t i = 0; i < n; i++) {
     const struct pdf *a = &table[i].normalised, *b = &table[i].raw;
     for (size_t j = 0; j < a->bins || j < b->bins; j++) {
@@ -116,9 +120,10 @@ static void write_csv(const struct velocity_statistics *table, size_t n, FILE *s
       else
         fputs(",,", stream);
       if (j < b->bins)
-        fprintf(stream, ",%.8g,%.8g\n", 0.5 * (b->edges[j] + b->edges[j + 1]), b->density[j]);
+        fprintf(stream, ",%.8g,%.8g", 0.5 * (b->edges[j] + b->edges[j + 1]), b->density[j]);
       else
-        fputs(",,\n", stream);
+        fputs(",,", stream);
+      fprintf(stream, ",%.8g\n", lattice_note_k(table[i].run));
     }
   }
 }
@@ -136,6 +141,11 @@ static void write_summary(const struct velocity_statistics *table, size_t n, FIL
   fputs("transverse: mean velocity across the force over that along it; gamma: exponent of "
         "exp(-(s/sigma)^gamma)\n",
         stream);
+  for (size_t i = 0; i < n; i++) {
+    char before[80] = "";
+    if (n > 1) snprintf(before, sizeof before, "%.60s: ", table[i].run->name);
+    lattice_note_write(table[i].run, before, "\n", stream);
+  }
 }
 
 /* ---- curves to compare with: once, for the plot, the JSON and the page ---- */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/lattice_note.h"
 #include "analyze/plot.h"
 #include "common/memory.h"
 #include "common/statistics.h"
@@ -263,6 +264,8 @@ static enum status analyze(const struct subject *subject, const struct options *
           "%.3g m), speed in the plane: mean %.4g, largest %.4g m/s\n",
           run->name, axes[w.axis], w.middle, w.thickness, particles.time, vectors, w.cell, mean,
           fastest);
+  json_object_set_new(product->json, "k_of_velocities_m_per_s", json_number(lattice_note_k(run)));
+  lattice_note_write(run, "  ", "\n", product->summary.stream);
   write_plot(run, &w, cells, product);
 cleanup:
   particles_free(&particles);

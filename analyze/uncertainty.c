@@ -10,7 +10,8 @@ void uncertainty_read(const struct run *run, struct uncertainty *u) {
   struct h5_file *file = NULL;
   *u = (struct uncertainty){.parts = run->error,
                             .resolution_needs = run->resolution_needs,
-                            .slope_solved = isfinite(run->error.slope_void_ratio)};
+                            .slope_solved = isfinite(run->error.slope_void_ratio),
+                            .scanned = run->model_path[0] != '\0'};
   if (isnan(u->resolution)) u->resolution = run->predicted_error;
   u->resolution_expected = isnan(run->error.resolution) || run->levels.count < 2;
   if (u->slope_solved || run->model_file[0] == '\0') return;
@@ -41,6 +42,7 @@ void uncertainty_json(const struct uncertainty *u, json_t *object) {
   for (int i = 0; i < UNCERTAINTY_SHARES; i++)
     json_put_number(parts, uncertainty_part_names[i], u->parts.value[i]);
   json_put_number(parts, "total", uncertainty_total(u));
+  json_object_set_new(parts, "scan_unknown", json_boolean(u->scanned && isnan(u->scan)));
   json_put_number(parts, "dlnk_sides_closed", u->sides_closed);
   json_object_set_new(parts, "resolution_from",
                       json_string(u->resolution_index      ? "grid convergence index"
@@ -69,6 +71,7 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   else
     fputs("resolution unknown, not counted", stream);
   write_part(stream, ", scan ", u->scan);
+  if (u->scanned && isnan(u->scan)) fputs(", scan unknown, not counted", stream);
   write_part(stream, ", sides ", u->sides);
   write_part(stream, ", averaging ", u->averaging);
   write_part(stream, ", steadiness ", u->steadiness);

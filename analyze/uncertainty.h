@@ -19,6 +19,7 @@ struct uncertainty {
     struct uncertainty_parts parts;
   };
   bool resolution_expected, resolution_index, slope_solved; /* index: of several runs */
+  bool scanned; /* the run has a model, and so a share of the scan, known or not */
   const char *resolution_needs; /* what lessens its share: "lattice", "model", "scan"; of the run */
 };
 

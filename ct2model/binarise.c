@@ -266,6 +266,11 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
     pipeline->phases.pore_peak = grey_histogram_quantile(histogram, 0.0) + 0.5 * histogram->width;
     pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0) - 0.5 * histogram->width;
     pipeline->phases.noise = pipeline->phases.contrast_to_noise = NAN;
+    if (request->rule != THRESHOLD_AUTO)
+      log_warning("%s holds two greys alone, labels more likely than a scan: with --threshold their "
+                  "steps stand as walls, and no run can say what they do to k; leave it out, or say "
+                  "--segmented",
+                  pipeline->stack.files[0].path);
   }
   if (request->rule == THRESHOLD_AUTO) {
     bool segmented = pipeline->phases.levels == 2;

@@ -307,7 +307,7 @@ static enum status run(const struct options *options, struct job *job) {
   if (options_json(options))
     TRY(run_print_json(&result));
   else if (log_level() > LOG_QUIET)
-    run_print(&result, prefix, wanted);
+    run_print(&result, prefix, wanted, *job->scene.model_path);
 cleanup:
   return status;
 }

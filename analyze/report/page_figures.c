@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analyze/lattice_note.h"
 #include "analyze/plot.h"
 #include "analyze/report/page_html.h"
 #include "analyze/report/page_internal.h"
@@ -156,8 +157,10 @@ static enum status write_pictures(struct page *page) {
     TRY(map_write(&page->plane, MAP_SPEED, out));
     fprintf(out,
             "<figcaption>Speed, with streamlines of the velocity in the plane %c = %.4g mm. "
-            "Outlines: the walls that the flow feels.</figcaption></figure>\n",
-            "xyz"[page->plane.axis], 1e3 * page -> plane.at);
+            "Outlines: the walls that the flow feels.",
+            "xyz"[page->plane.axis], 1e3 * page->plane.at);
+    lattice_note_write(&page->runs[0], " ", ".", out);
+    fputs("</figcaption></figure>\n", out);
     if (page->plane.pressure != NULL && page->plane.pressure_high > 0.0) {
       fprintf(out, "<figure>");
       TRY(map_write(&page->plane, MAP_PRESSURE, out));
@@ -193,8 +196,10 @@ enum status page_flow_section(struct page *page) {
   fprintf(
       out,
       "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). Drag to turn, wheel or pinch "
-      "to zoom; the slider cuts the grains.</figcaption></figure></section>\n",
+      "to zoom; the slider cuts the grains.",
       1e3 * page->flow.speed_high);
+  lattice_note_write(&page->runs[0], " ", ".", out);
+  fputs("</figcaption></figure></section>\n", out);
 cleanup:
   return status;
 }

@@ -82,6 +82,10 @@ static void write_budget(const json_t *budget, FILE *out) {
             100.0 * fmin(part / total, 1.0));
   }
   fputs("</tbody></table>\n", out);
+  if (json_is_true(json_object_get(budget, "scan_unknown")))
+    fputs("<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
+          "known and not counted.</p>\n",
+          out);
   const double closed = number(budget, "dlnk_sides_closed");
   if (isfinite(closed))
     fprintf(

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 
 enum status roi_parse(const char *text, struct roi *roi) {
@@ -37,6 +38,21 @@ static bool is_inside(const struct roi *roi, size_t x, size_t y, size_t z) {
   bool inside = true;
   for (int d = 0; d < 3; d++) inside &= at[d] > v[d] && at[d] < v[d] + v[d + 3];
   return inside;
+}
+
+/* Whether it reaches half a voxel past the slices' edges, or a box past their ends. */
+static bool is_beyond(const struct roi *roi, const struct stack *stack) {
+  const double *v = roi->value, half = 0.5;
+  bool beyond = false;
+  if (roi->kind == ROI_MASK) return false;
+  for (int d = 0; d < 3; d++) {
+    const double n = (double)stack->size[d];
+    if (roi->kind == ROI_BOX)
+      beyond |= v[d] < -half || v[d] + v[d + 3] > n + half;
+    else if (d < 2)
+      beyond |= v[d] - v[2] < -half || v[d] + v[2] > n + half;
+  }
+  return beyond;
 }
 
 static bool is_at_height(const struct roi *roi, size_t z) {
@@ -102,6 +118,11 @@ enum status roi_count(const struct roi *roi, const struct region *region,
     }
   }
   if (histogram->total == 0) TRY_FAIL(STATUS_INPUT, "--roi: no voxel of the stack is inside");
+  if (is_beyond(roi, stack))
+    log_warning("--roi reaches beyond the scan (%zux%zux%zu voxels): the %.0f %% of the scan's voxels "
+                "that lie inside it count",
+                stack->size[0], stack->size[1], stack->size[2],
+                100.0 * (double)histogram->total / ((double)pixels * (double)stack->size[2]));
 cleanup:
   stack_close(&mask);
   memory_free(&slices);

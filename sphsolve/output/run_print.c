@@ -98,11 +98,12 @@ static void print_part(const char *what, double share) {
 }
 
 /* The parts of the error, and how the resolution's was found. */
-static void print_uncertainty(const struct uncertainty *b) {
+static void print_uncertainty(const struct uncertainty *b, bool scanned) {
   printf("error     ");
   print_part(" resolution", b->resolution);
   if (!isfinite(b->resolution)) printf(" resolution not counted");
   print_part(", scan", b->scan);
+  if (scanned && isnan(b->scan)) printf(", scan not counted (unknown)");
   print_part(", sides", b->sides);
   print_part(", averaging", b->averaging > 0 ? b->averaging : NAN);
   print_part(", steadiness", b->steadiness > 1e-5 ? b->steadiness : NAN);
@@ -155,7 +156,7 @@ static void print_verdict(const struct uncertainty *b) {
   printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
 }
 
-void run_print(const struct run_result *result, const char *prefix, double wanted) {
+void run_print(const struct run_result *result, const char *prefix, double wanted, bool scanned) {
   char error[120] = "", text[32];
   double low, high;
   uncertainty_total(&result->error, &low, &high);
@@ -172,7 +173,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
-    print_uncertainty(&result->error);
+    print_uncertainty(&result->error, scanned);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
   }
   if (isfinite(result->k) && log_level() >= LOG_VERBOSE) {

@@ -8,7 +8,8 @@
 /* One JSON object. */
 enum status run_print_json(const struct run_result *result);
 /* For people: k with its error, a verdict, the budget; more with -v. `prefix`: of the files;
- * `wanted`: the error asked for, relative, INFINITY without. */
-void run_print(const struct run_result *result, const char *prefix, double wanted);
+ * `wanted`: the error asked for, relative, INFINITY without; `scanned`: k is of a voxel model, and
+ * has a share of the scan, known or not. */
+void run_print(const struct run_result *result, const char *prefix, double wanted, bool scanned);
 
 #endif

@@ -249,6 +249,16 @@ P
   done
   run_ct sweep tube.raw $RAW --void-ratio $e --roi cylinder:-100,24,3
   [ "$status" -eq 3 ]
+  # What reaches beyond the scan is not what was meant; its edge itself is.
+  for roi in cylinder:24,24,24 box:0,0,0,48,48,48; do
+    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
+    [[ "$stderr" != *"beyond the scan"* ]]
+  done
+  for roi in cylinder:24,24,40 box:0,0,0,48,48,60; do
+    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
+    [ "$status" -eq 0 ]
+    [[ "$stderr" == *"--roi reaches beyond the scan (48x48x48 voxels)"* ]]
+  done
 }
 
 @test "crop auto finds the specimen in its surroundings, and nothing where there are none" {

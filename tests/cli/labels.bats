@@ -107,6 +107,22 @@ END
   [[ "$stderr" == *"no threshold to sweep"* ]]
 }
 
+@test "a threshold on two labels: told, and so is that no share of the scan is known" {
+  for threshold in otsu 0.5; do
+    ct2model build sphere.raw $CUBE --threshold $threshold -o two.hdf --quiet
+    ct2model build sphere.raw $CUBE --threshold $threshold -o two.hdf > /dev/null 2> said.txt
+    grep -q "holds two greys alone.*--segmented" said.txt
+  done
+  sphsolve run s.cfg --set model.file=two.hdf -o two > two.txt
+  grep -q "^error .*scan not counted (unknown)" two.txt
+  analyze darcy two.hdf | grep -q "scan unknown, not counted"
+  analyze report two.hdf -o two.html --quiet
+  grep -q "What the scan left in <var>k</var>.* not counted" two.html
+  ct2model build sphere.raw $CUBE --segmented 0 -o s.hdf --quiet
+  sphsolve run s.cfg -o known > known.txt
+  run ! grep -q "scan not counted" known.txt
+}
+
 @test "a NumPy array and an HDF5 dataset are the volume that a raw file is" {
   /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 - <<'END'

@@ -42,6 +42,32 @@ assert "uncertain" not in open("model.txt").read()  # a model has no k, and no e
 END
 }
 
+@test "velocities of several lattices are the finest's, and say so wherever they are shown" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  analyze pdf run.hdf -o pdf > pdf.txt
+  analyze slice run.hdf > slice.txt
+  analyze report run.hdf -o run.html --quiet
+  /usr/bin/python3 - <<'END'
+import csv
+import json
+import re
+
+import h5py
+run = h5py.File("run.hdf")["run"].attrs
+own, k = run["k_finest"], run["k"]
+assert abs(own / k - 1) > 1e-3, (own, k)
+# The mean of what is called the finest's is it: v = k i over the bulk, from the sites' own mean.
+pdf = json.load(open("pdf/pdf.json"))
+found = pdf["pore_mean_m_per_s"] * pdf["particles"] / float(run["bulk_count"])
+assert abs(found / own - 1) < 0.02 and abs(pdf["k_of_velocities_m_per_s"] / own - 1) < 1e-9, (found, own, k)
+assert all(abs(float(row["k_of_velocities_m_per_s"]) / own - 1) < 1e-6 for row in csv.DictReader(open("pdf/pdf.csv")))
+said = f"k = {100 * own:.4g} cm/s; k from all lattices is {100 * k:.4g} cm/s"
+for name in ("pdf.txt", "slice.txt"):
+    assert said in open(name).read(), (name, said)
+assert len(re.findall(r"Velocities are of the finest lattice[^<]*" + re.escape(said), open("run.html").read())) >= 3
+END
+}
+
 @test "run and darcy: twelve lines and a verdict; the rest with -v" {
   [ "$(wc -l < run.txt)" -le 12 ]
   grep -q "^verdict  .*known to .* %" run.txt
