@@ -250,12 +250,13 @@ P
   run_ct sweep tube.raw $RAW --void-ratio $e --roi cylinder:-100,24,3
   [ "$status" -eq 3 ]
   # What reaches beyond the scan is not what was meant; its edge itself is.
+  local loud="${RAW/--quiet/}"
   for roi in cylinder:24,24,24 box:0,0,0,48,48,48; do
-    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
+    run_ct sweep tube.raw $loud --void-ratio $e --roi $roi
     [[ "$stderr" != *"beyond the scan"* ]]
   done
   for roi in cylinder:24,24,40 box:0,0,0,48,48,60; do
-    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
+    run_ct sweep tube.raw $loud --void-ratio $e --roi $roi
     [ "$status" -eq 0 ]
     [[ "$stderr" == *"--roi reaches beyond the scan (48x48x48 voxels)"* ]]
   done

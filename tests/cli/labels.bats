@@ -113,10 +113,10 @@ END
     ct2model build sphere.raw $CUBE --threshold $threshold -o two.hdf > /dev/null 2> said.txt
     grep -q "holds two greys alone.*--segmented" said.txt
   done
-  sphsolve run s.cfg --set model.file=two.hdf -o two > two.txt
+  sphsolve run s.cfg --set model.file=two.hdf -o both > two.txt
   grep -q "^error .*scan not counted (unknown)" two.txt
-  analyze darcy two.hdf | grep -q "scan unknown, not counted"
-  analyze report two.hdf -o two.html --quiet
+  analyze darcy both.hdf | grep -q "scan unknown, not counted"
+  analyze report both.hdf -o two.html --quiet
   grep -q "What the scan left in <var>k</var>.* not counted" two.html
   ct2model build sphere.raw $CUBE --segmented 0 -o s.hdf --quiet
   sphsolve run s.cfg -o known > known.txt
