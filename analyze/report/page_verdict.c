@@ -146,6 +146,9 @@ static const struct {
                 {"averaging", "run longer"},
                 {"steadiness", "run longer"}};
 
+/* Nearer to the wanted error than this the other parts leave a lattice nothing that can be paid. */
+#define LATTICE_MOST 0.97
+
 static void judge_advice(json_t *result) {
   const json_t *parts = json_object_get(result, "error_budget");
   const char *needs = string(parts, "resolution_needs");
@@ -171,7 +174,7 @@ static void judge_advice(json_t *result) {
              "The error of resolution is not known: run two more spacings and analyze converge.");
   else if (hypot(resolution, rest) <= wanted)
     text[0] = '\0';
-  else if (rest >= 0.9 * wanted)
+  else if (rest >= LATTICE_MOST * wanted)
     snprintf(text, sizeof text,
              most > 0.95 * rest ? "For 5 %%: %s%s (%.2g %% by the %s alone)."
                                 : "For 5 %%: %s%s (%.2g %% by the %s, %.2g %% by all that no finer "

@@ -37,6 +37,7 @@ struct history_row {
 /* How a run ended; fills stdout's JSON and /run. */
 struct run_result {
   const char *status;            /* "steady", "end_time", "converged", "interrupted", "blocked" */
+  const char *ended;             /* why short of the error asked for, in words; NULL */
   double k;                      /* m/s, v/i along the force; NAN where there is none */
   double k_finest;               /* m/s, of the finest lattice alone; NAN: k itself */
   double k_error;                /* relative, of averaging, steadiness or residual; NAN unknown */

@@ -130,6 +130,9 @@ static void print_uncertainty(const struct uncertainty *b, bool scanned) {
   }
 }
 
+/* Worth a line: a finer lattice leaves at most so much of the error. */
+#define LATTICE_HELPS 0.9
+
 /* What takes most of the error, and what lessens it. */
 static void print_verdict(const struct uncertainty *b) {
   static const char *const finer[] = {
@@ -154,6 +157,14 @@ static void print_verdict(const struct uncertainty *b) {
   if (!(parts[most].share > 0) || !(total > 0)) return;
   print_part("verdict    known to", total);
   printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
+  /* What the lattice can do all the same. */
+  struct uncertainty rest = *b;
+  rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
+  const double left = uncertainty_largest(&rest);
+  if (most > 0 && b->needs == NEEDS_LATTICE && left < LATTICE_HELPS * total) {
+    print_part("           a finer lattice (--error) takes it to", left);
+    printf(" at best\n");
+  }
 }
 
 void run_print(const struct run_result *result, const char *prefix, double wanted, bool scanned) {
@@ -169,8 +180,12 @@ void run_print(const struct run_result *result, const char *prefix, double wante
              100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high), from);
   else if (isfinite(result->k) && largest > 0)
     snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
-  printf("status     %s after %lld steps, %.1f s\n", result->status, (long long)result->steps,
-         result->wall_time);
+  const bool budget = !strcmp(result->status, "budget") && result->ended != NULL;
+  printf("status     %s%s%s after %lld steps, %.1f s\n", result->status, budget ? ": " : "",
+         !budget            ? ""
+         : isfinite(wanted) ? "short of the error asked for,"
+                            : result->ended,
+         (long long)result->steps, result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
     print_uncertainty(&result->error, scanned);
@@ -186,9 +201,8 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   if (isfinite(result->k)) print_verdict(&result->error);
   if (result->k > 0 && largest > wanted) {
     char asked[32];
-    printf("           the error asked for, %s %%, was not reached: finer lattices would not have "
-           "lessened it, or take more time or memory\n",
-           percent(wanted, asked));
+    printf("           the error asked for, %s %%, was not reached: %s\n", percent(wanted, asked),
+           result->ended != NULL ? result->ended : "the parts named above are more");
   }
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);

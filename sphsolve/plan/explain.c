@@ -37,6 +37,11 @@ static json_t *ranks_json(const struct ranks_forecast *f) {
                    f->seconds[RANKS_SUMS]);
 }
 
+/* Together with the scan's share, which no lattice lessens. */
+static double with_scan(const struct plan *plan, double resolution) {
+  return isfinite(plan->expected_scan) ? hypot(resolution, plan->expected_scan) : resolution;
+}
+
 /* What an error costs, before anything is solved. */
 static void print_levels(const struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
@@ -44,13 +49,15 @@ static void print_levels(const struct plan *plan) {
   const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
   char spacing[64], time[64];
   if (count == 0) return;
-  printf("\nrun with --error or --time, %d %s\n", plan->threads,
-         plan->threads == 1 ? "thread" : "threads");
+  printf("\nrun with --error or --time, %d %s: what it will state of resolution%s, to a factor of two\n",
+         plan->threads, plan->threads == 1 ? "thread" : "threads",
+         isfinite(plan->expected_scan) ? " and scan" : "");
   for (int i = 0; i < count; i++) {
     quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);
     duration_format(levels[i].seconds / plan->threads, time, sizeof time);
-    printf("  k to about %.2g %% after %s, lattices down to %s (%.3g M sites), %.0f MB\n",
-           100 * levels[i].error, time, spacing, 1e-6 * levels[i].sites, 1e-6 * levels[i].bytes);
+    printf("  k to about %.2g %% after %s, lattices down to %s (%.3g M sites), %.0f MB%s\n",
+           100 * with_scan(plan, levels[i].error), time, spacing, 1e-6 * levels[i].sites,
+           1e-6 * levels[i].bytes, levels[i].few ? "; with --time alone" : "");
   }
 }
 
@@ -128,8 +135,9 @@ static json_t *levels_json(const struct plan *plan) {
   json_t *list = json_array();
   for (int i = 0; i < count; i++)
     json_array_append_new(
-        list, json_pack("{s:f, s:f, s:f, s:f, s:f}", "spacing", levels[i].spacing, "sites",
-                        levels[i].sites, "expected_error", levels[i].error, "seconds",
+        list, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "spacing", levels[i].spacing, "sites",
+                        levels[i].sites, "expected_error", levels[i].error,
+                        "expected_error_with_scan", with_scan(plan, levels[i].error), "seconds",
                         levels[i].seconds / plan->threads, "memory_bytes", levels[i].bytes));
   return list;
 }

@@ -55,7 +55,8 @@ struct accuracy_goal {
 struct predicted_level {
   double spacing; /* m */
   double sites;
-  double error;   /* relative, of k from all lattices up to this */
+  double error;   /* relative, of k from all lattices up to this, as a run will state it */
+  bool few;       /* too few lattices for --error to end with; --time may */
   double seconds; /* processor time of all up to this */
   double bytes;   /* while it is solved */
 };

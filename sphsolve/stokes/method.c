@@ -344,6 +344,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                 scene->path, base.micro_porosity != NULL ? " or soil" : "",
                 base.micro_porosity != NULL ? "greys or labels taken as soil" : "threshold");
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
+  result->ended = job.cascade.ended;
   if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
     struct throats throats;
     TRY(throats_compare(&base, &job.lattice, &throats));

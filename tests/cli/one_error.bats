@@ -164,7 +164,10 @@ END
 
 @test "an error asked for that was not reached is said" {
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o short --error 0.1% --time 1us > short.txt 2> /dev/null
-  grep -q "the error asked for, 0.1 %, was not reached" short.txt
+  grep -q "the error asked for, 0.1 %, was not reached: the next lattice would take longer than --time" short.txt
+  grep -q "^status     budget: short of the error asked for, after" short.txt
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o short --error 0.1% > all.txt 2> /dev/null
+  grep -q "was not reached: the last lattice has the model's own sites" all.txt
   run ! grep -q "was not reached" run.txt
 }
 
@@ -191,4 +194,19 @@ END
   printf 'scene = { name = "s"; };\nflow = { file = "run.hdf"; };\nsolute = { peclet = []; };\n' > empty.cfg
   run -3 sphsolve run empty.cfg -o empty
   [[ "$output" == *"numbers is wanted, like [1.0"* ]]
+}
+
+@test "the lattices, their error and their time are what explain says they will be" {
+  sphsolve explain "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf --json > plan.json
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o foretold --error 0.1% --json > foretold.json
+  /usr/bin/python3 - <<'END'
+import json
+plan, run = json.load(open("plan.json")), json.load(open("foretold.json"))
+solved = run["levels"][-len(plan["levels"]):]
+assert len(plan["levels"]) >= 2
+for expected, level in zip(plan["levels"], solved):
+    assert abs(expected["spacing"] / level["spacing"] - 1) < 0.01, (expected, level)
+    assert abs(expected["sites"] / level["sites"] - 1) < 0.1, (expected, level)
+    assert 0.4 < level["high"] / expected["expected_error"] < 2.6, (expected, level)
+END
 }

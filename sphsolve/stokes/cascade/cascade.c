@@ -22,9 +22,8 @@
 /* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
-/* Two and three coarse lattices err by more than their fits say, by up to so many times: from 14
- * bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
-static const double few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
+/* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
+const double cascade_few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
 /* So do those of a scene's own spacing and coarser, where a mean pore has fewer sites than this. */
 #define COARSE 4.5
 static const struct stokes_goal side_goal = {.mean = 3e-4};
@@ -92,14 +91,18 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   const bool enough = c->uncertainty.level_count >= CASCADE_ENOUGH || c->tried > last;
   if (enough && uncertainty_largest(&c->uncertainty) <= c->wanted) return false;
   *why = "budget";
+  c->ended = "what no lattice lessens is more than that alone";
   if (enough && finer_is_in_vain(c)) return false;
+  c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
   if (c->tried > last) return false;
   /* One thread does a processor second in a second, several less. */
   const double next =
       (cascade_next_seconds(c) + sides_seconds(c)) / fmax(1.0, 0.85 * c->plan->threads);
   /* One lattice is no k: its error is not known. */
+  c->ended = "the next lattice would take longer than --time";
   if (c->uncertainty.level_count > 1 && clock_seconds() - c->started + next > c->seconds)
     return false;
+  c->ended = "the next lattice would take more memory than there is";
   size_t size[3], count;
   if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
     error_clear();
@@ -304,8 +307,8 @@ static void estimate(struct cascade *c) {
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
   const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
   if (few && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
-    limit.low *= few_lattices[n];
-    limit.high *= few_lattices[n];
+    limit.low *= cascade_few_lattices[n];
+    limit.high *= cascade_few_lattices[n];
   }
   struct error_level *level = &b->levels[n - 1];
   level->estimate = limit.value;

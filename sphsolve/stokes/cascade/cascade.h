@@ -20,6 +20,7 @@ struct cascade {
   double started;              /* clock, s */
   int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
   int tried;                   /* lattices so far, those without a flow included */
+  const char *ended;           /* why it ends short of what was wanted, in words; NULL */
   bool side_shares;            /* void ratio and model voxels have been looked at */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
   struct uncertainty uncertainty;
@@ -29,7 +30,7 @@ struct cascade {
  * cascade_end. */
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *cascade);
-/* The next lattice's spacing, m; false when the cascade is at its end: *why says so in words. */
+/* The next lattice's spacing, m; false when the cascade is at its end: *why is the run's status. */
 bool cascade_next(struct cascade *cascade, double *spacing, const char **why);
 /* Its sites: base itself, not to be freed, where the spacing is its own. */
 enum status cascade_lattice(const struct cascade *cascade, double spacing, struct lattice *lattice,

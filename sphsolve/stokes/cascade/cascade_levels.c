@@ -138,10 +138,13 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     const struct error_forecast e =
         error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
     if (i < LEVELS_LEAST - 1) continue; /* no estimate of use from fewer */
+    const double few =
+        i + 1 < CASCADE_ENOUGH && !plan->shape.flat ? cascade_few_lattices[i + 1] : 1.0;
     levels[count++] =
         (struct predicted_level){.spacing = h / refined,
                                  .sites = sites,
-                                 .error = fmin(1.0, OPEN_SHARE * e.error),
+                                 .error = fmin(1.0, few * OPEN_SHARE * e.error),
+                                 .few = i + 1 < CASCADE_ENOUGH,
                                  .seconds = seconds,
                                  .bytes = stokes_solver_bytes(half * sites, half * phi * sites,
                                                               base->micro_porosity != NULL)};

@@ -20,6 +20,8 @@
  * so many times its sites. */
 #define CASCADE_SIDES_SITES (1.0 + 2.0 + 4.0 + 1.0)
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
+/* Two and three coarse lattices err by more than their fits say, by up to so many times. */
+extern const double cascade_few_lattices[CASCADE_ENOUGH];
 
 /* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
