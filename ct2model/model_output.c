@@ -33,6 +33,10 @@ static enum status write_labels(struct h5_file *file, const struct pipeline *pip
   TRY(write_number(file, group, "k_change_by_smoothing", labels_effect_on_k(&pipeline->labels)));
   TRY(write_number(file, group, "pore_peak", 0.0));
   TRY(write_number(file, group, "grain_peak", LABEL_GREY));
+  if (pipeline->micro.threshold_error > 0.0) {
+    TRY(write_number(file, group, "threshold_uncertainty", pipeline->micro.threshold_error));
+    TRY(write_number(file, group, "dthreshold_dvoid_ratio", pipeline->micro.threshold_slope));
+  }
 cleanup:
   return status;
 }
@@ -132,6 +136,12 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
     TRY(write_number(file, "/model", "micro_voxels", micro.voxels));
     TRY(write_number(file, "/model", "micro_porosity_mean", micro.porosity));
     TRY(write_number(file, "/model", "micro_permeability_mean", micro.permeability));
+    if (pipeline->micro.porosity_error > 0.0)
+      TRY(write_number(file, "/model", "micro_porosity_uncertainty",
+                       pipeline->micro.porosity_error));
+    if (pipeline->micro.permeability_error > 0.0)
+      TRY(write_number(file, "/model", "micro_ln_permeability_uncertainty",
+                       pipeline->micro.permeability_error));
   }
   TRY(write_number(file, "/model", "connected_porosity", quality->connected_porosity));
   TRY(write_number(file, "/model", "isolated_pores", (double)quality->isolated_pores));

@@ -103,6 +103,31 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   json_object_set_new(root, "representative_volume", windows);
 }
 
+static json_t *json_of_micro(const struct grey_soil *greys) {
+  const struct {
+    const char *key;
+    double value;
+  } numbers[] = {{"low", greys->low},
+                 {"high", greys->high},
+                 {"low_uncertainty", greys->low_error},
+                 {"high_uncertainty", greys->high_error},
+                 {"shift", greys->shift},
+                 {"pore_peak", greys->pore_peak},
+                 {"soil_peak", greys->soil_peak},
+                 {"grain_peak", greys->grain_peak},
+                 {"pore_peak_uncertainty", greys->pore_error},
+                 {"soil_peak_uncertainty", greys->soil_error},
+                 {"grain_peak_uncertainty", greys->grain_error},
+                 {"porosity_uncertainty", greys->porosity_error},
+                 {"ln_permeability_uncertainty", greys->permeability_error},
+                 {"threshold_uncertainty", greys->threshold_error},
+                 {"void_ratio_uncertainty", greys->void_ratio_error}};
+  json_t *object = json_object();
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+    json_put_number(object, numbers[i].key, numbers[i].value);
+  return object;
+}
+
 /* Labels have no threshold, no greys and no noise. */
 static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
   static const char *const OF_GREYS[] = {
@@ -128,13 +153,8 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
                                 labels_effect_on_k(labels)));
   for (size_t i = 0; i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)
     json_object_set_new(root, OF_GREYS[i], json_null());
-  if (pipeline->request->micro.given) {
-    const struct grey_soil *greys = &pipeline->micro;
-    json_object_set_new(root, "micro",
-                        json_pack("{s:f,s:f,s:f,s:f,s:f}", "low", greys->low, "high", greys->high,
-                                  "shift", greys->shift, "pore_peak", greys->pore_peak,
-                                  "grain_peak", greys->grain_peak));
-  }
+  if (pipeline->request->micro.given)
+    json_object_set_new(root, "micro", json_of_micro(&pipeline->micro));
 }
 
 static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
@@ -323,11 +343,27 @@ static void print_scan(const struct pipeline *pipeline) {
            100.0 * (pipeline->denoised.surface - 1.0), pipeline->denoised.void_ratio);
 }
 
+static void print_grey(const char *name, double grey, double error) {
+  printf("%s%.4g", name, grey);
+  if (error > 0.0) printf(" +- %.2g", error);
+}
+
 static void print_micro(const struct grey_soil *greys) {
-  printf("greys             soil from %.4g to %.4g, pore and grain beyond", greys->low,
-         greys->high);
+  print_grey("greys             soil from ", greys->low, greys->low_error);
+  print_grey(" to ", greys->high, greys->high_error);
+  printf(", pore and grain beyond");
   if (greys->shift != 0.0) printf(" (moved by %+.3g to meet the void ratio)", greys->shift);
-  printf("; peaks of pore %.4g, grain %.4g\n", greys->pore_peak, greys->grain_peak);
+  print_grey("; peaks of pore ", greys->pore_peak, greys->pore_error);
+  if (isfinite(greys->soil_peak)) print_grey(", soil ", greys->soil_peak, greys->soil_error);
+  print_grey(", grain ", greys->grain_peak, greys->grain_error);
+  putchar('\n');
+  if (!(greys->porosity_error > 0.0)) return;
+  printf("greys unsure      leave porosity of soil +- %.2g", greys->porosity_error);
+  if (greys->permeability_error > 0.0)
+    printf(", its permeability +- %.2g %%", 100.0 * greys->permeability_error);
+  if (greys->void_ratio_error > 0.0)
+    printf(", void ratio, by the bounds, +- %.2g", greys->void_ratio_error);
+  printf(" (95 %%)\n");
 }
 
 static void print_labels(const struct labels *labels) {

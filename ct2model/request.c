@@ -65,9 +65,9 @@ static const struct option_entry ENTRIES[] = {
      "an image of labels: which is pore (the rest grain), or what each is; found out where it "
      "holds two. soil: pores below the voxel, porosity N, permeability K (1e-15 m^2) or grain "
      "size"},
-    {"micro", 0, "LOW..HIGH", BUILD,
-     "greys of soil with pores below the voxel: porosity linear between the peaks of pore and "
-     "grain"},
+    {"micro", 0, "auto|LOW..HIGH|GREY:N,...", BUILD,
+     "greys of soil with pores below the voxel: auto finds them, halfway between the peaks of pore, "
+     "soil and grain; porosity N linear between the peaks of pore and grain, or as given"},
     {"micro-permeability", 0, "Q", BUILD,
      "of that soil: a permeability, as 1e-15m^2, or its grain size, as 2um (Kozeny, Carman)"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
@@ -299,7 +299,7 @@ static enum status parse_micro(const struct options *options, struct request *re
   static const char *const CLASH[] = {"segmented", "threshold", "roi", "denoise", "correct"};
   if (greys == NULL && permeability == NULL) return STATUS_OK;
   if (greys == NULL || permeability == NULL)
-    TRY_FAIL(STATUS_USAGE, "--micro LOW..HIGH says which greys are soil, --micro-permeability what "
+    TRY_FAIL(STATUS_USAGE, "--micro says which greys are soil, --micro-permeability what "
                            "flows through it: both are wanted");
   for (size_t i = 0; i < sizeof CLASH / sizeof *CLASH; i++)
     if (options_given(options, CLASH[i]))

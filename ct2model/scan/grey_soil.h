@@ -1,5 +1,6 @@
 /* Greys between pore and grain taken as soil whose pores are smaller than a voxel: the darker, the
- * more porous, linear between the peaks of pore and grain. The scan becomes an image of labels. */
+ * more porous, linear between the peaks of pore and grain, or by a table. The scan becomes an image
+ * of labels. */
 #ifndef TOSUI_CT2MODEL_SCAN_GREY_SOIL_H
 #define TOSUI_CT2MODEL_SCAN_GREY_SOIL_H
 
@@ -7,29 +8,27 @@
 
 #include "common/error.h"
 #include "ct2model/scan/labels.h"
+#include "ct2model/scan/micro_rules.h"
 
-/* What --micro and --micro-permeability say, in greys as stored. */
-struct micro_rules {
-  bool given;
-  double low, high;                /* soil lies between them */
-  double permeability, grain_size; /* m^2 or m, the other 0 */
-};
-
-/* "80..170"; usage errors. */
-enum status micro_rules_parse(const char *text, struct micro_rules *rules);
-
-/* The bounds as they were moved, and the peaks between which porosity is linear; as stored. */
+/* The bounds as they were moved, and the peaks between which porosity is linear; as stored. NAN:
+ * unknown, and not asked for. Uncertainties are 95 % half widths. */
 struct grey_soil {
-  double low, high, shift, pore_peak, grain_peak;
+  double low, high, shift, pore_peak, soil_peak, grain_peak;
+  /* Of `auto`: of the bounds; of the peaks; of the mean porosity of soil, and of the logarithm of
+   * its permeability where that follows from a grain size. */
+  double low_error, high_error, pore_error, soil_error, grain_error;
+  double porosity_error, permeability_error;
+  /* By which the threshold between grain and all else may be off, and how it moves with the void
+   * ratio of all that is not grain: as of a scan of two phases. */
+  double threshold_error, threshold_slope;
+  double void_ratio_error; /* of pores and micro-pores, where none was measured */
 };
 
-/* Pore below rules->low, grain above rules->high; both are moved by the same grey until the void
- * ratio is `void_ratio`, micro-pores counted (NAN: they stay). A voxel between them with pore and
- * grain both within MICRO_RIM voxels is an edge between the two, no soil: it goes to the nearer.
- * The peaks are the most frequent greys below and above. Makes `region` read the smoothed walls, as
- * labels_take does. */
-#define MICRO_RIM 2
+/* Pore below the bounds, grain above; both are moved by the same grey until the void ratio is
+ * `void_ratio`, micro-pores counted (NAN: they stay); its error may be NAN. Edges between pore and
+ * grain are no soil (settle.h). Makes `region` read the smoothed walls, as labels_take does. */
 enum status micro_take(struct region *region, const struct micro_rules *rules, double void_ratio,
-                       const bool reflect[3], struct labels *labels, struct grey_soil *greys);
+                       double void_ratio_error, const bool reflect[3], struct labels *labels,
+                       struct grey_soil *greys);
 
 #endif

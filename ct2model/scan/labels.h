@@ -42,6 +42,7 @@ struct labels {
   bool soily[LABELS_MOST];
   struct soil soil[LABELS_MOST];
   struct micro micro;    /* what is soil */
+  double noisy;          /* of greys: share of the voxels that noise put into another phase */
   double voids;          /* share of the volume: pores and what soil has of them */
   double porosity;       /* share of voxels that are not grain */
   double model_porosity; /* the same of the mirrored model, where the last layers count once */

@@ -235,8 +235,8 @@ static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s)
   struct micropores_point *own = &job->result->micropores.own;
   const enum status status = soil_response_measure(s, &job->lattice, own);
   u->slope_micro = own->slope;
-  if (job->scene->micro.uncertainty > 1.0)
-    u->micro = fabs(own->slope) * log(job->scene->micro.uncertainty);
+  const double unsure = soil_response_uncertainty(job->scene);
+  if (unsure > 0.0) u->micro = fabs(own->slope) * unsure;
   return status;
 }
 

@@ -91,6 +91,104 @@ assert matched["micro"]["shift"] != 0
 END
 }
 
+@test "greys as soil by the peaks of the histogram: found in noise, their error reaches k; a table; none where there are not three" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # Balls of grain and of soil, blurred, with noise as scanners make it: contrast between pore and grain 14, 9 and 5.5
+  # times the noise, greys and seeds that the method was not made with; the same with dark grains; two and four phases.
+  /usr/bin/python3 - <<'END'
+import json, numpy as np
+n = 64
+k = np.fft.fftfreq(n)
+square = k[:, None, None] ** 2 + k[None, :, None] ** 2 + k[None, None, :] ** 2
+blur = lambda a, s: np.fft.ifftn(np.fft.fftn(a) * np.exp(-2 * (np.pi * s) ** 2 * square)).real
+def balls(rng, count, low, high):
+    x, d = np.arange(n) + .5, np.full((n, n, n), 1e9)
+    for _ in range(count):
+        away = [np.minimum(abs(x - c), n - abs(x - c)) ** 2 for c in rng.uniform(0, n, 3)]
+        d = np.minimum(d, np.sqrt(away[0][:, None, None] + away[1][None, :, None] + away[2][None, None, :]) - rng.uniform(low, high))
+    return d
+def write(name, truth, greys, noise, rng):
+    field = blur(rng.standard_normal(truth.shape), .6)
+    scan = blur(np.choose(truth, greys).astype(float), .8) + field / field.std() * noise
+    np.clip(np.round(scan), 0, 255).astype("u1").tofile(name)
+said = {}
+for name, ratio, greys in ("a", 14, (40., 105., 210.)), ("b", 9, (60., 130., 190.)), ("c", 5.5, (45., 120., 205.)):
+    rng = np.random.default_rng(ord(name))
+    grain, soil = balls(rng, 50, 7, 10), balls(rng, 40, 7, 10)
+    truth = np.where((grain < 0) & (grain <= soil), 2, np.where(soil < 0, 1, 0))
+    noise = (greys[2] - greys[0]) / ratio
+    write(name + ".raw", truth, greys, noise, rng)
+    said[name] = {"greys": greys, "soil": float((truth == 1).mean())}
+    if name == "a":
+        write("dark.raw", truth, [255 - g for g in greys], noise, rng)
+        write("two.raw", np.where(truth == 1, 0, truth), greys, noise, rng)
+        write("four.raw", np.where((truth == 0) & (np.arange(n) < 24), 3, truth), greys + (10.,), noise, rng)
+json.dump(said, open("peaks.json", "w"))
+END
+  local image="--raw 64x64x64:u8 --voxel-size 5um --mirror none --micro-permeability 1um" name
+  for name in a b c; do
+    ct2model build $name.raw $image --micro auto --json -o $name.hdf > $name.json
+  done
+  image="$image --size 32x32x32"
+  ct2model build a.raw $image --micro auto --json -o small.hdf > small.json
+  ct2model build a.raw $image --micro auto -o small.hdf > small.txt
+  grep -q "^greys unsure" small.txt
+  ct2model build a.raw $image --micro 72.5:0.809,157.5:0.309 --json -o table.hdf > table.json
+  ct2model build dark.raw $image --micro auto --grain dark --json -o dark.hdf > dark.json
+  ct2model build a.raw $image --micro auto --void-ratio 1.3+-0.05 --json -o met.hdf > met.json
+  sed 's/"soil.hdf"/"small.hdf"/' soil.cfg > small.cfg
+  sphsolve run small.cfg -o small-run --json --set stokes.tolerance=1e-2 --set 'micro={uncertainty=2.0;}' > run.json
+  /usr/bin/python3 - <<'END'
+import h5py, json, math
+truths = json.load(open("peaks.json"))
+for name, truth in truths.items():
+    said, (pore, soil, grain) = json.load(open(name + ".json")), truth["greys"]
+    m, n = said["micro"], (grain - soil) / (grain - pore)
+    print(name, {k: round(v, 3) for k, v in m.items() if v is not None}, truth, said["micro_voxels"], said["micro_porosity"])
+    for peak, grey in ("pore", pore), ("soil", soil), ("grain", grain):
+        assert abs(m[peak + "_peak"] - grey) < m[peak + "_peak_uncertainty"] < .15 * (grain - pore), (name, peak)
+    assert abs(m["low"] - (pore + soil) / 2) < m["low_uncertainty"] and abs(m["high"] - (soil + grain) / 2) < m["high_uncertainty"], name
+    assert abs(said["micro_porosity"] - n) < m["porosity_uncertainty"] < .1, (name, said["micro_porosity"], n)
+    slope = 3 / said["micro_porosity"] + 2 / (1 - said["micro_porosity"])
+    assert abs(m["ln_permeability_uncertainty"] / (slope * m["porosity_uncertainty"]) - 1) < .1
+    assert abs(said["micro_voxels"] / truth["soil"] - 1) < .1, (name, said["micro_voxels"], truth["soil"])
+    model = h5py.File(name + ".hdf")
+    assert model["model"].attrs["micro_ln_permeability_uncertainty"] == m["ln_permeability_uncertainty"]
+    assert model["calibration"].attrs["threshold_uncertainty"] == m["threshold_uncertainty"] > 0
+small, table, dark, met = (json.load(open(name + ".json")) for name in ("small", "table", "dark", "met"))
+assert abs(table["micro_porosity"] / small["micro_porosity"] - 1) < .03 and abs(table["void_ratio"] / small["void_ratio"] - 1) < .02
+assert table["micro"]["porosity_uncertainty"] is None
+assert abs(dark["micro"]["soil_peak"] - 150) < 2 and dark["micro"]["low"] < 150 < dark["micro"]["high"]
+assert dark["micro"]["low_uncertainty"] > 0 and abs(dark["micro_voxels"] / small["micro_voxels"] - 1) < .02
+assert abs(met["void_ratio_original"] / 1.3 - 1) < .005 and met["micro"]["threshold_uncertainty"] > 0 and met["micro"]["shift"] < 0
+run = json.load(open("run.json"))
+wanted = run["micro"]["dlnk_dlnk_micro"] * math.hypot(small["micro"]["ln_permeability_uncertainty"], math.log(2))
+assert abs(run["error"]["micro"] / wanted - 1) < 1e-6, (run["error"]["micro"], wanted)
+assert run["error"]["threshold"] > 0
+END
+  wrong() { # CODE WORD ARGUMENTS
+    local code=$1 word=$2
+    shift 2
+    run --separate-stderr ct2model build "$@" -o wrong.hdf
+    [[ "$status" -eq "$code" && "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [ ! -e wrong.hdf ]
+  }
+  wrong 3 "shows 2 clear peaks" two.raw $image --micro auto
+  wrong 3 "shows 4 clear peaks" four.raw $image --micro auto
+  head -c $((64 * 64 * 7)) a.raw > thin.raw
+  wrong 3 "too few for peaks" thin.raw --raw 64x64x7:u8 --voxel-size 5um --micro auto --micro-permeability 1um
+  wrong 2 "auto is wanted, or the greys of soil" a.raw $image --micro automatic
+  wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8
+  wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8,
+  wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8,150
+  wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8,150:x
+  wrong 2 "rising order, and 70 follows 72" a.raw $image --micro 72:0.8,70:0.3
+  wrong 2 "grey 72: a porosity lies between 0 and 1" a.raw $image --micro 72:1,150:0.3
+  wrong 2 "grey 150: a porosity lies between 0 and 1" a.raw $image --micro 72:0.8,150:0
+  wrong 2 "32 greys are possible" a.raw $image --micro "$(seq -s, 1 33 | sed 's/[0-9]*/&:0.5/g')"
+}
+
 @test "soil that cannot be is refused in a line that says what to do" {
   wrong() { # CODE WORD ARGUMENTS
     local code=$1 word=$2

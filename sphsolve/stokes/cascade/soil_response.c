@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
@@ -69,6 +70,18 @@ cleanup:
   if (scaled.micro_permeability != lattice->micro_permeability)
     memory_free(&scaled.micro_permeability);
   return status;
+}
+
+double soil_response_uncertainty(const struct scene *scene) {
+  const double said = scene->micro.uncertainty > 1.0 ? log(scene->micro.uncertainty) : 0.0;
+  struct h5_file *file = NULL;
+  if (!*scene->model_path || h5_open(scene->model_path, &file) != STATUS_OK) {
+    error_clear();
+    return said;
+  }
+  const double greys = h5_attribute_or_nan(file, "/model", "micro_ln_permeability_uncertainty");
+  h5_close(file);
+  return greys > 0.0 ? hypot(said, greys) : said;
 }
 
 void soil_response_describe(const struct lattice *l, struct micropores *m) {
