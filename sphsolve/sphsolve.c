@@ -105,7 +105,7 @@ cleanup:
 }
 
 /* "5%" or 0.05. */
-static enum status parse_error(const char *text, double *wanted) {
+static enum status parse_wanted_error(const char *text, double *wanted) {
   char *end;
   *wanted = strtod(text, &end);
   if (end != text && *end == '%') {
@@ -124,7 +124,7 @@ static enum status take_goal(const struct options *options, struct job *job) {
   struct accuracy_goal *goal = &job->plan.goal;
   const struct method *method = job->plan.context.method;
   if (options_given(options, "error"))
-    TRY(parse_error(options_text(options, "error"), &goal->error));
+    TRY(parse_wanted_error(options_text(options, "error"), &goal->error));
   if (options_given(options, "time")) {
     TRY(options_quantity(options, "time", DIM_TIME, &goal->seconds));
     if (!(goal->seconds > 0)) TRY_FAIL(STATUS_USAGE, "--time: more than 0 s is wanted, like 60s");
@@ -179,8 +179,8 @@ static enum status run_scene(const struct options *options, struct job *job, con
     status = finish_error(job, result);
   result->wall_time = clock_seconds() - started;
   if (status == STATUS_OK && tensor != NULL) {
-    tensor_take(&job->scene, result->darcy_velocity, &result->error, result->k_finest / result->k,
-                axis, prefix, tensor);
+    tensor_set_column(&job->scene, result->darcy_velocity, &result->error,
+                      result->k_finest / result->k, axis, prefix, tensor);
     if (tensor_complete(tensor)) result->tensor = tensor;
   }
   /* An interrupted run leaves its record too; its message is the method's. */
@@ -241,11 +241,12 @@ static enum status run_tensor(const struct options *options, struct job *job, co
                "--tensor is of flow through pores (methods stokes and wcsph), and "
                "this scene runs by %s: leave it out",
                job->plan.context.method->name);
-    if (turn == 1) tensor_look(&job->lattice, tensor);
+    if (turn == 1) tensor_find_mirrors(&job->lattice, tensor);
     job->directions = 3;
-    if (options_given(options, "error")) TRY(parse_error(options_text(options, "error"), &wanted));
+    if (options_given(options, "error"))
+      TRY(parse_wanted_error(options_text(options, "error"), &wanted));
     if (options_given(options, "resume"))
-      found = tensor_find(&job->scene, &job->lattice, wanted, path, axis, tensor);
+      found = tensor_read_column(&job->scene, &job->lattice, wanted, path, axis, tensor);
     log_info("direction %c%s", "xyz"[axis], found ? ": its record is there already" : "");
     if (!found || turn == 3) TRY(run_scene(options, job, path, tensor, axis, result));
   }
@@ -266,7 +267,7 @@ static enum status find_flow(const struct options *options, struct job *job, boo
                "--%s is of a scene that solves a flow; %s takes one that is solved: leave it out",
                others[i], job->scene.path);
   if (*found && options_given(options, "error"))
-    TRY(parse_error(options_text(options, "error"), &job->scene.solute.error));
+    TRY(parse_wanted_error(options_text(options, "error"), &job->scene.solute.error));
   if (!*found) scene_free(&job->scene);
 cleanup:
   return status;
@@ -303,7 +304,8 @@ static enum status run(const struct options *options, struct job *job) {
     TRY(run_scene(options, job, prefix, NULL, 0, &result));
   }
   double wanted = INFINITY;
-  if (options_given(options, "error")) TRY(parse_error(options_text(options, "error"), &wanted));
+  if (options_given(options, "error"))
+    TRY(parse_wanted_error(options_text(options, "error"), &wanted));
   if (options_json(options))
     TRY(run_print_json(&result));
   else if (log_level() > LOG_QUIET)
@@ -321,7 +323,7 @@ static enum status explain(const struct options *options, struct job *job) {
   TRY(find_flow(options, job, &on_flow));
   if (on_flow)
     return job->scene.method->explain_on_flow(&job->scene, thread_count(), options_json(options));
-  if (wanted) TRY(parse_error(options_text(options, "error"), &recommended.wanted));
+  if (wanted) TRY(parse_wanted_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
   if (options_given(options, "ranks")) {
     TRY(options_integers(options, "ranks", ',', 1, &count));

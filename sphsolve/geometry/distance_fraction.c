@@ -57,12 +57,12 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
   const int none[3] = {0, 0, 0};
   const double share = (double)f[distance_neighbour(grid, x, none)];
   double n[3], m[3], sum = 0;
-  int main = 0;
+  int steepest = 0;
   if (!(normal_of(grid, f, x, n) > 0)) return false;
   for (int a = 0; a < 3; a++) {
     m[a] = fmax(fabs(n[a]) * grid->spacing[a], 1e-4 * grid->spacing[a]);
     sum += m[a];
-    if (m[a] > m[main]) main = a;
+    if (m[a] > m[steepest]) steepest = a;
   }
   for (int a = 0; a < 3; a++) m[a] /= sum;
   double low = 0, high = 1;
@@ -75,12 +75,12 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
   }
   /* The next voxel on the side where the surface lies from the centre. */
   const double level = 0.5 * (low + high);
-  const int towards = (share < 0.5 ? 1 : -1) * (n[main] > 0 ? 1 : -1);
+  const int towards = (share < 0.5 ? 1 : -1) * (n[steepest] > 0 ? 1 : -1);
   int by[3] = {0, 0, 0};
-  by[main] = towards;
+  by[steepest] = towards;
   const long next = distance_neighbour(grid, x, by);
   if (next < 0) return false;
-  const double expected = plane_box_below(m, level + (share < 0.5 ? m[main] : -m[main]));
+  const double expected = plane_box_below(m, level + (share < 0.5 ? m[steepest] : -m[steepest]));
   if (fabs(expected - (double)f[next]) > AGREES) return false;
   const double away = (0.5 - level) * sum; /* along the normal, to the grain */
   for (int a = 0; a < 3; a++) {

@@ -49,30 +49,30 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void give(struct budget_sums *sums, enum budget_term term, double scale,
-                 const double force[3], const double u[3]) {
+static void add_force(struct budget_sums *sums, enum budget_term term, double scale,
+                      const double force[3], const double u[3]) {
   for (int a = 0; a < 3; a++) sums->impulse[term][a] += scale * force[a];
   sums->work[term] += scale * dot(force, u);
 }
 
 /* Momentum m I v and energy m I v^2/(2 eps), with `sign`. */
-static void hold(double mass, double inertia, double porosity, const double v[3], double sign,
-                 double momentum[3], double *energy) {
+static void add_stored(double mass, double inertia, double porosity, const double v[3], double sign,
+                       double momentum[3], double *energy) {
   for (int a = 0; a < 3; a++) momentum[a] += sign * mass * inertia * v[a];
   *energy += sign * 0.5 * mass * inertia / porosity * dot(v, v);
 }
 
-static void held(const struct isph *s, double momentum[3], double *energy) {
+static void sum_stored(const struct isph *s, double momentum[3], double *energy) {
   double total[4];
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[4] = {0};
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
-      hold(s->mass[i] * s->thickness, inertia_of(s, i), porosity_of(s, i), s->velocity[i], 1, sum,
-           &sum[3]);
+      add_stored(s->mass[i] * s->thickness, inertia_of(s, i), porosity_of(s, i), s->velocity[i], 1,
+                 sum, &sum[3]);
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, 4, total);
+  isph_sum_chunks(s, 4, total);
   memcpy(momentum, total, 3 * sizeof *total);
   *energy = total[3];
 }
@@ -89,7 +89,7 @@ void isph_budget_begin(struct isph *s) {
     snprintf(s->budget.own[k], sizeof s->budget.own[k], "%s", s->on.own[k]->name);
   }
   s->budget.on = on;
-  held(s, s->budget.momentum[0], &s->budget.energy[0]);
+  sum_stored(s, s->budget.momentum[0], &s->budget.energy[0]);
 }
 
 /* Walls and open sides on particle i; and the work of those that move. `scale`: m dt / rho. */
@@ -104,12 +104,12 @@ static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, s
     isph_separation(s, x, s->boundary_position, entry, r);
     if (s->boundary_kind[j] == BOUNDARY_WALL) {
       const double pressure = 2 * s->pressure[i] - s->density * dot(f, r);
-      give(sums, BUDGET_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
+      add_force(sums, BUDGET_WALL_PRESSURE, weight * pressure, r, isph_wall_velocity(s, j));
     } else {
       const bool head = s->boundary_kind[j] == BOUNDARY_OPEN_HEAD;
       const double pressure =
           head ? 2 * s->boundary_pressure[j] : 2 * s->pressure[i] - s->density * dot(f, r);
-      give(sums, BUDGET_OPEN_SIDES, weight * pressure, r, u);
+      add_force(sums, BUDGET_OPEN_SIDES, weight * pressure, r, u);
     }
   }
 }
@@ -130,7 +130,7 @@ static void budget_soil(const struct isph *s, const struct isph_chunk *chunk, si
   }
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++) gradient[a] += (double)l[3 * b + a] * g[b];
-  give(sums, BUDGET_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
+  add_force(sums, BUDGET_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
 }
 
 static void budget_drag(const struct isph *s, size_t i, double scale, const double before[3],
@@ -151,8 +151,8 @@ static void budget_drag(const struct isph *s, size_t i, double scale, const doub
     isph_interface_turn(along, isph_interface_ratio(along->drag_a, s->drag_a[i]), linear);
     isph_interface_turn(along, isph_interface_ratio(along->drag_b, s->drag_b[i]), forchheimer);
   }
-  give(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
-  give(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
+  add_force(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
+  add_force(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }
 
 /* The pairs' viscous force goes to what makes the larger part of nu + max(nu_T, nu_c). */
@@ -165,9 +165,9 @@ static void budget_viscosity(const struct isph *s, size_t i, double scale, const
       s->on.artificial_viscosity &&
       (!s->on.turbulence || thick - s->kinematic_viscosity <= s->artificial_viscosity);
   const enum budget_term more = artificial ? BUDGET_ARTIFICIAL_VISCOSITY : BUDGET_TURBULENCE;
-  give(sums, BUDGET_VISCOSITY, scale * own, applied->viscous, u);
-  give(sums, more, scale * (1 - own), applied->viscous, u);
-  give(sums, BUDGET_WALL_FRICTION, scale, applied->friction, u);
+  add_force(sums, BUDGET_VISCOSITY, scale * own, applied->viscous, u);
+  add_force(sums, more, scale * (1 - own), applied->viscous, u);
+  add_force(sums, BUDGET_WALL_FRICTION, scale, applied->friction, u);
 }
 
 /* Effects that bring a force, or a pressure outside the surface, whose part of the corrector's
@@ -175,14 +175,14 @@ static void budget_viscosity(const struct isph *s, size_t i, double scale, const
 static void budget_own(const struct isph *s, size_t i, double scale, const double u[3],
                        double pressed[3], struct budget_sums *sums) {
   for (size_t k = 0; k < s->on.own_count; k++) {
-    if (s->own_force[k] != NULL) give(sums, BUDGET_OWN + k, scale, s->own_force[k][i], u);
+    if (s->own_force[k] != NULL) add_force(sums, BUDGET_OWN + k, scale, s->own_force[k][i], u);
     if (s->on.own[k]->surface_pressure == NULL) continue;
     double outside[3];
     for (int a = 0; a < 3; a++) {
       outside[a] = -2 * s->surface[i] * s->surface_pressure[i] * s->gradient_sum[i][a] / s->density;
       pressed[a] -= outside[a];
     }
-    give(sums, BUDGET_OWN + k, scale, outside, u);
+    add_force(sums, BUDGET_OWN + k, scale, outside, u);
   }
 }
 
@@ -205,16 +205,16 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
         sums->impulse[BUDGET_FORCE][a] += m * dt * f[a];
       }
       budget_own(s, i, m * dt, u, pressed, sums);
-      give(sums, BUDGET_PROJECTION, m * dt, pressed, u);
+      add_force(sums, BUDGET_PROJECTION, m * dt, pressed, u);
       sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
       if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
-      if (s->on.soil && s->soil_share[i] > 0 && s->soil_share[i] < 1)
+      if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
         budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
       budget_sides(s, chunk, i, m * dt / s->density, u, sums);
       if (s->on.open_sides) {
-        const double left = s->on.soil ? s->drag_left[i] : 1;
-        give(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
+        const double left = s->on.soil ? s->drag_factor[i] : 1;
+        add_force(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
       }
       const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
       if (s->on.relaxation)
@@ -233,8 +233,8 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
 void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,
                         size_t i, const double from[3]) {
   const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), in = inertia_of(s, i);
-  hold(m, in, eps, s->velocity[i], 1, sums->impulse[term], &sums->work[term]);
-  hold(m, in, eps, from, -1, sums->impulse[term], &sums->work[term]);
+  add_stored(m, in, eps, s->velocity[i], 1, sums->impulse[term], &sums->work[term]);
+  add_stored(m, in, eps, from, -1, sums->impulse[term], &sums->work[term]);
 }
 
 void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, enum budget_term term,
@@ -245,15 +245,15 @@ void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, en
 }
 
 void isph_budget_moved(struct isph *s) {
-  isph_add_budgets(s);
-  if (s->on.soil) held(s, s->budget_held, &s->budget_held[3]);
+  isph_sum_budgets(s);
+  if (s->on.soil) sum_stored(s, s->budget_stored, &s->budget_stored[3]);
 }
 
-void isph_budget_gone(struct isph *s, enum budget_term term, const struct isph_gone *gone) {
+void isph_budget_removed(struct isph *s, enum budget_term term, const struct isph_removed *gone) {
   const double m = gone->mass * s->thickness, in = gone->inertia, eps = gone->porosity;
   const double *v = gone->velocity;
-  hold(m, in, eps, v, -1, s->budget.sums.impulse[term], &s->budget.sums.work[term]);
-  hold(m, in, eps, v, -1, s->budget_held, &s->budget_held[3]);
+  add_stored(m, in, eps, v, -1, s->budget.sums.impulse[term], &s->budget.sums.work[term]);
+  add_stored(m, in, eps, v, -1, s->budget_stored, &s->budget_stored[3]);
 }
 
 void isph_budget_entered(struct isph *s, const double position[3], const double velocity[3],
@@ -261,21 +261,21 @@ void isph_budget_entered(struct isph *s, const double position[3], const double 
   struct soil_point soil = {.porosity = 1, .inertia = 1};
   struct budget_sums *sums = &s->budget.sums;
   if (s->on.soil) isph_soil_at(s, position, 0, &soil);
-  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, sums->impulse[BUDGET_ENTERED],
-       &sums->work[BUDGET_ENTERED]);
-  hold(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, s->budget_held,
-       &s->budget_held[3]);
+  add_stored(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1,
+             sums->impulse[BUDGET_ENTERED], &sums->work[BUDGET_ENTERED]);
+  add_stored(mass * s->thickness, soil.inertia, soil.porosity, velocity, 1, s->budget_stored,
+             &s->budget_stored[3]);
 }
 
 void isph_budget_settled(struct isph *s) {
   struct budget_sums *sums = &s->budget.sums;
   double now[4];
   if (!s->on.soil) return;
-  held(s, now, &now[3]);
-  for (int a = 0; a < 3; a++) sums->impulse[BUDGET_SOIL_ENTRY][a] += now[a] - s->budget_held[a];
-  sums->work[BUDGET_SOIL_ENTRY] += now[3] - s->budget_held[3];
+  sum_stored(s, now, &now[3]);
+  for (int a = 0; a < 3; a++) sums->impulse[BUDGET_SOIL_ENTRY][a] += now[a] - s->budget_stored[a];
+  sums->work[BUDGET_SOIL_ENTRY] += now[3] - s->budget_stored[3];
 }
 
 void isph_budget_end(struct isph *s) {
-  held(s, s->budget.momentum[1], &s->budget.energy[1]);
+  sum_stored(s, s->budget.momentum[1], &s->budget.energy[1]);
 }

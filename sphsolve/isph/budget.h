@@ -19,11 +19,11 @@ void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, en
 /* Sums the chunks and, in soil, what there is before the particles' soil is found anew. */
 void isph_budget_moved(struct isph *s);
 /* A particle, still with the soil it had, leaves. */
-struct isph_gone {
+struct isph_removed {
   double position[3], velocity[3], mass, volume, inertia, porosity;
   uint64_t id;
 };
-void isph_budget_gone(struct isph *s, enum budget_term term, const struct isph_gone *gone);
+void isph_budget_removed(struct isph *s, enum budget_term term, const struct isph_removed *gone);
 /* A particle comes in. */
 void isph_budget_entered(struct isph *s, const double position[3], const double velocity[3],
                          double mass);

@@ -257,7 +257,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     isph_moment_inverse(dimensions, moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
-    if (s->on.soil) isph_moment_lack(s, i, moment, wall_moment);
+    if (s->on.soil) isph_moment_defect(s, i, moment, wall_moment);
   }
   return STATUS_OK;
 }
@@ -334,7 +334,7 @@ enum status isph_find_neighbours(struct isph *s) {
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->near != NULL) find_near(s);
-  if (s->on.soil) isph_moment_even(s);
+  if (s->on.soil) isph_moment_correct(s);
   s->pairs_now = 0;
   for (size_t c = 0; c < s->chunk_count; c++)
     s->pairs_now += (double)(s->chunks[c].pair_count + s->chunks[c].wall_count);

@@ -69,8 +69,8 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   s->budget = copy->budget;
   s->lost_count = copy->counts[0], s->left_count = copy->counts[1];
   s->entered_count = copy->counts[2];
-  isph_drive(s, 0);
-  isph_open_dry(s, false);
+  isph_apply_tables(s, 0);
+  isph_open_update_dry(s, false);
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));

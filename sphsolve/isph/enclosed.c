@@ -120,7 +120,7 @@ void isph_enclosed_source(struct isph *s, double *source) {
         if (in_body(s, i, s->enclosed[k])) sum[0] += source[i], sum[1] += s->volume[i];
       s->sums[c][0] = sum[0], s->sums[c][1] = sum[1];
     }
-    isph_add_up(s, 2, total);
+    isph_sum_chunks(s, 2, total);
     for (size_t i = s->local.begin; i < s->local.end; i++)
       if (in_body(s, i, s->enclosed[k])) source[i] -= total[0] / total[1] * s->volume[i];
   }

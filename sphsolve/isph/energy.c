@@ -17,7 +17,7 @@
  *   R = sum P V (phi - 1) eps B/tau dt,
  * is held to what friction dissipates and contraction elsewhere gives back in the same step, with
  * the pressures of the step before:
- *   relaxation_share <= (friction + contraction) / expansion,
+ *   relaxation_factor <= (friction + contraction) / expansion,
  * unless the water as a whole is denser by more than DENSITY_EXCESS: then its volume matters more.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
@@ -40,7 +40,7 @@ static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
     }
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &total);
+  isph_sum_chunks(s, 1, &total);
   return total;
 }
 
@@ -60,14 +60,14 @@ double isph_potential_energy(const struct isph *s) {
     }
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &total);
+  isph_sum_chunks(s, 1, &total);
   return total;
 }
 
-void isph_energy_relax(struct isph *s, double relaxation_time, double dt) {
+void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt) {
   enum { EXPANDS, CONTRACTS, EXCESS, VOLUME, COUNT };
   double total[COUNT];
-  s->relaxation_share = 1;
+  s->relaxation_factor = 1;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
@@ -79,16 +79,16 @@ void isph_energy_relax(struct isph *s, double relaxation_time, double dt) {
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, COUNT, total);
+  isph_sum_chunks(s, COUNT, total);
   double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
   double free = fmin(1, total[EXCESS] / total[VOLUME] / DENSITY_EXCESS - 1);
   if (total[EXPANDS] > 0)
-    s->relaxation_share = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
-  s->relaxation_excess = free > s->relaxation_share ? 1 - s->relaxation_share / free : 0;
-  s->relaxation_share = fmax(s->relaxation_share, free);
+    s->relaxation_factor = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
+  s->relaxation_excess = free > s->relaxation_factor ? 1 - s->relaxation_factor / free : 0;
+  s->relaxation_factor = fmax(s->relaxation_factor, free);
 }
 
-double isph_energy_given(const struct isph *s, double relaxation_time, double dt) {
+double isph_energy_from_relaxation(const struct isph *s, double relaxation_time, double dt) {
   double total;
   if (s->relaxation_excess <= 0) return 0;
 #pragma omp parallel for schedule(static)
@@ -98,14 +98,14 @@ double isph_energy_given(const struct isph *s, double relaxation_time, double dt
       sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, relaxation_time);
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &total);
+  isph_sum_chunks(s, 1, &total);
   return s->relaxation_excess * fmax(0, total * dt);
 }
 
 #define STRAIN_MOST 1e-3 /* in a step */
 #define TRIM_MOST 0.01   /* share of the kinetic energy taken in a step */
 
-void isph_energy_settle(struct isph *s, double (*displacement)[3], double available) {
+void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
   const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   double total[COUNT], lowest = -INFINITY;
@@ -122,7 +122,7 @@ void isph_energy_settle(struct isph *s, double (*displacement)[3], double availa
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, COUNT, total);
+  isph_sum_chunks(s, COUNT, total);
   lowest = ranks_max(lowest);
   const double weight = total[WEIGHT] + total[MASS] * force * lowest;
   double excess = isph_kinetic_energy(s) + total[WORK] - available;
@@ -139,7 +139,7 @@ void isph_energy_settle(struct isph *s, double (*displacement)[3], double availa
     }
 }
 
-void isph_energy_trim(struct isph *s, double most) {
+void isph_energy_limit_velocity(struct isph *s, double most) {
   double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
   if (!(excess > 0 && kinetic > 0)) return;
   double scale = sqrt(1 - fmin(excess / kinetic, TRIM_MOST));
@@ -154,6 +154,6 @@ void isph_energy_trim(struct isph *s, double most) {
       isph_budget_change(s, &chunk->budget, BUDGET_ENERGY_BOUND, i, from);
     }
   }
-  isph_add_budgets(s);
+  isph_sum_budgets(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
 }

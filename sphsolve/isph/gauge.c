@@ -74,7 +74,7 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, COUNT, total);
+  isph_sum_chunks(s, COUNT, total);
   for (int f = 0; f < VALUES; f++) {
     double m[4][4], b[4];
     value[f] = 0;

@@ -8,51 +8,51 @@
  *   across   a = sum w a,     b = sum w b
  *   along    1/a = sum w / a, 1/sqrt(b) = sum w / sqrt(b)    (exact for a alone and for b alone)
  * (Wiener 1912). The normal is the principal direction of
- *   T = grad M grad M + BEND h^2 H H,   M = sum w ln a / sum w,  H its second derivatives,
- * rank one at a plane interface and in a thin layer, where grad M is 0 in the middle but H is not.
- * At a corner T has two directions, q = (l1 - l2)/(l1 + l2) of its eigenvalues fades to 0, and both
- * means go to the geometric one: that of a checkerboard (Keller 1964). */
+ *   T = grad M grad M + HESSIAN_WEIGHT h^2 H H,   M = sum w ln a / sum w,  H its second
+ * derivatives, rank one at a plane interface and in a thin layer, where grad M is 0 in the middle
+ * but H is not. At a corner T has two directions, q = (l1 - l2)/(l1 + l2) of its eigenvalues fades
+ * to 0, and both means go to the geometric one: that of a checkerboard (Keller 1964). */
 
 /* Small, so that H speaks only where grad M is silent: boxes that make stairs of an oblique
  * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
  * with 0.1). */
-#define BEND 0.02
+#define HESSIAN_WEIGHT 0.02
 /* Neighbours' weight along an edge is at least this share of what it is without. */
-#define SHARE_LEAST 0.25
+#define WEIGHT_LEAST 0.25
 
-void isph_share_add(struct isph_share *to, double scale, const struct isph_share *share) {
+void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share) {
   to->value += scale * share->value;
-  for (int a = 0; a < 3; a++) to->slope[a] += scale * share->slope[a];
-  for (int k = 0; k < 6; k++) to->bend[k] += scale * share->bend[k];
+  for (int a = 0; a < 3; a++) to->gradient[a] += scale * share->gradient[a];
+  for (int k = 0; k < 6; k++) to->hessian[k] += scale * share->hessian[k];
 }
 
-void isph_meeting_add(struct isph_meeting *m, const struct isph_share *w, double a, double b) {
+void isph_soil_mix_add(struct isph_soil_mix *m, const struct isph_fraction *w, double a, double b) {
   const double drag = a > 0 ? a : b;
   if (!(drag > 0)) return;
   m->least = fmin(m->least, drag), m->most = fmax(m->most, drag);
   m->linear += w->value / a, m->forchheimer += w->value / sqrt(b);
-  isph_share_add(&m->share, 1, w);
-  isph_share_add(&m->level, log(drag), w);
+  isph_fraction_add(&m->sum, 1, w);
+  isph_fraction_add(&m->level, log(drag), w);
 }
 
 static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
 /* T of M = level / share. */
-static void find_tensor(const struct isph_meeting *m, double h, double tensor[6]) {
-  const struct isph_share *l = &m->level, *s = &m->share;
+static void find_tensor(const struct isph_soil_mix *m, double h, double tensor[6]) {
+  const struct isph_fraction *l = &m->level, *s = &m->sum;
   const double mean = l->value / s->value;
-  double g[3], bend[6];
-  for (int a = 0; a < 3; a++) g[a] = (l->slope[a] - mean * s->slope[a]) / s->value;
+  double g[3], hessian[6];
+  for (int a = 0; a < 3; a++) g[a] = (l->gradient[a] - mean * s->gradient[a]) / s->value;
   for (int a = 0; a < 3; a++)
     for (int b = a; b < 3; b++)
-      bend[at[a][b]] =
-          (l->bend[at[a][b]] - mean * s->bend[at[a][b]] - g[a] * s->slope[b] - g[b] * s->slope[a]) /
-          s->value;
+      hessian[at[a][b]] = (l->hessian[at[a][b]] - mean * s->hessian[at[a][b]] -
+                           g[a] * s->gradient[b] - g[b] * s->gradient[a]) /
+                          s->value;
   for (int a = 0; a < 3; a++)
     for (int b = a; b < 3; b++) {
       tensor[at[a][b]] = g[a] * g[b];
       for (int c = 0; c < 3; c++)
-        tensor[at[a][b]] += BEND * h * h * bend[at[a][c]] * bend[at[c][b]];
+        tensor[at[a][b]] += HESSIAN_WEIGHT * h * h * hessian[at[a][c]] * hessian[at[c][b]];
     }
 }
 
@@ -86,8 +86,8 @@ static void turn(double q, double *across, double *along) {
   *across /= factor, *along *= factor;
 }
 
-void isph_meeting_split(const struct isph_meeting *m, double smoothing, struct soil_point *soil) {
-  const double w = m->share.value;
+void isph_soil_mix_split(const struct isph_soil_mix *m, double smoothing, struct soil_point *soil) {
+  const double w = m->sum.value;
   double tensor[6];
   soil->along_a = soil->a, soil->along_b = soil->b;
   memset(soil->normal, 0, sizeof soil->normal);
@@ -119,5 +119,5 @@ void isph_edge_close(const struct isph_edge *edge, double gradient[3]) {
   for (int a = 0; a < 3; a++) n[a] = g[a] / size, across += n[a] * edge->flux[a];
   const double share = along(edge->weighted, n) / along(edge->even, n);
   for (int a = 0; a < 3; a++)
-    gradient[a] = n[a] * across + (edge->flux[a] - n[a] * across) / fmax(SHARE_LEAST, share);
+    gradient[a] = n[a] * across + (edge->flux[a] - n[a] * across) / fmax(WEIGHT_LEAST, share);
 }

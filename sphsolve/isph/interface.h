@@ -8,24 +8,25 @@
 #include "sphsolve/isph/state.h"
 
 /* A share of soil, its gradient (1/m) and second derivatives (xx xy xz yy yz zz, 1/m^2). */
-struct isph_share {
-  double value, slope[3], bend[6];
+struct isph_fraction {
+  double value, gradient[3], hessian[6];
 };
 /* to += scale * share */
-void isph_share_add(struct isph_share *to, double scale, const struct isph_share *share);
+void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share);
 
 /* Sums over the soils at a place; start from {.least = INFINITY}. */
-struct isph_meeting {
-  double least, most;             /* drag of the soils here */
-  double linear, forchheimer;     /* sum of w/a, w/sqrt(b) */
-  struct isph_share share, level; /* sum of w, w ln a */
+struct isph_soil_mix {
+  double least, most;              /* drag of the soils here */
+  double linear, forchheimer;      /* sum of w/a, w/sqrt(b) */
+  struct isph_fraction sum, level; /* sum of w, w ln a */
 };
 /* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its share w here. */
-void isph_meeting_add(struct isph_meeting *meeting, const struct isph_share *w, double a, double b);
+void isph_soil_mix_add(struct isph_soil_mix *mix, const struct isph_fraction *w, double a,
+                       double b);
 /* From soil->a and b, the means across an interface: the means along it, and its normal (0 where
  * there is none). `smoothing`: h of the shares, m. */
-void isph_meeting_split(const struct isph_meeting *meeting, double smoothing,
-                        struct soil_point *soil);
+void isph_soil_mix_split(const struct isph_soil_mix *mix, double smoothing,
+                         struct soil_point *soil);
 
 /* The gradient of the pressure at a particle whose neighbours have other mobilities. */
 struct isph_edge {

@@ -45,7 +45,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double row_interval = recorder_row_interval(recorder);
-  double fixed_dt = plan->dt, dt = fixed_dt, share = 0;
+  double fixed_dt = plan->dt, dt = fixed_dt, used = 0;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   struct isph_trip trip = {.bound = WATCH_RESIDUAL};
   if (isnan(row_interval)) row_interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
@@ -74,14 +74,14 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       goto cleanup;
     }
     if (last) break;
-    if (s->step % WATCH_STEPS == 0 && watchdog_wants(&s->dog, s->step, share)) {
+    if (s->step % WATCH_STEPS == 0 && watchdog_wants(&s->dog, s->step, used)) {
       TRY(isph_keep(s, copy));
-      watchdog_keep(&s->dog, s->step, share);
+      watchdog_keep(&s->dog, s->step, used);
     }
     if (s->dog.halvings > 0 && isnan(fixed_dt) && s->time > s->dog.trip_time &&
-        s->step >= s->calm_from + RECOVERY) {
+        s->step >= s->stable_from + RECOVERY) {
       s->dog.halvings--;
-      s->calm_from = s->step;
+      s->stable_from = s->step;
     }
     const char *limited_by = "scene";
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
@@ -99,15 +99,15 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       trip.bound = WATCH_RESIDUAL;
       snprintf(trip.what, sizeof trip.what, "%.*s", (int)sizeof trip.what - 1, error_message());
       error_clear();
-      share = INFINITY;
+      used = INFINITY;
     } else {
       if (status != STATUS_OK) goto cleanup;
-      TRY(isph_judge(s, dt, &share, &trip));
+      TRY(isph_check_bounds(s, dt, &used, &trip));
     }
-    if (!(share < 1)) {
+    if (!(used < 1)) {
       TRY(isph_step_back(s, copy, dt, &trip, recorder));
-      share = s->dog.kept_share;
-      s->calm_from = s->step;
+      used = s->dog.kept_used;
+      s->stable_from = s->step;
       s->settling = (struct monitor_settling){.since = s->time};
       next_row = row_after(s->time, row_interval);
       continue;
@@ -161,7 +161,7 @@ cleanup:
     if (RANKS) recorder_set_measured(recorder, "pressure_setup_seconds", s->seconds_setup);
     recorder_set_fact(recorder, "iterations_mean",
                       s->solve.iterations_total / fmax(1, s->solve.solves));
-    if (s->crowded > 0) recorder_set_fact(recorder, "kernel_sum_most", s->crowded);
+    if (s->kernel_sum_peak > 0) recorder_set_fact(recorder, "kernel_sum_most", s->kernel_sum_peak);
     recorder_set_fact(recorder, "residual", s->solve.residual);
     recorder_set_fact(recorder, "particles", (double)s->total);
     recorder_set_fact(recorder, "particles_lost", (double)s->lost_count);

@@ -15,7 +15,7 @@
  * each other's adjoint as before. C fades towards free water, where M is near 1, and is none on the
  * surface and next to it, where what lacks is missing indeed. */
 
-#define LACK_MOST 0.5 /* of C (Frobenius), so that slopes stay positive */
+#define DEFECT_MOST 0.5 /* of C (Frobenius), so that slopes stay positive */
 
 /* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`, left alone where m is
  * too flat to be trusted. */
@@ -34,20 +34,20 @@ void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
   inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
 }
 
-void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
-                      const double wall_moment[6]) {
-  float *lack = s->moment_lack[i];
+void isph_moment_defect(struct isph *s, size_t i, const double moment[6],
+                        const double wall_moment[6]) {
+  float *defect = s->moment_defect[i];
   double e[6], size = 0, d = s->dimensions;
   for (int k = 0; k < 6; k++) e[k] = -moment[k] - wall_moment[k];
   e[0] += 1, e[5] += 1, e[3] += s->dimensions == 3;
   double trace = e[0] + e[3] + e[5];
   for (int k = 0; k < 6; k++) {
     bool diagonal = k == 0 || k == 3 || k == 5;
-    e[k] = 0.5 * s->soil_share[i] * ((d + 2) * e[k] - (diagonal ? trace : 0));
+    e[k] = 0.5 * s->soil_fraction[i] * ((d + 2) * e[k] - (diagonal ? trace : 0));
     size += (diagonal ? 1 : 2) * e[k] * e[k];
   }
-  double scale = fmin(1, LACK_MOST / fmax(sqrt(size), 1e-30));
-  for (int k = 0; k < 6; k++) lack[k] = (float)(scale * e[k]);
+  double scale = fmin(1, DEFECT_MOST / fmax(sqrt(size), 1e-30));
+  for (int k = 0; k < 6; k++) defect[k] = (float)(scale * e[k]);
 }
 
 /* r.C.r / r^2 */
@@ -71,22 +71,22 @@ static void spare_surface(struct isph *s) {
     }
   }
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    for (int k = 0; k < 6; k++) s->moment_lack[i][k] *= (float)(1 - near[i]);
+    for (int k = 0; k < 6; k++) s->moment_defect[i][k] *= (float)(1 - near[i]);
 }
 
-void isph_moment_even(struct isph *s) {
+void isph_moment_correct(struct isph *s) {
   if (s->on.surface) spare_surface(s);
-  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_lack)});
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_defect)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
       double moment[6] = {0}, own[6], mean[6], r[3], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-      for (int k = 0; k < 6; k++) own[k] = (double)s->moment_lack[i][k];
+      for (int k = 0; k < 6; k++) own[k] = (double)s->moment_defect[i][k];
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
-        for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_lack[j][k]);
+        for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_defect[j][k]);
         isph_separation(s, xi, s->position, chunk->pair[p], r);
         chunk->slope[p] *= (float)(1 + along(mean, r));
         double f = s->volume[j] * (double)chunk->slope[p];

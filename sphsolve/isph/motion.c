@@ -70,8 +70,9 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   double size = isph_size_of(s, s->volume[i]);
-  double most =
-      s->on.surface && !isph_is_free(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
+  double most = s->on.surface && !isph_is_unforced(s)
+                    ? SHIFT_SHARE * size * size / s->shift_stiffness
+                    : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, step);
   const float *g = s->gradient[i];
@@ -82,7 +83,7 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
 
 void isph_move(struct isph *s, double dt, double available) {
   double(*displacement)[3] = s->predicted; /* v* is not needed any more */
-  const bool waves = s->on.surface && (!isph_is_free(s) || s->surface_pressure != NULL);
+  const bool waves = s->on.surface && (!isph_is_unforced(s) || s->surface_pressure != NULL);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -112,7 +113,7 @@ void isph_move(struct isph *s, double dt, double available) {
       for (int a = 0; a < 3; a++)
         displacement[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) isph_energy_settle(s, displacement, available);
+  if (s->on.energy) isph_energy_limit_displacement(s, displacement, available);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];

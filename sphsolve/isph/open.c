@@ -41,7 +41,7 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
   for (int a = 0; a < 3; a++) middle[a] = 0.5 * (side.low[a] + side.high[a]);
   middle[side.axis] = side.edge;
   side.porosity = porosity_at(s, middle);
-  const double apart = s->spacing * pow(s->fullest / side.porosity, 1.0 / s->dimensions);
+  const double apart = s->spacing * pow(s->mass_ratio / side.porosity, 1.0 / s->dimensions);
   for (int a = 0; a < 3; a++) {
     double width = side.high[a] - side.low[a];
     side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / apart));
@@ -140,7 +140,7 @@ static void place_column(struct isph *s, size_t c) {
         side->edge - side->inward * (front + l * column->pitch);
 }
 
-void isph_drive(struct isph *s, double dt) {
+void isph_apply_tables(struct isph *s, double dt) {
   const double t = s->time + dt;
   bool heads = false;
   for (size_t b = 1; b < s->wall_box_count; b++) {
@@ -162,7 +162,7 @@ void isph_drive(struct isph *s, double dt) {
   if (heads) isph_wall_move(s, 0);
 }
 
-void isph_open_dry(struct isph *s, bool place) {
+void isph_open_update_dry(struct isph *s, bool place) {
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
@@ -201,7 +201,7 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
         porosity = soil.porosity;
       }
       column->pitch = side->porosity < 1 || porosity < 1
-                          ? s->wall_volume * s->fullest / (porosity * area)
+                          ? s->wall_volume * s->mass_ratio / (porosity * area)
                           : s->spacing;
       column->volume = area * column->pitch;
       s->column_front[side->first + (size_t)c] = 0.5 * column->pitch;
@@ -279,10 +279,10 @@ static bool is_outside(const struct isph *s, const double x[3]) {
   return false;
 }
 
-static void count_gone(struct isph *s, const struct isph_gone *gone) {
+static void count_removed(struct isph *s, const struct isph_removed *gone) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
   int side = isph_open_side_behind(s, x);
-  isph_budget_gone(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
+  isph_budget_removed(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
   if (side >= 0) {
     s->left_count++, s->left_mass += mass;
     follow(s, side, x, gone->volume);
@@ -294,8 +294,9 @@ static void count_gone(struct isph *s, const struct isph_gone *gone) {
                 s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
   const double *v = gone->velocity;
   double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
-  if (!(speed <= s->flung[0]))
-    memcpy(s->flung, (double[5]){speed, x[0], x[1], x[2], (double)gone->id}, sizeof s->flung);
+  if (!(speed <= s->fastest_lost[0]))
+    memcpy(s->fastest_lost, (double[5]){speed, x[0], x[1], x[2], (double)gone->id},
+           sizeof s->fastest_lost);
   if (s->lost_count < CONSERVATION_LOSSES) {
     const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
     memcpy(s->losses[s->lost_count], loss, sizeof loss);
@@ -305,15 +306,15 @@ static void count_gone(struct isph *s, const struct isph_gone *gone) {
 
 enum status isph_remove_outside(struct isph *s) {
   enum status status = STATUS_OK;
-  struct isph_gone *here = NULL, *all = NULL;
+  struct isph_removed *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
-  s->flung[0] = 0;
+  s->fastest_lost[0] = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_outside(s, s->position[i]);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
   gone = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     if (is_outside(s, s->position[i])) {
-      struct isph_gone *g = &here[gone++];
+      struct isph_removed *g = &here[gone++];
       memcpy(g->position, s->position[i], sizeof g->position);
       memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
       g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
@@ -332,7 +333,7 @@ enum status isph_remove_outside(struct isph *s) {
   s->count = kept;
   if (!ranks_any(gone > 0)) goto cleanup;
   TRY(isph_gather(here, gone, sizeof *here, &all, &total));
-  for (size_t k = 0; k < total; k++) count_gone(s, &all[k]);
+  for (size_t k = 0; k < total; k++) count_removed(s, &all[k]);
 cleanup:
   memory_free(&here);
   memory_free(&all);
@@ -366,7 +367,7 @@ void isph_open_straighten(struct isph *s) {
         double sum[2] = {0};
         for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
           double depth = depth_before(s, side, s->position[i]);
-          if (depth >= reach || (s->on.soil && s->soil_share[i] > 0)) continue;
+          if (depth >= reach || (s->on.soil && s->soil_fraction[i] > 0)) continue;
           double *v = s->predicted[i], *given = s->applied[i].straightened;
           double keep = fmin(1, fmax(0, depth / s->spacing - 1));
           if (pass == 0) {
@@ -382,7 +383,7 @@ void isph_open_straighten(struct isph *s) {
         memcpy(s->sums[c], sum, sizeof sum);
       }
       if (pass > 0) break;
-      isph_add_up(s, 2, total);
+      isph_sum_chunks(s, 2, total);
       if (total[0] > 0) mean = total[1] / total[0];
     }
   }
@@ -459,7 +460,7 @@ static enum status admit(struct isph *s, size_t c) {
 }
 
 enum status isph_open_move(struct isph *s, double dt) {
-  isph_open_dry(s, true);
+  isph_open_update_dry(s, true);
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;

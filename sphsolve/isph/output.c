@@ -23,7 +23,7 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
       for (int a = 0; a < 3; a++) sum[a] += s->volume[i] * s->velocity[i][a];
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, 3, velocity);
+  isph_sum_chunks(s, 3, velocity);
   for (int a = 0; a < 3; a++) velocity[a] *= s->thickness / domain_volume(s);
 }
 
@@ -59,7 +59,7 @@ double isph_plane_flux(const struct isph *s, int axis, double position) {
     }
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &flux);
+  isph_sum_chunks(s, 1, &flux);
   return flux * s->thickness;
 }
 
@@ -134,7 +134,7 @@ static double volume_in_region(const struct isph *s, size_t k) {
     }
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &volume);
+  isph_sum_chunks(s, 1, &volume);
   return volume * s->thickness;
 }
 
@@ -170,7 +170,7 @@ static void sum_up(const struct isph *s, struct whole *whole) {
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, 8, total);
+  isph_sum_chunks(s, 8, total);
   memcpy(whole, total, sizeof total);
   ranks_max_all(most, 7);
   memcpy(whole->extreme, most, sizeof most);
@@ -251,7 +251,7 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   size_t losses[2] = {CONSERVATION_LOSSES, 6};
   TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
   TRY(budget_write(&s->budget, sizeof s->budget, file, "/state/account"));
-  double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->calm_from};
+  double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->stable_from};
   double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
                     s->solve.residual};
   TRY(h5_write_attribute(file, "/state", "solve", H5_F64, 4, solve));
@@ -327,7 +327,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
   TRY(h5_read_attribute(file, "/state", "solve", H5_F64, 4, solve));
   TRY(h5_read_attribute(file, "/state", "settling", H5_F64, 4, &s->settling));
-  s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1], s->calm_from = (int64_t)dog[2];
+  s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1], s->stable_from = (int64_t)dog[2];
   s->solve.iterations = (int)solve[0], s->solve.iterations_total = (int)solve[1];
   s->solve.solves = (int)solve[2], s->solve.residual = solve[3];
   s->time = numbers[0], s->lost_mass = numbers[1], s->left_mass = numbers[2];
@@ -335,8 +335,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
   TRY(read_into(file, "/state/losses", H5_F64, CONSERVATION_LOSSES, 6, s->losses));
-  isph_drive(s, 0);
-  isph_open_dry(s, false);
+  isph_apply_tables(s, 0);
+  isph_open_update_dry(s, false);
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
   TRY(isph_refresh(s));

@@ -83,12 +83,12 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->support, n, sizeof *s->support, what));
   if (s->on.soil) {
     TRY(memory_resize(&s->porosity, n, sizeof *s->porosity, what));
-    TRY(memory_resize(&s->soil_share, n, sizeof *s->soil_share, what));
+    TRY(memory_resize(&s->soil_fraction, n, sizeof *s->soil_fraction, what));
     TRY(memory_resize(&s->inertia, n, sizeof *s->inertia, what));
     TRY(memory_resize(&s->drag_a, n, sizeof *s->drag_a, what));
     TRY(memory_resize(&s->drag_b, n, sizeof *s->drag_b, what));
-    TRY(memory_resize(&s->drag_left, n, sizeof *s->drag_left, what));
-    TRY(memory_resize(&s->moment_lack, n, sizeof *s->moment_lack, what));
+    TRY(memory_resize(&s->drag_factor, n, sizeof *s->drag_factor, what));
+    TRY(memory_resize(&s->moment_defect, n, sizeof *s->moment_defect, what));
     if (s->on.interfaces) TRY(memory_resize(&s->interface, n, sizeof *s->interface, what));
     if (s->on.moving_soil) {
       TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
@@ -102,7 +102,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
     TRY(memory_resize(&s->body, n, sizeof *s->body, what));
   }
-  if (isph_is_free(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
+  if (isph_is_unforced(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
   if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -151,7 +151,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->scene = scene;
   s->on = *switches;
   s->on.interfaces = isph_soils_differ(scene);
-  s->relaxation_share = 1;
+  s->relaxation_factor = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
   s->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;
@@ -215,18 +215,18 @@ void isph_free(struct isph *s) {
                     &s->volume,
                     &s->support,
                     &s->porosity,
-                    &s->soil_share,
+                    &s->soil_fraction,
                     &s->inertia,
                     &s->drag_a,
                     &s->drag_b,
-                    &s->drag_left,
+                    &s->drag_factor,
                     &s->interface,
                     &s->soil_velocity,
                     &s->porosity_rate,
                     &s->kernel_sum,
                     &s->gradient_sum,
                     &s->correction,
-                    &s->moment_lack,
+                    &s->moment_defect,
                     &s->surface,
                     &s->body,
                     &s->enclosed,

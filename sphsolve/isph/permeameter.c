@@ -152,7 +152,7 @@ enum status isph_find_k(const struct isph *s, const struct plan *plan,
   memset(result->darcy_velocity, 0, sizeof result->darcy_velocity);
   result->darcy_velocity[column.axis] = v;
   result->k = v / column.gradient;
-  result->fall[column.axis] = column.gradient;
+  result->hydraulic_gradient[column.axis] = column.gradient;
   result->error.resolution = plan->expected.error;
   result->intrinsic_permeability = result->k * s->kinematic_viscosity / strength;
   return STATUS_OK;
@@ -179,7 +179,7 @@ bool isph_column_velocity(const struct isph *s, double *velocity) {
     }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, 2, total);
+  isph_sum_chunks(s, 2, total);
   *velocity = total[0] > 0 ? total[1] / total[0] : 0;
   return true;
 }

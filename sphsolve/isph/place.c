@@ -172,7 +172,7 @@ static enum status bound(struct isph *s, const struct site *site, void *context)
 
 /* Rows along each axis, the shortest first, so that a cell holds as much as a free particle. */
 static void draw_rows(const struct isph *s, struct block *block) {
-  double volume = pow(s->spacing, s->dimensions) * s->fullest / block->porosity;
+  double volume = pow(s->spacing, s->dimensions) * s->mass_ratio / block->porosity;
   bool drawn[3] = {false, false, false};
   block->count = 1;
   block->whole = block->porosity * s->density;
@@ -280,18 +280,18 @@ static enum status count_free(struct isph *s, const struct site *site, void *con
   return STATUS_OK;
 }
 
-static enum status find_fullest(struct isph *s, const struct site *site, void *context) {
+static enum status find_mass_ratio(struct isph *s, const struct site *site, void *context) {
   (void)context;
-  s->fullest = fmax(s->fullest, site->porosity);
+  s->mass_ratio = fmax(s->mass_ratio, site->porosity);
   return STATUS_OK;
 }
 
 /* One mass fits all: that of a site where the scene's water is fullest, which is free water unless
  * soil fills the domain. */
 enum status isph_choose_mass(struct isph *s, const struct lattice *lattice) {
-  s->fullest = s->on.soil && !s->on.surface ? 0 : 1;
-  enum status status = s->fullest > 0 ? STATUS_OK : for_sites(s, lattice, find_fullest, NULL);
-  if (!(s->fullest > 0)) s->fullest = 1;
+  s->mass_ratio = s->on.soil && !s->on.surface ? 0 : 1;
+  enum status status = s->mass_ratio > 0 ? STATUS_OK : for_sites(s, lattice, find_mass_ratio, NULL);
+  if (!(s->mass_ratio > 0)) s->mass_ratio = 1;
   return status;
 }
 

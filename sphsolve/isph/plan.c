@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sphsolve/isph/pace.h"
+#include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
 
 enum status isph_scales(struct plan *plan) {
@@ -21,16 +21,16 @@ enum status isph_scales(struct plan *plan) {
 static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
 
 /* Steps as isph_stable_dt will choose them, while the water is fast and after. */
-static double steps_at(const struct plan *plan, const struct isph_pace *pace) {
+static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
   const double dx = context->spacing, time = context->scene->end_time;
   const double force = context->driving > 0 ? 0.25 * sqrt(dx / context->driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
   if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
   const double displacement = (context->has_surface ? 0.2 : 0.1) * dx;
-  const double fast = fmin(time, pace->lasts);
-  return fast / fmin(least, displacement / pace->speed) +
-         (time - fast) / fmin(least, displacement / pace->speed_after);
+  const double fast = fmin(time, speeds->lasts);
+  return fast / fmin(least, displacement / speeds->speed) +
+         (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
 /* Spacings of the particles in the soil that the two smeared ends of a layer are off, together: 20
@@ -158,10 +158,10 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;
-  struct isph_pace pace;
-  status = isph_pace_predict(context, &pace);
+  struct isph_speed_forecast speeds;
+  status = isph_speed_predict(context, &speeds);
   if (status != STATUS_OK) return status;
-  plan->steps = isnan(plan->dt) ? steps_at(plan, &pace) : scene->end_time / plan->dt;
+  plan->steps = isnan(plan->dt) ? steps_at(plan, &speeds) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
   plan->seconds =
       plan->steps * n * SECONDS_PER_STEP[context->lattice->dimensions - 2] / fmin(threads, 8);

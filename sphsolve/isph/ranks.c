@@ -212,7 +212,7 @@ enum status isph_find_ghosts(struct isph *s) {
   /* isph_probe reads any. */
   for (size_t j = 0; s->on.open_sides && j < s->count; j++)
     g->wanted[j] = j < g->begin || j >= g->end;
-  TRY(ghosts_agree(g, s->count));
+  TRY(ghosts_plan_exchange(g, s->count));
 cleanup:
   memory_free(&g->wanted);
   return status;
@@ -241,7 +241,7 @@ static void sums_go_on(double *sums, size_t n) {
   ranks_sum_all(sums, n);
 }
 
-void isph_add_up(const struct isph *s, int width, double *total) {
+void isph_sum_chunks(const struct isph *s, int width, double *total) {
   for (int k = 0; k < width; k++) total[k] = 0;
   sums_arrive(total, (size_t)width);
   for (size_t c = 0; c < s->chunk_count; c++)
@@ -249,7 +249,7 @@ void isph_add_up(const struct isph *s, int width, double *total) {
   sums_go_on(total, (size_t)width);
 }
 
-void isph_add_budgets(struct isph *s) {
+void isph_sum_budgets(struct isph *s) {
   struct budget_sums *sums = &s->budget.sums;
   double numbers[sizeof *sums / sizeof(double)];
   const size_t n = sizeof numbers / sizeof *numbers;

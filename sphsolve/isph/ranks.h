@@ -27,9 +27,9 @@ void isph_send(struct isph *s, int count, const struct ghost_field *fields);
 
 /* Collective: adds up s->sums, of which each chunk has `width`, of all chunks in their order: the
  * same bits on any number of ranks and threads. */
-void isph_add_up(const struct isph *s, int width, double *total);
+void isph_sum_chunks(const struct isph *s, int width, double *total);
 /* Collective: the same of the chunks' budgets, to that of the run. */
-void isph_add_budgets(struct isph *s);
+void isph_sum_budgets(struct isph *s);
 /* Place of the first own chunk among those of all. */
 static inline size_t isph_first_chunk(const struct isph *s) {
   return isph_is_distributed(s) ? s->chunk_partition[ranks_own()] : 0;

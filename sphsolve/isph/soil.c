@@ -48,33 +48,33 @@ static double smoothing_of(const struct isph *s) {
   return 0.25 * s->scene->isph.support_ratio * s->spacing * spread;
 }
 
-static struct isph_share share_of_box(const struct isph *s, const struct box *box,
-                                      const double x[3]) {
+static struct isph_fraction fraction_of_box(const struct isph *s, const struct box *box,
+                                            const double x[3]) {
   double h = smoothing_of(s), part[3], first[3], second[3];
-  struct isph_share share = {.value = 1};
+  struct isph_fraction fraction = {.value = 1};
   for (int a = 0; a < 3; a++) {
     double from = x[a] - box->low[a], to = x[a] - box->high[a];
     part[a] = kernel_integral(from / h) - kernel_integral(to / h);
-    share.value *= part[a];
+    fraction.value *= part[a];
     if (!s->on.interfaces) continue;
     first[a] = kernel_w(KERNEL_CUBIC, 1, fabs(from), h) - kernel_w(KERNEL_CUBIC, 1, fabs(to), h);
     second[a] = copysign(kernel_dw(KERNEL_CUBIC, 1, fabs(from), h), from) -
                 copysign(kernel_dw(KERNEL_CUBIC, 1, fabs(to), h), to);
   }
-  if (!s->on.interfaces) return share;
+  if (!s->on.interfaces) return fraction;
   for (int a = 0; a < 3; a++) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     static const int own[3] = {0, 3, 5}, other[3] = {4, 2, 1}; /* of bend: aa, bc */
-    share.slope[a] = first[a] * part[b] * part[c];
-    share.bend[own[a]] = second[a] * part[b] * part[c];
-    share.bend[other[a]] = part[a] * first[b] * first[c];
+    fraction.gradient[a] = first[a] * part[b] * part[c];
+    fraction.hessian[own[a]] = second[a] * part[b] * part[c];
+    fraction.hessian[other[a]] = part[a] * first[b] * first[c];
   }
-  return share;
+  return fraction;
 }
 
 /* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
-static struct isph_share share_left(const struct isph *s, const struct box *box, size_t next,
-                                    double ahead, const double x[3]) {
+static struct isph_fraction fraction_left(const struct isph *s, const struct box *box, size_t next,
+                                          double ahead, const double x[3]) {
   for (; next < s->scene->region_count; next++) {
     if (s->scene->regions[next].type != REGION_POROUS) continue;
     struct box both = box_of(s, next, ahead, x);
@@ -84,13 +84,13 @@ static struct isph_share share_left(const struct isph *s, const struct box *box,
       overlap = overlap && both.low[a] < both.high[a];
     }
     if (overlap) {
-      struct isph_share all = share_left(s, box, next + 1, ahead, x),
-                        taken = share_left(s, &both, next + 1, ahead, x);
-      isph_share_add(&all, -1, &taken);
+      struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x),
+                           taken = fraction_left(s, &both, next + 1, ahead, x);
+      isph_fraction_add(&all, -1, &taken);
       return all;
     }
   }
-  return share_of_box(s, box, x);
+  return fraction_of_box(s, box, x);
 }
 
 /* M15 eqs. 9c and 9d without alpha nu / D50^2 and beta / D50. */
@@ -106,14 +106,14 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   const struct scene *scene = s->scene;
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
-  struct isph_meeting meeting = {.least = INFINITY};
+  struct isph_soil_mix mix = {.least = INFINITY};
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
     struct box box = box_of(s, k, ahead, position);
-    if (share_of_box(s, &box, position).value <= 0) continue;
+    if (fraction_of_box(s, &box, position).value <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    const struct isph_share left = share_left(s, &box, k + 1, ahead, position);
+    const struct isph_fraction left = fraction_left(s, &box, k + 1, ahead, position);
     double w = left.value, d = region->grain_size;
     double scale = over_eps ? region->porosity : 1; /* 1/G */
     if (w <= 0) continue;
@@ -124,7 +124,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     double forchheimer = scale * region->beta / d * forchheimer_of(region->porosity);
     a += w * linear;
     b += w * forchheimer;
-    if (s->on.interfaces) isph_meeting_add(&meeting, &left, linear, forchheimer);
+    if (s->on.interfaces) isph_soil_mix_add(&mix, &left, linear, forchheimer);
     inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
     paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
@@ -132,7 +132,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   double eps = scene->isph.porosity_paper ? paper : 1 - solid;
   double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
-  soil->solid = share;
+  soil->fraction = share;
   /* Inertia and drag, as multiples of the pressure gradient, count by the share of the soil, whose
    * own they are: a layer then weighs and loses as much as with sharp faces, next to free water and
    * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in
@@ -144,7 +144,7 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     soil->b = b * weight * scale * forchheimer_of(eps) / forchheimer_of(own);
     soil->inertia = inertia_coefficient(eps) / (over_eps ? 1 : eps);
   }
-  if (s->on.interfaces) isph_meeting_split(&meeting, smoothing_of(s), soil);
+  if (s->on.interfaces) isph_soil_mix_split(&mix, smoothing_of(s), soil);
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 

@@ -82,8 +82,8 @@ struct isph_column {
 
 /* Where soils meet, drag along the interface is less than across it: isph/soil.c. */
 struct isph_interface {
-  double normal[3];                           /* unit; 0 away from interfaces */
-  double drag_a, drag_b, drag_left, mobility; /* along it, as isph's own are across */
+  double normal[3];                             /* unit; 0 away from interfaces */
+  double drag_a, drag_b, drag_factor, mobility; /* along it, as isph's own are across */
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
@@ -137,7 +137,7 @@ struct isph {
   double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
-  double relaxation_share;     /* of the expansion that the density's error asks for; energy.c */
+  double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
   double relaxation_excess;    /* of it, whose work exceeds what friction dissipates */
   double time, viscosity_most; /* the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, the floor under the eddies' */
@@ -157,7 +157,7 @@ struct isph {
 
   /* found anew each step */
   double *volume, *support;
-  double *porosity, *soil_share;     /* NULL without soil */
+  double *porosity, *soil_fraction;  /* NULL without soil */
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
   struct isph_interface *interface;  /* NULL unless different soils are there */
   double (*soil_velocity)[3];        /* NULL unless soil moves */
@@ -165,13 +165,13 @@ struct isph {
   double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
   double (*gradient_sum)[3];         /* sum V W'/r r: 0 in the bulk, points into a void */
   float (*correction)[9];            /* L, gradient correction */
-  float (*moment_lack)[6];           /* C of isph/moment.c; NULL without soil */
+  float (*moment_defect)[6];         /* C of isph/moment.c; NULL without soil */
   double *surface;                   /* 0 bulk .. 1 surface; NULL without */
   double (*body)[2];      /* number of the body of water it belongs to, and the most that one of it
                              is on the surface; NULL without a surface */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_left;      /* B: share of v_D left by the drag; NULL without */
+  double *drag_factor;    /* B: share of v_D left by the drag; NULL without */
   double *mobility;       /* k = B T G / rho_w */
   double *eddy;           /* nu + nu_T; NULL without viscosity */
   double (*predicted)[3]; /* v* without the driving force */
@@ -184,7 +184,7 @@ struct isph {
   double *work[4]; /* r, z, p, q of CG */
   double *partial; /* [chunks of all]: of a sum */
   size_t partial_room;
-  double (*sums)[SUMS];              /* [own chunks]: of several; see isph_add_up */
+  double (*sums)[SUMS];              /* [own chunks]: of several; see isph_sum_chunks */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
   size_t chunk_count, chunk_capacity;
@@ -212,7 +212,7 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
-  double fullest; /* mass of a particle over that of a cube of free water one spacing wide */
+  double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
 
@@ -220,16 +220,16 @@ struct isph {
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* the conservation budget */
-  double flung[5]; /* speed, place and id of the fastest particle lost in this step */
+  double fastest_lost[5]; /* speed, place and id of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
   double losses[CONSERVATION_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
   double lost_mass, left_mass, entered_mass;
   struct budget budget;
-  double budget_held[4]; /* within a step: momentum and energy before soil is found anew */
+  double budget_stored[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions, pair_seconds;
   struct watchdog dog;
-  double crowded;    /* the largest kernel sum once a warning of it was given; 0 before */
-  int64_t calm_from; /* step of the watchdog's last trip or return to a longer step */
+  double kernel_sum_peak; /* the largest kernel sum once a warning of it was given; 0 before */
+  int64_t stable_from;    /* step of the watchdog's last trip or return to a longer step */
   struct monitor_settling settling;
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
   double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
@@ -272,10 +272,10 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
 
 /* isph/soil.c */
 struct soil_point {
-  double porosity, solid; /* solid: share of soil 0..1, smoothed over the support */
-  double inertia;         /* C_r / (eps G) */
-  double a, b;            /* drag coefficients over G, 1/s and 1/m; across an interface */
-  double normal[3];       /* of an interface between soils; 0 without */
+  double porosity, fraction; /* fraction: of soil, 0..1, smoothed over the support */
+  double inertia;            /* C_r / (eps G) */
+  double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
+  double normal[3];          /* of an interface between soils; 0 without */
   double along_a, along_b;
   double velocity[3];
 };
@@ -309,25 +309,25 @@ enum status isph_find_neighbours(struct isph *s);
 /* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
 /* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
-void isph_moment_lack(struct isph *s, size_t i, const double moment[6],
-                      const double wall_moment[6]);
+void isph_moment_defect(struct isph *s, size_t i, const double moment[6],
+                        const double wall_moment[6]);
 /* Evens the slopes of all pairs by it. */
-void isph_moment_even(struct isph *s);
+void isph_moment_correct(struct isph *s);
 
 /* isph/energy.c: the bound on the energy, J or J/m: kinetic with the pore velocity, potential -f.x.
  */
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
 /* Between predictor and projection: how far compressed water may expand. */
-void isph_energy_relax(struct isph *s, double relaxation_time, double dt);
+void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt);
 /* What relaxation added in a step where the water is compressed as a whole, J or J/m, beyond what
  * friction dissipated; after the projection. */
-double isph_energy_given(const struct isph *s, double relaxation_time, double dt);
+double isph_energy_from_relaxation(const struct isph *s, double relaxation_time, double dt);
 /* Changes the displacements ahead so that their work against the force is at most `available`, the
  * kinetic energy before the step and what relaxation gave, less the kinetic energy now. */
-void isph_energy_settle(struct isph *s, double (*displacement)[3], double available);
+void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available);
 /* Slows the water until its energy is at most `most`. */
-void isph_energy_trim(struct isph *s, double most);
+void isph_energy_limit_velocity(struct isph *s, double most);
 
 /* The mobility between two particles: across an edge resistances add. Water with a free surface
  * keeps the plain mean, and the gradient that is the divergence's adjoint: its energy may not rise.
@@ -354,7 +354,7 @@ static inline void isph_interface_turn(const struct isph_interface *interface, d
 /* isph/motion.c, after the correction: dx/dt = v/eps, with the shift, limited at walls. v is the
  * mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24) where there can be no waves
  * on a surface; else the new one, as the mean would be an explicit scheme for waves and make them
- * grow. `available`, J or J/m: of isph_energy_settle. */
+ * grow. `available`, J or J/m: of isph_energy_limit_displacement. */
 void isph_move(struct isph *s, double dt, double available);
 
 /* isph/pressure.c */
@@ -381,10 +381,10 @@ enum status isph_open_create(struct isph *s);
 enum status isph_open_fill(struct isph *s, size_t *capacity);
 /* Sets what tables of time give for a step from s->time to s->time + dt: walls' mean velocities,
  * heads and fluxes at its end. Nothing without tables. */
-void isph_drive(struct isph *s, double dt);
+void isph_apply_tables(struct isph *s, double dt);
 /* Columns above a head that moves become dry, those below wet; at the end of a step. Without
  * `place` the columns stand already where they were. */
-void isph_open_dry(struct isph *s, bool place);
+void isph_open_update_dry(struct isph *s, bool place);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]);
@@ -413,7 +413,7 @@ static inline double isph_wall_volume(const struct isph *s, size_t j) {
 }
 
 /* Whether nothing acts on water with a surface but itself and walls. */
-static inline bool isph_is_free(const struct isph *s) {
+static inline bool isph_is_unforced(const struct isph *s) {
   const double *f = s->force;
   return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
 }

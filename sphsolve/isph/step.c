@@ -12,7 +12,7 @@
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/ranks.h"
 
-#define SOON 1e-6 /* s, of the difference for d eps/dt */
+#define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
 
 /* Porosity, volume and support at the particles' places. */
 static void update_volumes(struct isph *s) {
@@ -25,7 +25,7 @@ static void update_volumes(struct isph *s) {
       isph_soil_at(s, s->position[i], 0, &soil);
       eps = soil.porosity;
       s->porosity[i] = eps;
-      s->soil_share[i] = soil.solid;
+      s->soil_fraction[i] = soil.fraction;
       s->inertia[i] = soil.inertia;
       s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
       s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
@@ -36,9 +36,9 @@ static void update_volumes(struct isph *s) {
         interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
       }
       if (s->on.moving_soil) {
-        struct soil_point soon;
-        isph_soil_at(s, s->position[i], SOON, &soon);
-        s->porosity_rate[i] = (soon.porosity - eps) / SOON;
+        struct soil_point later;
+        isph_soil_at(s, s->position[i], RATE_INTERVAL, &later);
+        s->porosity_rate[i] = (later.porosity - eps) / RATE_INTERVAL;
         memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
       }
     }
@@ -82,7 +82,7 @@ static void find_viscosity(struct isph *s) {
   s->artificial_viscosity = least;
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
-    double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
+    double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
@@ -97,7 +97,7 @@ static void find_viscosity(struct isph *s) {
 
 /* The viscosity of the friction between particle i and wall particle j, half a spacing away. */
 static double wall_friction_viscosity(const struct isph *s, size_t i, size_t j) {
-  double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_share[i] : 0;
+  double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
   double square = 0, nu = s->kinematic_viscosity;
   if (s->on.turbulence && soil < 1) {
     for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - isph_wall_velocity(s, j)[a], 2);
@@ -156,12 +156,12 @@ static void predict(struct isph *s, double dt) {
         double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
         double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         left = drag_factor(t, s->drag_a[i], b, speed);
-        s->drag_left[i] = left;
+        s->drag_factor[i] = left;
         for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
         if (s->on.interfaces) {
           struct isph_interface *along = &s->interface[i];
-          along->drag_left = drag_factor(t, along->drag_a, along->drag_b, speed);
-          along->mobility = along->drag_left * t / s->density;
+          along->drag_factor = drag_factor(t, along->drag_a, along->drag_b, speed);
+          along->mobility = along->drag_factor * t / s->density;
           isph_interface_turn(along, isph_interface_ratio(along->drag_b, b), force);
         }
       }
@@ -172,7 +172,7 @@ static void predict(struct isph *s, double dt) {
       double *to = s->predicted[i];
       for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
       if (s->on.interfaces)
-        isph_interface_turn(&s->interface[i], s->interface[i].drag_left / left, to);
+        isph_interface_turn(&s->interface[i], s->interface[i].drag_factor / left, to);
       for (int a = 0; a < 3; a++) to[a] += own[a];
     }
   }
@@ -229,7 +229,7 @@ static void correct(struct isph *s) {
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
           double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
           for (int a = 0; a < 3; a++)
-            present[a] -= s->soil_share[i] * (1 - mirror[a]) * weight * r[a] * r[a];
+            present[a] -= s->soil_fraction[i] * (1 - mirror[a]) * weight * r[a] * r[a];
           continue;
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
@@ -265,8 +265,8 @@ static void correct(struct isph *s) {
 /* Water with a surface bears no tension: P >= 0, so that it can break up. Where no force acts on it
  * negative pressures stay, but for those on the surface: a rotating body has P < 0 inside and would
  * fall apart without. */
-static void part(struct isph *s) {
-  bool holds = isph_is_free(s);
+static void remove_tension(struct isph *s) {
+  bool holds = isph_is_unforced(s);
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     double least = holds ? (1 - s->surface[i]) * s->pressure[i] : 0;
     if (s->surface_pressure != NULL) least += s->surface[i] * fmin(0, s->surface_pressure[i]);
@@ -327,7 +327,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (!isnan(scene->isph.alpha))
     relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
   relaxation_time = fmax(relaxation_time, dt); /* beyond, it would overshoot */
-  isph_drive(s, dt);
+  isph_apply_tables(s, dt);
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
   const size_t total = s->total;
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
@@ -339,7 +339,7 @@ enum status isph_advance(struct isph *s, double dt) {
       s->on.own[k]->surface_pressure(s, s->surface_pressure);
   }
   predict(s, dt);
-  if (s->on.energy && s->on.relaxation) isph_energy_relax(s, relaxation_time, dt);
+  if (s->on.energy && s->on.relaxation) isph_energy_limit_relaxation(s, relaxation_time, dt);
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
   isph_assemble(s, relaxation_time);
@@ -347,14 +347,14 @@ enum status isph_advance(struct isph *s, double dt) {
   TRY(isph_solve_pressure(s));
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
   isph_enclosed_level(s);
-  if (s->on.surface) part(s);
+  if (s->on.surface) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
   if (s->on.soil && !s->on.surface) TRY(project_again(s, relaxation_time));
   TRY(ranks_agree(check_finite(s)));
   if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   TRY(isph_open_measure(s));
-  if (s->on.energy) given = isph_energy_given(s, relaxation_time, dt);
+  if (s->on.energy) given = isph_energy_from_relaxation(s, relaxation_time, dt);
   isph_budget_forces(s, relaxation_time, dt);
   isph_move(s, dt, kinetic + given);
   isph_budget_moved(s);
@@ -371,7 +371,7 @@ enum status isph_advance(struct isph *s, double dt) {
   TRY(isph_refresh(s));
   isph_budget_settled(s);
   /* What the new porosity and the walls' guard made of it. */
-  if (s->on.energy && s->total == total) isph_energy_trim(s, most + given);
+  if (s->on.energy && s->total == total) isph_energy_limit_velocity(s, most + given);
 cleanup:
   return status;
 }

@@ -133,8 +133,8 @@ enum status isph_wall_create(struct isph *s) {
     TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
   if (s->boundary_volume != NULL)
     TRY(memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls"));
-  isph_drive(s, 0);
-  isph_open_dry(s, true);
+  isph_apply_tables(s, 0);
+  isph_open_update_dry(s, true);
   TRY(isph_sort_walls(s));
   isph_wall_move(s, 0);
 cleanup:

@@ -29,7 +29,7 @@ void isph_wall_force(const struct isph *s, size_t b, double force[3]) {
       }
     memcpy(s->sums[c], sum, sizeof sum);
   }
-  isph_add_up(s, 3, force);
+  isph_sum_chunks(s, 3, force);
   for (int a = 0; a < 3; a++) force[a] *= s->thickness;
   if (s->dimensions == 2) force[1] = 0;
 }

@@ -14,7 +14,7 @@
  * and the pressure solve's own bound on its residual. */
 #define KERNEL_SUM_MOST 2.0
 /* A larger kernel sum is warned of, once: impacts reach 1.1. */
-#define KERNEL_SUM_TOLD 1.3
+#define KERNEL_SUM_WARN 1.3
 /* Water without a surface has a gap where the kernel sum is smaller. */
 #define KERNEL_SUM_GAP 0.7
 /* Energies below that of this speed, in spacings a step, are no cause for alarm (watchdog.h). */
@@ -76,7 +76,7 @@ cleanup:
   return status;
 }
 
-enum status isph_judge(struct isph *s, double dt, double *share, struct isph_trip *trip) {
+enum status isph_check_bounds(struct isph *s, double dt, double *used, struct isph_trip *trip) {
   enum status status = STATUS_OK;
   struct watch_reading reading = {{0}};
   const double *f = s->force;
@@ -97,34 +97,32 @@ enum status isph_judge(struct isph *s, double dt, double *share, struct isph_tri
     }
     s->sums[c][0] = sum;
   }
-  isph_add_up(s, 1, &squares);
+  isph_sum_chunks(s, 1, &squares);
   TRY(lead(leaders));
-  const double *flung = s->flung;
-  if (flung[0] * flung[0] > leaders[1].value)
-    leaders[1] = (struct leader){flung[0] * flung[0],
-                                 {flung[1], flung[2], flung[3]},
-                                 0,
-                                 flung[0] * flung[0],
-                                 (uint64_t)flung[4]};
+  const double *lost = s->fastest_lost;
+  if (lost[0] * lost[0] > leaders[1].value)
+    leaders[1] = (struct leader){
+        lost[0] * lost[0], {lost[1], lost[2], lost[3]}, 0, lost[0] * lost[0], (uint64_t)lost[4]};
   const double fastest = sqrt(leaders[1].value), most = isph_speed_most(s);
-  if (leaders[0].value > KERNEL_SUM_TOLD && s->crowded == 0)
+  if (leaders[0].value > KERNEL_SUM_WARN && s->kernel_sum_peak == 0)
     log_warning(
         "t = %.4g s: water is pressed to %.3g of its density at (%.4g, %.4g, %.4g) m; pressures "
         "there mean nothing: walls or inflows leave it less room than it needs, or are too "
         "fast for the spacing",
         s->time, leaders[0].value, leaders[0].position[0], leaders[0].position[1],
         leaders[0].position[2]);
-  if (leaders[0].value > KERNEL_SUM_TOLD) s->crowded = fmax(s->crowded, leaders[0].value);
-  reading.share[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
-  reading.share[WATCH_VELOCITY] = fastest * dt / s->spacing;
-  if (fastest > SPEED_MOST * most && most > 0) reading.share[WATCH_VELOCITY] = INFINITY;
+  if (leaders[0].value > KERNEL_SUM_WARN)
+    s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[0].value);
+  reading.used[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
+  reading.used[WATCH_VELOCITY] = fastest * dt / s->spacing;
+  if (fastest > SPEED_MOST * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
   if (s->total > 0)
-    reading.share[WATCH_ENERGY] =
+    reading.used[WATCH_ENERGY] =
         watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
                         sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), isph_given_speed(s),
                         ENERGY_FLOOR * s->spacing / dt);
-  reading.share[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
-  trip->bound = watchdog_worst(&reading, share);
+  reading.used[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
+  trip->bound = watchdog_worst(&reading, used);
   const struct leader *first = &leaders[trip->bound == WATCH_DENSITY ? 0 : 1];
   memcpy(trip->position, first->position, sizeof trip->position);
   trip->kernel_sum = first->kernel_sum;

@@ -17,7 +17,7 @@ double isph_given_speed(const struct isph *s);
 /* The most that all that drives the water can give it in its pores, m/s; 0 where nothing does. */
 double isph_speed_most(const struct isph *s);
 /* Collective: looks at the state after a step of length dt. The share it uses of the bounds. */
-enum status isph_judge(struct isph *s, double dt, double *share, struct isph_trip *trip);
+enum status isph_check_bounds(struct isph *s, double dt, double *used, struct isph_trip *trip);
 /* Collective: back to the last good state with half the step, or the end with that state in the
  * checkpoint. */
 enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double dt,

@@ -55,7 +55,7 @@ double monitor_relaxation_deficit(double time, double relaxation) {
 /* Noise: the standard deviation of 8 batch means of rows [begin, end) about their regression line
  * (the trend counts as change still to come). It is not divided by the root of their number, since
  * a slow oscillation, which a longer run would not average out, looks the same. */
-static double wander_of(const struct monitor *monitor, size_t begin, size_t end) {
+static double noise_of(const struct monitor *monitor, size_t begin, size_t end) {
   enum { BATCHES = 8 };
   double x[BATCHES], y[BATCHES];
   size_t n = end - begin;
@@ -88,22 +88,22 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
   for (size_t i = 0; i < 3; i++)
     m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
   double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
-  double wander = 2 * wander_of(monitor, n - 2 * window, n);
+  double noise = 2 * noise_of(monitor, n - 2 * window, n);
   /* The sum of that series from here on; where the last difference is within the noise, with the
    * slowest decay that the noise allows; and where both are, twice the spread of the windows. */
   double to_come = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
-  if (now > wander)
+  if (now > noise)
     to_come = now * (before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST);
-  else if (before > now + 2 * wander)
-    to_come = (now + wander) / (1 - (now + wander) / (before - wander));
+  else if (before > now + 2 * noise)
+    to_come = (now + noise) / (1 - (now + noise) / (before - noise));
   for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - window, n, a);
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
   verdict.drift = to_come / scale;
-  verdict.error = sqrt(wander * wander + to_come * to_come) / scale;
+  verdict.error = sqrt(noise * noise + to_come * to_come) / scale;
   /* What is left counts as noise only if none of the last three fifths stands apart: a slow wave
    * has a flat end at its crest, too. */
-  double flat = wander + before + now;
+  double flat = noise + before + now;
   verdict.steady = verdict.error < tolerance ||
-                   (now <= wander && fmax(flat / scale, verdict.error) < NOISY * tolerance);
+                   (now <= noise && fmax(flat / scale, verdict.error) < NOISY * tolerance);
   return verdict;
 }

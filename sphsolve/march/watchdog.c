@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define KEEP_SHARE 0.5  /* of the bounds: a state that uses less is good enough to be kept, */
+#define KEEP_USED 0.5   /* of the bounds: a state that uses less is good enough to be kept, */
 #define KEEP_STEPS 1000 /* also in place of a better one that is so many steps old */
-#define KEEP_CALM 0.2   /* a state that uses less is kept whatever there is */
+#define KEEP_ALWAYS 0.2 /* a state that uses less is kept whatever there is */
 
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor) {
@@ -16,30 +16,29 @@ double watchdog_energy(struct watchdog *dog, double speed, double time, double f
   return seen ? speed / fmax(most, floor) : 0;
 }
 
-enum watch_bound watchdog_worst(const struct watch_reading *reading, double *share) {
+enum watch_bound watchdog_worst(const struct watch_reading *reading, double *used) {
   enum watch_bound worst = WATCH_DENSITY;
-  *share = 0;
+  *used = 0;
   for (int b = 0; b < WATCH_COUNT; b++) {
-    double used = isnan(reading->share[b]) ? INFINITY : reading->share[b];
-    if (used > *share) {
-      *share = used;
+    double own = isnan(reading->used[b]) ? INFINITY : reading->used[b];
+    if (own > *used) {
+      *used = own;
       worst = (enum watch_bound)b;
     }
   }
   return worst;
 }
 
-bool watchdog_wants(const struct watchdog *dog, int64_t step, double share) {
-  if (!(share < 1)) return false;
-  if (!dog->kept || share < KEEP_CALM) return true;
-  return share <= 1.1 * dog->kept_share ||
-         (share < KEEP_SHARE && step - dog->kept_step >= KEEP_STEPS);
+bool watchdog_wants(const struct watchdog *dog, int64_t step, double used) {
+  if (!(used < 1)) return false;
+  if (!dog->kept || used < KEEP_ALWAYS) return true;
+  return used <= 1.1 * dog->kept_used || (used < KEEP_USED && step - dog->kept_step >= KEEP_STEPS);
 }
 
-void watchdog_keep(struct watchdog *dog, int64_t step, double share) {
+void watchdog_keep(struct watchdog *dog, int64_t step, double used) {
   dog->kept = true;
   dog->kept_step = step;
-  dog->kept_share = share;
+  dog->kept_used = used;
 }
 
 bool watchdog_trip(struct watchdog *dog, double time) {

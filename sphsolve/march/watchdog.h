@@ -17,7 +17,7 @@ enum watch_bound { WATCH_DENSITY, WATCH_VELOCITY, WATCH_ENERGY, WATCH_RESIDUAL, 
 
 /* How much of each bound is used: 1 and more, or NaN, is out of bounds. */
 struct watch_reading {
-  double share[WATCH_COUNT];
+  double used[WATCH_COUNT];
 };
 
 struct watchdog {
@@ -25,7 +25,7 @@ struct watchdog {
   double trip_time;      /* s: of the last trip */
   bool kept;             /* a good state is kept, of: */
   int64_t kept_step;     /* its step */
-  double kept_share;     /* and the share of the bounds it used */
+  double kept_used;      /* and the share of the bounds it used */
   bool seen;             /* the energy has been looked at: */
   double speed, seen_at; /* its root as a speed, m/s, and the time then, s */
 };
@@ -37,11 +37,11 @@ struct watchdog {
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor);
 /* The bound used most, and its share (INFINITY for NaN). */
-enum watch_bound watchdog_worst(const struct watch_reading *reading, double *share);
+enum watch_bound watchdog_worst(const struct watch_reading *reading, double *used);
 /* Whether this state is worth keeping instead of the one there is: it has used no more of the
  * bounds, or the other is old. The caller copies, then calls watchdog_keep. */
-bool watchdog_wants(const struct watchdog *dog, int64_t step, double share);
-void watchdog_keep(struct watchdog *dog, int64_t step, double share);
+bool watchdog_wants(const struct watchdog *dog, int64_t step, double used);
+void watchdog_keep(struct watchdog *dog, int64_t step, double used);
 /* Counts a trip. False: there is no good state, or three halvings have not helped. */
 bool watchdog_trip(struct watchdog *dog, double time);
 const char *watchdog_name(enum watch_bound bound);

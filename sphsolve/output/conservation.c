@@ -107,12 +107,12 @@ cleanup:
   return status;
 }
 
-int64_t conservation_particles_open(const struct conservation *l) {
-  return (int64_t)(l->start + l->entered) - (int64_t)(l->left + l->lost + l->end);
+int64_t conservation_particles_open(const struct conservation *c) {
+  return (int64_t)(c->start + c->entered) - (int64_t)(c->left + c->lost + c->end);
 }
 
-double conservation_mass_open(const struct conservation *l) {
-  return l->mass[0] + l->entered_mass - l->left_mass - l->lost_mass - l->mass[1];
+double conservation_mass_open(const struct conservation *c) {
+  return c->mass[0] + c->entered_mass - c->left_mass - c->lost_mass - c->mass[1];
 }
 
 /* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
@@ -161,45 +161,45 @@ cleanup:
   return status;
 }
 
-enum status conservation_write(const struct conservation *l, struct h5_file *file) {
+enum status conservation_write(const struct conservation *c, struct h5_file *file) {
   enum status status = STATUS_OK;
   const char *group = "/run/ledger";
-  if (l->steady) {
+  if (c->steady) {
     TRY(h5_make_group(file, group));
-    TRY(h5_write_attribute(file, group, "flux_open", H5_F64, 1, &l->flux_open));
-    TRY(h5_write_attribute(file, group, "force_open", H5_F64, 1, &l->force_open));
-    TRY(h5_write_attribute(file, group, "power_open", H5_F64, 1, &l->power_open));
+    TRY(h5_write_attribute(file, group, "flux_open", H5_F64, 1, &c->flux_open));
+    TRY(h5_write_attribute(file, group, "force_open", H5_F64, 1, &c->force_open));
+    TRY(h5_write_attribute(file, group, "power_open", H5_F64, 1, &c->power_open));
   }
-  if (!l->known) return STATUS_OK;
+  if (!c->known) return STATUS_OK;
   const struct {
     const char *name;
     uint64_t value;
-  } counts[] = {{"particles_start", l->start},
-                {"particles_entered", l->entered},
-                {"particles_left", l->left},
-                {"particles_lost", l->lost},
-                {"particles_end", l->end}};
-  int64_t open = conservation_particles_open(l);
-  double mass_open = conservation_mass_open(l), taken[3];
-  for (int a = 0; a < 3; a++) taken[a] = l->impulse[a] + l->momentum[0][a] - l->momentum[1][a];
-  double dissipated = l->work + l->kinetic_energy[0] - l->kinetic_energy[1];
+  } counts[] = {{"particles_start", c->start},
+                {"particles_entered", c->entered},
+                {"particles_left", c->left},
+                {"particles_lost", c->lost},
+                {"particles_end", c->end}};
+  int64_t open = conservation_particles_open(c);
+  double mass_open = conservation_mass_open(c), taken[3];
+  for (int a = 0; a < 3; a++) taken[a] = c->impulse[a] + c->momentum[0][a] - c->momentum[1][a];
+  double dissipated = c->work + c->kinetic_energy[0] - c->kinetic_energy[1];
   const struct {
     const char *name;
     size_t count;
     const double *values;
-  } numbers[] = {{"mass_start", 1, &l->mass[0]},
-                 {"mass_entered", 1, &l->entered_mass},
-                 {"mass_left", 1, &l->left_mass},
-                 {"mass_lost", 1, &l->lost_mass},
-                 {"mass_end", 1, &l->mass[1]},
+  } numbers[] = {{"mass_start", 1, &c->mass[0]},
+                 {"mass_entered", 1, &c->entered_mass},
+                 {"mass_left", 1, &c->left_mass},
+                 {"mass_lost", 1, &c->lost_mass},
+                 {"mass_end", 1, &c->mass[1]},
                  {"mass_open", 1, &mass_open},
-                 {"momentum_start", 3, l->momentum[0]},
-                 {"momentum_end", 3, l->momentum[1]},
-                 {"impulse_of_force", 3, l->impulse},
+                 {"momentum_start", 3, c->momentum[0]},
+                 {"momentum_end", 3, c->momentum[1]},
+                 {"impulse_of_force", 3, c->impulse},
                  {"momentum_taken", 3, taken},
-                 {"kinetic_energy_start", 1, &l->kinetic_energy[0]},
-                 {"kinetic_energy_end", 1, &l->kinetic_energy[1]},
-                 {"work_of_force", 1, &l->work},
+                 {"kinetic_energy_start", 1, &c->kinetic_energy[0]},
+                 {"kinetic_energy_end", 1, &c->kinetic_energy[1]},
+                 {"work_of_force", 1, &c->work},
                  {"energy_taken", 1, &dissipated}};
   TRY(h5_make_group(file, group));
   for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
@@ -208,10 +208,10 @@ enum status conservation_write(const struct conservation *l, struct h5_file *fil
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
                            numbers[i].values));
-  if (l->budget.on != 0) TRY(write_budget(&l->budget, file));
-  size_t dims[2] = {l->lost < CONSERVATION_LOSSES ? l->lost : CONSERVATION_LOSSES, 6};
+  if (c->budget.on != 0) TRY(write_budget(&c->budget, file));
+  size_t dims[2] = {c->lost < CONSERVATION_LOSSES ? c->lost : CONSERVATION_LOSSES, 6};
   if (dims[0] > 0) {
-    TRY(h5_write(file, "/run/ledger/losses", H5_F64, 2, dims, l->losses, false));
+    TRY(h5_write(file, "/run/ledger/losses", H5_F64, 2, dims, c->losses, false));
     TRY(h5_write_attribute_text(file, "/run/ledger/losses", "columns",
                                 "particle, time (s), x, y, z (m), mass (kg)"));
     TRY(h5_write_attribute_text(file, "/run/ledger/losses", "cause", "went through a wall"));
@@ -272,27 +272,27 @@ static void print_budget(const struct budget *budget) {
   putchar('\n');
 }
 
-void conservation_print(const struct conservation *l) {
-  if (l->steady)
+void conservation_print(const struct conservation *c) {
+  if (c->steady)
     printf("budget     mass: the flux is the same through all planes across the flow to %.2g %%\n"
            "           momentum: walls and pressure balance what drives the flow to %.2g\n"
            "           energy: friction takes what drives the flow gives, to %.2g\n",
-           100 * l->flux_open, l->force_open, l->power_open);
-  if (!l->known) return;
-  int64_t open = conservation_particles_open(l);
-  double mass_open = conservation_mass_open(l);
+           100 * c->flux_open, c->force_open, c->power_open);
+  if (!c->known) return;
+  int64_t open = conservation_particles_open(c);
+  double mass_open = conservation_mass_open(c);
   printf("budget     particles: %" PRIu64 " + %" PRIu64 " in - %" PRIu64 " out - %" PRIu64
          " lost = %" PRIu64,
-         l->start, l->entered, l->left, l->lost, l->end);
+         c->start, c->entered, c->left, c->lost, c->end);
   if (open != 0) printf(", and %" PRId64 " unaccounted for", open);
-  printf("\n           mass: %.6g kg at the end, ", l->mass[1]);
+  printf("\n           mass: %.6g kg at the end, ", c->mass[1]);
   if (mass_open == 0)
     printf("closes to the last bit\n");
   else
-    printf("open by %.2g of it\n", fabs(mass_open) / fmax(l->mass[0], 1e-300));
-  if (l->budget.on != 0) print_budget(&l->budget);
-  for (uint64_t i = 0; i < l->lost && i < 3; i++)
+    printf("open by %.2g of it\n", fabs(mass_open) / fmax(c->mass[0], 1e-300));
+  if (c->budget.on != 0) print_budget(&c->budget);
+  for (uint64_t i = 0; i < c->lost && i < 3; i++)
     printf("           lost: particle %.0f through a wall at t = %.4g s, (%.4g, %.4g, %.4g) m\n",
-           l->losses[i][0], l->losses[i][1], l->losses[i][2], l->losses[i][3], l->losses[i][4]);
-  if (l->lost > 3) printf("           and %" PRIu64 " more: /run/ledger/losses\n", l->lost - 3);
+           c->losses[i][0], c->losses[i][1], c->losses[i][2], c->losses[i][3], c->losses[i][4]);
+  if (c->lost > 3) printf("           and %" PRIu64 " more: /run/ledger/losses\n", c->lost - 3);
 }

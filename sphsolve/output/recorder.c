@@ -15,7 +15,7 @@
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_internal.h"
-#include "sphsolve/scene/scene_settled.h"
+#include "sphsolve/scene/scene_compare.h"
 
 static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
                               int components) {
@@ -338,7 +338,7 @@ enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file
   size_t shape[2] = {recorder->row_count, (size_t)recorder->width};
   uint64_t hash = scene_hash(recorder);
   char *settled = NULL;
-  TRY(scene_settled(recorder->scene, &settled));
+  TRY(scene_describe(recorder->scene, &settled));
   TRY(h5_write_text(file, "/recorder/settings", settled));
   TRY(h5_write(file, "/recorder/rows", H5_F64, 2, shape, recorder->rows, true));
   TRY(h5_write_texts(file, "/recorder/snapshot_names", recorder->snapshot_count,
@@ -369,8 +369,8 @@ static enum status compare_settings(const struct recorder *recorder, struct h5_f
     return STATUS_OK;
   }
   TRY(h5_read_text(file, "/recorder/settings", &then));
-  TRY(scene_settled(recorder->scene, &now));
-  TRY(scene_settled_compare(then, now, h5_path(file)));
+  TRY(scene_describe(recorder->scene, &now));
+  TRY(scene_compare(then, now, h5_path(file)));
 cleanup:
   memory_free(&then);
   free(now);

@@ -44,7 +44,8 @@ struct run_result {
   struct uncertainty error;      /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
-  double fall[3]; /* between two heads: what falls over the length of soil; zero without */
+  double hydraulic_gradient[3]; /* between two heads: what falls over the length of soil; zero
+                                   without */
   double reynolds;
   int64_t steps;
   double wall_time;

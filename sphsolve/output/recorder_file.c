@@ -151,7 +151,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   int dimensions = lattice->dimensions;
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
   /* What drives the flow of k: the force, or between two heads their fall. */
-  const double *g = scene->gravity, *f = result->fall;
+  const double *g = scene->gravity, *f = result->hydraulic_gradient;
   const double fall = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   double driving[3];

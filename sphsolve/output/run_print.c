@@ -11,28 +11,28 @@
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/output/uncertainty.h"
 
-static json_t *error_json(const struct uncertainty *b) {
+static json_t *error_json(const struct uncertainty *u) {
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
       "s:s}",
-      "resolution", json_number(b->resolution), "scan", json_number(b->scan), "sides",
-      json_number(b->sides), "void_ratio", json_number(b->void_ratio), "threshold",
-      json_number(b->threshold), "micro", json_number(b->micro), "averaging",
-      json_number(b->averaging), "steadiness", json_number(b->steadiness), "total",
-      json_number(uncertainty_largest(b)), "model_voxels", json_number(b->model), "observed_order",
-      json_number(b->order), "extrapolated_permeability", json_number(b->extrapolated),
-      "finest_permeability", json_number(b->finest), "dlnk_dvoid_ratio",
-      json_number(b->slope_void_ratio), "dlnk_sides_closed", json_number(b->sides_closed),
-      "dlnk_blurred_again", json_number(b->slope_blur), "dlnk_dthreshold",
-      json_number(b->slope_threshold), "dlnk_dlnk_micro", json_number(b->slope_micro),
-      "resolution_needs", resolution_needs_names[b->needs]);
+      "resolution", json_number(u->resolution), "scan", json_number(u->scan), "sides",
+      json_number(u->sides), "void_ratio", json_number(u->void_ratio), "threshold",
+      json_number(u->threshold), "micro", json_number(u->micro), "averaging",
+      json_number(u->averaging), "steadiness", json_number(u->steadiness), "total",
+      json_number(uncertainty_largest(u)), "model_voxels", json_number(u->model), "observed_order",
+      json_number(u->order), "extrapolated_permeability", json_number(u->extrapolated),
+      "finest_permeability", json_number(u->finest), "dlnk_dvoid_ratio",
+      json_number(u->slope_void_ratio), "dlnk_sides_closed", json_number(u->sides_closed),
+      "dlnk_blurred_again", json_number(u->slope_blur), "dlnk_dthreshold",
+      json_number(u->slope_threshold), "dlnk_dlnk_micro", json_number(u->slope_micro),
+      "resolution_needs", resolution_needs_names[u->needs]);
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
-static json_t *levels_json(const struct uncertainty *b, double to_speed) {
+static json_t *levels_json(const struct uncertainty *u, double to_speed) {
   json_t *list = json_array();
-  for (int i = 0; i < b->level_count; i++) {
-    const struct error_level *l = &b->levels[i];
+  for (int i = 0; i < u->level_count; i++) {
+    const struct error_level *l = &u->levels[i];
     json_array_append_new(
         list, json_pack("{s:f, s:f, s:f, s:o, s:o, s:f, s:I, s:f}", "spacing", l->spacing, "k",
                         to_speed * l->permeability, "estimate", to_speed * l->estimate, "low",
@@ -98,34 +98,34 @@ static void print_part(const char *what, double share) {
 }
 
 /* The parts of the error, and how the resolution's was found. */
-static void print_uncertainty(const struct uncertainty *b, bool scanned) {
+static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   printf("error     ");
-  print_part(" resolution", b->resolution);
-  if (!isfinite(b->resolution)) printf(" resolution not counted");
-  print_part(", scan", b->scan);
-  if (scanned && isnan(b->scan)) printf(", scan not counted (unknown)");
-  print_part(", sides", b->sides);
-  print_part(", averaging", b->averaging > 0 ? b->averaging : NAN);
-  print_part(", steadiness", b->steadiness > 1e-5 ? b->steadiness : NAN);
-  print_part(", void ratio", b->void_ratio > 1e-5 ? b->void_ratio : NAN);
-  print_part(", threshold", b->threshold);
-  print_part(", soil below the voxel", b->micro);
+  print_part(" resolution", u->resolution);
+  if (!isfinite(u->resolution)) printf(" resolution not counted");
+  print_part(", scan", u->scan);
+  if (scanned && isnan(u->scan)) printf(", scan not counted (unknown)");
+  print_part(", sides", u->sides);
+  print_part(", averaging", u->averaging > 0 ? u->averaging : NAN);
+  print_part(", steadiness", u->steadiness > 1e-5 ? u->steadiness : NAN);
+  print_part(", void ratio", u->void_ratio > 1e-5 ? u->void_ratio : NAN);
+  print_part(", threshold", u->threshold);
+  print_part(", soil below the voxel", u->micro);
   putchar('\n');
-  if (b->level_count > 1) {
-    const struct error_level *finest = &b->levels[b->level_count - 1];
+  if (u->level_count > 1) {
+    const struct error_level *finest = &u->levels[u->level_count - 1];
     printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M sites), which "
            "alone "
            "says %.4g m^2",
-           b->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, b->finest);
-    print_part("; the model's voxels leave", b->model);
+           u->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, u->finest);
+    print_part("; the model's voxels leave", u->model);
     putchar('\n');
   }
-  if (isfinite(b->sides_closed) && log_level() >= LOG_VERBOSE)
+  if (isfinite(u->sides_closed) && log_level() >= LOG_VERBOSE)
     printf("           in a tube with the sample's sides k changes by %+.2g %% (solved)\n",
-           100.0 * expm1(b->sides_closed));
-  if (isfinite(b->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
-    printf("           0.01 of void ratio moves k by %.2g %% (solved)", b->slope_void_ratio);
-    print_part(", one grey level of the threshold by", b->slope_threshold);
+           100.0 * expm1(u->sides_closed));
+  if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
+    printf("           0.01 of void ratio moves k by %.2g %% (solved)", u->slope_void_ratio);
+    print_part(", one grey level of the threshold by", u->slope_threshold);
     putchar('\n');
   }
 }
@@ -134,7 +134,7 @@ static void print_uncertainty(const struct uncertainty *b, bool scanned) {
 #define LATTICE_HELPS 0.9
 
 /* What takes most of the error, and what lessens it. */
-static void print_verdict(const struct uncertainty *b) {
+static void print_verdict(const struct uncertainty *u) {
   static const char *const finer[] = {
       [NEEDS_LATTICE] = "a finer lattice lessens it (--error)",
       [NEEDS_MODEL] = "a model with smaller voxels lessens it (ct2model build --size)",
@@ -142,26 +142,26 @@ static void print_verdict(const struct uncertainty *b) {
   const struct {
     double share;
     const char *what, *remedy;
-  } parts[] = {{b->resolution, "resolution", finer[b->needs]},
-               {b->scan, "the scan", "a finer or sharper scan lessens it"},
-               {b->sides, "the sample's sides", "a larger sample lessens it"},
-               {b->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
-               {b->threshold, "the measured void ratio", "measure it more precisely"},
-               {b->micro, "the permeability of soil below the voxel", "measure it more precisely"},
-               {b->averaging, "averaging", "a longer run lessens it"},
-               {b->steadiness, "what still changes", "a longer run lessens it"}};
+  } parts[] = {{u->resolution, "resolution", finer[u->needs]},
+               {u->scan, "the scan", "a finer or sharper scan lessens it"},
+               {u->sides, "the sample's sides", "a larger sample lessens it"},
+               {u->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
+               {u->threshold, "the measured void ratio", "measure it more precisely"},
+               {u->micro, "the permeability of soil below the voxel", "measure it more precisely"},
+               {u->averaging, "averaging", "a longer run lessens it"},
+               {u->steadiness, "what still changes", "a longer run lessens it"}};
   size_t most = 0;
-  const double total = uncertainty_largest(b);
+  const double total = uncertainty_largest(u);
   for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
     if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
   if (!(parts[most].share > 0) || !(total > 0)) return;
   print_part("verdict    known to", total);
   printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
   /* What the lattice can do all the same. */
-  struct uncertainty rest = *b;
+  struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
   const double left = uncertainty_largest(&rest);
-  if (most > 0 && b->needs == NEEDS_LATTICE && left < LATTICE_HELPS * total) {
+  if (most > 0 && u->needs == NEEDS_LATTICE && left < LATTICE_HELPS * total) {
     print_part("           a finer lattice (--error) takes it to", left);
     printf(" at best\n");
   }

@@ -35,7 +35,7 @@ static bool is_mirrored(const struct lattice *l, int axis) {
   return true;
 }
 
-void tensor_look(const struct lattice *lattice, struct tensor *tensor) {
+void tensor_find_mirrors(const struct lattice *lattice, struct tensor *tensor) {
   tensor->voxel = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
   for (int a = 0; a < 3; a++) tensor->mirrored[a] = is_mirrored(lattice, a);
 }
@@ -90,7 +90,7 @@ static double principal_error(const double axis[3], double error[3][3]) {
   return sqrt(together * together + apart);
 }
 
-static void make(struct tensor *t) {
+static void assemble(struct tensor *t) {
   double down[3][3], up[3][3], mean = 0, gap = NAN;
   for (int i = 0; i < 3; i++) mean += t->columns[i].velocity[i] / 3;
   for (int i = 0; i < 3; i++)
@@ -126,12 +126,12 @@ bool tensor_complete(const struct tensor *tensor) {
 
 static void finish_column(const char *prefix, struct tensor *tensor, struct tensor_column *column) {
   snprintf(column->path, sizeof column->path, "%s.hdf", prefix);
-  if (tensor_complete(tensor)) make(tensor);
+  if (tensor_complete(tensor)) assemble(tensor);
 }
 
-void tensor_take(const struct scene *scene, const double darcy_velocity[3],
-                 const struct uncertainty *error, double finest, int axis, const char *prefix,
-                 struct tensor *tensor) {
+void tensor_set_column(const struct scene *scene, const double darcy_velocity[3],
+                       const struct uncertainty *error, double finest, int axis, const char *prefix,
+                       struct tensor *tensor) {
   struct tensor_column *column = &tensor->columns[axis];
   const double gradient = copysign(scene_hydraulic_gradient(scene), scene->driving[axis]);
   for (int a = 0; a < 3; a++) column->velocity[a] = darcy_velocity[a] / gradient;
@@ -165,8 +165,8 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
          size[0] == lattice->size[0] && size[1] == lattice->size[1] && size[2] == lattice->size[2];
 }
 
-bool tensor_find(const struct scene *scene, const struct lattice *lattice, double wanted,
-                 const char *prefix, int axis, struct tensor *tensor) {
+bool tensor_read_column(const struct scene *scene, const struct lattice *lattice, double wanted,
+                        const char *prefix, int axis, struct tensor *tensor) {
   struct h5_file *file = NULL;
   const struct uncertainty unknown = uncertainty_none();
   double velocity[3];
@@ -179,8 +179,8 @@ bool tensor_find(const struct scene *scene, const struct lattice *lattice, doubl
     found = h5_read_attribute(file, "/run", "darcy_velocity", H5_F64, 3, velocity) == STATUS_OK;
     if (found) {
       const double k = h5_attribute_or_nan(file, "/run", "k");
-      tensor_take(scene, velocity, &unknown, h5_attribute_or_nan(file, "/run", "k_finest") / k,
-                  axis, prefix, tensor);
+      tensor_set_column(scene, velocity, &unknown,
+                        h5_attribute_or_nan(file, "/run", "k_finest") / k, axis, prefix, tensor);
       column->low = fmax(0, h5_attribute_or_nan(file, "/run/error", "total_low"));
       column->high = fmax(0, h5_attribute_or_nan(file, "/run/error", "total_high"));
     }

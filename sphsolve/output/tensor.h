@@ -36,16 +36,16 @@ struct tensor {
 
 /* Along which axes the body is its own mirror image (sites and their distances to the wall): along
  * such an axis a force makes no mean flow across itself, so the terms off the diagonal are zero. */
-void tensor_look(const struct lattice *lattice, struct tensor *tensor);
+void tensor_find_mirrors(const struct lattice *lattice, struct tensor *tensor);
 /* The column of a run driven along `axis`: its Darcy velocity (m/s), its error, and k of the finest
  * lattice over its k (NAN: it is k). With the third the rest is found. */
-void tensor_take(const struct scene *scene, const double darcy_velocity[3],
-                 const struct uncertainty *error, double finest, int axis, const char *prefix,
-                 struct tensor *tensor);
+void tensor_set_column(const struct scene *scene, const double darcy_velocity[3],
+                       const struct uncertainty *error, double finest, int axis, const char *prefix,
+                       struct tensor *tensor);
 /* The same from a record that PREFIX.hdf holds already, if it is a finished one of just this scene
  * and lattice, and its k is known to the `wanted` error (0: of the lattice's own sites). */
-bool tensor_find(const struct scene *scene, const struct lattice *lattice, double wanted,
-                 const char *prefix, int axis, struct tensor *tensor);
+bool tensor_read_column(const struct scene *scene, const struct lattice *lattice, double wanted,
+                        const char *prefix, int axis, struct tensor *tensor);
 bool tensor_complete(const struct tensor *tensor);
 
 /* To stdout; as a new JSON object. */

@@ -16,23 +16,23 @@ struct uncertainty uncertainty_none(void) {
                               .slope_blur = NAN};
 }
 
-void uncertainty_total(const struct uncertainty *b, double *low, double *high) {
-  *low = uncertainty_parts_total(&b->parts,
-                                 isfinite(b->resolution_low) ? b->resolution_low : b->resolution);
-  *high = uncertainty_parts_total(&b->parts, isfinite(b->resolution_high) ? b->resolution_high
-                                                                          : b->resolution);
+void uncertainty_total(const struct uncertainty *u, double *low, double *high) {
+  *low = uncertainty_parts_total(&u->parts,
+                                 isfinite(u->resolution_low) ? u->resolution_low : u->resolution);
+  *high = uncertainty_parts_total(&u->parts, isfinite(u->resolution_high) ? u->resolution_high
+                                                                          : u->resolution);
 }
 
-double uncertainty_largest(const struct uncertainty *b) {
+double uncertainty_largest(const struct uncertainty *u) {
   double low, high;
-  uncertainty_total(b, &low, &high);
+  uncertainty_total(u, &low, &high);
   return fmax(low, high);
 }
 
-static enum status write_levels(const struct uncertainty *b, double to_speed,
+static enum status write_levels(const struct uncertainty *u, double to_speed,
                                 struct h5_file *file) {
   enum status status = STATUS_OK;
-  size_t count = (size_t)b->level_count;
+  size_t count = (size_t)u->level_count;
   double column[ERROR_LEVELS_MAX];
   static const char *const names[] = {"spacing", "k",     "estimate", "low",
                                       "high",    "sites", "seconds",  "iterations"};
@@ -43,7 +43,7 @@ static enum status write_levels(const struct uncertainty *b, double to_speed,
   for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
     char path[64];
     for (size_t i = 0; i < count; i++) {
-      const struct error_level *l = &b->levels[i];
+      const struct error_level *l = &u->levels[i];
       const double values[] = {
           l->spacing, to_speed * l->permeability, to_speed * l->estimate, l->low, l->high, l->sites,
           l->seconds, (double)l->iterations};
@@ -58,31 +58,31 @@ cleanup:
   return status;
 }
 
-enum status uncertainty_write(const struct uncertainty *b, double to_speed, struct h5_file *file) {
+enum status uncertainty_write(const struct uncertainty *u, double to_speed, struct h5_file *file) {
   enum status status = STATUS_OK;
   double low, high;
-  uncertainty_total(b, &low, &high);
+  uncertainty_total(u, &low, &high);
   const struct {
     const char *name;
     double value;
   } more[] = {{"total", fmax(low, high)},
               {"total_low", low},
               {"total_high", high},
-              {"resolution_low", b->resolution_low},
-              {"resolution_high", b->resolution_high},
-              {"model_voxels", b->model},
-              {"observed_order", b->order},
-              {"spacings", b->level_count},
-              {"extrapolated_permeability", b->extrapolated},
-              {"finest_permeability", b->finest},
-              {"dlnk_blurred_again", b->slope_blur}};
+              {"resolution_low", u->resolution_low},
+              {"resolution_high", u->resolution_high},
+              {"model_voxels", u->model},
+              {"observed_order", u->order},
+              {"spacings", u->level_count},
+              {"extrapolated_permeability", u->extrapolated},
+              {"finest_permeability", u->finest},
+              {"dlnk_blurred_again", u->slope_blur}};
   TRY(h5_make_group(file, "/run/error"));
-  TRY(uncertainty_parts_write(&b->parts, file, "/run/error"));
+  TRY(uncertainty_parts_write(&u->parts, file, "/run/error"));
   for (size_t i = 0; i < sizeof more / sizeof *more; i++)
     TRY(h5_write_attribute(file, "/run/error", more[i].name, H5_F64, 1, &more[i].value));
   TRY(h5_write_attribute_text(file, "/run/error", "resolution_needs",
-                              resolution_needs_names[b->needs]));
-  TRY(write_levels(b, to_speed, file));
+                              resolution_needs_names[u->needs]));
+  TRY(write_levels(u, to_speed, file));
 cleanup:
   return status;
 }

@@ -59,19 +59,19 @@ void ghosts_free(struct ghosts *g) {
   memory_free(&g->in);
 }
 
-void ghosts_drop_messages(struct ghosts *g) {
+void ghosts_free_buffers(struct ghosts *g) {
   memory_free(&g->out);
   memory_free(&g->in);
 }
 
-enum status ghosts_agree(struct ghosts *g, size_t items) {
+enum status ghosts_plan_exchange(struct ghosts *g, size_t items) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
   size_t n = 0, owner = 0, *counts = NULL;
   uint32_t *asked = NULL; /* as its owner counts its own */
   memory_free(&g->send);
   memory_free(&g->receive);
-  ghosts_drop_messages(g);
+  ghosts_free_buffers(g);
   if (g->send_start == NULL) {
     TRY(memory_allocate(&g->send_start, ranks + 1, sizeof *counts, "ghosts"));
     TRY(memory_allocate(&g->receive_start, ranks + 1, sizeof *counts, "ghosts"));

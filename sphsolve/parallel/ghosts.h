@@ -51,9 +51,9 @@ static inline size_t ghosts_number(const struct ghosts *g, size_t here) {
   return number;
 }
 /* Collective: tells the ranks which of their items are `wanted` here, of so many that are here. */
-enum status ghosts_agree(struct ghosts *ghosts, size_t items);
+enum status ghosts_plan_exchange(struct ghosts *ghosts, size_t items);
 /* Gives back the room of messages until then. */
-void ghosts_drop_messages(struct ghosts *ghosts);
+void ghosts_free_buffers(struct ghosts *ghosts);
 /* Collective: puts fields under way; ghosts_finish waits, and fills the ghosts. */
 void ghosts_post(struct ghosts *ghosts, int count, const struct ghost_field *fields);
 void ghosts_finish(struct ghosts *ghosts);

@@ -12,7 +12,7 @@
 #include "common/provenance.h"
 #include "common/ranks.h"
 #include "sphsolve/output/checkpoint_file.h"
-#include "sphsolve/scene/scene_settled.h"
+#include "sphsolve/scene/scene_compare.h"
 
 #define GROUP "/solute_state"
 
@@ -87,8 +87,8 @@ static enum status compare_scenes(const struct solute_state *s) {
   char *then = NULL, *now = NULL;
   uint64_t hash;
   TRY(h5_read_text(s->from, GROUP "/settings", &then));
-  TRY(scene_settled(s->scene, &now));
-  TRY(scene_settled_compare(then, now, h5_path(s->from)));
+  TRY(scene_describe(s->scene, &now));
+  TRY(scene_compare(then, now, h5_path(s->from)));
   TRY(h5_read_attribute(s->from, GROUP, "flow_hash", H5_U64, 1, &hash));
   if (hash != s->flow_hash)
     TRY_FAIL(STATUS_INPUT,
@@ -196,7 +196,7 @@ enum status solute_state_save(struct solute_state *s, const struct solute_closur
   TRY(h5_make_group(file, GROUP));
   TRY(h5_write_attribute(file, GROUP, "flow_hash", H5_U64, 1, &s->flow_hash));
   TRY(h5_write_attribute(file, GROUP, "wall_time", H5_F64, 1, &spent));
-  TRY(scene_settled(s->scene, &settled));
+  TRY(scene_describe(s->scene, &settled));
   TRY(h5_write_text(file, GROUP "/settings", settled));
   blocks_of(s, block);
   for (int b = 0; b < BLOCKS; b++) {

@@ -32,7 +32,7 @@ enum status stokes_balance(const struct stokes_solver *s, struct conservation *c
       }
     for (size_t i = 0; i < n; i++) {
       double left = (double)s->residual[(size_t)c * n + i];
-      if (s->operator.soil) left /= (double)s->operator.soil->balance[i];
+      if (s->operator.soil) left /= (double)s->operator.soil->row_scale[i];
       const double given =
           s->force[a] + (s->walls_move ? (double)s->operator.drag[(size_t)c * n + i] : 0);
       sum.left[a] += left;

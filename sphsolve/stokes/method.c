@@ -157,7 +157,7 @@ cleanup:
   return status;
 }
 
-static bool stop_asked(void *system) {
+static bool stop_requested(void *system) {
   (void)system;
   return interrupt_requested();
 }
@@ -167,7 +167,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
   enum status status = STATUS_OK;
   const struct stokes_goal goal = cascade_goal(&job->cascade);
   struct progress_state state = {.best = INFINITY};
-  if (ranks_count() == 1) s->krylov.stop = stop_asked;
+  if (ranks_count() == 1) s->krylov.stop = stop_requested;
   if (job->checkpoint != NULL) {
     TRY(read_checkpoint(job, s, &state));
     scale_darcy(job, s);
@@ -197,8 +197,8 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
     state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
     if (state.stalled == STALLED_MOST) {
-      char soil[STOKES_STUCK];
-      stokes_solver_stuck(s, soil);
+      char soil[STOKES_HINT];
+      stokes_solver_soil_hint(s, soil);
       TRY_FAIL(STATUS_NUMERIC,
                "%s: no progress after %ld iterations at a residual of %.1e%s; stokes.tolerance = "
                "%.1g accepts it",
@@ -209,24 +209,24 @@ cleanup:
   return status;
 }
 
-static void tell_level(const struct cascade *c) {
-  const struct uncertainty *b = &c->uncertainty;
-  if (c->fixed > 0 || b->level_count == 0) return;
-  const struct error_level *l = &b->levels[b->level_count - 1];
+static void report_level(const struct cascade *c) {
+  const struct uncertainty *u = &c->uncertainty;
+  if (c->fixed > 0 || u->level_count == 0) return;
+  const struct error_level *l = &u->levels[u->level_count - 1];
   const struct effect_context *context = &c->plan->context;
   const double to_speed =
       context->driving / context->kinematic_viscosity / scene_hydraulic_gradient(c->scene);
   char known[80] = " cm/s, no estimate from one lattice";
   if (isfinite(l->low))
     snprintf(known, sizeof known,
-             b->resolution_high < 0.995 ? ", estimate %.4g cm/s -%.2g +%.2g %%"
+             u->resolution_high < 0.995 ? ", estimate %.4g cm/s -%.2g +%.2g %%"
                                         : ", estimate %.4g cm/s -%.0f +%.0f %%",
-             100 * to_speed * l->estimate, 100 * fmin(b->resolution_low, 1.0),
-             100 * b->resolution_high);
+             100 * to_speed * l->estimate, 100 * fmin(u->resolution_low, 1.0),
+             100 * u->resolution_high);
   log_info("lattice %d: %.4g um, %.3g M sites: k %.4g%s; %.2g s, the next about %.2g s",
-           b->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
+           u->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
            known, l->seconds, cascade_next_seconds(c));
-  level_bar_show(b, to_speed);
+  level_bar_show(u, to_speed);
 }
 
 /* How k of a solved lattice answers to its soil, and that share of its error. */
@@ -259,15 +259,15 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
     status = solve(job, &s);
     /* Of an interrupted solve too; its message is the one to be told. */
     if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
-      const enum status told = stokes_balance(&s, &job->result->conservation);
-      if (status == STATUS_OK) status = told;
+      const enum status balanced = stokes_balance(&s, &job->result->conservation);
+      if (status == STATUS_OK) status = balanced;
     }
     TRY(status);
   } else {
     TRY(write_row(job, &s));
   }
   TRY(cascade_add(c, &job->lattice, spacing, &s, clock_processor_seconds() - started));
-  tell_level(c);
+  report_level(c);
 cleanup:
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
     job->iterations += s.iterations;
@@ -293,15 +293,15 @@ cleanup:
 /* k is the estimate from all lattices where there is one, not the value of the finest. */
 static void set_result(struct stokes_job *job) {
   struct run_result *result = job->result;
-  const struct uncertainty *b = &job->cascade.uncertainty;
+  const struct uncertainty *u = &job->cascade.uncertainty;
   result_from_darcy(job->scene, job->darcy, result);
-  result->error = *b;
+  result->error = *u;
   result->error.averaging = 0.0;
   result->error.steadiness = result->k_error;
   result->k_finest = result->k;
   result->reynolds = job->reynolds;
-  if (!(b->extrapolated > 0.0 && b->finest > 0.0)) return;
-  const double scale = b->extrapolated / b->finest;
+  if (!(u->extrapolated > 0.0 && u->finest > 0.0)) return;
+  const double scale = u->extrapolated / u->finest;
   result->k *= scale;
   result->intrinsic_permeability *= scale;
   for (int a = 0; a < 3; a++) result->darcy_velocity[a] *= scale;
@@ -318,7 +318,7 @@ static enum status add_micropores(struct stokes_job *job) {
     log_warning("%s: no soil with pores below the voxel lies on a path along the force: it carries "
                 "nothing, and k is that of the pores alone",
                 job->scene->path);
-  return soil_response_curve(&job->cascade, &job->lattice, result->k, stop_asked, m);
+  return soil_response_curve(&job->cascade, &job->lattice, result->k, stop_requested, m);
 }
 
 static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,

@@ -42,10 +42,10 @@ static int threads_for(size_t active) {
 }
 
 /* Momentum and continuity of a residual as they are weighed against each other. */
-static void balance(const struct stokes_operator *op, float *y) {
+static void scale_rows(const struct stokes_operator *op, float *y) {
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   if (op->soil == NULL) return;
-  const float *weight = op->soil->balance;
+  const float *weight = op->soil->row_scale;
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < n; i++) {
     for (size_t a = 0; a < axes; a++) y[a * n + i] *= weight[i];
@@ -57,7 +57,7 @@ static void apply(void *system, const float *x, float *y) {
   struct stokes_solver *s = system;
   stokes_operator_apply(&s->operator, x, y);
   stokes_operator_clear_plane(&s->operator, y);
-  balance(&s->operator, y);
+  scale_rows(&s->operator, y);
 }
 
 static void precondition(void *system, const float *x, float *work, float *y) {
@@ -72,7 +72,7 @@ static void precondition(void *system, const float *x, float *work, float *y) {
 static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_grid *grid = &s->grid;
-  const float *weight = s->operator.soil ? s->operator.soil->balance : NULL;
+  const float *weight = s->operator.soil ? s->operator.soil->row_scale : NULL;
   double sum = 0.0;
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     double own = 0.0;
@@ -97,7 +97,7 @@ static void find_residual(struct stokes_solver *s) {
   double *component = (double *)(void *)(s->krylov.basis + begin);
   stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
   stokes_operator_clear_plane(&s->operator, s->residual);
-  balance(&s->operator, s->residual);
+  scale_rows(&s->operator, s->residual);
   s->exact = true;
 }
 
@@ -121,7 +121,7 @@ void stokes_solver_measure(struct stokes_solver *s, bool anew) {
   const float *continuity = s->residual + axes * n;
   for (size_t i = 0; i < n; i++) {
     double open = (double)continuity[i];
-    if (op->soil) open *= (double)op->soil->balance[i];
+    if (op->soil) open *= (double)op->soil->row_scale[i];
     sums[1] += open * open;
   }
   ranks_sum_all(sums, 2);
@@ -214,7 +214,7 @@ enum status stokes_solver_build_half(const struct lattice *lattice, const struct
   return build(lattice, scene, support, wall, nu, driving, true, s);
 }
 
-enum status stokes_solver_take_soil(struct stokes_solver *s, const struct lattice *lattice) {
+enum status stokes_solver_set_soil(struct stokes_solver *s, const struct lattice *lattice) {
   const int threads = omp_get_max_threads();
   const struct stokes_operator was = s->operator;
   omp_set_num_threads(was.threads);
@@ -226,7 +226,7 @@ enum status stokes_solver_take_soil(struct stokes_solver *s, const struct lattic
   return status;
 }
 
-double stokes_solver_answer(struct stokes_solver *s) {
+double stokes_solver_functional(struct stokes_solver *s) {
   double along = 0.0;
   stokes_solver_restart(s);
   for (int a = 0; a < 3; a++) along += s->mean[a] * s->force[a];

@@ -65,7 +65,7 @@ bool stokes_solver_converged(struct stokes_solver *s, const struct stokes_goal *
   return stokes_solver_mean_error(s) <= goal->mean;
 }
 
-void stokes_solver_stuck(const struct stokes_solver *s, char text[STOKES_STUCK]) {
+void stokes_solver_soil_hint(const struct stokes_solver *s, char text[STOKES_HINT]) {
   const struct lattice *l = s->operator.lattice;
   double least = INFINITY;
   text[0] = '\0';
@@ -74,7 +74,7 @@ void stokes_solver_stuck(const struct stokes_solver *s, char text[STOKES_STUCK])
     if (lattice_is_soil(l, i)) least = fmin(least, (double)l->micro_permeability[i]);
   const double relative = least / (s->stencil.unit * s->stencil.unit);
   if (relative >= 0.01) return;
-  snprintf(text, STOKES_STUCK,
+  snprintf(text, STOKES_HINT,
            ": soil of k_micro = %.2g m^2, %.1e spacing^2, is hard to solve; a model with it as "
            "grain bounds k from below, one with k_micro = 0.01 spacing^2 from above",
            least, relative);
@@ -89,8 +89,8 @@ enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal 
     stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
     best = fmin(best, s->residual_now);
   }
-  char soil[STOKES_STUCK];
-  stokes_solver_stuck(s, soil);
+  char soil[STOKES_HINT];
+  stokes_solver_soil_hint(s, soil);
   return FAIL(STATUS_NUMERIC,
               "stokes: no progress after %ld iterations at a residual of %.1e%s; a larger "
               "stokes.tolerance accepts it",

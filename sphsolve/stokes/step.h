@@ -21,8 +21,8 @@ double stokes_solver_mean_error(const struct stokes_solver *solver);
 bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_goal *goal);
 /* What soil has to do with a solve that does not get on, and what helps; empty where there is none.
  */
-#define STOKES_STUCK 240
-void stokes_solver_stuck(const struct stokes_solver *solver, char text[STOKES_STUCK]);
+#define STOKES_HINT 240
+void stokes_solver_soil_hint(const struct stokes_solver *solver, char text[STOKES_HINT]);
 /* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt
  * STATUS_INTERRUPTED. */
 enum status stokes_solver_run(struct stokes_solver *solver, const struct stokes_goal *goal);

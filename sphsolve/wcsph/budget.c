@@ -81,9 +81,9 @@ enum status wcsph_budget_sample(struct engine *engine, double mass, double time,
   take_rates(&step, engine->settings.force, mass, (double)engine->particles.count,
              engine->settings.wall == PASS_EULERIAN ? BUDGET_ADVECTION : BUDGET_SHIFTING, &rate);
   for (int k = 0; k < engine->settings.own_count; k++) {
-    const struct engine_given *given = &engine->given[k];
-    for (int a = 0; a < 3; a++) rate.impulse[BUDGET_OWN + k][a] = mass * given->impulse[a];
-    rate.work[BUDGET_OWN + k] = mass * given->work;
+    const struct engine_force_sum *own = &engine->own_sum[k];
+    for (int a = 0; a < 3; a++) rate.impulse[BUDGET_OWN + k][a] = mass * own->impulse[a];
+    rate.work[BUDGET_OWN + k] = mass * own->work;
   }
   for (int t = 0; t < BUDGET_TERMS; t++) {
     for (int a = 0; a < 3; a++) all[a] += rate.impulse[t][a];

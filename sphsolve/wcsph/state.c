@@ -67,7 +67,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   const bool ends =
       flux && (wall == PASS_EULERIAN || wall == PASS_SUBVOXEL) && !engine->settings.wall_moves;
   /* First, since it may make new lists, and with them another number of slots. */
-  if (ends) TRY(engine_pull(engine));
+  if (ends) TRY(engine_find_acceleration(engine));
   const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
   const size_t begin = engine_first_slot(engine), last = engine_end_slot(engine);
@@ -221,12 +221,12 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   enum status status = STATUS_OK;
   struct engine *engine = &state->engine;
   struct particles *p = &engine->particles;
-  engine_settle(engine);
+  engine_await_ghosts(engine);
   TRY(particles_resize(p, copy->clusters));
   struct stored list[16];
   const size_t n = stored_arrays(p, list), size = particles_slots(p) * sizeof(float);
   for (size_t i = 0; i < n; i++) TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
-  TRY(engine_take(engine));
+  TRY(engine_adopt_partition(engine));
   engine->moved = copy->moved;
   engine->speed_max = copy->speed_max;
   engine->listed = false;

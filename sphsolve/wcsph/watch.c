@@ -18,20 +18,20 @@
 /* A particle may move by this share of h in a step (automatic step only). */
 #define ADVECTION 0.25
 
-static enum watch_bound judge(struct wcsph_run *run, const struct wcsph_totals *totals,
-                              double *share) {
+static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_totals *totals,
+                                     double *used) {
   struct watch_reading reading = {{0}};
   double c = run->state.engine.settings.sound_speed;
   double count = (double)run->lattice->fluid_count;
   double energy = sqrt((totals->square + c * c * totals->compression) / count);
-  reading.share[WATCH_DENSITY] =
+  reading.used[WATCH_DENSITY] =
       fmax(totals->density_max - 1, 1 - totals->density_min) / DENSITY_BAND;
-  reading.share[WATCH_VELOCITY] = totals->speed_max / c;
-  reading.share[WATCH_ENERGY] =
+  reading.used[WATCH_VELOCITY] = totals->speed_max / c;
+  reading.used[WATCH_ENERGY] =
       watchdog_energy(&run->state.dog, energy, wcsph_run_time(run), run->plan->context.driving,
                       run->wall_speed, ENERGY_FLOOR * c);
-  if (!totals->finite) reading.share[WATCH_DENSITY] = INFINITY;
-  return watchdog_worst(&reading, share);
+  if (!totals->finite) reading.used[WATCH_DENSITY] = INFINITY;
+  return watchdog_worst(&reading, used);
 }
 
 /* What left its bounds, which particle, where; and why, most likely. */
@@ -45,18 +45,19 @@ static void describe(const struct wcsph_run *run, enum watch_bound bound,
   /* Told by the rank that has it: where it is, and its name. */
   const size_t first = engine_first_slot(engine),
                slot = number - engine_number(engine, first) + first;
-  double said[4] = {0};
+  double found[4] = {0};
   if (slot >= first && slot < engine_end_slot(engine)) {
-    particles_position(&engine->particles, run->lattice, slot, said);
-    said[3] = engine->particles.id[slot];
+    particles_position(&engine->particles, run->lattice, slot, found);
+    found[3] = engine->particles.id[slot];
   }
-  ranks_sum_all(said, 4);
+  ranks_sum_all(found, 4);
   if (bound == WATCH_DENSITY)
     snprintf(what, 160, "density of particle %u at (%.4g, %.4g, %.4g) m is %.3g times that at rest",
-             (unsigned)said[3], said[0], said[1], said[2], low > high ? 1 - low : 1 + high);
+             (unsigned)found[3], found[0], found[1], found[2], low > high ? 1 - low : 1 + high);
   else
     snprintf(what, 160, "%s: particle %u at (%.4g, %.4g, %.4g) m moves at %.3g m/s",
-             watchdog_name(bound), (unsigned)said[3], said[0], said[1], said[2], totals->speed_max);
+             watchdog_name(bound), (unsigned)found[3], found[0], found[1], found[2],
+             totals->speed_max);
 }
 
 enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what) {
@@ -136,20 +137,20 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   enum status status = STATUS_OK;
   struct wcsph_state *state = &run->state;
   struct wcsph_totals totals;
-  double share;
+  double used;
   char what[160];
   *again = false;
   TRY(wcsph_sum(&state->engine, false, &totals));
-  enum watch_bound worst = judge(run, &totals, &share);
-  if (share >= 1) {
+  enum watch_bound worst = check_bounds(run, &totals, &used);
+  if (used >= 1) {
     describe(run, worst, &totals, what);
     *again = true;
     TRY(wcsph_step_back(run, wcsph_run_time(run), what));
   } else {
-    bool keep = share > KEEP_FROM || run->plan->dt > KEEP_NEAR_LIMIT * run->plan->dt_limit;
-    if (keep && watchdog_wants(&state->dog, state->step, share)) {
+    bool keep = used > KEEP_FROM || run->plan->dt > KEEP_NEAR_LIMIT * run->plan->dt_limit;
+    if (keep && watchdog_wants(&state->dog, state->step, used)) {
       TRY(wcsph_keep(state, &run->copy));
-      watchdog_keep(&state->dog, state->step, share);
+      watchdog_keep(&state->dog, state->step, used);
     }
     adapt(run);
   }

@@ -21,7 +21,7 @@ static void test_worst(void **state) {
   struct watch_reading reading = {{0.1, 0.4, 0.2, 0}};
   assert_int_equal(watchdog_worst(&reading, &share), WATCH_VELOCITY);
   assert_true(share == 0.4);
-  reading.share[WATCH_ENERGY] = NAN;
+  reading.used[WATCH_ENERGY] = NAN;
   assert_int_equal(watchdog_worst(&reading, &share), WATCH_ENERGY);
   assert_true(share >= 1);
 }

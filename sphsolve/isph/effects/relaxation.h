@@ -10,7 +10,7 @@
  * strain that keeps the volume. In seepage without a surface tau is at least the time in which a
  * particle moves by its own size, since the errors of phi arise from that motion: with a shorter
  * one water that creeps through soil of porosity .1 gets velocity fluctuations as large as its
- * velocity. `relaxation_share`: isph/energy.c; 1 without that. */
+ * velocity. `relaxation_factor`: isph/energy.c; 1 without that. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -38,10 +38,10 @@ static inline double time_by_weight(const struct isph *s, size_t i) {
 }
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
-  double lack = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
-  lack = lack < -0.05 ? -0.05 : lack > 0.05 ? 0.05 : lack;
-  if (s->porosity != NULL) lack -= fmax(-RELAXATION_FREE, fmin(lack, RELAXATION_FREE));
-  if (lack > 0 && s->surface != NULL) lack *= 1 - (s->near != NULL ? s->near : s->surface)[i];
+  double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
+  deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
+  if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
+  if (deficit > 0 && s->surface != NULL) deficit *= 1 - (s->near != NULL ? s->near : s->surface)[i];
   if (s->porosity != NULL && s->surface == NULL) {
     const double *v = s->velocity[i];
     double size = isph_size_of(s, s->volume[i]);
@@ -50,9 +50,9 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   }
   if (s->porosity != NULL && s->surface != NULL)
     relaxation_time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
-  if (lack < 0) lack *= s->relaxation_share;
-  double left = s->drag_left != NULL ? s->drag_left[i] : 1;
-  return eps * lack * left / relaxation_time;
+  if (deficit < 0) deficit *= s->relaxation_factor;
+  double left = s->drag_factor != NULL ? s->drag_factor[i] : 1;
+  return eps * deficit * left / relaxation_time;
 }
 
 static inline bool isph_relaxation_wanted(const struct effect_context *context,

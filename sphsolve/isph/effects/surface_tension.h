@@ -113,7 +113,7 @@ static inline void surface_tension_pressure(void *state, double *pressure) {
         sum += w * curvature[chunk->pair[p] & PAIR_MASK], weight += w;
       }
       pressure[i] = weight > 0 ? sigma * sum / weight : 0;
-      if (s->soil_share != NULL) pressure[i] *= 1 - s->soil_share[i];
+      if (s->soil_fraction != NULL) pressure[i] *= 1 - s->soil_fraction[i];
     }
 }
 

@@ -26,7 +26,7 @@
 const double cascade_few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
 /* So do those of a scene's own spacing and coarser, where a mean pore has fewer sites than this. */
 #define COARSE 4.5
-static const struct stokes_goal side_goal = {.mean = 3e-4};
+static const struct stokes_goal part_goal = {.mean = 3e-4};
 /* Other sides change k by per cents, on four times the sites. */
 static const struct stokes_goal sides_goal = {.mean = 1e-3};
 
@@ -247,14 +247,14 @@ cleanup:
 }
 
 /* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
-static enum status add_side_shares(struct cascade *c, const struct lattice *lattice, double spacing,
+static enum status add_model_parts(struct cascade *c, const struct lattice *lattice, double spacing,
                                    double k, const struct stokes_solver *from) {
   enum status status = STATUS_OK;
   struct lattice moved = {0}, coarser = {0};
   double more, other;
   if (!*c->scene->model_path) return STATUS_OK;
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
-  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false, &more));
+  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &part_goal, false, &more));
   const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
   add_calibration(c->scene->model_path, &c->uncertainty);
@@ -262,7 +262,7 @@ static enum status add_side_shares(struct cascade *c, const struct lattice *latt
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
-  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &side_goal, false, &other));
+  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &part_goal, false, &other));
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
   if (!sides_wait(c)) TRY(add_sides(c));
 cleanup:
@@ -272,15 +272,15 @@ cleanup:
 }
 
 /* What k owes to the scanner: the surface is blurred once more. */
-static enum status add_scan_share(struct cascade *c, const struct lattice *lattice, double k,
-                                  const struct stokes_solver *from) {
+static enum status add_scan_part(struct cascade *c, const struct lattice *lattice, double k,
+                                 const struct stokes_solver *from) {
   enum status status = STATUS_OK;
   struct lattice blurred = {0};
   struct scan_quality scan;
   double scale, other = 0.0;
   if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
   TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
-  TRY(solve(c, &blurred, WALL_SUBVOXEL, from, &side_goal, false, &other));
+  TRY(solve(c, &blurred, WALL_SUBVOXEL, from, &part_goal, false, &other));
   if (other > 0.0) {
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
@@ -293,13 +293,13 @@ cleanup:
 
 /* The estimate from all lattices so far. */
 static void estimate(struct cascade *c) {
-  struct uncertainty *b = &c->uncertainty;
+  struct uncertainty *u = &c->uncertainty;
   struct limit_estimate limit;
   double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
-  const int n = b->level_count;
+  const int n = u->level_count;
   for (int i = 0; i < n; i++) {
-    h[i] = b->levels[n - 1 - i].spacing;
-    k[i] = b->levels[n - 1 - i].permeability;
+    h[i] = u->levels[n - 1 - i].spacing;
+    k[i] = u->levels[n - 1 - i].permeability;
   }
   converge_limit(h, k, (size_t)n, cascade_first_spacing(c->plan, c->base), &limit);
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
@@ -310,7 +310,7 @@ static void estimate(struct cascade *c) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
   }
-  struct error_level *level = &b->levels[n - 1];
+  struct error_level *level = &u->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
   /* One lattice says nothing of its error; its pores do. */
@@ -318,34 +318,34 @@ static void estimate(struct cascade *c) {
     limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
                                                WALL_SUBVOXEL, c->plan->context.spacing / h[0])
                                  .error;
-  b->needs = cascade_needs(c->plan, h[0]);
-  b->extrapolated = limit.value;
-  b->finest = k[0];
-  b->order = limit.order;
-  const double model = isfinite(b->model) ? b->model : 0.0;
-  b->resolution_low = fmin(hypot(limit.low, model), 1.0); /* k is above 0 */
-  b->resolution_high = hypot(limit.high, model);
-  b->resolution = fmax(b->resolution_low, b->resolution_high);
+  u->needs = cascade_needs(c->plan, h[0]);
+  u->extrapolated = limit.value;
+  u->finest = k[0];
+  u->order = limit.order;
+  const double model = isfinite(u->model) ? u->model : 0.0;
+  u->resolution_low = fmin(hypot(limit.low, model), 1.0); /* k is above 0 */
+  u->resolution_high = hypot(limit.high, model);
+  u->resolution = fmax(u->resolution_low, u->resolution_high);
 }
 
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
                        const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
-  struct uncertainty *b = &c->uncertainty;
+  struct uncertainty *u = &c->uncertainty;
   c->tried++;
   if (!(k > 0.0)) return STATUS_OK;
-  b->levels[b->level_count++] = (struct error_level){.spacing = spacing,
+  u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
                                                      .permeability = k,
                                                      .sites = (double)lattice->count,
                                                      .seconds = seconds,
                                                      .iterations = from->iterations};
-  if (!c->side_shares && b->level_count == 2) {
-    c->side_shares = true;
-    TRY(add_side_shares(c, lattice, spacing, k, from));
+  if (!c->model_parts && u->level_count == 2) {
+    c->model_parts = true;
+    TRY(add_model_parts(c, lattice, spacing, k, from));
   }
   /* A little finer, where throats are seen; once more where the first look was a coarse one. */
-  if (b->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && b->level_count == 4))
-    TRY(add_scan_share(c, lattice, k, from));
+  if (u->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && u->level_count == 4))
+    TRY(add_scan_part(c, lattice, k, from));
   estimate(c);
 cleanup:
   return status;
@@ -394,7 +394,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
     const double started = clock_processor_seconds();
     double k;
-    status = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &side_goal, true, &k);
+    status = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &part_goal, true, &k);
     if (status == STATUS_OK)
       status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_own) own = k;
@@ -428,14 +428,14 @@ cleanup:
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
-  const struct uncertainty *b = &c->uncertainty;
+  const struct uncertainty *u = &c->uncertainty;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
-      c->tried,      b->level_count, c->side_shares, b->slope_void_ratio,
-      b->void_ratio, b->threshold,   b->model,       b->slope_threshold,
-      b->sides,      b->slope_blur,  b->scan,        b->sides_closed};
+      c->tried,      u->level_count, c->model_parts, u->slope_void_ratio,
+      u->void_ratio, u->threshold,   u->model,       u->slope_threshold,
+      u->sides,      u->slope_blur,  u->scan,        u->sides_closed};
   size_t count = CASCADE_NUMBERS;
-  for (int i = 0; i < b->level_count; i++) {
-    const struct error_level *l = &b->levels[i];
+  for (int i = 0; i < u->level_count; i++) {
+    const struct error_level *l = &u->levels[i];
     numbers[count++] = l->spacing;
     numbers[count++] = l->permeability;
     numbers[count++] = l->sites;
@@ -447,7 +447,7 @@ enum status cascade_write(const struct cascade *c, struct h5_file *file) {
 
 enum status cascade_read(struct cascade *c, struct h5_file *file) {
   enum status status = STATUS_OK;
-  struct uncertainty *b = &c->uncertainty;
+  struct uncertainty *u = &c->uncertainty;
   double *numbers = NULL;
   size_t count = 0;
   TRY(h5_read(file, "/state/cascade", H5_F64, 1, &count, &numbers));
@@ -457,14 +457,14 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
         count == CASCADE_NUMBERS + LEVEL_NUMBERS * (size_t)levels))
     TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
   c->tried = (int)numbers[0];
-  c->side_shares = numbers[2] != 0.0;
-  b->slope_void_ratio = numbers[3], b->void_ratio = numbers[4], b->threshold = numbers[5];
-  b->model = numbers[6], b->slope_threshold = numbers[7], b->sides = numbers[8];
-  b->slope_blur = numbers[9], b->scan = numbers[10], b->sides_closed = numbers[11];
+  c->model_parts = numbers[2] != 0.0;
+  u->slope_void_ratio = numbers[3], u->void_ratio = numbers[4], u->threshold = numbers[5];
+  u->model = numbers[6], u->slope_threshold = numbers[7], u->sides = numbers[8];
+  u->slope_blur = numbers[9], u->scan = numbers[10], u->sides_closed = numbers[11];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
-    b->levels[b->level_count++] = (struct error_level){.spacing = n[0],
+    u->levels[u->level_count++] = (struct error_level){.spacing = n[0],
                                                        .permeability = n[1],
                                                        .sites = n[2],
                                                        .seconds = n[3],

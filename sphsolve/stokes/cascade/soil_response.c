@@ -60,8 +60,8 @@ enum status soil_response_measure(struct stokes_solver *s, const struct lattice 
     const double factor = exp(up ? STEP : -STEP);
     TRY(lattice_soil_scale(lattice, factor, &scaled));
     scaled.micro_moved = factor;
-    TRY(stokes_solver_take_soil(s, &scaled));
-    logarithm[up] = log(stokes_solver_answer(s));
+    TRY(stokes_solver_set_soil(s, &scaled));
+    logarithm[up] = log(stokes_solver_functional(s));
     memory_free(&scaled.micro_permeability);
   }
   memcpy(s->mean, mean, sizeof mean);

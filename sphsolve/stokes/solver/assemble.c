@@ -14,14 +14,14 @@
 /* What the walls around one site do to its momentum equation, and its sums over pore sites. */
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
-  double moment[3][3];    /* sum over pore sites of g_ab times the vector to b */
-  double surface;         /* part of D by the surface of soil beside a pore */
-  double plain[3][3];     /* where there is soil: the moment without the links' mobilities, */
-  double drawn[3][3];     /* and with them, less the one that B inverts */
-  double towards[3];      /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
-  double beside[3];       /* its length along each axis without signs, of the sites beside */
-  struct wall_shape wall; /* the nearest; without where there is none */
-  bool smooth;            /* the wall distances are those of a surface */
+  double moment[3][3];     /* sum over pore sites of g_ab times the vector to b */
+  double surface;          /* part of D by the surface of soil beside a pore */
+  double unweighted[3][3]; /* where there is soil: the moment without the links' mobilities, */
+  double lost[3][3];       /* and with them, less the one that B inverts */
+  double towards[3];       /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
+  double beside[3];        /* its length along each axis without signs, of the sites beside */
+  struct wall_shape wall;  /* the nearest; without where there is none */
+  bool smooth;             /* the wall distances are those of a surface */
 };
 
 static double distance(const struct stokes_operator *op, size_t site) {
@@ -66,7 +66,7 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
                      struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const double mobility = stokes_soil_weight(own->mobility, other->mobility);
-  const double drawn = mobility / own->relative; /* weight of the pressure's difference */
+  const double relative = mobility / own->relative; /* weight of the pressure's difference */
   sums->diagonal += offset->viscous * stokes_soil_weight(own->viscosity, other->viscosity);
   sums->pore_sum += offset->viscous * mobility;
   if (!own->soil && other->soil)
@@ -83,8 +83,8 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
     for (int c = 0; c < stencil->axis_count; c++) {
       const int axis = stencil->axes[c];
       const double moment = g * offset->step[axis] * stencil->spacing[axis];
-      sums->moment[a][c] += drawn * moment;
-      sums->plain[a][c] += moment;
+      sums->moment[a][c] += relative * moment;
+      sums->unweighted[a][c] += moment;
     }
   }
 }
@@ -101,11 +101,11 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
 static void join_soil(int axes, struct site_sums *sums) {
   double n[3] = {0}, length = 0.0, across = 0.0;
   for (int a = 0; a < axes; a++) length = hypot(length, sums->towards[a]);
-  memcpy(sums->drawn, sums->moment, sizeof sums->drawn);
+  memcpy(sums->lost, sums->moment, sizeof sums->lost);
   if (length > 1e-6)
     for (int a = 0; a < axes; a++) n[a] = sums->towards[a] / length;
   for (int a = 0; a < axes; a++)
-    for (int c = 0; c < axes; c++) across += n[a] * sums->plain[a][c] * n[c];
+    for (int c = 0; c < axes; c++) across += n[a] * sums->unweighted[a][c] * n[c];
   if (length > 1e-6) moment_free_normal(axes, n, sums->moment);
   for (int a = 0; length > 1e-6 && a < axes; a++)
     for (int c = 0; c < axes; c++) sums->moment[a][c] += (across - 1.0) * n[a] * n[c];
@@ -113,10 +113,10 @@ static void join_soil(int axes, struct site_sums *sums) {
   for (int a = 0; a < axes; a++) {
     if (fabs(sums->beside[a]) < BOTH_SIDES) continue;
     for (int c = 0; c < axes; c++) sums->moment[a][c] = sums->moment[c][a] = 0.0;
-    sums->moment[a][a] = sums->plain[a][a];
+    sums->moment[a][a] = sums->unweighted[a][a];
   }
   for (int a = 0; a < axes; a++)
-    for (int c = 0; c < axes; c++) sums->drawn[a][c] -= sums->moment[a][c];
+    for (int c = 0; c < axes; c++) sums->lost[a][c] -= sums->moment[a][c];
 }
 
 static void add_pore(const struct stokes_operator *op, const struct stokes_offset *offset,
@@ -192,8 +192,8 @@ static void store(struct stokes_operator *op, size_t n, const struct site_sums *
       op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
     op->pore_gradient[(size_t)a * op->n + n] = (float)sums->pore_gradient[a];
     for (int c = 0; op->soil && c < axes; c++)
-      op->soil->drawn[(size_t)a * op->n + n] +=
-          (float)(sums->drawn[a][c] * op->force[op->stencil->axes[c]]);
+      op->soil->force_defect[(size_t)a * op->n + n] +=
+          (float)(sums->lost[a][c] * op->force[op->stencil->axes[c]]);
     if (op->drag) op->drag[(size_t)a * op->n + n] = (float)sums->drag[op->stencil->axes[a]];
   }
 }

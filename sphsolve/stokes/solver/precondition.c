@@ -258,10 +258,10 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
   struct stokes_operator *op = pc->op;
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   float *p = y + axes * n, *r = work, *product = work + axes * n;
-  const float *balance = op->soil ? op->soil->balance : NULL, *continuity = x + axes * n;
-  if (op->soil) { /* also of a rank without sites, which has no balance */
+  const float *scale = op->soil ? op->soil->row_scale : NULL, *continuity = x + axes * n;
+  if (op->soil) { /* also of a rank without sites, which has no scale */
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < n; i++) r[i] = continuity[i] * balance[i];
+    for (size_t i = 0; i < n; i++) r[i] = continuity[i] * scale[i];
     solve_pressure(pc, r, product, p);
     take_mean_away(pc, p);
   } else {
@@ -272,7 +272,7 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
     float *ra = r + a * n;
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++)
-      ra[i] = (balance ? x[a * n + i] / balance[i] : x[a * n + i]) - op->parabola[i] * ra[i];
+      ra[i] = (scale ? x[a * n + i] / scale[i] : x[a * n + i]) - op->parabola[i] * ra[i];
     solve_velocity(pc, op->stencil->axes[a], ra, product, y + a * n);
   }
   stokes_operator_clear_plane(op, y);

@@ -104,7 +104,7 @@ static void pressure_terms(const struct stokes_operator *op, size_t row, const d
     for (size_t i = start; i < end; i++) raw[i] = (float)(sum[i - start] - (double)own[i] * p[i]);
     if (op->soil)
       for (size_t i = start; i < end; i++)
-        raw[i] = raw[i] / op->soil->relative[i] - op->soil->drawn[(size_t)a * n + i];
+        raw[i] = raw[i] / op->soil->relative[i] - op->soil->force_defect[(size_t)a * n + i];
   }
   const double *sum = convolve_double(op, &op->stencil->laplace, mobility_of(op), row);
   for (size_t i = start; i < end; i++)

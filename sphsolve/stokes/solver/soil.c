@@ -130,8 +130,8 @@ enum status stokes_soil_build(const struct lattice *lattice, const struct stokes
   TRY(memory_allocate(built, 1, sizeof **built, "the soil"));
   s = *built;
   s->unit = unit;
-  TRY(memory_allocate(&s->drawn, (size_t)lattice->dimensions * grid->active, sizeof *s->drawn,
-                      "the soil"));
+  TRY(memory_allocate(&s->force_defect, (size_t)lattice->dimensions * grid->active,
+                      sizeof *s->force_defect, "the soil"));
   TRY(find_enclosed(lattice, driving, s));
   s->pivot = find_pivot(s, lattice);
   const double layer = boundary_layer(s, lattice);
@@ -139,7 +139,7 @@ enum status stokes_soil_build(const struct lattice *lattice, const struct stokes
   TRY(allocate(grid->active, layer > THIN_LAYER ? 2 : 1, &s->viscosity));
   TRY(allocate(grid->active, s->pivot > 0.0 ? 3 : 2, &s->mobility));
   TRY(memory_allocate(&s->relative, grid->active, sizeof *s->relative, "the soil"));
-  TRY(memory_allocate(&s->balance, grid->active, sizeof *s->balance, "the soil"));
+  TRY(memory_allocate(&s->row_scale, grid->active, sizeof *s->row_scale, "the soil"));
   TRY(memory_allocate(&s->rows, grid->rows, sizeof *s->rows, "the soil"));
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
@@ -151,7 +151,7 @@ enum status stokes_soil_build(const struct lattice *lattice, const struct stokes
         s->viscosity.value[v][n] = (float)at.viscosity[v];
       for (int v = 0; v < s->mobility.count; v++) s->mobility.value[v][n] = (float)at.mobility[v];
       s->relative[n] = (float)at.relative;
-      s->balance[n] = (float)sqrt(at.relative);
+      s->row_scale[n] = (float)sqrt(at.relative);
       s->rows[row] = s->rows[row] || at.soil;
       n++;
     }
@@ -168,9 +168,9 @@ void stokes_soil_free(struct stokes_soil **soil) {
     memory_free(&s->mobility.value[v]);
   }
   memory_free(&s->enclosed);
-  memory_free(&s->drawn);
+  memory_free(&s->force_defect);
   memory_free(&s->relative);
-  memory_free(&s->balance);
+  memory_free(&s->row_scale);
   memory_free(&s->rows);
   memory_free(soil);
 }

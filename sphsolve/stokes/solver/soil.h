@@ -37,12 +37,12 @@ struct stokes_soil {
   /* [n] its root. Residuals are of the momentum equation times this, and of continuity divided by
    * this: both then have the size of their effect on the flux, also where soil lets through 1e-8 of
    * what pores do. */
-  float *balance;
+  float *row_scale;
   bool *rows; /* [rows] whether a row has soil */
   /* [axes][n] G applied to a pressure whose gradient is the force everywhere, less the force: it is
    * subtracted from G p, since it is the pressure without its hydrostatic part whose gradient jumps
    * at the surface of soil. */
-  float *drawn;
+  float *force_defect;
 };
 
 /* The larger number of products of the two. */

@@ -154,7 +154,7 @@ cleanup:
 }
 
 void engine_drop_lists(struct engine *engine) {
-  if (RANKS) engine_settle(engine);
+  if (RANKS) engine_await_ghosts(engine);
   neighbours_free(&engine->fluid_fluid);
   neighbours_free(&engine->fluid_wall);
   neighbours_free(&engine->wall_fluid);

@@ -88,9 +88,9 @@ struct engine {
   struct engine_ranks ranks;
   double (*acceleration)[3]; /* m/s^2, of an own force; NULL where there is none */
   /* What own forces give in a second, per mass of a particle, summed by the last engine_budget. */
-  struct engine_given {
+  struct engine_force_sum {
     double impulse[3], work; /* m/s^2, m^2/s^3 */
-  } given[ENGINE_OWN];
+  } own_sum[ENGINE_OWN];
 };
 
 /* The arrays that particles need with these settings. */
@@ -101,11 +101,11 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
 void engine_free(struct engine *engine);
 enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts under way. */
-void engine_settle(struct engine *engine);
+void engine_await_ghosts(struct engine *engine);
 /* Collective: which of so many clusters of fluid are this rank's to hold, from slot 0 on. */
 enum status engine_partition(struct engine *engine, size_t clusters);
 /* Collective, where own clusters were put in place by hand: they are partitioned as they are. */
-enum status engine_take(struct engine *engine);
+enum status engine_adopt_partition(struct engine *engine);
 /* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;
  * then it has all. */
 enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,
@@ -148,12 +148,12 @@ double engine_pressure(const struct engine *engine, size_t slot);
 double engine_wall_distance(const struct engine *engine, size_t slot);
 /* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v
  * until the next step. Changes no bit of what comes. */
-enum status engine_pull(struct engine *engine);
+enum status engine_find_acceleration(struct engine *engine);
 /* What the next step's effects give the fluid, and what there is before it; changes no bit of what
  * comes. */
 enum status engine_budget(struct engine *engine, struct pass_budget *total);
 /* Collective: v += dt a of each own force in turn, in the order of the registry; with `sums` what
- * each gives goes to engine.given. */
+ * each gives goes to engine.own_sum. */
 enum status engine_kick(struct engine *engine, bool sums);
 /* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
  * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */

@@ -23,10 +23,10 @@ struct gathered {
   uint8_t *wanted;
 };
 
-static void gathered_free(struct gathered *j) {
-  cluster_set_free(&j->set);
-  memory_free(&j->number);
-  memory_free(&j->wanted);
+static void gathered_free(struct gathered *known) {
+  cluster_set_free(&known->set);
+  memory_free(&known->number);
+  memory_free(&known->wanted);
 }
 
 /* Around `count` boxes; differences from the first are those on the circle of fixed-point numbers.
@@ -133,7 +133,7 @@ cleanup:
 /* Collective: own clusters, and those of other ranks near the rows here. */
 static enum status gather(const struct frame *frame, const struct ghosts *g,
                           const struct cluster_box *own, const size_t *rows_start,
-                          const struct cluster_box *rows, double range, struct gathered *j) {
+                          const struct cluster_box *rows, double range, struct gathered *known) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), self = (size_t)ranks_own();
   const size_t clusters = g->end - g->begin;
@@ -156,18 +156,18 @@ static enum status gather(const struct frame *frame, const struct ghosts *g,
   TRY(ghosts_exchange(sizeof *out, send, out, start, &in));
   memory_free(&out);
   const size_t lower = start[self], come = start[ranks], all = clusters + come;
-  j->set = (struct cluster_set){.clusters = all, .begin = lower, .end = lower + clusters};
-  TRY(memory_allocate(&j->set.boxes, all + 1, sizeof *j->set.boxes, "cluster boxes"));
-  TRY(memory_allocate(&j->number, all + 1, sizeof *j->number, "ghosts"));
-  TRY(memory_allocate(&j->wanted, all + 1, 1, "ghosts"));
+  known->set = (struct cluster_set){.clusters = all, .begin = lower, .end = lower + clusters};
+  TRY(memory_allocate(&known->set.boxes, all + 1, sizeof *known->set.boxes, "cluster boxes"));
+  TRY(memory_allocate(&known->number, all + 1, sizeof *known->number, "ghosts"));
+  TRY(memory_allocate(&known->wanted, all + 1, 1, "ghosts"));
   for (size_t k = 0; k < come; k++) {
     const size_t at = k < lower ? k : k + clusters;
-    j->set.boxes[at] = in[k].box;
-    j->number[at] = in[k].number;
+    known->set.boxes[at] = in[k].box;
+    known->number[at] = in[k].number;
   }
   for (size_t c = 0; c < clusters; c++) {
-    j->set.boxes[lower + c] = own[c];
-    j->number[lower + c] = (uint32_t)(g->partition[self] + c);
+    known->set.boxes[lower + c] = own[c];
+    known->number[lower + c] = (uint32_t)(g->partition[self] + c);
   }
 cleanup:
   memory_free(&send);
@@ -178,7 +178,8 @@ cleanup:
 }
 
 /* Marks what rows [begin, end) of a list name; returns whether any is another rank's. */
-static bool want(struct gathered *j, const struct neighbour_list *list, size_t begin, size_t end) {
+static bool mark_ghosts(struct gathered *known, const struct neighbour_list *list, size_t begin,
+                        size_t end) {
   bool any = false;
   for (size_t row = begin; row < end; row++) {
     size_t words;
@@ -186,7 +187,7 @@ static bool want(struct gathered *j, const struct neighbour_list *list, size_t b
     reader.end = reader.word + words;
     while (list_next(&reader))
       for (size_t c = reader.cluster; c <= reader.cluster + (reader.pair ? 1 : 0); c++)
-        if (c < j->set.begin || c >= j->set.end) j->wanted[c] = any = true;
+        if (c < known->set.begin || c >= known->set.end) known->wanted[c] = any = true;
   }
   return any;
 }
@@ -221,22 +222,22 @@ cleanup:
   return status;
 }
 
-/* Which clusters are to be held, own and wanted: j->number becomes their place there. */
-static enum status choose(struct ghosts *g, struct gathered *j, size_t *held) {
+/* Which clusters are to be held, own and wanted: known->number becomes their place there. */
+static enum status choose_held(struct ghosts *g, struct gathered *known, size_t *held) {
   enum status status = STATUS_OK;
-  const size_t begin = j->set.begin, end = j->set.end;
+  const size_t begin = known->set.begin, end = known->set.end;
   size_t n = 0;
-  for (size_t c = 0; c < j->set.clusters; c++) n += j->wanted[c] || (c >= begin && c < end);
+  for (size_t c = 0; c < known->set.clusters; c++) n += known->wanted[c] || (c >= begin && c < end);
   memory_free(&g->number);
   memory_free(&g->wanted);
   TRY(memory_allocate(&g->number, n + 1, sizeof *g->number, "ghosts"));
   TRY(memory_allocate(&g->wanted, n + 1, 1, "ghosts"));
   *held = 0;
-  for (size_t c = 0; c < j->set.clusters; c++) {
-    if (!j->wanted[c] && (c < begin || c >= end)) continue;
-    g->wanted[*held] = j->wanted[c];
-    g->number[*held] = j->number[c];
-    j->number[c] = (uint32_t)(*held)++;
+  for (size_t c = 0; c < known->set.clusters; c++) {
+    if (!known->wanted[c] && (c < begin || c >= end)) continue;
+    g->wanted[*held] = known->wanted[c];
+    g->number[*held] = known->number[c];
+    known->number[c] = (uint32_t)(*held)++;
   }
 cleanup:
   return status;
@@ -250,8 +251,8 @@ static enum status take_places(struct engine *engine, struct gathered *fluid,
   struct ghosts *g = &engine->ranks.fluid, *w = &engine->ranks.walls;
   size_t held, held_walls;
   const size_t rows = g->end - g->begin, wall_rows = w->end - w->begin;
-  TRY(choose(g, fluid, &held));
-  TRY(choose(w, walls, &held_walls));
+  TRY(choose_held(g, fluid, &held));
+  TRY(choose_held(w, walls, &held_walls));
   const size_t first = rows > 0 ? fluid->number[fluid->set.begin] : 0;
   const size_t first_wall = wall_rows > 0 ? walls->number[walls->set.begin] : 0;
   TRY(neighbours_renumber(&engine->fluid_fluid, fluid->number, first));
@@ -271,8 +272,8 @@ static enum status take_places(struct engine *engine, struct gathered *fluid,
   TRY(particles_hold_walls(p, w->begin, wall_rows, first_wall, held_walls));
   g->begin = first, g->end = first + rows;
   w->begin = first_wall, w->end = first_wall + wall_rows;
-  TRY(ghosts_agree(g, held));
-  TRY(ghosts_agree(w, held_walls));
+  TRY(ghosts_plan_exchange(g, held));
+  TRY(ghosts_plan_exchange(w, held_walls));
 cleanup:
   memory_free(&g->wanted);
   memory_free(&w->wanted);
@@ -291,8 +292,8 @@ enum status engine_list_distributed(struct engine *engine, double range, double 
   struct cluster_box *rows = NULL;
   struct gathered fluid = {{0}, NULL, NULL}, walls = {{0}, NULL, NULL};
   size_t *start = NULL;
-  ghosts_drop_messages(g);
-  ghosts_drop_messages(w);
+  ghosts_free_buffers(g);
+  ghosts_free_buffers(w);
   TRY(memory_allocate(&start, (size_t)ranks_count() + 1, sizeof *start, "boxes of ranks"));
   TRY(cluster_boxes_wall(p, &wall_boxes));
   const struct cluster_box *own = engine->boxes.boxes + g->begin;
@@ -320,17 +321,18 @@ enum status engine_list_distributed(struct engine *engine, double range, double 
   size_t outer = blocks;
   for (size_t b = 0; b < blocks; b++) {
     const size_t first = begin + b * BLOCK, last = first + BLOCK < end ? first + BLOCK : end;
-    bool ghost = want(&fluid, &engine->fluid_fluid, first, last);
-    ghost = (want(&walls, &engine->fluid_wall, first, last) && engine->fields.wall_state) || ghost;
+    bool ghost = mark_ghosts(&fluid, &engine->fluid_fluid, first, last);
+    ghost = (mark_ghosts(&walls, &engine->fluid_wall, first, last) && engine->fields.wall_state) ||
+            ghost;
     ranks->blocks[ghost ? --outer : ranks->inner++] = (uint32_t)b;
   }
-  if (rows_of_walls) want(&fluid, &engine->wall_fluid, walls.set.begin, walls.set.end);
+  if (rows_of_walls) mark_ghosts(&fluid, &engine->wall_fluid, walls.set.begin, walls.set.end);
   TRY(count_work(engine, begin, end));
   TRY(take_places(engine, &fluid, &walls));
   engine_send(engine, SENT_ALL);
   engine_send(engine, SENT_WALL_ALL);
-  engine_settle(engine);
-  if (!engine->fields.wall_state) ghosts_drop_messages(w); /* it was the last */
+  engine_await_ghosts(engine);
+  if (!engine->fields.wall_state) ghosts_free_buffers(w); /* it was the last */
 cleanup:
   memory_free(&start);
   memory_free(&rows);

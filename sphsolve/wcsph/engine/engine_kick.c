@@ -12,7 +12,8 @@
 /* Slots of a block of the sums, whose order neither threads nor ranks change. */
 #define SUM_BLOCK 2048
 
-static void kick_block(struct engine *engine, size_t begin, size_t end, struct engine_given *sum) {
+static void kick_block(struct engine *engine, size_t begin, size_t end,
+                       struct engine_force_sum *sum) {
   struct particles *p = &engine->particles;
   const double dt = engine->settings.dt;
   for (size_t i = begin; i < end; i++) {
@@ -29,7 +30,7 @@ static void kick_block(struct engine *engine, size_t begin, size_t end, struct e
 
 enum status engine_kick(struct engine *engine, bool sums) {
   enum status status = STATUS_OK;
-  struct engine_given *block = NULL;
+  struct engine_force_sum *block = NULL;
   const size_t first = engine_first_slot(engine), last = engine_end_slot(engine);
   const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
   const size_t before = engine_number(engine, first) / SUM_BLOCK;
@@ -38,7 +39,7 @@ enum status engine_kick(struct engine *engine, bool sums) {
   TRY(memory_resize(&engine->acceleration, particles_slots(&engine->particles),
                     sizeof *engine->acceleration, "accelerations"));
   for (int k = 0; k < engine->settings.own_count; k++) {
-    struct engine_given *given = &engine->given[k];
+    struct engine_force_sum *own = &engine->own_sum[k];
     if (sums) {
       memory_free(&block);
       TRY(memory_allocate(&block, blocks, sizeof *block, "block sums"));
@@ -52,14 +53,14 @@ enum status engine_kick(struct engine *engine, bool sums) {
     }
     if (!sums) continue;
     TRY(engine_gather_blocks(engine, SUM_BLOCK, block, sizeof *block));
-    *given = (struct engine_given){{0}, 0};
+    *own = (struct engine_force_sum){{0}, 0};
     for (size_t b = 0; b < blocks; b++) {
-      for (int a = 0; a < 3; a++) given->impulse[a] += block[b].impulse[a];
-      given->work += block[b].work;
+      for (int a = 0; a < 3; a++) own->impulse[a] += block[b].impulse[a];
+      own->work += block[b].work;
     }
   }
   if (RANKS && engine_is_distributed(engine)) { /* the ghosts of others */
-    engine_settle(engine);
+    engine_await_ghosts(engine);
     engine_send(engine, SENT_MOTION);
   }
   engine->seconds[PHASE_FORCE] += clock_seconds() - start;

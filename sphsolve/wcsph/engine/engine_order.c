@@ -49,7 +49,7 @@ cleanup:
 }
 
 /* Collective: field by field, through the memory of the new velocity. */
-static enum status moves_do(struct particles *p, struct moves *m) {
+static enum status moves_apply(struct particles *p, struct moves *m) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), clusters = m->slots / CLUSTER;
   uint32_t *out = NULL, *in = NULL;
@@ -190,7 +190,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   TRY(memory_allocate(&m.source, m.slots + 1, sizeof *m.source, "particle order"));
   for (size_t s = 0; s < m.slots; s++) m.source[s] = s < total ? (uint32_t)merged[s] : NO_PARTICLE;
   memory_free(&merged);
-  TRY(moves_do(p, &m));
+  TRY(moves_apply(p, &m));
   *n = total;
 cleanup:
   moves_free(&m);
@@ -258,7 +258,7 @@ static void build_clusters(const struct ordered *o, size_t n, uint64_t *slot, si
 }
 
 /* Sends what lies beyond the partition to its owner, and puts all into their slots. */
-static enum status settle(const struct ordered *o, size_t n, const uint64_t *slot) {
+static enum status redistribute(const struct ordered *o, size_t n, const uint64_t *slot) {
   enum status status = STATUS_OK;
   struct particles *p = o->p;
   const struct ghosts *g = o->g;
@@ -287,7 +287,7 @@ static enum status settle(const struct ordered *o, size_t n, const uint64_t *slo
   for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = RECEIVED | (uint32_t)c;
   memory_free(&out);
   memory_free(&in);
-  TRY(moves_do(p, &m));
+  TRY(moves_apply(p, &m));
 cleanup:
   moves_free(&m);
   memory_free(&out);
@@ -306,7 +306,7 @@ enum status engine_order(struct engine *engine) {
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "particle order"));
   build_clusters(&fluid, n, slot, &clusters);
   TRY(engine_partition(engine, clusters));
-  TRY(settle(&fluid, n, slot));
+  TRY(redistribute(&fluid, n, slot));
   g->begin = 0, g->end = engine->particles.clusters;
 cleanup:
   memory_free(&slot);
@@ -345,7 +345,7 @@ enum status engine_order_walls(struct engine *engine, double range) {
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "wall order"));
   build_clusters(&walls, n, slot, &clusters);
   TRY(ghosts_partition(g, clusters, PARTITION_UNIT, NULL));
-  TRY(settle(&walls, n, slot));
+  TRY(redistribute(&walls, n, slot));
   g->begin = 0, g->end = w.clusters;
   TRY(particles_set_walls(l, range, &engine->fields, w.id, particles_slots(&w), p));
 cleanup:

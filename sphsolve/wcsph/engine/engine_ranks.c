@@ -24,7 +24,7 @@ cleanup:
   return status;
 }
 
-enum status engine_take(struct engine *engine) {
+enum status engine_adopt_partition(struct engine *engine) {
   enum status status = STATUS_OK;
   struct ghosts *g = &engine->ranks.fluid;
   const size_t ranks = (size_t)ranks_count();
@@ -104,7 +104,7 @@ void engine_send(struct engine *engine, enum engine_sent what) {
   }
 }
 
-void engine_settle(struct engine *engine) {
+void engine_await_ghosts(struct engine *engine) {
   if (!engine_is_distributed(engine)) return;
   ghosts_finish(&engine->ranks.fluid);
   ghosts_finish(&engine->ranks.walls);
@@ -127,13 +127,13 @@ void engine_run_distributed(struct engine *engine, pass_function *function, bool
   const struct engine_ranks *ranks = &engine->ranks;
   if (wall) {
     const struct ghosts *w = &ranks->walls;
-    engine_settle(engine);
+    engine_await_ghosts(engine);
     run_blocks(engine, function, NULL, (w->end - w->begin + BLOCK - 1) / BLOCK, w->begin, w->end);
     return;
   }
   const size_t begin = ranks->fluid.begin, end = ranks->fluid.end;
   run_blocks(engine, function, ranks->blocks, ranks->inner, begin, end);
-  engine_settle(engine);
+  engine_await_ghosts(engine);
   run_blocks(engine, function, ranks->blocks + ranks->inner, ranks->count - ranks->inner, begin,
              end);
 }

@@ -113,7 +113,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   const bool eulerian = s->wall == PASS_EULERIAN;
   double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
   if (eulerian) horizon = 0;
-  if (RANKS) engine_settle(engine);
+  if (RANKS) engine_await_ghosts(engine);
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
   TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, eulerian ? 0 : MARGIN * spacing,
@@ -259,7 +259,7 @@ static void prepare(struct engine *engine) {
   if (engine->settings.wall == PASS_FROZEN) {
     engine_clear_wall_sums(engine);
     run_pass(engine, table->density, false, PHASE_DENSITY);
-    engine_settle_wall_sums(engine);
+    engine_finish_wall_sums(engine);
     if (RANKS) engine_send(engine, SENT_DENSITY);
     if (RANKS) engine_send(engine, SENT_WALL);
   } else if (engine->settings.wall == PASS_ADAMI) {
@@ -328,7 +328,7 @@ cleanup:
   return status;
 }
 
-enum status engine_pull(struct engine *engine) {
+enum status engine_find_acceleration(struct engine *engine) {
   enum status status = STATUS_OK;
   const struct engine_settings *s = &engine->settings;
   /* As the next step would. */
@@ -379,11 +379,11 @@ enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   for (size_t b = 0; b < blocks; b++)
     for (size_t k = 0; k < count; k++) ((double *)total)[k] += ((const double *)&sums[b])[k];
   for (int k = 0; k < s->own_count; k++) { /* what there is before they act */
-    for (int a = 0; a < 3; a++) total->momentum[a] -= s->dt * engine->given[k].impulse[a];
-    total->kinetic -= s->dt * engine->given[k].work;
+    for (int a = 0; a < 3; a++) total->momentum[a] -= s->dt * engine->own_sum[k].impulse[a];
+    total->kinetic -= s->dt * engine->own_sum[k].work;
   }
   if (kept != NULL) keep_velocities(engine, kept, true);
-  if (RANKS && kept != NULL) engine_settle(engine);
+  if (RANKS && kept != NULL) engine_await_ghosts(engine);
   if (RANKS && kept != NULL) engine_send(engine, SENT_MOTION);
 cleanup:
   memory_free(&kept);

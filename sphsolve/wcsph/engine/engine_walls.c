@@ -131,7 +131,7 @@ void engine_clear_wall_sums(struct engine *engine) {
   if (end > begin) memset(sums + begin * CLUSTER, 0, (end - begin) * CLUSTER * sizeof *sums);
 }
 
-void engine_settle_wall_sums(struct engine *engine) {
+void engine_finish_wall_sums(struct engine *engine) {
   const double start = clock_seconds();
   const struct ghosts *walls = &engine->ranks.walls;
   const struct particles *p = &engine->particles;

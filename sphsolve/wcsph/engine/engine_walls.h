@@ -15,6 +15,6 @@ void engine_update_distance(struct engine *engine);
 /* Frozen walls, density of their fluid: before rows are summed, and after (of this rank's walls).
  */
 void engine_clear_wall_sums(struct engine *engine);
-void engine_settle_wall_sums(struct engine *engine);
+void engine_finish_wall_sums(struct engine *engine);
 
 #endif

@@ -68,7 +68,7 @@ const struct pair_table TABLE_NAME(KERNEL_NAME, SIMD_ISA) = {
               TABLE_FORCE(OPEN),
               TABLE_FORCE(ADAMI),
               TABLE_FORCE(SUBVOXEL),
-              {{eulerian_pull, eulerian_pull}, {eulerian_flow, eulerian_flow}}},
+              {{eulerian_acceleration, eulerian_acceleration}, {eulerian_force, eulerian_force}}},
     .continuity = {TABLE_CONTINUITY(0), TABLE_CONTINUITY(1)},
     .continuity_exact = TABLE_CONTINUITY(exact),
     .eulerian_walls = eulerian_walls,

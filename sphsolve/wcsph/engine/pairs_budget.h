@@ -75,13 +75,13 @@ static void budget_row(const struct pass *pass, size_t i, const struct row_force
   struct site_terms terms = walls->terms;
   const double state = (double)p->state[i], kept = eulerian ? terms.kept : 1 - walls->near.beta;
   double drag = 2 * pass->kinematic_viscosity * pass->l_scale, stiff = 0;
-  double pull[3] = {fluid->pressure[0], fluid->pressure[1], fluid->pressure[2]};
+  double pressure[3] = {fluid->pressure[0], fluid->pressure[1], fluid->pressure[2]};
   if (pass->wall == PASS_FROZEN) drag *= state;
   if (subvoxel) stiff = drag / kept * (eulerian ? terms.weight : walls->near.weight);
-  if (eulerian) times(terms.correction, pull);
+  if (eulerian) times(terms.correction, pressure);
   for (int a = 0; a < 3; a++) {
     const double v = (double)p->v[a][i], viscous = drag * fluid->velocity[a];
-    const double pressed = gradient * square * (pull[a] + walls->pairs.pressure[a]);
+    const double pressed = gradient * square * (pressure[a] + walls->pairs.pressure[a]);
     const double shifted = gradient * (moved->velocity[a] + walls->moved.velocity[a]);
     double friction = drag * walls->pairs.velocity[a];
     if (subvoxel) friction = drag / kept * (fluid->velocity[a] + walls->near.drag[a]) - viscous;
@@ -103,7 +103,7 @@ static void budget_row(const struct pass *pass, size_t i, const struct row_force
     double wall = walls->pairs.pressure[a];
     if (pass->wall == PASS_ADAMI) wall -= 2 * state * walls->moved.concentration[a];
     if (subvoxel) wall = -2 * state * walls->near.offsets[a];
-    if (eulerian) wall = pull[a] - fluid->pressure[a] + 2 * state * moved->concentration[a];
+    if (eulerian) wall = pressure[a] - fluid->pressure[a] + 2 * state * moved->concentration[a];
     sum->wall_pressure[a] += gradient * square * wall;
   }
   sum->elastic += square * elastic(pass, state);

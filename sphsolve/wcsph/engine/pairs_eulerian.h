@@ -93,18 +93,18 @@ SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *loca
       struct site_terms terms;
       struct row_force row;
       float carry[3] = {0};
-      double pull[3], more[3];
+      double pressed[3], more[3];
       site_terms_load(p, i, &terms);
       const double drag = 2 * pass->kinematic_viscosity * pass->l_scale / terms.kept;
       for (int a = 0; a < 3; a++) carry[a] = (float)(-gradient / drag * (double)p->v[a][i]);
       row_force_fluid(pass, local, n, at, i, carry, false, flow, flow, false, &row);
       for (int a = 0; a < 3; a++) {
-        pull[a] = gradient * square * row.pressure[a];
-        more[a] = -pass->stabilisation * pull[a];
+        pressed[a] = gradient * square * row.pressure[a];
+        more[a] = -pass->stabilisation * pressed[a];
       }
-      times(terms.correction, pull);
+      times(terms.correction, pressed);
       for (int a = 0; a < 3; a++) {
-        double change = momentum_change(pass, a, pull[a]), stiff = 0;
+        double change = momentum_change(pass, a, pressed[a]), stiff = 0;
         if (flow) {
           change += drag * row.velocity[a];
           stiff = pass->dt * drag * terms.weight;
@@ -121,10 +121,11 @@ SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *loca
     }
   }
 }
-static void eulerian_pull(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+static void eulerian_acceleration(const struct pass *pass, struct local *local, size_t begin,
+                                  size_t end) {
   eulerian_force_rows(pass, local, begin, end, false);
 }
-static void eulerian_flow(const struct pass *pass, struct local *local, size_t begin, size_t end) {
+static void eulerian_force(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   eulerian_force_rows(pass, local, begin, end, true);
 }
 

@@ -1,4 +1,4 @@
-#include "sphsolve/scene/scene_settled.h"
+#include "sphsolve/scene/scene_compare.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -88,7 +88,7 @@ static void put_all(FILE *stream, const struct scene *s) {
           (int)s->shifting);
 }
 
-enum status scene_settled(const struct scene *scene, char **text) {
+enum status scene_describe(const struct scene *scene, char **text) {
   size_t size = 0;
   FILE *stream = open_memstream(text, &size);
   if (stream == NULL) return FAIL(STATUS_RUN, "out of memory for the scene's settings");
@@ -137,7 +137,7 @@ static enum status compare_line(const char *line, const char *other, const char 
       path, name, line, then_length, then, now_length, now);
 }
 
-enum status scene_settled_compare(const char *then, const char *now, const char *path) {
+enum status scene_compare(const char *then, const char *now, const char *path) {
   enum status status = STATUS_OK;
   for (const char *at = now; *at; at += strcspn(at, "\n"), at += *at == '\n')
     TRY(compare_line(at, then, path, false));

@@ -1,4 +1,4 @@
-#include "sphsolve/isph/pace.h"
+#include "sphsolve/isph/speed_forecast.h"
 
 #include <math.h>
 
@@ -161,7 +161,8 @@ static bool mark(const struct effect_context *context, uint8_t *reached) {
  * for nine others the number of steps was right within a factor 2. Also the height of its surface,
  * m. */
 static void level_out(const struct effect_context *context, const uint8_t *reached, int axis,
-                      double *water, double *room, struct isph_pace *pace, double *surface) {
+                      double *water, double *room, struct isph_speed_forecast *speeds,
+                      double *surface) {
   const struct lattice *l = context->lattice;
   const size_t n = l->size[axis];
   const bool up = context->scene->driving[axis] > 0; /* the force points to higher numbers */
@@ -189,17 +190,18 @@ static void level_out(const struct effect_context *context, const uint8_t *reach
   if (bottom >= top) return;
   const double drop = fmax(0, energy / all) * l->spacing[axis];
   const double fall = (double)(top - bottom) * l->spacing[axis], f = context->driving;
-  pace->speed = fmax(pace->speed, 0.75 * fmin(2 * sqrt(2 * f * drop), sqrt(2 * f * fall)));
-  pace->lasts = 5 * sqrt(2 * fall / f);
+  speeds->speed = fmax(speeds->speed, 0.75 * fmin(2 * sqrt(2 * f * drop), sqrt(2 * f * fall)));
+  speeds->lasts = 5 * sqrt(2 * fall / f);
 }
 
-enum status isph_pace_predict(const struct effect_context *context, struct isph_pace *pace) {
+enum status isph_speed_predict(const struct effect_context *context,
+                               struct isph_speed_forecast *speeds) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   const int axis = axis_of_force(scene);
   double *water = NULL, *room = NULL, surface = NAN, steady = given_speed(scene);
   uint8_t *reached = NULL;
-  *pace = (struct isph_pace){.lasts = INFINITY};
+  *speeds = (struct isph_speed_forecast){.lasts = INFINITY};
   if (context->driving > 0 && scene->periodic[axis])
     steady = fmax(steady, round_speed(context, axis));
   if (context->has_surface && context->driving > 0 && !scene->periodic[axis]) {
@@ -209,7 +211,7 @@ enum status isph_pace_predict(const struct effect_context *context, struct isph_
     TRY(memory_allocate(&room, n, sizeof *room, "the forecast"));
     const bool dry = mark(context, reached);
     flood(context, reached);
-    level_out(context, reached, axis, water, room, pace, &surface);
+    level_out(context, reached, axis, water, room, speeds, &surface);
     for (size_t k = 0; k < scene->region_count && dry; k++) {
       struct layers own = {0, 0, 1};
       if (scene->regions[k].type != REGION_POROUS) continue;
@@ -218,8 +220,8 @@ enum status isph_pace_predict(const struct effect_context *context, struct isph_
     }
   }
   if (context->has_inflow) steady = fmax(steady, head_speed(context, surface));
-  pace->speed = fmax(pace->speed, steady);
-  pace->speed_after = fmax(steady, 0.25 * pace->speed);
+  speeds->speed = fmax(speeds->speed, steady);
+  speeds->speed_after = fmax(steady, 0.25 * speeds->speed);
 cleanup:
   memory_free(&reached);
   memory_free(&water);

@@ -1,17 +1,18 @@
 /* How fast the water of a scene will move, for the forecast of its time steps. */
-#ifndef TOSUI_SPHSOLVE_ISPH_PACE_H
-#define TOSUI_SPHSOLVE_ISPH_PACE_H
+#ifndef TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
+#define TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
 
 #include "common/error.h"
 #include "sphsolve/plan/plan.h"
 
-struct isph_pace {
+struct isph_speed_forecast {
   double speed;       /* m/s, of the fastest water, while what drives it lasts */
   double lasts;       /* s; INFINITY: to the end */
   double speed_after; /* m/s */
 };
 
 /* From the lattice and the regions alone, before a run; fails for want of memory. */
-enum status isph_pace_predict(const struct effect_context *context, struct isph_pace *pace);
+enum status isph_speed_predict(const struct effect_context *context,
+                               struct isph_speed_forecast *speeds);
 
 #endif
