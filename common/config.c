@@ -115,23 +115,11 @@ static config_setting_t *walk_path(config_setting_t *root, const char *path, cha
   return NULL;
 }
 
-static enum status copy_setting(config_setting_t *parent, const char *name,
-                                const config_setting_t *from);
-
-static enum status copy_children(config_setting_t *to, const config_setting_t *from) {
-  for (int i = 0; i < config_setting_length(from); i++) {
-    const config_setting_t *item = config_setting_get_elem(from, (unsigned)i);
-    enum status status = copy_setting(to, config_setting_name(item), item);
-    if (status != STATUS_OK) return status;
-  }
-  return STATUS_OK;
-}
-
-static enum status copy_setting(config_setting_t *parent, const char *name,
-                                const config_setting_t *from) {
+/* With all it holds; false: `parent` takes no setting of this name. */
+static bool copy_setting(config_setting_t *parent, const char *name, const config_setting_t *from) {
   int type = config_setting_type(from);
   config_setting_t *to = config_setting_add(parent, name, type);
-  if (to == NULL) return FAIL(STATUS_USAGE, "cannot be set");
+  if (to == NULL) return false;
   switch (type) {
   case CONFIG_TYPE_INT:
     config_setting_set_int(to, config_setting_get_int(from));
@@ -149,9 +137,12 @@ static enum status copy_setting(config_setting_t *parent, const char *name,
     config_setting_set_bool(to, config_setting_get_bool(from));
     break;
   default:
-    return copy_children(to, from);
+    for (int i = 0; i < config_setting_length(from); i++) {
+      const config_setting_t *item = config_setting_get_elem(from, (unsigned)i);
+      if (!copy_setting(to, config_setting_name(item), item)) return false;
+    }
   }
-  return STATUS_OK;
+  return true;
 }
 
 /* "path=value": value as libconfig reads it ("0.4", "true", "[1, 2]"), else as a string. */
@@ -182,7 +173,7 @@ static enum status apply_override(struct config *config, const char *text) {
     TRY_FAIL(STATUS_USAGE, "--set %s: there is no such place in %s", text, config->path);
   if (config_setting_is_group(group) == CONFIG_TRUE) {
     config_setting_remove(group, name);
-    if (copy_setting(group, name, value) != STATUS_OK)
+    if (!copy_setting(group, name, value))
       TRY_FAIL(STATUS_USAGE, "--set %s: '%s' cannot be set in %s", text, name, config->path);
   } else {
     TRY_FAIL(STATUS_USAGE, "--set %s: '%s' is no group of %s", text, path, config->path);
@@ -190,7 +181,7 @@ static enum status apply_override(struct config *config, const char *text) {
 cleanup:
   memory_free(&source);
   config_destroy(&parsed);
-  return status == STATUS_OK ? STATUS_OK : STATUS_USAGE;
+  return status;
 }
 
 enum status config_open(const char *path, const char *const *overrides, size_t n,
@@ -467,8 +458,9 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
       if (!known && !(misspelt_only && near == NULL)) {
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
-          size_t used = strlen(list);
-          if (!strstr(list, names[k]))
+          size_t used = strlen(list), earlier = 0;
+          while (strcmp(names[earlier], names[k]) != 0) earlier++; /* a key may be read twice */
+          if (earlier == k)
             snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
         }
         return config_error(config, child, "unknown key%s%s%s%s%s", near ? "; did you mean '" : "",

@@ -27,12 +27,13 @@ static enum status read_own_rows(struct h5_file *file, const char *name, enum h5
                                  char **data) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
-  size_t share[H5S_MAX_RANK], all, row = h5_type_size(type);
+  size_t shape[H5S_MAX_RANK], share[H5S_MAX_RANK], all, row = h5_type_size(type);
   int found;
-  TRY(h5_shape(file, name, H5S_MAX_RANK, &found, dims));
+  TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
   if (found != rank)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, %d are wanted", file->path, name, found,
              rank);
+  memcpy(dims, shape, (size_t)rank * sizeof *dims);
   for (size_t r = 0; r <= ranks; r++) start[r] = dims[0] / ranks * r + dims[0] % ranks * r / ranks;
   share[0] = start[own + 1] - start[own];
   TRY(h5_read_rows(file, name, type, rank, dims[0], start[own], share, data));

@@ -112,12 +112,16 @@ enum status memory_copy_text(const char *text, size_t length, char **copy) {
 #ifdef TOSUI_MPI
 enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
                                    const char *what) {
-  const size_t bytes = count * size;
-  if (used >= count) return memory_allocate(pointer, count, size, what);
+  size_t bytes, with_header, held;
   bool over_limit;
-  size_t held;
+  char *data = NULL;
+  memcpy(pointer, &data, sizeof data);
+  /* A size that cannot be addressed is told there too. */
+  if (used >= count || !size_multiply(count, size, &bytes) ||
+      __builtin_add_overflow(bytes, (size_t)(2 * HEADER), &with_header))
+    return memory_allocate(pointer, count, size, what);
   const bool booked = reserve(used * size, &over_limit, &held);
-  char *start = booked ? calloc(bytes + 2 * HEADER, 1) : NULL, *data = NULL;
+  char *start = booked ? calloc(with_header, 1) : NULL;
   if (start == NULL) {
     if (booked) release(used * size);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what,

@@ -244,6 +244,42 @@ static bool is_number_or_pairs(const char *word) {
   return digits > 0 && (word[digits] == '\0' || word[digits] == '=');
 }
 
+/* The program's options and the common ones, and as getopt_long wants them. */
+static enum status list_entries(struct options *options, struct option longs[ENTRY_MAX + 1],
+                                char shorts[2 * ENTRY_MAX + 3]) {
+  const size_t common = sizeof common_entries / sizeof *common_entries;
+  size_t own = 0, used = strlen(shorts);
+  while (options->table->entries[own].name != NULL) own++;
+  if (own + common > ENTRY_MAX)
+    return FAIL(STATUS_RUN, "%s has over %zu options: enlarge ENTRY_MAX", options->table->program,
+                ENTRY_MAX - common);
+  options->entry_count = own + common;
+  for (size_t i = 0; i < options->entry_count; i++) {
+    const struct option_entry *e = &options->entries[i];
+    options->entries[i] = i < own ? options->table->entries[i] : common_entries[i - own];
+    const int argument = e->metavar == NULL     ? no_argument
+                         : e->metavar[0] == '[' ? optional_argument
+                                                : required_argument;
+    longs[i] = (struct option){e->name, argument, NULL, 256 + (int)i};
+    if (e->letter) used += (size_t)sprintf(shorts + used, "%c%s", e->letter, e->metavar ? ":" : "");
+  }
+  return STATUS_OK;
+}
+
+static enum status check_operands(const struct options *options) {
+  const struct option_command *command = options->command;
+  const char *program = options->table->program;
+  const size_t n = options->operand_count;
+  if (n < (size_t)command->operands_min)
+    return FAIL(STATUS_USAGE, "%s: too few arguments; usage: %s %s %s", command->name, program,
+                command->name, command->synopsis);
+  if (command->operands_max >= 0 && n > (size_t)command->operands_max)
+    return FAIL(STATUS_USAGE, "%s: '%s' is one argument too many; usage: %s %s %s", command->name,
+                options->operands[command->operands_max], program, command->name,
+                command->synopsis);
+  return STATUS_OK;
+}
+
 enum status options_parse(const struct option_table *table, int argc, char **argv,
                           struct options **result, bool *done) {
   enum status status = STATUS_OK;
@@ -256,21 +292,7 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
   TRY(memory_allocate(&options, 1, sizeof *options, "options"));
   *result = options;
   options->table = table;
-  for (const struct option_entry *e = table->entries; e->name; e++)
-    options->entries[options->entry_count++] = *e;
-  for (size_t i = 0; i < sizeof common_entries / sizeof *common_entries; i++)
-    options->entries[options->entry_count++] = common_entries[i];
-  for (size_t i = 0; i < options->entry_count; i++) {
-    const struct option_entry *e = &options->entries[i];
-    const int argument = e->metavar == NULL     ? no_argument
-                         : e->metavar[0] == '[' ? optional_argument
-                                                : required_argument;
-    longs[i] = (struct option){e->name, argument, NULL, 256 + (int)i};
-    if (e->letter) {
-      size_t used = strlen(shorts);
-      snprintf(shorts + used, sizeof shorts - used, "%c%s", e->letter, e->metavar ? ":" : "");
-    }
-  }
+  TRY(list_entries(options, longs, shorts));
   TRY(join_command_line(options, argc, argv));
 
   /* The command is the first word that is no option. */
@@ -324,20 +346,11 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
           options_given(options, "man");
   if (*done) return STATUS_OK;
   if (options->command == NULL) {
-    if (argc < 2) {
-      print_help(options);
-    }
+    if (argc < 2) print_help(options);
     TRY(refuse_command(table, NULL));
   }
   TRY(apply_common(options));
-  size_t n = options->operand_count;
-  if (n < (size_t)options->command->operands_min)
-    TRY_FAIL(STATUS_USAGE, "%s: too few arguments; usage: %s %s %s", options->command->name,
-             table->program, options->command->name, options->command->synopsis);
-  if (options->command->operands_max >= 0 && n > (size_t)options->command->operands_max)
-    TRY_FAIL(STATUS_USAGE, "%s: '%s' is one argument too many; usage: %s %s %s",
-             options->command->name, options->operands[options->command->operands_max],
-             table->program, options->command->name, options->command->synopsis);
+  TRY(check_operands(options));
 cleanup:
   return status;
 }

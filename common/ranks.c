@@ -23,7 +23,8 @@ int ranks_end(enum status status) {
 #include <sys/resource.h>
 #include <unistd.h>
 
-#define PATIENCE 2.0 /* s that ranks which failed wait for the others to fail too */
+#define PIECE ((size_t)1 << 30) /* bytes of a message at most: MPI counts them in an int */
+#define PATIENCE 2.0            /* s that ranks which failed wait for the others to fail too */
 
 static int own, count = 1;
 static struct ranks_traffic traffic;
@@ -150,11 +151,11 @@ size_t ranks_offset(size_t mine, size_t *total) {
 void ranks_gather(void *data, const size_t *start, size_t size) {
   if (count == 1) return;
   wait_begin();
-  /* One after another, in pieces that an int can count. */
+  /* One after another. */
   for (int r = 0; r < count; r++) {
     char *from = (char *)data + start[r] * size;
     for (size_t left = (start[r + 1] - start[r]) * size; left > 0;) {
-      const int piece = left < INT_MAX / 2 ? (int)left : INT_MAX / 2;
+      const int piece = (int)(left < PIECE ? left : PIECE);
       MPI_Bcast(from, piece, MPI_BYTE, r, MPI_COMM_WORLD);
       if (r != own) traffic.gathered_bytes += (uint64_t)piece;
       from += piece;
@@ -223,14 +224,27 @@ static MPI_Request *next_pending(void) {
   return &pending[pending_count++];
 }
 
+/* Messages between two ranks keep their order, so that pieces arrive where they belong. */
 void ranks_send(const void *from, size_t bytes, int rank, int tag) {
-  MPI_Isend(from, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
+  const char *next = from;
   traffic.messages++;
   traffic.bytes += bytes;
+  do {
+    const size_t piece = bytes < PIECE ? bytes : PIECE;
+    MPI_Isend(next, (int)piece, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
+    next += piece;
+    bytes -= piece;
+  } while (bytes > 0);
 }
 
 void ranks_receive(void *to, size_t bytes, int rank, int tag) {
-  MPI_Irecv(to, (int)bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
+  char *next = to;
+  do {
+    const size_t piece = bytes < PIECE ? bytes : PIECE;
+    MPI_Irecv(next, (int)piece, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
+    next += piece;
+    bytes -= piece;
+  } while (bytes > 0);
 }
 
 void ranks_wait(void) {

@@ -41,8 +41,8 @@ enum status ranks_agree(enum status status);
 size_t ranks_offset(size_t own, size_t *total);
 /* Collective: rank r has items [start[r], start[r + 1]) of `size` bytes; then all have all. */
 void ranks_gather(void *data, const size_t *start, size_t size);
-/* Puts a message of its own under way, and takes one into `to`; both stay untouched until
- * ranks_wait. Messages between two ranks arrive in the order they were posted for a `tag`. */
+/* Puts a message under way, and takes one of just as many bytes into `to`; both stay untouched
+ * until ranks_wait. Messages between two ranks arrive in the order they were posted for a `tag`. */
 void ranks_send(const void *from, size_t bytes, int rank, int tag);
 void ranks_receive(void *to, size_t bytes, int rank, int tag);
 void ranks_wait(void);

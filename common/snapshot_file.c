@@ -7,17 +7,14 @@
 #include "common/output_file.h"
 #include "common/ranks.h"
 
-static size_t type_size(enum h5_type type) {
-  return type == H5_F64 || type == H5_U64 || type == H5_I64 ? 8 : type == H5_U8 ? 1 : 4;
-}
-
 static enum status write_field(struct h5_file *file, const char *name, size_t count,
                                const struct snapshot_field *field) {
   enum status status = STATUS_OK;
   void *made = NULL;
   size_t dims[2] = {count, (size_t)field->components};
   if (field->data == NULL && field->fill != NULL) {
-    TRY(memory_allocate(&made, count * dims[1], type_size(field->type), "a field of a snapshot"));
+    TRY(memory_allocate(&made, count * dims[1], h5_type_size(field->type),
+                        "a field of a snapshot"));
     TRY(field->fill(field->context, made));
   }
   const void *data = field->data != NULL ? field->data : made;
@@ -93,18 +90,34 @@ cleanup:
   return status;
 }
 
+/* As a JSON string, its end; `to` has room for six bytes to each of `text`. */
+static char *quote(char *to, const char *text) {
+  *to++ = '"';
+  for (; *text != '\0'; text++) {
+    if ((unsigned char)*text < ' ') {
+      to += sprintf(to, "\\u%04x", (unsigned)*text);
+      continue;
+    }
+    if (*text == '"' || *text == '\\') *to++ = '\\';
+    *to++ = *text;
+  }
+  *to++ = '"';
+  return to;
+}
+
 enum status series_write(const char *path, size_t count, char *const *names, const double *times) {
   enum status status = STATUS_OK;
-  char *text = NULL;
-  size_t size = 160, used;
-  for (size_t i = 0; i < count; i++) size += strlen(names[i]) + 80;
+  char *text = NULL, *end;
+  size_t size = 160;
+  for (size_t i = 0; i < count; i++) size += 6 * strlen(names[i]) + 80;
   TRY(memory_allocate(&text, size, 1, "the list of snapshots"));
-  used = (size_t)sprintf(text, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");
-  for (size_t i = 0; i < count; i++)
-    used += (size_t)sprintf(text + used, "    { \"name\" : \"%s\", \"time\" : %.17g }%s\n",
-                            names[i], times[i], i + 1 < count ? "," : "");
-  used += (size_t)sprintf(text + used, "  ]\n}\n");
-  if (ranks_own() == 0) TRY(output_write(path, text, used));
+  end = text + sprintf(text, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");
+  for (size_t i = 0; i < count; i++) {
+    end = quote(end + sprintf(end, "    { \"name\" : "), names[i]);
+    end += sprintf(end, ", \"time\" : %.17g }%s\n", times[i], i + 1 < count ? "," : "");
+  }
+  end += sprintf(end, "  ]\n}\n");
+  if (ranks_own() == 0) TRY(output_write(path, text, (size_t)(end - text)));
 cleanup:
   memory_free(&text);
   return status;

@@ -107,6 +107,16 @@ END
   /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf ended.hdf
 }
 
+@test "a dataset of more dimensions than are wanted is refused on 2 ranks" {
+  /usr/bin/python3 -c 'import h5py, numpy as np
+with h5py.File("deep.hdf", "w") as f:
+    f.create_dataset("/model/solid", data=np.zeros((2,) * 16, "u1"))
+    f["model"].attrs["spacing"] = [1e-5] * 3'
+  run on 2 sphsolve-mpi run s06.cfg --set model.file=deep.hdf --set scene.method=stokes -o deep
+  [ "$status" -eq 3 ]
+  [ "$(grep -c 'has 16 dimensions' <<< "$output")" -eq 1 ]
+}
+
 @test "an error is said once, and ends all ranks" {
   run on 3 sphsolve-mpi run nowhere.cfg -o none
   [ "$status" -eq 3 ]

@@ -280,6 +280,21 @@ static size_t read_bytes(const char *name, char **bytes) {
   fclose(file);
   return size;
 }
+static void test_series(void **state) {
+  (void)state;
+  char *names[] = {"a \"b\"\\\n-0000.hdf", "c-0001.hdf"}, *text;
+  const double times[] = {0, 0.5};
+  assert_int_equal(series_write(path, 2, names, times), STATUS_OK);
+  const size_t size = read_bytes(path, &text);
+  static const char wanted[] =
+      "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n"
+      "    { \"name\" : \"a \\\"b\\\"\\\\\\u000a-0000.hdf\", \"time\" : 0 },\n"
+      "    { \"name\" : \"c-0001.hdf\", \"time\" : 0.5 }\n  ]\n}\n";
+  assert_int_equal(size, sizeof wanted - 1);
+  assert_memory_equal(text, wanted, size);
+  free(text);
+}
+
 static void write_bytes(const char *name, const char *bytes, size_t size) {
   FILE *file = fopen(name, "wb");
   assert_int_equal(fwrite(bytes, 1, size, file), size);
@@ -364,13 +379,11 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_trip),
-                                     cmocka_unit_test(test_chunks),
-                                     cmocka_unit_test(test_foreign),
-                                     cmocka_unit_test(test_not_hdf5),
-                                     cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_damaged_checkpoints),
-                                     cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_chunks),
+      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
+      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
+      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
+      cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
