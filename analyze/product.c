@@ -171,14 +171,3 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   write_percent(stream, share);
   fputc(')', stream);
 }
-
-json_t *json_text(const char *text) {
-  json_t *value = json_string(text);
-  if (value != NULL) return value;
-  char ascii[256]; /* not UTF-8: what is readable of it */
-  size_t n = 0;
-  for (; n + 1 < sizeof ascii && text[n] != '\0'; n++)
-    ascii[n] = (unsigned char)text[n] < 0x80 ? text[n] : '?';
-  ascii[n] = '\0';
-  return json_string(ascii);
-}

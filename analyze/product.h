@@ -44,7 +44,4 @@ void write_value_with_error(FILE *stream, double value, double error, const char
 /* 0.0012 as "0.12 %", 6.8 as "680 %": never with an exponent. */
 void write_percent(FILE *stream, double share);
 
-/* A JSON string, with bytes that are no UTF-8 replaced. */
-json_t *json_text(const char *text);
-
 #endif

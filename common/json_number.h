@@ -1,4 +1,5 @@
-/* Numbers in JSON, which has no NaN and no infinity: what is not known is null. */
+/* Numbers and texts in JSON, which has no NaN, no infinity and no bytes but UTF-8. jansson gives no
+ * value at all for those, and json_pack then none for the whole object. */
 #ifndef TOSUI_COMMON_JSON_NUMBER_H
 #define TOSUI_COMMON_JSON_NUMBER_H
 
@@ -6,6 +7,7 @@
 #include <math.h>
 #include <stddef.h>
 
+/* What is not known is null. */
 static inline json_t *json_number(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
@@ -18,6 +20,23 @@ static inline json_t *json_numbers(const double *values, size_t n) {
 
 static inline void json_put_number(json_t *object, const char *key, double value) {
   json_object_set_new(object, key, json_number(value));
+}
+
+/* Of a text that is not UTF-8 what is readable, at most 255 bytes. */
+static inline json_t *json_text(const char *text) {
+  json_t *value = json_string(text);
+  if (value != NULL) return value;
+  char ascii[256];
+  size_t n = 0;
+  for (; n + 1 < sizeof ascii && text[n] != '\0'; n++)
+    ascii[n] = (unsigned char)text[n] < 0x80 ? text[n] : '?';
+  return json_stringn(ascii, n);
+}
+
+/* The number of that name in an object; NAN: there is none. */
+static inline double json_number_or_nan(const json_t *object, const char *key) {
+  const json_t *value = json_object_get(object, key);
+  return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
 #endif

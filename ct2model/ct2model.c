@@ -6,11 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/threads.h"
+#include "common/json_number.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
+#include "common/threads.h"
 #include "ct2model/describe.h"
 #include "ct2model/model/export_profile.h"
 #include "ct2model/model/export_tiff.h"
@@ -136,16 +137,15 @@ static enum status run_export(const struct options *options) {
   TRY(profile ? export_profile(output, &model) : export_tiff(output, &model));
   const size_t *n = model.size;
   if (options_json(options)) {
-    json_t *said = json_pack("{s:s, s:[I,I,I]}", "output", output, "size", (json_int_t)n[0],
-                             (json_int_t)n[1], (json_int_t)n[2]);
-    json_dumpf(said, stdout, JSON_INDENT(1));
-    json_decref(said);
+    json_t *json = json_pack("{s:o, s:[I,I,I]}", "output", json_text(output), "size",
+                             (json_int_t)n[0], (json_int_t)n[1], (json_int_t)n[2]);
+    json_dumpf(json, stdout, JSON_INDENT(1));
+    json_decref(json);
     putchar('\n');
-  } else if (profile) {
-    if (log_level() > LOG_QUIET)
-      printf("%s: porosity and pore width of %zu, %zu and %zu layers along x, y and z\n", output,
-             n[0], n[1], n[2]);
-  } else {
+  } else if (log_level() > LOG_QUIET && profile) {
+    printf("%s: porosity and pore width of %zu, %zu and %zu layers along x, y and z\n", output,
+           n[0], n[1], n[2]);
+  } else if (log_level() > LOG_QUIET) {
     printf("%s: %zux%zux%zu, 8 bits, 255 grain, 0 pore\n", output, n[0], n[1], n[2]);
   }
 cleanup:

@@ -74,6 +74,7 @@ static enum status describe_model(const char *path, json_t *out) {
   TRY(h5_shape(file, "/model/solid", 3, &rank, dims));
   if (rank != 3) TRY_FAIL(STATUS_INPUT, "%s: /model/solid has %d dimensions, not 3", path, rank);
   TRY(h5_read_attribute(file, "/model", "spacing", H5_F64, 3, spacing));
+  const double voxel[3] = {spacing[2], spacing[1], spacing[0]}; /* along x, y, z */
   bool walls = h5_exists(file, "/model/wall_distance");
   bool fraction = h5_exists(file, "/model/grain_fraction");
   bool micro = h5_exists(file, "/model/micro_porosity");
@@ -82,13 +83,13 @@ static enum status describe_model(const char *path, json_t *out) {
     json_object_set_new(
         out, "size",
         json_pack("[I,I,I]", (json_int_t)dims[2], (json_int_t)dims[1], (json_int_t)dims[0]));
-    json_object_set_new(out, "spacing_m", json_pack("[f,f,f]", spacing[2], spacing[1], spacing[0]));
+    json_object_set_new(out, "spacing_m", json_numbers(voxel, 3));
     json_object_set_new(out, "wall_distance", json_boolean(walls));
     json_object_set_new(out, "grain_fraction", json_boolean(fraction));
     json_object_set_new(out, "micro_pores", json_boolean(micro));
   } else {
     char text[40];
-    quantity_format(spacing[2], "m", text, sizeof text);
+    quantity_format(voxel[0], "m", text, sizeof text);
     printf("%s: voxel model, %zux%zux%zu voxels of %s%s%s%s\n", path, dims[2], dims[1], dims[0],
            text, walls ? ", wall distances" : "", fraction ? ", grain fractions" : "",
            micro ? ", soil with pores below the voxel" : "");
@@ -172,12 +173,12 @@ enum status describe_files(const struct options *options, const struct request *
       paths[images++] = path;
       continue;
     }
-    json_t *out = list != NULL ? json_pack("{s:s}", "path", path) : NULL;
+    json_t *out = list != NULL ? json_pack("{s:o}", "path", json_text(path)) : NULL;
     if (list != NULL) json_array_append_new(list, out);
     TRY(describe_model(path, out));
   }
   if (images > 0) { /* all images together are one stack */
-    json_t *out = list != NULL ? json_pack("{s:s}", "path", paths[0]) : NULL;
+    json_t *out = list != NULL ? json_pack("{s:o}", "path", json_text(paths[0])) : NULL;
     if (list != NULL) json_array_append_new(list, out);
     TRY(describe_stack(paths, images, request, out));
   }

@@ -118,7 +118,8 @@ static uint64_t count_work(const struct voxel_model *model, float *widest) {
   for (size_t z = 0; z < model->size[2]; z++) {
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
       if (model->solid[i] != 0) continue;
-      const float ball = ball_of(model, i), radius = fminf(0.5f * (ball - MISSED), 1e4f);
+      const float ball = ball_of(model, i);
+      const float radius = fmaxf(0.0f, fminf(0.5f * (ball - MISSED), 1e4f));
       work += 1 + (uint64_t)(4.2f * radius * radius * radius);
       most = ball > most ? ball : most;
     }

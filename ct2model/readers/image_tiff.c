@@ -188,8 +188,9 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
       !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
   unsigned long long images = strtoull(text, NULL, 10);
-  uint64_t page = (uint64_t)layout->width * layout->height * pixel_size(image->type);
-  if (text[0] == '-' || images < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
+  size_t page;
+  if (!size_multiply((size_t)layout->width * layout->height, pixel_size(image->type), &page) ||
+      text[0] == '-' || images < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
     return false;
   if (offsets[0] == 0 || offsets[0] > bytes) return false;
   image->pages = (size_t)images;

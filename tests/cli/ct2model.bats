@@ -345,6 +345,8 @@ P
   [ "$status" -eq 0 ]
   [[ "$output" == *"24x24x39"* ]]
   [ ! -e exported.tif.part ]
+  run_ct export exported.hdf -o exported.tif --quiet
+  [ "$status" -eq 0 ] && [ -z "$output" ]
   run_ct build exported.tif --threshold 128 --filter none --mirror none -o again.hdf
   [ "$status" -eq 0 ]
   /usr/bin/python3 - << 'END'

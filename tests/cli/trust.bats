@@ -149,6 +149,10 @@ END
   refused 3 "no?such?[31m.cfg" sphsolve explain $'no\nsuch\e[31m.cfg'
   refused 2 "--size 1x?1" ct2model build m.hdf --void-ratio 0.7 --size $'1x\n1'
   refused 3 "unknown unit '2'" sphsolve explain flow.cfg --set $'scene.end_time=1\n2'
+  refused 2 "'two words' cannot be set in flow.cfg" sphsolve explain flow.cfg --set 'scene.two words=1'
+  # JSON is UTF-8: of a name that is not, what is readable.
+  cp m.hdf $'m\xff.hdf'
+  ct2model info $'m\xff.hdf' --json | python -c 'import json, sys; assert json.load(sys.stdin)["files"][0]["path"] == "m?.hdf"'
   cp m.hdf newer.hdf
   python -c "import h5py; h5py.File('newer.hdf', 'r+')['provenance'].attrs['schema_version'] = 99"
   refused 3 "is of schema version 99" sphsolve explain "$ROOT/data-samples/scenes/s06.cfg" --set model.file=newer.hdf
@@ -161,6 +165,7 @@ END
   refused 3 "is no file" analyze darcy pipe.tif
   python "$ROOT/tests/cli/write_hostile_images.py"
   refused 3 "its directories lead in a circle" ct2model info circle.tif
+  refused 3 "slices of 2147483648x1073741824 are too large" ct2model sweep huge.tif --void-ratio 0.5 --voxel-size 1um
   # The shadows of sanitizers are no memory of ours.
   [[ "$SANITIZE" == *address* || "$SANITIZE" == *thread* ]] || ulimit -S -v 1000000
   refused 3 "not a readable PNG: Read Error" ct2model info text.png
