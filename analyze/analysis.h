@@ -11,7 +11,8 @@
 #include "analyze/run_file.h"
 #include "common/options.h"
 
-/* What is analysed, and what is known of it before. */
+/* What is analysed, and what is known of it before. A command fills in the runs or the files of a
+ * solute alone; what stands below them is known where the report asks. */
 struct subject {
   const struct run *runs;
   size_t n;
@@ -64,5 +65,9 @@ enum {
   ANALYSES
 };
 extern const struct analysis *const analyses[ANALYSES];
+
+/* What its `applies` says. */
+enum status analysis_applies(const struct analysis *analysis, const struct subject *subject,
+                             bool *applies);
 
 #endif

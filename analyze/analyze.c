@@ -126,34 +126,26 @@ static void print_verdict(const struct run *runs, size_t n, const json_t *darcy)
   json_decref(results);
 }
 
-/* Results: to stdout as text or JSON; with -o into files as well. */
-static void print_product(const struct product *product, const char *folder) {
-  fputs(product->summary.data, stdout);
-  if (folder != NULL) printf("written: %s/%s.{json,csv,gp,svg,png}\n", folder, product->name);
+static void print_json(const json_t *json) {
+  json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+  putchar('\n');
 }
 
-static enum status deliver(const struct options *options, struct product *product) {
+/* Results: to stdout as text, or as JSON where no other product's holds it; with -o into files as
+ * well. */
+static enum status deliver(const struct options *options, struct product *product, bool held) {
   enum status status = STATUS_OK;
   const char *folder = options_text(options, "output");
   TRY(product_finish(product));
   if (folder != NULL) TRY(product_save(product, folder));
   if (options_json(options)) {
-    json_dumpf(product->json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
-    putchar('\n');
+    if (!held) print_json(product->json);
   } else if (log_level() > LOG_QUIET) {
-    print_product(product, folder);
+    fputs(product->summary.data, stdout);
+    if (folder != NULL)
+      printf("written: %s/%s.{json,csv%s}\n", folder, product->name,
+             product->width > 0 ? ",gp,svg,png" : "");
   }
-cleanup:
-  return status;
-}
-
-/* One whose JSON the first holds. */
-static enum status deliver_second(const struct options *options, struct product *product) {
-  enum status status = STATUS_OK;
-  const char *folder = options_text(options, "output");
-  TRY(product_finish(product));
-  if (folder != NULL) TRY(product_save(product, folder));
-  if (!options_json(options) && log_level() > LOG_QUIET) print_product(product, folder);
 cleanup:
   return status;
 }
@@ -185,8 +177,7 @@ static enum status report_command(const struct options *options, const struct ru
   TRY(find_solutes(options, &solutes, &solute_count));
   TRY(page_write(runs, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {
-    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
-    putchar('\n');
+    print_json(json);
   } else if (log_level() > LOG_QUIET) {
     printf("written: %s\n", path);
   }
@@ -205,19 +196,19 @@ static enum status deliver_analysis(const struct options *options, const struct 
   TRY(product_start(analysis->name, &product));
   TRY(analysis->analyze(subject, options, &product));
   for (size_t i = 0; i < ANALYSES; i++) {
-    bool applies = false;
+    bool applies;
     if (analyses[i]->delivered_with == NULL ||
         strcmp(analyses[i]->delivered_with, analysis->name) != 0)
       continue;
-    TRY(analyses[i]->applies(subject, &applies));
+    TRY(analysis_applies(analyses[i], subject, &applies));
     if (!applies) continue;
     TRY(product_start(analyses[i]->name, &second[i]));
     TRY(analyses[i]->analyze(subject, options, &second[i]));
     json_object_set(product.json, analyses[i]->name, second[i].json);
   }
-  TRY(deliver(options, &product));
+  TRY(deliver(options, &product, false));
   for (size_t i = 0; i < ANALYSES; i++)
-    if (second[i].name != NULL) TRY(deliver_second(options, &second[i]));
+    if (second[i].name != NULL) TRY(deliver(options, &second[i], true));
   if (analysis == &darcy_analysis && !options_json(options) && log_level() > LOG_QUIET)
     print_verdict(subject->runs, subject->n, product.json);
 cleanup:

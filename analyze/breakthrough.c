@@ -152,10 +152,10 @@ static void write_json(const struct curves *list, size_t n, json_t *json) {
       }
       json_array_append_new(planes, object);
     }
-    json_array_append_new(all,
-                          json_pack("{s:o,s:f,s:f,s:o,s:o}", "path", json_text(c->path), "peclet",
-                                    c->peclet, "longitudinal", c->longitudinal, "share",
-                                    json_numbers(c->share, c->quantiles), "planes", planes));
+    json_array_append_new(all, json_pack("{s:o,s:o,s:o,s:o,s:o}", "path", json_text(c->path),
+                                         "peclet", json_number(c->peclet), "longitudinal",
+                                         json_number(c->longitudinal), "share",
+                                         json_numbers(c->share, c->quantiles), "planes", planes));
   }
   json_object_set_new(json, "walks", all);
 }

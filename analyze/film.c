@@ -37,6 +37,7 @@ static enum status read_film(const char *path, struct film *f) {
   size_t n, walk = 0, shape[3], times, low[2], width[2];
   TRY(h5_open(path, &file));
   TRY(h5_read(file, "/solute/peclet", H5_F64, 1, &n, &peclet));
+  if (n == 0) TRY_FAIL(STATUS_INPUT, "%s: /solute/peclet is empty", path);
   for (size_t i = 0; i < n; i++) {
     name_of(name, i, "");
     if (h5_exists(file, name) && peclet[i] >= peclet[walk]) walk = i;

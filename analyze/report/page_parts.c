@@ -88,8 +88,8 @@ enum status page_analyse(struct page *page) {
     log_warning("not every run has a snapshot, so the report shows no velocity distribution and no "
                 "flow");
   for (size_t i = 0; i < ANALYSES; i++) {
-    bool applies = true;
-    if (analyses[i]->applies != NULL) TRY(analyses[i]->applies(&page->subject, &applies));
+    bool applies;
+    TRY(analysis_applies(analyses[i], &page->subject, &applies));
     if (!applies) continue;
     status = run_part(page, i);
     if (status != STATUS_OK && !analyses[i]->may_fail) goto cleanup;

@@ -9,11 +9,6 @@
 
 static const double wanted = 0.05; /* the error that the advice aims at */
 
-static double number(const json_t *object, const char *key) {
-  const json_t *value = json_object_get(object, key);
-  return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
 static const char *string(const json_t *object, const char *key) {
   const char *text = json_string_value(json_object_get(object, key));
   return text != NULL ? text : "";
@@ -31,9 +26,10 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
                 const char *name, const char *note) {
   const json_t *rows = json_object_get(fit, "runs");
   const struct run *run = run_of(runs, n, json_array_get(rows, 0));
-  double k = number(fit, "k_m_per_s"), relative = number(fit, "k_relative_error");
+  double k = json_number_or_nan(fit, "k_m_per_s"),
+         relative = json_number_or_nan(fit, "k_relative_error");
   double low = k * fmax(0.0, 1.0 - relative), high = k * (1.0 + relative);
-  double permeability = number(fit, "intrinsic_permeability_m2");
+  double permeability = json_number_or_nan(fit, "intrinsic_permeability_m2");
   if (!isfinite(k) || run == NULL) return;
   if (json_array_size(rows) == 1 && isfinite(run->k_low) && isfinite(run->k_high)) {
     if (k != 0) permeability *= run->k / k; /* the run's own best estimate and interval */
@@ -56,7 +52,7 @@ static bool covered(const json_t *group, const json_t *series) {
   json_array_foreach(json_object_get(group, "runs"), g, row) {
     bool found = false;
     json_array_foreach(series, s, one) {
-      if (!isfinite(number(one, "k_m_per_s"))) continue;
+      if (!isfinite(json_number_or_nan(one, "k_m_per_s"))) continue;
       json_array_foreach(json_object_get(one, "runs"), r, other) found |=
           strcmp(string(other, "path"), string(row, "path")) == 0;
     }
@@ -93,7 +89,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
 
 /* ---- what it is good for ---- */
 
-/* Bounds of k in m/s, for water. */
+/* Bounds of k in m/s, for water; the last takes what the noise of a run left below 0. */
 struct class_of_k {
   double least;
   const char *name;
@@ -103,10 +99,10 @@ static const struct class_of_k din[] = {{1e-2, "very strongly permeable"},
                                         {1e-4, "strongly permeable"},
                                         {1e-6, "permeable"},
                                         {1e-8, "weakly permeable"},
-                                        {0.0, "very weakly permeable"}};
+                                        {-INFINITY, "very weakly permeable"}};
 /* Casagrande, Fadum (1940), as drawn by Terzaghi, Peck (1948). */
 static const struct class_of_k casagrande[] = {
-    {1e-6, "good drainage"}, {1e-8, "poor drainage"}, {0.0, "practically impervious"}};
+    {1e-6, "good drainage"}, {1e-8, "poor drainage"}, {-INFINITY, "practically impervious"}};
 
 static const char *class_name(const struct class_of_k *classes, double k) {
   while (k < classes->least) classes++;
@@ -115,8 +111,8 @@ static const char *class_name(const struct class_of_k *classes, double k) {
 
 static void judge_class(json_t *result, const char *key, const struct class_of_k *classes) {
   char text[100];
-  const char *low = class_name(classes, number(result, "k_low_m_per_s"));
-  const char *high = class_name(classes, number(result, "k_high_m_per_s"));
+  const char *low = class_name(classes, json_number_or_nan(result, "k_low_m_per_s"));
+  const char *high = class_name(classes, json_number_or_nan(result, "k_high_m_per_s"));
   if (strcmp(low, high) == 0)
     snprintf(text, sizeof text, "%s", low);
   else
@@ -153,17 +149,17 @@ static void judge_advice(json_t *result) {
   const json_t *parts = json_object_get(result, "error_budget");
   const char *needs = string(parts, "resolution_needs");
   const bool model = strcmp(needs, "model") == 0, scan = strcmp(needs, "scan") == 0;
-  double resolution = number(parts, "resolution"), rest = 0.0, most = 0.0;
+  double resolution = json_number_or_nan(parts, "resolution"), rest = 0.0, most = 0.0;
   size_t largest = 0;
   char text[300] = "";
-  if (number(result, "k_m_per_s") == 0) {
+  if (json_number_or_nan(result, "k_m_per_s") == 0) {
     json_object_set_new(result, "advice",
                         json_string("Resolve the throats with smaller voxels, or look at the "
                                     "threshold."));
     return;
   }
   for (size_t i = 1; i < sizeof remedies / sizeof *remedies; i++) {
-    const double part = number(parts, remedies[i].part);
+    const double part = json_number_or_nan(parts, remedies[i].part);
     if (!isfinite(part)) continue;
     rest += part * part;
     if (part > most) most = part, largest = i;
@@ -188,7 +184,7 @@ static void judge_advice(json_t *result) {
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
-    const double spacing = 1e6 * number(result, "spacing_m");
+    const double spacing = 1e6 * json_number_or_nan(result, "spacing_m");
     if (model || scan)
       snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %.2g um instead of %.3g.",
                needs, spacing / finer, spacing);
@@ -224,9 +220,9 @@ static void judge_formulas(json_t *result, const struct run *run, const struct p
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
-  json_object_set_new(
-      result, "good_for",
-      json_string(good_for(number(result, "k_m_per_s"), number(result, "k_relative_error"))));
+  json_object_set_new(result, "good_for",
+                      json_string(good_for(json_number_or_nan(result, "k_m_per_s"),
+                                           json_number_or_nan(result, "k_relative_error"))));
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
   judge_advice(result);

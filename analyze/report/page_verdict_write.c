@@ -7,11 +7,6 @@
 #include "analyze/report/page_verdict.h"
 #include "common/units.h"
 
-static double number(const json_t *object, const char *key) {
-  const json_t *value = json_object_get(object, key);
-  return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
 static void write_string(const json_t *object, const char *key, FILE *stream) {
   const char *text = json_string_value(json_object_get(object, key));
   if (text != NULL) html_text(stream, text);
@@ -68,11 +63,11 @@ static void write_budget(const json_t *budget, FILE *out) {
                {"sides", "sides"},           {"void_ratio", "void ratio"},
                {"threshold", "threshold"},   {"micro", "soil below the voxel"},
                {"averaging", "averaging"},   {"steadiness", "steadiness"}};
-  const double total = number(budget, "total");
+  const double total = json_number_or_nan(budget, "total");
   if (!(total > 0.0)) return;
   fputs("<table class=\"budget\"><caption>What the error is made of</caption><tbody>\n", out);
   for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-    const double part = number(budget, parts[i].key);
+    const double part = json_number_or_nan(budget, parts[i].key);
     if (!isfinite(part) || part == 0) continue;
     const char *from = json_string_value(json_object_get(budget, "resolution_from"));
     fprintf(out, "<tr><th>%s%s</th><td class=\"number\">", parts[i].name,
@@ -83,10 +78,11 @@ static void write_budget(const json_t *budget, FILE *out) {
   }
   fputs("</tbody></table>\n", out);
   if (json_is_true(json_object_get(budget, "scan_unknown")))
-    fputs("<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
-          "known and not counted.</p>\n",
-          out);
-  const double closed = number(budget, "dlnk_sides_closed");
+    fputs(
+        "<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
+        "known and not counted.</p>\n",
+        out);
+  const double closed = json_number_or_nan(budget, "dlnk_sides_closed");
   if (isfinite(closed))
     fprintf(
         out,
@@ -101,7 +97,7 @@ static void write_orientation(const json_t *result, FILE *out) {
     const char *key, *name;
   } rows[] = {{"kozeny_carman", "Kozeny-Carman"}, {"hazen", "Hazen"}, {"terzaghi", "Terzaghi"}};
   const json_t *formulas = json_object_get(result, "formulas");
-  const double k = number(result, "k_m_per_s");
+  const double k = json_number_or_nan(result, "k_m_per_s");
   fputs("<table class=\"facts\"><caption>For orientation</caption><tbody>\n<tr><th>DIN 18130-1 "
         "(test: ISO 17892-11)</th><td>",
         out);
@@ -110,7 +106,7 @@ static void write_orientation(const json_t *result, FILE *out) {
   write_string(result, "class_casagrande", out);
   fputs("</td></tr>\n", out);
   for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-    const double value = number(formulas, rows[i].key);
+    const double value = json_number_or_nan(formulas, rows[i].key);
     if (!isfinite(value)) continue;
     fprintf(out, "<tr><th>%s</th><td>%.2g cm/s (%.2g times this k)</td></tr>\n", rows[i].name,
             100.0 * value, value / k);
@@ -121,7 +117,7 @@ static void write_orientation(const json_t *result, FILE *out) {
             "<p class=\"note\">The formulas take the model&rsquo;s porosity and the surface of its "
             "grains; grain size %.3g &micro;m is that of spheres of the same surface, not a "
             "d<sub>10</sub>. Classes are those of water.</p>\n",
-            1e6 * number(formulas, "grain_size_m"));
+            1e6 * json_number_or_nan(formulas, "grain_size_m"));
 }
 
 static void write_others(const json_t *results, FILE *out) {
@@ -136,7 +132,8 @@ static void write_others(const json_t *results, FILE *out) {
     fputs("<tr><td>", out);
     write_string(result, "name", out);
     fputs("</td><td>", out);
-    quantity(out, 100.0 * number(result, "k_m_per_s"), number(result, "k_relative_error"), "cm/s");
+    quantity(out, 100.0 * json_number_or_nan(result, "k_m_per_s"),
+             json_number_or_nan(result, "k_relative_error"), "cm/s");
     fputs("</td></tr>\n", out);
   }
   fputs("</tbody></table></div>\n", out);
@@ -152,10 +149,11 @@ void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out
           out);
     return;
   }
-  const double k = number(result, "k_m_per_s"), relative = number(result, "k_relative_error");
+  const double k = json_number_or_nan(result, "k_m_per_s"),
+               relative = json_number_or_nan(result, "k_relative_error");
   fputs("<p class=\"k\"><var>k</var> = ", out);
-  interval(out, 100.0 * k, 100.0 * number(result, "k_low_m_per_s"),
-           100.0 * number(result, "k_high_m_per_s"), "cm/s");
+  interval(out, 100.0 * k, 100.0 * json_number_or_nan(result, "k_low_m_per_s"),
+           100.0 * json_number_or_nan(result, "k_high_m_per_s"), "cm/s");
   fputs("</p>\n<p class=\"verdict\">", out);
   write_string(result, "good_for", out);
   fputs(". ", out);
@@ -167,9 +165,9 @@ void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out
   fputs("<br>= ", out);
   quantity(out, k, relative, "m/s");
   fputs("<br>intrinsic permeability ", out);
-  quantity(out, number(result, "intrinsic_permeability_m2"), relative, "m&sup2;");
+  quantity(out, json_number_or_nan(result, "intrinsic_permeability_m2"), relative, "m&sup2;");
   fputs("<br>= ", out);
-  quantity(out, number(result, "intrinsic_permeability_m2") / DARCY, relative, "darcy");
+  quantity(out, json_number_or_nan(result, "intrinsic_permeability_m2") / DARCY, relative, "darcy");
   fputs("</p><p class=\"note\">", out);
   write_string(result, "note", out);
   fputs("</p>\n", out);

@@ -86,8 +86,7 @@ static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
 static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
   json_t *list = json_array();
   for (size_t n = 0; n < s->load_count; n++) {
-    struct seepage_load *l = &s->loads[n];
-    if (l->length > 0) l->pressure = l->uplift / l->length;
+    const struct seepage_load *l = &s->loads[n];
     json_t *entry = json_object();
     json_object_set_new(entry, "wall", json_integer((json_int_t)l->wall));
     json_put_number(entry, "force_x_N_per_m", l->force[0]);

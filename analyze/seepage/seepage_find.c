@@ -186,6 +186,8 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++)
       if (f->wall[k * f->nx + i] != REGION_NONE) load_wall(s, i, k);
+  for (size_t n = 0; n < s->load_count; n++)
+    if (s->loads[n].length > 0) s->loads[n].pressure = s->loads[n].uplift / s->loads[n].length;
 cleanup:
   if (status != STATUS_OK) seepage_free(s);
   return status;

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/json_number.h"
 #include "common/log.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
@@ -82,9 +83,10 @@ static void record(const char *status, const char *name, double reference, doubl
   printf("%-4s %-52s reference %-11.5g measured %-11.5g bound %-9.3g %6.1f s\n", status, name,
          reference, measured, bound, seconds);
   fflush(stdout);
-  json_array_append_new(results, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "case", name, "status",
-                                           status, "reference", reference, "measured", measured,
-                                           "bound", bound, "seconds", seconds));
+  json_array_append_new(results,
+                        json_pack("{s:s, s:s, s:f, s:o, s:f, s:f}", "case", name, "status", status,
+                                  "reference", reference, "measured", json_number(measured),
+                                  "bound", bound, "seconds", seconds));
 }
 
 /* `bound`: largest |measured - reference|. */
