@@ -121,15 +121,14 @@ enum status page_levels(struct page *page) {
   fprintf(
       plot,
       "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
-      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset key %s right\nset offsets graph "
-      "0.1, graph "
-      "0.15, graph 0.1, graph 0.1\n"
+      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset xrange [%.6g:%.6g]\n"
+      "set key outside below center vertical maxrows 3 Left reverse\nset offsets 0, 0, graph 0.1, 0\n"
       "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
-      "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels offset "
-      "0,1 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
+      "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels left "
+      "rotate by 40 offset 0.2,0.6 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
       "rgb '%s' title 'result, 95 %%'\n",
       gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high,
-      levels->k[0] > levels->k[levels->count - 1] ? "top" : "bottom", plot_colours[0],
+      0.6 * levels->seconds[0], 4.0 * gone, plot_colours[0],
       estimated ? "$estimates using 1:2:3:4 with yerrorbars pointtype 4 linewidth 1.2 linecolor "
                   "rgb '"
                 : "",
@@ -137,7 +136,7 @@ enum status page_levels(struct page *page) {
       estimated ? "' title 'estimate so far, resolution alone', " : "", plot_colours[1]);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<section id=\"levels\"><h2>Accuracy and its cost</h2><figure>", page->out);
-  page_still(page->out, "levels", body, 760, 420, "k of each lattice against processor time");
+  page_still(page->out, "levels", body, 560, 440, "k of each lattice against processor time");
   fputs("<figcaption>k on each lattice, from the coarsest to the finest, against the processor "
         "time of the "
         "lattices so far; what they together say of the limit; and the result with its "

@@ -6,8 +6,9 @@
 #include "common/memory.h"
 
 #define WIDTH 720.0 /* pixels of the longer side */
-#define BAR 92.0    /* pixels beside it, for the scale of colours */
-#define FOOT 30.0   /* and below, for that of lengths */
+#define BAR 124.0   /* pixels beside it, for the scale of colours */
+#define FOOT 38.0   /* and below, for that of lengths */
+#define FONT 22     /* to be read on a telephone, where half of it is left */
 #define GRAIN 255   /* colour of the grains */
 
 /* Dark blue over green to yellow, even to the eye (after viridis), and blue over white to red. */
@@ -110,13 +111,13 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
   const double x = canvas->width + 14.0, tall = fmin(canvas->height, 320.0);
   for (int i = 0; i < 64; i++)
     fprintf(stream, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%06x\"/>", x,
-            24.0 + (tall - 40.0) * i / 64.0, (tall - 40.0) / 64.0 + 0.4,
+            32.0 + (tall - 40.0) * i / 64.0, (tall - 40.0) / 64.0 + 0.4,
             colour(canvas->what, 1.0 - (i + 0.5) / 64.0));
-  fprintf(stream, "<text x=\"%.1f\" y=\"12\">%s</text>", x, speed ? "mm/s" : "Pa");
+  fprintf(stream, "<text x=\"%.1f\" y=\"18\">%s</text>", x, speed ? "mm/s" : "Pa");
   for (int i = 0; i <= 4; i++) {
     const double value = speed ? high * (4 - i) / 4.0 : high * (2 - i) / 2.0;
     fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%s%.2g</text>", x + 20.0,
-            28.0 + (tall - 40.0) * i / 4.0,
+            39.0 + (tall - 40.0) * i / 4.0,
             i == 0 || (!speed && i == 4) ? (i == 0 ? "&#8805; " : "&#8804; ") : "", value);
   }
   /* A round length of about a quarter of the width. */
@@ -128,8 +129,8 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
           "<rect x=\"0\" y=\"%.1f\" width=\"%.1f\" height=\"4\" fill=\"#222\"/>"
           "<text x=\"%.1f\" y=\"%.1f\">%.4g &#181;m</text>"
           "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%c across, %c up</text>\n",
-          canvas->height + 12.0, pixels, pixels + 8.0, canvas->height + 19.0, 1e6 * length,
-          canvas->width, canvas->height + 19.0, "xyz"[plane->across], "xyz"[plane->up]);
+          canvas->height + 16.0, pixels, pixels + 8.0, canvas->height + 26.0, 1e6 * length,
+          canvas->width, canvas->height + 26.0, "xyz"[plane->across], "xyz"[plane->up]);
 }
 
 enum status map_write(const struct plane *plane, enum map_of what, FILE *stream) {
@@ -140,9 +141,9 @@ enum status map_write(const struct plane *plane, enum map_of what, FILE *stream)
   canvas.height = floor(canvas.scale * (double)plane->size[1]);
   fprintf(stream,
           "<svg class=\"map\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
-          "width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"15\" "
+          "width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"%d\" "
           "role=\"img\" aria-label=\"%s\"><rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-          canvas.width + BAR, canvas.height + FOOT, canvas.width + BAR, canvas.height + FOOT,
+          canvas.width + BAR, canvas.height + FOOT, canvas.width + BAR, canvas.height + FOOT, FONT,
           what == MAP_SPEED ? "Speed with streamlines over the grains"
                             : "Pressure over the grains");
   TRY(write_pixels(&canvas, stream));

@@ -176,7 +176,13 @@ END
   /usr/bin/python3 -c '
 import base64, re
 section = re.search("id=.levels.>.*?base64,([A-Za-z0-9+/=]*)", open("matched.html").read(), re.S)[1]
-assert b"estimate so far, resolution alone" in base64.b64decode(section)'
+svg = base64.b64decode(section).decode()
+# The names stand below the axis, not among the points; and what is on a map can be read at half its size.
+def at(text): return float(re.search(r"translate\([\d.]+,([\d.]+)\)[^<]*(?:<[^>]*>\s*)*" + text, svg)[1])
+assert at("estimate so far, resolution alone") > at("Processor time") > 0.6 * 440
+page = open("matched.html").read()
+maps = re.findall(r"<svg class=.map.[^>]*viewBox=.0 0 (\d+) \d+.[^>]*font-size=.(\d+).", page)
+assert len(maps) == 2 and all(float(size) * 374 / float(width) > 9.5 for width, size in maps), maps'
 }
 
 @test "names and shares of bars do not run into each other" {
