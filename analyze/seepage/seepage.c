@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/seepage/plane_balance.h"
 #include "common/json_number.h"
 #include "common/statistics.h"
 
@@ -17,6 +18,20 @@ static void late_mean(const struct run *run, const struct history_column *column
   while (first + 1 < column->rows && time->values[first] < 0.5 * time->values[time->rows - 1])
     first++;
   batch_means(column->values + first, column->rows - first, mean, error);
+}
+
+/* The error of a plane's flux with what the balance of mass leaves open; a word where that is not
+ * known. */
+static double add_balance(const struct seepage *s, const char *plane, double mean, double error,
+                          json_t *entry, const char **note) {
+  bool in_water;
+  const double balance = plane_balance(s->run, &s->field, plane, mean, &in_water);
+  json_put_number(entry, "balance_error", balance);
+  json_put_number(entry, "error95", isfinite(balance) ? hypot(error, balance) : NAN);
+  if (isfinite(balance)) return hypot(error, balance);
+  *note = in_water ? ", of the mean over time alone: in free water it may be 20 % off"
+                   : ", of the mean over time alone";
+  return error;
 }
 
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
@@ -33,8 +48,12 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     json_put_number(entry, "mean", mean);
     json_put_number(entry, "standard_error", error);
     json_object_set_new(json, column->name + strlen(prefix), entry);
-    fprintf(summary, "%-10s %s: %.4g +- %.1g %s\n", word, column->name + strlen(prefix), mean,
-            2 * error, unit);
+    double half = 2 * error;
+    const char *note = "";
+    if (!strcmp(word, "flux"))
+      half = add_balance(s, column->name + strlen(prefix), mean, half, entry, &note);
+    fprintf(summary, "%-10s %s: %.4g +- %.2g %s%s\n", word, column->name + strlen(prefix), mean,
+            half, unit, note);
   }
 }
 

@@ -140,6 +140,27 @@ cleanup:
   return status;
 }
 
+/* Where the planes are whose fluxes the history has. */
+static enum status write_planes(const struct scene *scene, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const size_t n = scene->plane_count, shape[2] = {n, 2};
+  const char **names = NULL;
+  double *at = NULL;
+  if (n == 0) return STATUS_OK;
+  TRY(memory_allocate(&names, n, sizeof *names, "the planes"));
+  TRY(memory_allocate(&at, n, 2 * sizeof *at, "the planes"));
+  for (size_t k = 0; k < n; k++) {
+    names[k] = scene->planes[k].name;
+    at[2 * k] = scene->planes[k].axis, at[2 * k + 1] = scene->planes[k].position;
+  }
+  TRY(h5_write_texts(file, "/run/planes/name", n, names));
+  TRY(h5_write(file, "/run/planes/axis_position", H5_F64, 2, shape, at, false));
+cleanup:
+  memory_free(&names);
+  memory_free(&at);
+  return status;
+}
+
 static enum status write_run(struct recorder *recorder, const struct run_result *result,
                              struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -199,6 +220,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
   TRY(write_regions(scene, file));
+  TRY(write_planes(scene, file));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
   TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,

@@ -96,6 +96,30 @@ END
   run ! grep -q level_a still/history.csv
 }
 
+@test "the +- of a plane's flux holds the exact flux, in free water, too" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  for size in "5 mm" "1 cm"; do
+    sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set "regions.[0].grain_size=\"$size\"" \
+      --set 'scene.end_time="2 s"' -o planes --quiet
+    analyze seepage planes.hdf --json > "planes-${size% *}.json"
+  done
+  /usr/bin/python3 - <<'END'
+import json, math
+for name, d in (("planes-5.json", 5e-3), ("planes-1.json", 1e-2)):
+    e, nu, drive = 0.4, 1e-6, 9.81 * 0.5
+    a, b = 1000 * nu * (1 - e) ** 2 / (e**3 * d * d), 1.1 * (1 - e) / (e**3 * d)
+    exact = 0.1 * 2 * drive / (a + math.sqrt(a * a + 4 * b * drive))
+    flux = json.load(open(name))["fluxes_m2_per_s"]
+    for plane, f in flux.items():
+        assert abs(f["mean"] - exact) < 1.2 * f["error95"] < 0.1 * exact, (name, plane, f, exact)
+    # What the mean over time alone shows is far less in free water.
+    assert abs(flux["in"]["mean"] - exact) > 3 * 2 * flux["in"]["standard_error"], flux
+END
+  # Without sections of soil alone that no open side cuts off nothing is known, and that is said.
+  /usr/bin/python3 -c 'import h5py; f = h5py.File("planes.hdf", "r+"); del f["run/planes"]'
+  analyze seepage planes.hdf | grep -q "^flux .* of the mean over time alone"
+}
+
 @test "water faster than anything can drive it: told with the speed, the place and the reason, and the step is not halved to nothing" {
   # Without shifting particles clump and one is flung away; steps chosen by its speed alone would shrink without end.
   run sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'regions.[0].porosity=0.3' --set 'isph.dt="auto"' \
