@@ -8,6 +8,7 @@
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/model/connect.h"
+#include "ct2model/surface/crossing.h"
 
 static double void_ratio_of(double porosity) {
   return porosity / (1.0 - porosity);
@@ -267,10 +268,11 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
     pipeline->phases.grain_peak = grey_histogram_quantile(histogram, 1.0) - 0.5 * histogram->width;
     pipeline->phases.noise = pipeline->phases.contrast_to_noise = NAN;
     if (request->rule != THRESHOLD_AUTO)
-      log_warning("%s holds two greys alone, labels more likely than a scan: with --threshold their "
-                  "steps stand as walls, and no run can say what they do to k; leave it out, or say "
-                  "--segmented",
-                  pipeline->stack.files[0].path);
+      log_warning(
+          "%s holds two greys alone, labels more likely than a scan: with --threshold their "
+          "steps stand as walls, and no run can say what they do to k; leave it out, or say "
+          "--segmented",
+          pipeline->stack.files[0].path);
   }
   if (request->rule == THRESHOLD_AUTO) {
     bool segmented = pipeline->phases.levels == 2;
@@ -326,27 +328,42 @@ static bool is_off_the_flow(const struct part *part, const void *context) {
   return !part->percolates[*(const int *)context];
 }
 
-TARGETS static size_t count_changes(const uint8_t *a, const uint8_t *b, size_t n) {
-  size_t changes = 0;
-  for (size_t x = 0; x < n; x++) changes += a[x] != b[x];
-  return changes;
+/* What the change of phase from a site to the next along an axis counts (crossing.h). */
+static uint64_t crossing_of(const struct voxel_model *model, const size_t at[3], int axis) {
+  const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
+  double gradient[3] = {0};
+  for (int side = 0; side < 2; side++) {
+    size_t from[3] = {at[0], at[1], at[2]};
+    if (side == 1) from[axis] = (from[axis] + 1) % n[axis];
+    for (int a = 0; a < 3; a++) {
+      size_t low[3] = {from[0], from[1], from[2]}, high[3] = {from[0], from[1], from[2]};
+      low[a] = (from[a] + n[a] - 1) % n[a], high[a] = (from[a] + 1) % n[a];
+      size_t i = 0, j = 0;
+      for (int d = 0; d < 3; d++) i += low[d] * step[d], j += high[d] * step[d];
+      gradient[a] += ((double)model->solid[j] - (double)model->solid[i]) / model->spacing[a];
+    }
+  }
+  return crossing_weight(gradient);
 }
 
-/* Grain surface per bulk volume of the periodic model; faces show 3/2 of it. */
+/* Grain surface per bulk volume of the periodic model. */
 static double model_surface(const struct voxel_model *model) {
-  size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], cx = 0, cy = 0, cz = 0;
+  const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
+  uint64_t cx = 0, cy = 0, cz = 0;
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
-  for (size_t line = 0; line < ny * nz; line++) {
-    const size_t y = line % ny, z = line / ny; // NOLINT: a model has a row
-    const uint8_t *row = model->solid + line * nx;
-    cx += count_changes(row, row + 1, nx - 1) + (row[0] != row[nx - 1]);
-    cy += count_changes(row, model->solid + (z * ny + (y + 1) % ny) * nx, nx);
-    cz += count_changes(row, model->solid + ((z + 1) % nz * ny + y) * nx, nx);
-  }
-  const size_t changes[3] = {cx, cy, cz};
+  for (size_t line = 0; line < n[1] * n[2]; line++)
+    for (size_t x = 0; x < n[0]; x++) {
+      const size_t at[3] = {x, line % n[1], line / n[1]}, i = line * n[0] + x;
+      for (int a = 0; a < 3; a++) {
+        const size_t next = at[a] + 1 < n[a] ? i + step[a] : i - (n[a] - 1) * step[a];
+        if (model->solid[next] == model->solid[i]) continue;
+        *(a == 0 ? &cx : a == 1 ? &cy : &cz) += crossing_of(model, at, a);
+      }
+    }
+  const uint64_t crossings[3] = {cx, cy, cz};
   double sum = 0.0, sites = (double)model_site_count(model);
-  for (int d = 0; d < 3; d++) sum += (double)changes[d] / model->spacing[d];
-  return 2.0 / 3.0 * sum / sites;
+  for (int d = 0; d < 3; d++) sum += (double)crossings[d] / CROSSING_UNIT / model->spacing[d];
+  return sum / sites;
 }
 
 static enum status count_floating_grains(struct pipeline *pipeline) {

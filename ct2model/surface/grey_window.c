@@ -9,6 +9,7 @@
 #include "common/variants.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/surface/crossing.h"
 #include "ct2model/surface/specks.h"
 
 enum { UNITS_OF_CONTRAST = 8192, SPECK_REACH = 12 };
@@ -139,35 +140,70 @@ static void near_rows(const struct grey_window *window, size_t y, size_t deep, s
   rows[Z_LAST] = deep > 0 ? rows[HERE] - ny : rows[HERE];
 }
 
-static size_t differing(const uint64_t *a, const uint64_t *b, size_t words) {
-  size_t sum = 0;
-  for (size_t w = 0; w < words; w++) sum += (size_t)__builtin_popcountll(a[w] ^ b[w]);
+/* The grey at a voxel, or at the nearest that is held and in the region. */
+static double grey_at(const struct grey_window *window, long x, long y, long z) {
+  const size_t *n = window->region->size;
+  const long low = window->first > 0 ? window->first : 0;
+  const long held = window->first + (long)window->depth - 1, last = (long)n[2] - 1;
+  const long high = held < last ? held : last;
+  x = x < 0 ? 0 : x < (long)n[0] ? x : (long)n[0] - 1;
+  y = y < 0 ? 0 : y < (long)n[1] ? y : (long)n[1] - 1;
+  z = z < low ? low : z > high ? high : z;
+  return window->field[((size_t)(z - window->first) * n[1] + (size_t)y) * n[0] + (size_t)x];
+}
+
+/* What the change of phase from a voxel to the next along an axis counts. The normal is the sum at
+ * both of central differences, averaged across by 1, 2, 1 (Sobel): noise that tilts normals would
+ * take some per cent of the area. */
+static uint64_t weight_of(const struct grey_window *window, const long at[3], int axis) {
+  double gradient[3] = {0};
+  for (int n = 0; n < 54; n++) {
+    const int d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 % 3 - 1};
+    long to[3] = {at[0] + d[0], at[1] + d[1], at[2] + d[2]};
+    if (n >= 27) to[axis]++;
+    const double grey = grey_at(window, to[0], to[1], to[2]);
+    const int w[3] = {2 - abs(d[0]), 2 - abs(d[1]), 2 - abs(d[2])};
+    for (int a = 0; a < 3; a++) gradient[a] += grey * d[a] * w[(a + 1) % 3] * w[(a + 2) % 3];
+  }
+  for (int a = 0; a < 3; a++) gradient[a] /= window->region->voxel[a];
+  return crossing_weight(gradient);
+}
+
+/* Of the voxels of word w of a row whose bit of `changes` is set. */
+static uint64_t weights_of(const struct grey_window *window, uint64_t changes, size_t w, size_t y,
+                           size_t z, int axis) {
+  uint64_t sum = 0;
+  for (; changes != 0; changes &= changes - 1) {
+    const long at[3] = {(long)w * PHASE_WORD + __builtin_ctzll(changes), (long)y, (long)z};
+    sum += weight_of(window, at, axis);
+  }
   return sum;
 }
 
-void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1,
-                         size_t changes[3]) {
+void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z1,
+                           uint64_t crossings[3]) {
   const size_t nx = window->region->size[0], ny = window->region->size[1], words = window->words;
-  size_t cx = 0, cy = 0, cz = 0;
+  uint64_t cx = 0, cy = 0, cz = 0;
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
   for (size_t row = z0 * ny; row < z1 * ny; row++) {
     size_t rows[NEAR];
     const size_t y = row % ny, z = row / ny; // NOLINT: a row lies in a slice of ny > 0
     near_rows(window, y, (size_t)((long)z - window->first), rows);
     const uint64_t *at = window->bits + rows[HERE] * words;
+    const uint64_t *y_next = window->bits + rows[Y_NEXT] * words;
+    const uint64_t *z_next = window->bits + rows[Z_NEXT] * words;
     for (size_t w = 0; w < words; w++) {
       const uint64_t next = at[w] >> 1 | (w + 1 < words ? at[w + 1] << 63 : 0);
       const size_t pairs = nx - 1 - w * PHASE_WORD; /* from this word on */
       const uint64_t both = pairs < PHASE_WORD ? ((uint64_t)1 << pairs) - 1 : ~(uint64_t)0;
-      cx += (size_t)__builtin_popcountll((at[w] ^ next) & both);
+      cx += weights_of(window, (at[w] ^ next) & both, w, y, z, 0);
+      if (y + 1 < ny) cy += weights_of(window, at[w] ^ y_next[w], w, y, z, 1);
+      if (z + 1 < window->region->size[2]) cz += weights_of(window, at[w] ^ z_next[w], w, y, z, 2);
     }
-    if (y + 1 < ny) cy += differing(at, window->bits + rows[Y_NEXT] * words, words);
-    if (z + 1 < window->region->size[2])
-      cz += differing(at, window->bits + rows[Z_NEXT] * words, words);
   }
-  changes[0] += cx;
-  changes[1] += cy;
-  changes[2] += cz;
+  crossings[0] += cx;
+  crossings[1] += cy;
+  crossings[2] += cz;
 }
 
 /* Grain shares of n voxels: 0 or 1 where no neighbour is of the other phase, else that of a voxel

@@ -38,9 +38,10 @@ enum status grey_window_start(const struct region *region, double threshold, dou
 void grey_window_end(struct grey_window *window);
 /* Drops slices before `first` and reads up to `end` - 1 (both clamped to low and high). */
 enum status grey_window_move(struct grey_window *window, long first, long end);
-/* Adds the changes of phase along x, y, z in the slices z0 <= z < z1 (within the region; the next
- * held) to changes[3]. */
-void grey_window_changes(const struct grey_window *window, size_t z0, size_t z1, size_t changes[3]);
+/* Adds the weights (crossing.h) of the changes of phase along x, y, z in the slices z0 <= z < z1
+ * (within the region; the next held) to crossings[3]. */
+void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z1,
+                           uint64_t crossings[3]);
 /* Grain volume fractions of those slices (both neighbours held), added to `volume` by `area`. */
 enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
                                   struct resampler *area, float *volume);

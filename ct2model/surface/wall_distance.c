@@ -5,6 +5,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/surface/crossing.h"
 #include "ct2model/surface/grey_window.h"
 #include "ct2model/resample/resample.h"
 #include "ct2model/surface/specks.h"
@@ -35,7 +36,7 @@ struct walk {
   struct piece *pieces; /* those within the band of the next layer, by z */
   size_t piece_count;
   size_t signed_layers, measured_layers;
-  size_t changes[3];
+  uint64_t crossings[3];
 };
 
 /* The upper mirror plane: the middle of the last layer, in slices. */
@@ -175,7 +176,7 @@ static enum status advance(struct walk *walk, long done, long end, struct wall_r
   bool last = end == walk->window.high - 1;
   long n = (long)walk->region->size[2], z0 = done < 0 ? 0 : done, z1 = last || end > n ? n : end;
   TRY(grey_window_move(&walk->window, done - MARGIN, end + MARGIN));
-  if (z1 > z0) grey_window_changes(&walk->window, (size_t)z0, (size_t)z1, walk->changes);
+  if (z1 > z0) grey_window_crossings(&walk->window, (size_t)z0, (size_t)z1, walk->crossings);
   if (!walk->request->distances) goto cleanup;
   if (z1 > z0)
     TRY(grey_window_fractions(&walk->window, (size_t)z0, (size_t)z1, &walk->area,
@@ -257,10 +258,11 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   /* Sums of shares that round. */
   for (size_t i = 0; request->distances && i < sites; i++)
     result->grain_fraction[i] = fminf(fmaxf(result->grain_fraction[i], 0.0f), 1.0f);
-  /* Faces show 3/2 of an isotropic surface (Crofton); of n voxels in a row n - 1 have a next. */
+  /* Of n voxels in a row n - 1 have a next. */
   for (int d = 0; d < 3; d++) {
     double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
-    if (n > 1.0) result->surface_area += 2.0 / 3.0 * (double)walk.changes[d] * face * n / (n - 1.0);
+    if (n > 1.0)
+      result->surface_area += (double)walk.crossings[d] / CROSSING_UNIT * face * n / (n - 1.0);
   }
 cleanup:
   walk_end(&walk);

@@ -20,7 +20,7 @@ struct wall_request {
 struct wall_result {
   float *distance;       /* [z][y][x], m, positive in the pore; INFINITY beyond the band */
   float *grain_fraction; /* [z][y][x] */
-  double surface_area;   /* m^2 in the region, by Crofton's formula on voxel faces */
+  double surface_area;   /* m^2 in the region, from the changes of phase (crossing.h) */
   size_t specks;         /* voxels of islands too small for a model voxel, left out */
 };
 
