@@ -181,11 +181,11 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   else if (isfinite(result->k) && largest > 0)
     snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
   const bool budget = !strcmp(result->status, "budget") && result->ended != NULL;
-  printf("status     %s%s%s after %lld steps, %.1f s\n", result->status, budget ? ": " : "",
+  printf("status     %s%s%s%s after %lld steps, %.1f s\n", result->status, budget ? ": " : "",
          !budget            ? ""
-         : isfinite(wanted) ? "short of the error asked for,"
+         : isfinite(wanted) ? "short of the error asked for"
                             : result->ended,
-         (long long)result->steps, result->wall_time);
+         budget ? "," : "", (long long)result->steps, result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
     print_uncertainty(&result->error, scanned);
