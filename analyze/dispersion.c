@@ -15,10 +15,14 @@ static const char *const column_names[COLUMNS] = {"longitudinal", "transverse",
 static const char *const way_names[] = {"closure", "walk"};
 enum { WAYS = 2 };
 
-/* What their errors are made of, relative; the root of the sum of squares is the error. */
-enum { PARTS = 4, DIRECTIONS = 2 };
-static const char *const part_names[PARTS] = {"resolution", "projection", "statistics",
-                                              "asymptotics"};
+/* What their errors are made of, relative: the root of the sum of squares of the first four is the
+ * error; that of the sample's size stands beside it, and what of that repeating it adds. */
+enum { PARTS = 6, DIRECTIONS = 2 };
+static const char *const part_names[PARTS] = {"resolution",  "projection", "statistics",
+                                              "asymptotics", "sample",     "repeats"};
+static const char *const part_words[PARTS] = {
+    "resolution",  "projection",  "statistics",
+    "asymptotics", "sample size", "of the sample's size, from repeating it"};
 
 /* D* over D of one way, or of what is reported; arrays of `count`. */
 struct curve {
@@ -33,6 +37,7 @@ struct solute_run {
   double *peclet;
   struct curve best, way[WAYS];
   double length, diffusion, porosity, speed, formation, formation_error, tortuosity, grain_size;
+  double formation_sample, correlation[2]; /* NAN in files from before they were */
 };
 
 bool dispersion_is(const char *path) {
@@ -98,6 +103,10 @@ static enum status read_run(const char *path, struct solute_run *run) {
   run->speed = h5_attribute_or_nan(file, "/solute", "speed");
   run->formation = h5_attribute_or_nan(file, "/solute", "formation_factor");
   run->formation_error = h5_attribute_or_nan(file, "/solute", "formation_factor_error");
+  run->formation_sample = h5_attribute_or_nan(file, "/solute", "formation_factor_sample");
+  run->correlation[0] = run->correlation[1] = NAN;
+  if (h5_attribute_exists(file, "/solute", "correlation_length"))
+    TRY(h5_read_attribute(file, "/solute", "correlation_length", H5_F64, 2, run->correlation));
   run->tortuosity = h5_attribute_or_nan(file, "/solute", "tortuosity");
   run->grain_size = h5_attribute_or_nan(file, "/solute", "grain_size");
 cleanup:
@@ -184,7 +193,10 @@ static void write_json(const struct solute_run *runs, size_t n, json_t *json) {
     json_put_number(object, "mean_velocity_m_per_s", run->speed);
     json_put_number(object, "formation_factor", run->formation);
     json_put_number(object, "formation_factor_error", run->formation_error);
+    json_put_number(object, "formation_factor_sample", run->formation_sample);
     json_put_number(object, "tortuosity", run->tortuosity);
+    json_put_number(object, "velocity_correlation_along_m", run->correlation[0]);
+    json_put_number(object, "velocity_correlation_across_m", run->correlation[1]);
     json_array_append_new(list, object);
   }
   json_object_set_new(json, "runs", list);
@@ -219,7 +231,7 @@ static void write_parts(const struct solute_run *run, FILE *stream) {
     for (int p = 0; p < PARTS; p++) {
       double *const *own = run->way[w].part[LONGITUDINAL];
       if (!run->way[w].there || own[p] == NULL) continue;
-      fprintf(stream, "  error of D_L by %s, %s:", way_names[w], part_names[p]);
+      fprintf(stream, "  error of D_L by %s, %s:", way_names[w], part_words[p]);
       for (size_t i = 0; i < run->count; i++) {
         if (isfinite(own[p][i]))
           fprintf(stream, " %.2g", 100 * own[p][i]);

@@ -15,6 +15,7 @@ static enum status solve_lattice(const struct solute_flow *flow, int lattice,
   enum status status = STATUS_OK;
   struct solute_closure closure = {0};
   char note[80];
+  const double correlation = r->correlation[1];
   int *count = &state->solved_count[lattice];
   *done += weight * *count;
   if (*count > r->count) return STATUS_OK;
@@ -27,6 +28,9 @@ static enum status solve_lattice(const struct solute_flow *flow, int lattice,
     const double d = peclet > 0 ? flow->speed * r->length / peclet : INFINITY;
     const double started = clock_processor_seconds();
     TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved->value));
+    if (lattice == SOLUTE_FINE)
+      TRY(solute_sample_size(&closure, d, &solved->value, flow->image, correlation,
+                             &solved->sample));
     solved->seconds = clock_processor_seconds() - started;
     *done += weight;
     ++*count;
@@ -69,6 +73,7 @@ static void take(const struct solute_flow *flow, const struct solute_solved *fin
     /* Of what the flow adds to conduction, as much as the projection changed the flow. */
     out->projection[t] = flow->correction * fmin(1, share(fmax(value[t] - 1, 0), value[t]));
     out->solver = fine->value.residual;
+    out->sample[t] = fine->sample.error[t], out->repeats[t] = fine->sample.repeats[t];
     error[t] = sqrt(pow(out->resolution[t], 2) + pow(out->projection[t], 2) + pow(out->solver, 2));
   }
   out->value = (struct solute_estimate){value[0], value[1], error[0], error[1]};
@@ -87,6 +92,7 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
   double done = 0;
   for (int a = 0; a < 3; a++)
     twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
+  solute_correlation_lengths(flow, r->correlation);
   progress_start(&progress, "closure", NULL, (r->count + 1.0) * (twice ? 9 : 8));
   if (twice) TRY(solve_lattice(flow, SOLUTE_COARSE, r, &progress, 1, &done, state));
   TRY(solve_lattice(flow, SOLUTE_FINE, r, &progress, 8, &done, state));
@@ -97,6 +103,7 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
   r->tortuosity = 1 / still.value.longitudinal;
   r->formation = r->tortuosity / flow->porosity;
   r->formation_error = still.value.longitudinal_error;
+  r->formation_sample = still.sample[0];
 cleanup:
   progress_end(&progress);
   return status;

@@ -19,9 +19,14 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
                                     struct solute_result *result);
 
 /* By random walk: fills walk and record from length, count, peclet and wanted (curve_walk.c).
- * Walked on the flow's cells, and on those taken two by two by two for the error of resolution,
- * which is a third of the difference: that goes with the square of the spacing. */
+ * Walked on the flow's cells, and on half as many along each axis, towards the limit of both. */
 enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_state *state,
                                  struct solute_result *result);
+
+/* The limit of two walks by the square of the spacing, on cells `ratio` times as long: moves `fine`
+ * by as much as the two differ beyond what their own errors make of it, and adds that to its error.
+ * Returns it, longitudinal and transverse, relative; nothing moves where it is not known (NAN). */
+void solute_walk_limit(struct solute_estimate *fine, const struct solute_estimate *coarse,
+                       double ratio, double resolution[2]);
 
 #endif

@@ -58,21 +58,24 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
   out->asymptotics[1] = across * v->transverse_drift;
 }
 
-/* What two lattices differ by, beyond what their own errors may make of it. */
-static double resolution(double fine, double coarse, double fine_error, double coarse_error) {
-  const double change = fabs(coarse / fine - 1) - hypot(fine_error, coarse_error * coarse / fine);
-  return isfinite(change) ? fmax(change, 0) / 3 : NAN;
+/* One coefficient's. */
+static double move_to_limit(double *value, double *error, double coarse, double coarse_error,
+                            double ratio) {
+  const double change = coarse / *value - 1;
+  const double beyond = fabs(change) - hypot(*error, coarse_error * coarse / *value);
+  if (!isfinite(beyond)) return NAN;
+  const double move = copysign(fmax(beyond, 0) / (ratio * ratio - 1), -change);
+  *value *= 1 + move;
+  *error = hypot(*error, move);
+  return fabs(move);
 }
 
-static void compare(struct solute_walked *fine, const struct solute_walked *coarse) {
-  struct solute_estimate *f = &fine->value;
-  const struct solute_estimate *c = &coarse->value;
-  fine->resolution[0] =
-      resolution(f->longitudinal, c->longitudinal, f->longitudinal_error, c->longitudinal_error);
-  fine->resolution[1] =
-      resolution(f->transverse, c->transverse, f->transverse_error, c->transverse_error);
-  f->longitudinal_error = hypot(f->longitudinal_error, fine->resolution[0]);
-  f->transverse_error = hypot(f->transverse_error, fine->resolution[1]);
+void solute_walk_limit(struct solute_estimate *fine, const struct solute_estimate *coarse,
+                       double ratio, double resolution[2]) {
+  resolution[0] = move_to_limit(&fine->longitudinal, &fine->longitudinal_error,
+                                coarse->longitudinal, coarse->longitudinal_error, ratio);
+  resolution[1] = move_to_limit(&fine->transverse, &fine->transverse_error, coarse->transverse,
+                                coarse->transverse_error, ratio);
 }
 
 /* `weight`: of one Peclet number, for the progress line. */
@@ -122,7 +125,7 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
   bool twice = true;
   double done = 0;
   for (int a = 0; a < 3; a++)
-    twice = twice && (flow->n[a] == 1 || (flow->n[a] >= SOLUTE_CELLS_LEAST && flow->n[a] % 2 == 0));
+    twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
   progress_start(&progress, "walk", NULL, r->count * (twice ? 1.25 : 1));
   if (twice) {
     TRY(solute_flow_coarsen(flow, &half));
@@ -130,6 +133,8 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
   }
   TRY(walk_lattice(flow, SOLUTE_FINE, r, &progress, 1, &done, state));
   r->by_walk = true;
+  const double ratio =
+      twice ? pow((double)flow->count / (double)half.count, 1.0 / flow->dimensions) : NAN;
   r->record = state->record[SOLUTE_FINE];
   for (int i = 0; i < r->count; i++) {
     const struct solute_walked *coarse = &state->walked[SOLUTE_COARSE][i];
@@ -139,7 +144,7 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
       r->walk[i].resolution[0] = r->walk[i].resolution[1] = NAN;
       continue;
     }
-    compare(&r->walk[i], coarse);
+    solute_walk_limit(&r->walk[i].value, &coarse->value, ratio, r->walk[i].resolution);
     r->walk[i].seconds += coarse->seconds;
   }
 cleanup:

@@ -218,7 +218,8 @@ enum status solute_flow_finish(struct solute_flow *f) {
     int most = 0;
     for (int a = 1; a < 3; a++)
       if (fabs(f->mean_velocity[a]) > fabs(f->mean_velocity[most])) most = a;
-    f->mirrored = is_mirrored(f, most);
+    for (int a = 0; a < 3; a++) f->image[a] = is_mirrored(f, a);
+    f->mirrored = f->image[most];
   }
 cleanup:
   return status;

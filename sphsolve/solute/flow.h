@@ -20,8 +20,8 @@ enum status solute_flow_build(const int n[3], const double spacing[3],
                               void (*velocity)(const void *context, const double x[3], double u[3]),
                               const void *context, struct solute_flow *flow);
 
-/* The same flow in cells twice as long along each axis (the last of an odd number stays as it is:
- * refused): volumes, apertures and fluxes are sums, so that nothing is lost. */
+/* The same flow in half as many cells along each axis, rounded up, all of one length: volumes,
+ * apertures and fluxes are sums, so that nothing is lost. */
 enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_flow *coarse);
 
 void solute_flow_free(struct solute_flow *flow);

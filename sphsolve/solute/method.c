@@ -77,6 +77,8 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   struct solute_result result = {.status = "converged",
                                  .formation = NAN,
                                  .formation_error = NAN,
+                                 .formation_sample = NAN,
+                                 .correlation = {NAN, NAN},
                                  .tortuosity = NAN,
                                  .wanted = isnan(scene->solute.error) ? SOLUTE_WALK_ERROR
                                                                       : scene->solute.error};

@@ -60,6 +60,10 @@ static enum status write_closure(struct h5_file *file, const struct solute_resul
   COLUMN("longitudinal_projection", projection[0]);
   COLUMN("transverse_projection", projection[1]);
   COLUMN("solver", solver);
+  COLUMN("longitudinal_sample", sample[0]);
+  COLUMN("transverse_sample", sample[1]);
+  COLUMN("longitudinal_repeats", repeats[0]);
+  COLUMN("transverse_repeats", repeats[1]);
 #undef COLUMN
   for (int i = 0; i < r->count; i++)
     for (int e = 0; e < 9; e++) tensor[i][e] = r->closure[i].tensor[e / 3][e % 3];
@@ -121,7 +125,9 @@ static enum status write_solute(struct h5_file *file, const struct scene *scene,
   TRY(write_number(file, "diffusion", r->diffusion));
   TRY(write_number(file, "formation_factor", r->formation));
   TRY(write_number(file, "formation_factor_error", r->formation_error));
+  TRY(write_number(file, "formation_factor_sample", r->formation_sample));
   TRY(write_number(file, "tortuosity", r->tortuosity));
+  TRY(h5_write_attribute(file, "/solute", "correlation_length", H5_F64, 2, r->correlation));
   TRY(h5_write(file, "/solute/peclet", H5_F64, 1, dims, r->peclet, false));
   TRY(write_estimates(file, "", r->count, r->best, sizeof *r->best, 0));
   if (r->by_closure) TRY(write_closure(file, r));

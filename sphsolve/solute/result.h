@@ -21,6 +21,7 @@ struct solute_closed {
   struct solute_estimate value;
   double tensor[3][3];                         /* D* / D along x, y, z, on the flow's own cells */
   double resolution[2], projection[2], solver; /* parts of the errors, longitudinal, transverse */
+  double sample[2], repeats[2]; /* of the sample's size, not in the errors (sample_size.h) */
   int iterations;
   double seconds; /* of processor */
 };
@@ -48,7 +49,8 @@ struct solute_result {
   struct solute_estimate best[SOLUTE_PECLET_MAX]; /* what is reported */
   /* Conduction through the pores: the formation factor F = 1 / (porosity D* / D) along the flow,
    * its relative error, and D / D*, often called the diffusive tortuosity. */
-  double formation, formation_error, tortuosity;
+  double formation, formation_error, formation_sample, tortuosity;
+  double correlation[2]; /* m, of the velocity along the flow and across it */
   double wall_time;
 };
 

@@ -10,6 +10,11 @@ static double dispersivity(const struct solute_result *r, int i, double over_dif
   return r->peclet[i] > 0 ? over_diffusion * r->length / r->peclet[i] : NAN;
 }
 
+/* By how much another sample may differ; known where the closure problem was solved. */
+static double sample_error(const struct solute_result *r, int i, int across) {
+  return r->by_closure ? r->closure[i].sample[across] : NAN;
+}
+
 static void add(json_t *object, const char *name, double value) {
   json_array_append_new(json_object_get(object, name), json_number(value));
 }
@@ -21,6 +26,8 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
                                       "transverse",
                                       "longitudinal_error",
                                       "transverse_error",
+                                      "longitudinal_sample",
+                                      "transverse_sample",
                                       "longitudinal_dispersivity",
                                       "transverse_dispersivity"};
   json_t *object = json_object();
@@ -33,6 +40,8 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
     add(object, "transverse", e->transverse);
     add(object, "longitudinal_error", e->longitudinal_error);
     add(object, "transverse_error", e->transverse_error);
+    add(object, "longitudinal_sample", sample_error(r, i, 0));
+    add(object, "transverse_sample", sample_error(r, i, 1));
     add(object, "longitudinal_dispersivity", dispersivity(r, i, e->longitudinal));
     add(object, "transverse_dispersivity", dispersivity(r, i, e->transverse));
   }
@@ -62,7 +71,10 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
                  {"mean_velocity", flow->speed},
                  {"formation_factor", r->formation},
                  {"formation_factor_error", r->formation_error},
+                 {"formation_factor_sample", r->formation_sample},
                  {"tortuosity", r->tortuosity},
+                 {"velocity_correlation_along", r->correlation[0]},
+                 {"velocity_correlation_across", r->correlation[1]},
                  {"flow_correction", flow->correction},
                  {"wall_time", r->wall_time}};
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -84,11 +96,27 @@ static void print_value(double value, double error) {
     printf("  %10.4g +- ?      ", value);
 }
 
+static void print_sample(double error) {
+  if (isfinite(error))
+    printf("  %6.2g", 100 * error);
+  else
+    printf("  %6s", "?");
+}
+
 static void print_row(const struct solute_result *r, int i, const struct solute_estimate *e) {
   printf("%10.4g", r->peclet[i]);
   print_value(e->longitudinal, e->longitudinal_error);
   print_value(e->transverse, e->transverse_error);
+  for (int across = 0; across < 2; across++) print_sample(sample_error(r, i, across));
   if (r->peclet[i] > 0) printf("  %.3g", dispersivity(r, i, e->longitudinal));
+}
+
+/* Of the box along the mean flow, m. */
+static double flow_length(const struct solute_flow *flow) {
+  double length = 0;
+  for (int a = 0; a < 3; a++)
+    length += fabs(flow->mean_velocity[a]) / flow->speed * flow->n[a] * flow->spacing[a];
+  return length;
 }
 
 void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
@@ -99,8 +127,12 @@ void solute_result_print(const struct scene *scene, const struct solute_flow *fl
     printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
            100 * r->formation_error, 1 / r->tortuosity);
   printf("length     %.4g m, of Pe = U length / D\n", r->length);
-  printf("%10s  %10s    %-7s  %10s    %-7s  %s\n", "Pe", "D_L/D", "%", "D_T/D", "%",
-         "dispersivity D_L/U, m");
+  if (isfinite(r->correlation[0]))
+    printf("sample     %.3g mm along the flow; its velocity forgets itself in %.2g mm, across in "
+           "%.2g mm\n",
+           1e3 * flow_length(flow), 1e3 * r->correlation[0], 1e3 * r->correlation[1]);
+  printf("%10s  %10s    %-7s  %10s    %-7s  %-14s  %s\n", "Pe", "D_L/D", "%", "D_T/D", "%",
+         "others: %", "dispersivity D_L/U, m");
   for (int i = 0; i < r->count; i++) {
     print_row(r, i, &r->best[i]);
     putchar('\n');
@@ -110,6 +142,9 @@ void solute_result_print(const struct scene *scene, const struct solute_flow *fl
     print_row(r, i, &r->walk[i].value);
     puts("  walk");
   }
+  if (r->by_closure)
+    printf(
+        "others     by how much D_L and D_T of another sample, or of a larger one, may differ\n");
   printf("files      %s.hdf", prefix);
   if (r->by_walk) printf(", %s-tracks-*.hdf (ways of 64 walkers, for ParaView)", prefix);
   printf("\nnext       analyze dispersion %s.hdf -o results\n", prefix);

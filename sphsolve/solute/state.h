@@ -9,6 +9,7 @@
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/solute/closure.h"
 #include "sphsolve/solute/result.h"
+#include "sphsolve/solute/sample_size.h"
 
 /* The flow's own cells, and those taken two by two by two. */
 enum { SOLUTE_FINE, SOLUTE_COARSE, SOLUTE_LATTICES };
@@ -16,6 +17,7 @@ enum { SOLUTE_FINE, SOLUTE_COARSE, SOLUTE_LATTICES };
 /* What one lattice gave for one Peclet number. */
 struct solute_solved {
   struct solute_dispersion value;
+  struct solute_sample sample; /* of the flow's own cells alone */
   double seconds;
 };
 

@@ -30,8 +30,9 @@ struct solute_flow {
   double porosity;         /* pores that are kept over the whole box */
   double isolated;         /* share of the pore volume that no flow passes; its cells are closed */
   double grain_size;       /* m, 6 grain volume / grain surface: the diameter of equal spheres */
-  bool mirrored;     /* the box is its own mirror image along the axis that the flow goes along
-                        most: creeping flow then brings every streamline back to its place */
+  bool image[3];           /* the box is its own mirror image along x, y, z */
+  bool mirrored;     /* along the axis that the flow goes along most: creeping flow then brings
+                        every streamline back to its place */
   double correction; /* what the projection changed: rms over faces, over the rms flux */
   double viscosity, density; /* of the run; NAN where none is known */
 };

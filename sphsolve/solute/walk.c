@@ -46,9 +46,11 @@ double walk_bytes(size_t walkers) {
 }
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
-  /* Corners and bricks of all cells; a record and a place of each that is open. */
+  /* Corners and bricks of all cells; then the search for the surface (walk_surface.c), and after it
+   * a record and a place of each cell that is open. */
   return (sizeof(int16_t) + sizeof(struct walk_brick) / 64.0) * (double)cells +
-         (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores;
+         fmax(4 * sizeof(float) * (double)cells,
+              (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores);
 }
 
 /* A cell, and a place in it, until the place is in the pore: even over it. */

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 
 #include "common/memory.h"
+#include "sphsolve/solute/walk_surface.h"
 
 #define FARTHEST 32000 /* of a slope or a distance in its unit: what 16 bits hold */
 
@@ -47,35 +48,17 @@ static float unit_along(const struct solute_flow *f, int axis) {
   return (float)(f->spacing[0] / (f->spacing[axis] * (f->speed > 0 ? f->speed : 1)));
 }
 
-/* Signed distance at the low corner of a cell, m, no further than `farthest`: from the four centres
- * along each axis (third order; the mean of the eight around would move a bent wall by 1/8 of its
- * curvature), between those of the eight around. */
-static double corner_distance(const struct solute_flow *f, const int x[3], double farthest) {
-  static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
-  double sum = 0, least = INFINITY, most = -INFINITY;
-  for (int c = 0; c < 8; c++) {
-    const double d = (double)f->distance[around(f->n, x, -(c & 1), -(c >> 1 & 1), -(c >> 2))];
-    least = fmin(least, d), most = fmax(most, d);
-  }
-  if (least >= farthest) return farthest;
-  if (most <= -farthest) return -farthest;
-  for (int k = -2; k < 2; k++)
-    for (int j = -2; j < 2; j++)
-      for (int i = -2; i < 2; i++)
-        sum += weight[i + 2] * weight[j + 2] * weight[k + 2] *
-               (double)f->distance[around(f->n, x, i, j, k)];
-  return fmin(fmax(fmin(fmax(sum, least), most), -farthest), farthest);
-}
-
-/* Of all cells' low corners, in units of `unit` m. */
-static void find_corners(const struct solute_flow *f, double unit, int16_t *corners) {
-#pragma omp parallel for schedule(static)
-  for (int k = 0; k < f->n[2]; k++)
-    for (int j = 0; j < f->n[1]; j++)
-      for (int i = 0; i < f->n[0]; i++) {
-        const int x[3] = {i, j, k};
-        corners[at(f->n, x)] = (int16_t)lrint(corner_distance(f, x, FARTHEST * unit) / unit);
-      }
+/* Distances of all cells' low corners in units of `unit` m, no further than 16 bits hold. */
+static enum status find_corners(const struct solute_flow *f, double unit, int16_t *corners) {
+  enum status status = STATUS_OK;
+  float *distance = NULL;
+  TRY(memory_allocate(&distance, f->count, sizeof *distance, "distances of corners"));
+  TRY(walk_surface_find(f, distance));
+  for (size_t c = 0; c < f->count; c++)
+    corners[c] = (int16_t)lrint(fmin(fmax((double)distance[c] / unit, -FARTHEST), FARTHEST));
+cleanup:
+  memory_free(&distance);
+  return status;
 }
 
 static int16_t corner_of(const struct solute_flow *f, const int16_t *corners, const int x[3],
@@ -205,7 +188,7 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
   cells->slope_unit = steepest(f) / FARTHEST;
   TRY(memory_allocate(&corners, f->count, sizeof *corners, "distances of corners"));
   TRY(memory_allocate(&cells->brick, cells->bricks, sizeof *cells->brick, "bricks of cells"));
-  find_corners(f, unit, corners);
+  TRY(find_corners(f, unit, corners));
   fill_bricks(f, corners, cells);
   for (size_t c = 0; c < f->count; c++) cells->volume += (double)f->volume[c];
   TRY(memory_allocate(&cells->cell, cells->count, sizeof *cells->cell, "cells of the walk"));

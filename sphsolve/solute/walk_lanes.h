@@ -90,6 +90,36 @@ WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LA
   }
 }
 
+/* Which walkers stand in grain, a bit each: walk_in_pore, false where there is no cell. */
+WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_lanes *g) {
+  int32_t word[16][LANES] __attribute__((aligned(64)));
+  int32_t number[LANES], grain[LANES];
+  uint32_t cut = 0, mask = 0;
+  for (int l = 0; l < LANES; l++) {
+    cut |= g->walls[l];
+    number[l] = g->number[l] < 0 ? 0 : g->number[l];
+    grain[l] = g->number[l] < 0;
+  }
+  if (cut & WALK_CUT) {
+    lanes_columns(c, number, word);
+    for (int l = 0; l < LANES; l++) {
+      float edge[4];
+#pragma GCC unroll 4
+      for (int e = 0; e < 4; e++) {
+        const int32_t low = word[e / 2][l], high = word[2 + e / 2][l];
+        const float from = (float)(e % 2 ? low >> 16 : (int32_t)((uint32_t)low << 16) >> 16);
+        const float to = (float)(e % 2 ? high >> 16 : (int32_t)((uint32_t)high << 16) >> 16);
+        const float x = g->x[0][l] + 0.5f, y = g->x[1][l] + 0.5f, z = g->x[2][l] + 0.5f;
+        edge[e] = (e % 2 ? x : 1 - x) * (e / 2 ? y : 1 - y) * (from + z * (to - from));
+      }
+      const float distance = c->distance_unit * ((edge[0] + edge[1]) + (edge[2] + edge[3]));
+      grain[l] |= (g->walls[l] & WALK_CUT) != 0 && !(distance > 0);
+    }
+  }
+  for (int l = 0; l < LANES; l++) mask |= (uint32_t)grain[l] << l;
+  return mask;
+}
+
 /* walk_settle after a move; the cells found are fetched for the next turn. */
 WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
   for (int a = 0; a < 3; a++) {

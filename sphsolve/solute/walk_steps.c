@@ -105,9 +105,10 @@ WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
   for (int a = 0; a < 3; a++)
     for (int l = 0; l < LANES; l++) u[a][l] *= g->part[l];
   shift(c, &g->at, u, &g->end);
+  const uint32_t grain = lanes_in_grain(c, &g->end);
   for (int l = 0; l < LANES; l++) {
     rest[count] = l;
-    count += (g->part[l] < time) | ((g->end.walls[l] & WALK_CUT) != 0);
+    count += (g->part[l] < time) | (int)(grain >> l & 1);
   }
   const struct walk_lanes before = g->at;
   g->at = g->end;
@@ -123,16 +124,15 @@ WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
 WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float length,
                    struct walk_kept *kept) {
   int near[LANES], count = 0;
+  const uint32_t grain = lanes_in_grain(c, &g->end);
   for (int l = 0; l < LANES; l++) {
     near[count] = l;
-    count += (g->at.walls[l] & WALK_NEAR) != 0;
+    count += (g->at.walls[l] & WALK_NEAR) != 0 && (grain >> l & 1);
   }
   const struct walk_lanes before = g->at;
   g->at = g->end;
   for (int i = 0; i < count; i++) {
     const int l = near[i];
-    const struct walker end = lanes_take(&g->end, l);
-    if (end.number >= 0 && walk_in_pore(c, &end)) continue;
     struct walker w = lanes_take(&before, l);
     const walk_vector move = {g->move[turn][0][l], g->move[turn][1][l], g->move[turn][2][l], 0};
     if (!walk_mirror(c, &w, move, length)) kept->flown += l < g->count;

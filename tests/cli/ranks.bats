@@ -80,14 +80,6 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
 }
 
 @test "solute: closure problem and walk on 2 and 3 ranks, bit for bit; ended on 3 and resumed on one" {
-  cat > slit.cfg <<'END'
-scene = { name = "slit"; method = "stokes"; };
-domain = { size = ["1.2 mm", "0.3 mm"]; spacing = "0.05 mm"; periodic = [true, true]; };
-fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
-regions = ( { type = "water"; box = ["0", "0", "1.2 mm", "0.3 mm"]; },
-            { type = "wall"; box = ["0", "0", "0.2 mm", "0.3 mm"]; } );
-force = { body_acceleration = ["0", "-1 mm/s^2"]; };
-END
   cat > carried.cfg <<'END'
 scene  = { name = "carried"; };
 flow   = { file = "slit.hdf"; };
@@ -95,7 +87,7 @@ solute = { peclet = [30.0]; length = "1 mm"; way = "both"; };
 checkpoint = { interval = "1 us"; };
 END
   local given="run carried.cfg --error 30%"
-  sphsolve run slit.cfg -o slit --quiet
+  sphsolve run "$ROOT/tests/cli/slit.cfg" -o slit --quiet
   sphsolve $given -o alone --quiet --set checkpoint.interval='"1 h"'
   for n in 2 3; do
     on $n sphsolve-mpi $given -o "carried$n" --quiet --set checkpoint.interval='"1 h"'

@@ -5,16 +5,7 @@ bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_setup
-  # A slit 0.5 mm wide between walls, of sites 1/24 of the box.
-  cat > slit.cfg <<'END'
-scene = { name = "slit"; method = "stokes"; };
-domain = { size = ["1.2 mm", "0.3 mm"]; spacing = "0.05 mm"; periodic = [true, true]; };
-fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
-regions = ( { type = "water"; box = ["0", "0", "1.2 mm", "0.3 mm"]; },
-            { type = "wall"; box = ["0", "0", "0.2 mm", "0.3 mm"]; } );
-force = { body_acceleration = ["0", "-1 mm/s^2"]; };
-stokes = { tolerance = 1e-6; }; # the error that a solute's run states leaves that of the flow out
-END
+  cp "$ROOT/tests/cli/slit.cfg" .
   cat > carried.cfg <<'END'
 scene  = { name = "carried"; };
 flow   = { file = "slit.hdf"; };
@@ -45,7 +36,14 @@ for pe, d, error, a in zip(r["peclet"], r["longitudinal"], r["longitudinal_error
     assert abs(a - d * 1e-3 / pe) < 1e-9 * a
 assert all(t < 1e-6 for t in r["transverse"]), r["transverse"]
 assert abs(r["formation_factor"] * r["porosity"] - 1) < 1e-3
+# all that spreads along a slit is one way that stays faster than another: no sample of a soil says less of it
+assert all(a < b for a, b in zip(r["longitudinal_sample"], r["longitudinal_sample"][1:])) and r["longitudinal_sample"][-1] > 1
+assert abs(r["velocity_correlation_along"] / 0.15e-3 - 1) < 0.01, r["velocity_correlation_along"]  # half the box
+assert 0.05e-3 < r["velocity_correlation_across"] < 0.4e-3, r["velocity_correlation_across"]
 P
+  sphsolve run carried.cfg -o table --set 'solute.peclet=[30.0]' > table.txt
+  grep -q "^sample     0.3 mm along the flow; its velocity forgets itself in 0.15 mm, across in " table.txt
+  grep -q "^others     by how much" table.txt
 }
 
 @test "the random walk finds the same, within the error that it states" {
@@ -141,6 +139,7 @@ assert r["method"] == "solute" and r["size"] == [24, 1, 6] and r["memory_bytes"]
   analyze dispersion carried.hdf -o shown > shown.txt
   grep -q "formation factor F = " shown.txt
   grep -q "error of D_L by closure, resolution: " shown.txt
+  grep -q "error of D_L by closure, sample size: " shown.txt
   [ -s shown/dispersion.csv ]
   /usr/bin/python3 - <<'P'
 import json

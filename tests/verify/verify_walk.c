@@ -139,11 +139,16 @@ static void channels(void) {
          210, 10);
 }
 
+static struct solute_estimate estimate(const struct walk_verdict *v) {
+  return (struct solute_estimate){v->longitudinal, v->transverse, v->longitudinal_error,
+                                  v->transverse_error};
+}
+
 /* The walk against the closure problem on the same flow, within 3 % and the errors that both state:
- * of the closure problem that of resolution, for both have the same flow. With `twice` the walk's
- * is found as well, on cells twice as long. */
+ * of the closure problem that of resolution, for both have the same flow. With `twice` the walk is
+ * made on cells twice as long as well, and taken to the limit of both. */
 static void beside_closure(const char *name, const struct solute_flow *flow, double length,
-                           int peclets, bool twice) {
+                           int peclets, double most_steps, bool twice) {
   static struct solute_result r;
   static struct solute_state state;
   struct solute_flow half = {0};
@@ -155,12 +160,15 @@ static void beside_closure(const char *name, const struct solute_flow *flow, dou
     const struct solute_estimate *e = &r.closure[i].value;
     const double peclet = r.peclet[i] * flow->spacing[0] / length;
     char label[120];
-    double seconds, more = 0, resolution[2] = {0};
-    const struct walk_verdict w = walked(flow, peclet, 0.02, 16384, 3e8, true, &seconds);
+    double seconds, more = 0, resolution[2];
+    const struct walk_verdict v = walked(flow, peclet, 0.02, 16384, most_steps, true, &seconds);
+    struct solute_estimate w = estimate(&v);
     if (twice) {
-      const struct walk_verdict c = walked(&half, 2 * peclet, 0.02, 16384, 1e8, true, &more);
-      resolution[0] = fabs(c.longitudinal / w.longitudinal - 1) / 3;
-      resolution[1] = fabs(c.transverse / w.transverse - 1) / 3;
+      const double twice_peclet = peclet * half.spacing[0] / flow->spacing[0];
+      const struct walk_verdict c =
+          walked(&half, twice_peclet, 0.02, 16384, most_steps / 3, true, &more);
+      const struct solute_estimate coarse = estimate(&c);
+      solute_walk_limit(&w, &coarse, 2, resolution);
     }
     for (int across = 0; across < 2; across++) {
       const double error = across ? w.transverse_error : w.longitudinal_error;
@@ -168,9 +176,7 @@ static void beside_closure(const char *name, const struct solute_flow *flow, dou
                across ? 'T' : 'L', r.peclet[i]);
       report(label, across ? e->transverse : e->longitudinal,
              across ? w.transverse : w.longitudinal,
-             0.03 + sqrt(pow(error, 2) + pow(resolution[across], 2) +
-                         pow(r.closure[i].resolution[across], 2)),
-             across ? 0 : seconds + more);
+             0.03 + hypot(error, r.closure[i].resolution[across]), across ? 0 : seconds + more);
     }
   }
   solute_flow_free(&half);
@@ -181,14 +187,14 @@ static void past_bodies(const char *name, const int n[3], const struct body *bod
   const double h[3] = {1.0 / n[0], 1.0 / n[0], 1.0 / n[0]};
   struct solute_flow flow;
   must(solute_flow_build(n, h, distance, velocity, body, &flow));
-  beside_closure(name, &flow, 1, 5, false);
+  beside_closure(name, &flow, 1, 5, 3e8, false);
   solute_flow_free(&flow);
 }
 
 static void through_sand(const char *run) {
   struct solute_flow flow;
   must(solute_flow_read(run, &flow));
-  beside_closure("sand", &flow, flow.grain_size, 4, true);
+  beside_closure("sand", &flow, flow.grain_size, 5, 1.5e8, true);
   solute_flow_free(&flow);
 }
 
