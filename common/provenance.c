@@ -14,6 +14,10 @@ uint64_t hash_bytes(const void *data, size_t size) {
 }
 
 enum status hash_file(const char *path, uint64_t *hash) {
+  return hash_file_start(path, UINT64_MAX, hash);
+}
+
+enum status hash_file_start(const char *path, uint64_t size, uint64_t *hash) {
   enum status status = STATUS_OK;
   FILE *file = fopen(path, "rb");
   if (file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
@@ -23,7 +27,10 @@ enum status hash_file(const char *path, uint64_t *hash) {
   setvbuf(file, NULL, _IONBF, 0);
   XXH3_64bits_reset(state);
   size_t n;
-  while ((n = fread(block, 1, sizeof block, file)) > 0) XXH3_64bits_update(state, block, n);
+  while ((n = fread(block, 1, size < sizeof block ? (size_t)size : sizeof block, file)) > 0) {
+    XXH3_64bits_update(state, block, n);
+    size -= n;
+  }
   if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
   *hash = XXH3_64bits_digest(state);
 cleanup:

@@ -12,8 +12,9 @@
 #define TOSUI_VERSION "0.1.0"
 #define TOSUI_SCHEMA_VERSION 1
 
-/* XXH3 (64 bit) of a file's bytes. */
+/* XXH3 (64 bit) of a file's bytes; of its first `size`, or of all where there are fewer. */
 enum status hash_file(const char *path, uint64_t *hash);
+enum status hash_file_start(const char *path, uint64_t size, uint64_t *hash);
 uint64_t hash_bytes(const void *data, size_t size);
 
 /* Writes /provenance: attributes program, version, schema_version, command_line, host, time (the

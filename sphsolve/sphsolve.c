@@ -56,6 +56,7 @@ static const struct option_table table = {
     entries};
 
 #define RANKS_MOST 10000000
+#define OVERRIDES_MOST 256
 
 struct job {
   int directions; /* that --time is shared by; 0: one */
@@ -75,11 +76,14 @@ static int thread_count(void) {
 /* The scene with --set, and with one more override unless that is NULL. */
 static enum status read_scene(const struct options *options, const char *more,
                               struct scene *scene) {
-  const char *overrides[257];
+  const char *overrides[OVERRIDES_MOST + 1], *override;
   size_t n = 0;
-  while (n < 256 && options_text_nth(options, "set", n) != NULL) {
-    overrides[n] = options_text_nth(options, "set", n);
-    n++;
+  while ((override = options_text_nth(options, "set", n)) != NULL) {
+    if (n == OVERRIDES_MOST)
+      return FAIL(STATUS_USAGE,
+                  "--set: %d overrides are possible; write more of them into the scene",
+                  OVERRIDES_MOST);
+    overrides[n++] = override;
   }
   if (more != NULL) overrides[n++] = more;
   return scene_read(options_operand(options, 0), overrides, n, scene);

@@ -101,6 +101,8 @@ struct surface {
 
 static enum status add_piece(struct surface *s, size_t site, const struct piece *piece) {
   enum status status = STATUS_OK;
+  if (s->count == UINT32_MAX)
+    TRY_FAIL(STATUS_INPUT, "the surface of the grains cuts more than 2^32 voxels");
   if (s->count == s->room) {
     s->room = s->room == 0 ? 1024 : 2 * s->room;
     TRY(memory_resize(&s->pieces, s->room, sizeof *s->pieces, "the surface of the grains"));

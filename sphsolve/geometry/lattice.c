@@ -34,6 +34,27 @@ static enum status planes_of(const size_t size[3], size_t **start) {
   return status;
 }
 
+/* Wall distances of a model that brings none: from its grain fraction, else from the voxel faces.
+ * Collective. */
+static enum status find_distances(const struct voxel_model *model, float **distance) {
+  enum status status = STATUS_OK;
+  size_t *start = NULL;
+  TRY(node_allocate(distance, model_site_count(model), sizeof **distance, "wall distances"));
+  TRY(planes_of(model->size, &start));
+  const size_t plane = model->size[0] * model->size[1];
+  const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
+  if (model->grain_fraction != NULL)
+    TRY(ranks_agree(distance_from_fraction(model->size, model->spacing, model->periodic, first, end,
+                                           model->grain_fraction, *distance)));
+  else
+    distance_from_faces(model->size, model->spacing, model->periodic, first, end, model->solid,
+                        *distance);
+  node_share(*distance, start, sizeof **distance);
+cleanup:
+  memory_free(&start);
+  return status;
+}
+
 /* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
@@ -71,23 +92,8 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
     TRY(node_allocate(&lattice->micro_porosity, count, sizeof(float), "the soil"));
     TRY(node_allocate(&lattice->micro_permeability, count, sizeof(float), "the soil"));
   }
-  const float *source = model.wall_distance;
-  if (source == NULL) {
-    /* The model's own surface: from its grey fraction, else the voxel faces. */
-    TRY(node_allocate(&inner, model_site_count(&model), sizeof *inner, "wall distances"));
-    TRY(planes_of(model.size, &start));
-    const size_t plane = model.size[0] * model.size[1];
-    const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
-    if (model.grain_fraction != NULL)
-      TRY(ranks_agree(distance_from_fraction(model.size, model.spacing, model.periodic, first, end,
-                                             model.grain_fraction, inner)));
-    else
-      distance_from_faces(model.size, model.spacing, model.periodic, first, end, model.solid,
-                          inner);
-    node_share(inner, start, sizeof *inner);
-    memory_free(&start);
-    source = inner;
-  }
+  if (model.wall_distance == NULL) TRY(find_distances(&model, &inner));
+  const float *source = model.wall_distance != NULL ? model.wall_distance : inner;
   TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
                     "wall distances"));
   TRY(planes_of(lattice->size, &start));

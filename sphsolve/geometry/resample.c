@@ -132,6 +132,18 @@ void lattice_mirror_distances(struct lattice *l) {
            plane * sizeof *l->wall_distance);
 }
 
+void lattice_take_kinds(struct lattice *l, float offset, float least) {
+  l->fluid_count = l->wall_count = 0;
+  for (size_t s = 0; s < l->count; s++) {
+    const float d = l->wall_distance[s] + offset;
+    const bool fluid = d > 0.0f;
+    l->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
+    l->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
+    l->fluid_count += fluid;
+    l->wall_count += !fluid;
+  }
+}
+
 static void copy_regions(const struct lattice *fine, struct lattice *out) {
   for (size_t s = 0; s < out->count; s++) {
     const size_t index[3] = {s % out->size[0], s / out->size[0] % out->size[1],
@@ -168,15 +180,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
   TRY(resample_distances(fine, out));
   if (mirrored) lattice_mirror_distances(out);
-  const float least = (float)(1e-3 * spacing);
-  for (size_t s = 0; s < out->count; s++) {
-    const float d = out->wall_distance[s] + (float)offset;
-    const bool fluid = d > 0.0f;
-    out->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
-    out->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
-    out->fluid_count += fluid;
-    out->wall_count += !fluid;
-  }
+  lattice_take_kinds(out, (float)offset, (float)(1e-3 * spacing));
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);

@@ -26,6 +26,10 @@ bool lattice_is_mirrored(const struct lattice *lattice);
 /* Rounding may make the two halves of a mirrored lattice unlike in the last bit. */
 void lattice_mirror_distances(struct lattice *lattice);
 
+/* Kinds of all sites by the sign of their distances, `offset` (m) added, which are `least` (m) and
+ * more in size afterwards; and how many of each kind there are. */
+void lattice_take_kinds(struct lattice *lattice, float offset, float least);
+
 /* Pore volume over grain volume, sites on the surface counted in part. */
 double lattice_void_ratio(const struct lattice *lattice);
 

@@ -32,25 +32,31 @@ cleanup:
   return status;
 }
 
-/* The sites of another lattice beneath one along an axis, and how much of them; `more` sites beyond
- * on each side count whole. */
-#define COVERED_MOST 64
+/* The sites of a finer lattice that one site covers along an axis: from `low` to `high`, in fine
+ * spacings, with `more` sites beyond on each side; round the box they count from 0 again. */
 struct covered {
-  size_t count, index[COVERED_MOST];
-  double share[COVERED_MOST];
+  double low, high;
+  size_t first, count, size;
 };
 
 static struct covered cover(size_t i, double spacing, size_t size, double fine_spacing,
                             size_t more) {
-  struct covered c = {0};
-  const double turn = more > 0 ? (double)size : 0.0; /* no index below 0 */
-  const double low = (double)i * spacing / fine_spacing - (double)more + turn;
+  /* Whole boxes, so that no index is below 0. */
+  const double boxes = (double)((more + size - 1) / size * size);
+  const double low = (double)i * spacing / fine_spacing - (double)more + boxes;
   const double high = low + spacing / fine_spacing + 2.0 * (double)more;
-  for (double at = floor(low + 1e-9); at < high - 1e-9 && c.count < COVERED_MOST; at += 1.0) {
-    c.index[c.count] = (size_t)at % size;
-    c.share[c.count++] = fmin(high, at + 1.0) - fmax(low, at);
-  }
-  return c;
+  const double first = floor(low + 1e-9);
+  return (struct covered){low, high, (size_t)first, (size_t)ceil(high - 1e-9 - first), size};
+}
+
+static size_t covered_index(const struct covered *c, size_t n) {
+  return (c->first + n) % c->size;
+}
+
+/* The length of the n-th that is covered, in fine spacings. */
+static double covered_length(const struct covered *c, size_t n) {
+  const double at = (double)(c->first + n);
+  return fmin(c->high, at + 1.0) - fmax(c->low, at);
 }
 
 /* False where all of them are walls. */
@@ -60,17 +66,18 @@ static bool take_mean(const struct lattice *fine, const struct covered c[3], str
   for (size_t k = 0; k < c[2].count; k++)
     for (size_t j = 0; j < c[1].count; j++)
       for (size_t i = 0; i < c[0].count; i++) {
-        const double share = c[0].share[i] * c[1].share[j] * c[2].share[k];
-        const size_t at =
-            (c[2].index[k] * fine->size[1] + c[1].index[j]) * fine->size[0] + c[0].index[i];
+        const double volume =
+            covered_length(&c[0], i) * covered_length(&c[1], j) * covered_length(&c[2], k);
+        const size_t row = covered_index(&c[2], k) * fine->size[1] + covered_index(&c[1], j);
+        const size_t at = row * fine->size[0] + covered_index(&c[0], i);
         if (fine->kind[at] != SITE_FLUID) continue;
         if (!lattice_is_soil(fine, at)) {
-          pores += share;
+          pores += volume;
           continue;
         }
-        soils += share;
-        porosity += share * (double)fine->micro_porosity[at];
-        logarithm += share * log((double)fine->micro_permeability[at]);
+        soils += volume;
+        porosity += volume * (double)fine->micro_porosity[at];
+        logarithm += volume * log((double)fine->micro_permeability[at]);
       }
   if (soils <= pores) return pores > 0.0;
   out->micro_porosity[site] = (float)((pores + porosity) / (pores + soils));
@@ -81,8 +88,7 @@ static bool take_mean(const struct lattice *fine, const struct covered c[3], str
 enum status lattice_soil_resample(const struct lattice *fine, struct lattice *out) {
   enum status status = STATUS_OK;
   if (fine->micro_porosity == NULL) return STATUS_OK;
-  TRY(memory_allocate(&out->micro_porosity, out->count, sizeof(float), "the soil"));
-  TRY(memory_allocate(&out->micro_permeability, out->count, sizeof(float), "the soil"));
+  TRY(lattice_soil_allocate(out));
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < out->size[1] * out->size[2]; row++) {
     for (size_t i = 0; i < out->size[0]; i++) {

@@ -60,7 +60,7 @@ static double normal_quantile(double share) {
   const double p = fmin(share, 1.0 - share), w = sqrt(-2.0 * log(p));
   double t = (2.30753 + 0.27061 * w) / (1.0 + w * (0.99229 + 0.04481 * w)) - w;
   for (int i = 0; i < 2; i++)
-    t -= (0.5 * erfc(-t / sqrt(2.0)) - p) * sqrt(2.0 * 3.14159265358979323846) * exp(0.5 * t * t);
+    t -= (0.5 * erfc(-t / sqrt(2.0)) - p) * sqrt(2.0 * M_PI) * exp(0.5 * t * t);
   return share < 0.5 ? t : -t;
 }
 
@@ -105,16 +105,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
         (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
   if (mirrored) lattice_mirror_distances(out);
   match_void_ratio(out, wanted, width);
-  const float least = (float)(1e-3 * h);
-  out->fluid_count = out->wall_count = 0;
-  for (size_t s = 0; s < out->count; s++) {
-    const float d = out->wall_distance[s];
-    const bool fluid = d > 0.0f;
-    out->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
-    out->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
-    out->fluid_count += fluid;
-    out->wall_count += !fluid;
-  }
+  lattice_take_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
   memory_free(&image);
   memory_free(&work);

@@ -229,7 +229,13 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     s->wall_number[i] = 0;
     if (s->boundary_count > 0)
       n_wall = collect(s, &s->wall_cells, s->wall_order, s->boundary_position, xi, hi, candidates);
-    if (n_wall > 0 && n_wall <= CANDIDATES) {
+    if (n_wall > CANDIDATES)
+      return FAIL(STATUS_NUMERIC,
+                  "t = %.4g s: more than %d wall particles within the support of %.3g m at (%.4g, "
+                  "%.4g, %.4g) m: soil of so low a porosity needs a smaller isph.support_ratio, or "
+                  "is a wall",
+                  s->time, CANDIDATES, hi, xi[0], xi[1], xi[2]);
+    if (n_wall > 0) {
       status = grow(chunk, chunk->pair_count, chunk->wall_count + n_wall);
       if (status != STATUS_OK) return status;
       for (size_t k = 0; k < n_wall; k++) {
@@ -304,15 +310,14 @@ static enum status shape_chunks(struct isph *s) {
   return STATUS_OK;
 }
 
-/* How close each particle is to the surface. */
-static void find_near(struct isph *s) {
+void isph_find_near_surface(const struct isph *s, double *near) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      s->near[i] = s->surface[i];
+      near[i] = s->surface[i];
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
-        s->near[i] = fmax(s->near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
+        near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
     }
   }
 }
@@ -333,7 +338,7 @@ enum status isph_find_neighbours(struct isph *s) {
   if (s->on.surface) TRY(isph_find_enclosed(s));
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
-  if (s->near != NULL) find_near(s);
+  if (s->near != NULL) isph_find_near_surface(s, s->near);
   if (s->on.soil) isph_moment_correct(s);
   s->pairs_now = 0;
   for (size_t c = 0; c < s->chunk_count; c++)

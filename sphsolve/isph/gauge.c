@@ -88,12 +88,6 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   }
 }
 
-double isph_pressure_at(const struct isph *s, const double point[3]) {
-  double value[4];
-  fit(s, point, value);
-  return value[0];
-}
-
 bool isph_has_head(const struct isph *s) {
   const double *g = s->scene->gravity;
   return g[0] != 0 || g[1] != 0 || g[2] != 0;

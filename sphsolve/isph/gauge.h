@@ -11,9 +11,8 @@
 
 /* Whether there is a head: gravity. */
 bool isph_has_head(const struct isph *s);
-/* Pressure (Pa) at a point, exact for linear fields; 0 in a void. Collective. */
-double isph_pressure_at(const struct isph *s, const double point[3]);
-/* Pressure, Darcy velocity (m/s); with gravity the total head z + P / (rho g), m, z against gravity
+/* Pressure (Pa) and Darcy velocity (m/s) at a point, exact for linear fields, 0 in a void; with
+ * gravity the total head z + P / (rho g), m, z against gravity
  * from the origin; with a surface too the level of the highest water over the point, m, NAN where
  * there is none. Returns how many numbers. Collective. */
 size_t isph_read_gauge(const struct isph *s, const double point[3], double *number);

@@ -61,15 +61,7 @@ static inline double along(const double c[6], const double r[3]) {
 /* No lack next to a surface. */
 static void spare_surface(struct isph *s) {
   double *near = s->work[0];
-#pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      near[i] = s->surface[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
-        near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
-    }
-  }
+  isph_find_near_surface(s, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int k = 0; k < 6; k++) s->moment_defect[i][k] *= (float)(1 - near[i]);
 }

@@ -33,8 +33,7 @@ static int axis_of_force(const struct scene *scene) {
   return axis;
 }
 
-/* Walls, soils, windows and water that are given a speed. */
-static double given_speed(const struct scene *scene) {
+double isph_prescribed_speed(const struct scene *scene) {
   double fastest = 0;
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *r = &scene->regions[k];
@@ -199,7 +198,7 @@ enum status isph_speed_predict(const struct effect_context *context,
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   const int axis = axis_of_force(scene);
-  double *water = NULL, *room = NULL, surface = NAN, steady = given_speed(scene);
+  double *water = NULL, *room = NULL, surface = NAN, steady = isph_prescribed_speed(scene);
   uint8_t *reached = NULL;
   *speeds = (struct isph_speed_forecast){.lasts = INFINITY};
   if (context->driving > 0 && scene->periodic[axis])

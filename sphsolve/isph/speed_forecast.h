@@ -11,6 +11,9 @@ struct isph_speed_forecast {
   double speed_after; /* m/s */
 };
 
+/* The largest velocity, m/s, that the scene gives to walls, soils, inflows and water. */
+double isph_prescribed_speed(const struct scene *scene);
+
 /* From the lattice and the regions alone, before a run; fails for want of memory. */
 enum status isph_speed_predict(const struct effect_context *context,
                                struct isph_speed_forecast *speeds);

@@ -216,7 +216,6 @@ struct isph {
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
 
-  size_t region_count;
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* the conservation budget */
@@ -226,7 +225,7 @@ struct isph {
   double lost_mass, left_mass, entered_mass;
   struct budget budget;
   double budget_stored[4]; /* within a step: momentum and energy before soil is found anew */
-  double pair_interactions, pair_seconds;
+  double pair_interactions;
   struct watchdog dog;
   double kernel_sum_peak; /* the largest kernel sum once a warning of it was given; 0 before */
   int64_t stable_from;    /* step of the watchdog's last trip or return to a longer step */
@@ -305,6 +304,8 @@ enum status isph_sort(struct isph *s);
 uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
 enum status isph_sort_walls(struct isph *s);
 enum status isph_find_neighbours(struct isph *s);
+/* How far each own particle, or a neighbour of it, is on the surface: the largest; near [count]. */
+void isph_find_near_surface(const struct isph *s, double *near);
 
 /* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);

@@ -9,6 +9,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/speed_forecast.h"
 
 /* Bounds of the watchdog: of the kernel sum (sum of V W, 1 in the bulk), beside one spacing a step,
  * and the pressure solve's own bound on its residual. */
@@ -25,16 +26,11 @@
 #define SPEED_MOST 100.0
 
 double isph_given_speed(const struct isph *s) {
-  double speed = 0;
+  double speed = isph_prescribed_speed(s->scene);
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
-    const double *v = region->velocity, *u = region->soil_velocity;
-    double own = fmax(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
-                      sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
-    if (region->boundary == BOUNDARY_FLUX) own = fmax(own, fabs(region->flux));
-    if (region->boundary == BOUNDARY_HEAD)
-      own = fmax(own, sqrt(2 * s->scene->driving[2] * -region->head));
-    if (own > speed) speed = own;
+    if (region->boundary == BOUNDARY_HEAD) /* Torricelli; NAN, which fmax drops, where none falls */
+      speed = fmax(speed, sqrt(2 * s->scene->driving[2] * -region->head));
   }
   return speed;
 }

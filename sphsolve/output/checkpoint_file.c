@@ -58,22 +58,18 @@ cleanup:
 
 /* True when the file ends in a seal that fits its bytes. */
 static bool seal_holds(const char *path) {
-  bool holds = false;
-  uint64_t found = 0;
-  char mark[8], *bytes = NULL;
+  uint64_t sealed = 0, found = 0;
+  char mark[8];
   FILE *file = fopen(path, "rb");
   if (file == NULL) return false;
-  long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-  if (size > 16 && fseek(file, 0, SEEK_SET) == 0 &&
-      memory_allocate(&bytes, (size_t)size, 1, "a checkpoint") == STATUS_OK &&
-      fread(bytes, (size_t)size, 1, file) == 1) {
-    memcpy(mark, bytes + size - 16, 8);
-    memcpy(&found, bytes + size - 8, 8);
-    holds = memcmp(mark, seal_mark, 8) == 0 && found == hash_bytes(bytes, (size_t)size - 16);
-  }
-  error_clear();
-  memory_free(&bytes);
+  const long start = fseek(file, -16, SEEK_END) == 0 ? ftell(file) : -1; /* of the seal */
+  const bool marked = start > 0 && fread(mark, sizeof mark, 1, file) == 1 &&
+                      fread(&sealed, sizeof sealed, 1, file) == 1 &&
+                      memcmp(mark, seal_mark, sizeof mark) == 0;
   fclose(file);
+  const bool holds =
+      marked && hash_file_start(path, (uint64_t)start, &found) == STATUS_OK && found == sealed;
+  error_clear();
   return holds;
 }
 

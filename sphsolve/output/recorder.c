@@ -80,10 +80,6 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   if (strlen(prefix) >= sizeof recorder->prefix || !*prefix)
     TRY_FAIL(STATUS_USAGE, "-o '%s': a name for the output files is wanted", prefix);
   snprintf(recorder->prefix, sizeof recorder->prefix, "%s", prefix);
-  /* "-o out.hdf" means the same as "-o out". */
-  size_t length = strlen(recorder->prefix);
-  if (length > 4 && !strcmp(recorder->prefix + length - 4, ".hdf"))
-    recorder->prefix[length - 4] = '\0';
   recorder->scene = scene;
   recorder->plan = plan;
   recorder->lattice = lattice;

@@ -51,9 +51,7 @@ void plan_estimate_seepage(struct effect_context *context) {
   double s = surface / lattice->bulk_count * 2 / 3;
   double porosity = (double)lattice->fluid_count / lattice->bulk_count;
   double nu = scene->fluid.viscosity / scene->fluid.density, cube = porosity * porosity * porosity;
-  double driving =
-      sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +
-           scene->driving[2] * scene->driving[2]);
+  const double driving = context->driving;
   if (!(s > 0 && nu > 0)) return;
   const double viscous = 5 * s * s * nu / cube, inertial = across ? 1.75 / 6 * s / cube : 0;
   context->velocity_scale =
@@ -65,8 +63,10 @@ void plan_estimate_seepage(struct effect_context *context) {
 
 void plan_context(const struct scene *scene, const struct lattice *lattice,
                   struct effect_context *context) {
+  const double *f = scene->driving;
   *context = (struct effect_context){.scene = scene,
                                      .lattice = lattice,
+                                     .driving = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]),
                                      .has_porous = has_region(scene, REGION_POROUS),
                                      .has_inflow = has_region(scene, REGION_INFLOW),
                                      .has_moving_wall = has_moving_wall(scene)};
@@ -105,9 +105,6 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   context->method = method;
   context->spacing = lattice->dimensions == 2 ? lattice->spacing[0] : mean_spacing(lattice);
   context->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;
-  context->driving =
-      sqrt(scene->driving[0] * scene->driving[0] + scene->driving[1] * scene->driving[1] +
-           scene->driving[2] * scene->driving[2]);
   /* Sides that are closed without sites. */
   for (int a = 0; a < 3 && method->wall_layers == 0; a++)
     context->has_wall = context->has_wall || !scene->periodic[a];

@@ -4,7 +4,6 @@
 
 #include "common/hdf5_file.h"
 
-#define PI 3.14159265358979323846
 /* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
 /* Fitted to generated sands (docs/notes/2026-11-22-scanner.md). */
@@ -33,7 +32,8 @@ bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
     return true;
   }
   const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
-  const double alike = 2.0 * sqrt(PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
+  const double alike =
+      2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
   *scan =
       (struct scan_quality){.blur = blur,

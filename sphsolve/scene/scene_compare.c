@@ -71,6 +71,12 @@ static void put_all(FILE *stream, const struct scene *s) {
   put(stream, "force.body_acceleration (m/s^2)", s->body_acceleration, 3);
   put(stream, "force.pressure_gradient (Pa/m)", s->pressure_gradient, 3);
   put_number(stream, "force.hydraulic_gradient", s->hydraulic_gradient);
+  for (size_t i = 0; i < s->gauge_count; i++)
+    fprintf(stream, "gauges.[%zu] = %s %.12g %.12g %.12g\n", i, s->gauges[i].name,
+            s->gauges[i].at[0], s->gauges[i].at[1], s->gauges[i].at[2]);
+  for (size_t i = 0; i < s->plane_count; i++)
+    fprintf(stream, "planes.[%zu] = %s %c %.12g\n", i, s->planes[i].name, 'x' + s->planes[i].axis,
+            s->planes[i].position);
   put_number(stream, "wcsph.sound_speed (m/s)", s->wcsph.sound_speed);
   put_number(stream, "wcsph.support (m)", s->wcsph.support);
   fprintf(stream, "wcsph.equation_of_state = %d\nwcsph.kernel = %d\nwcsph.wall = %s\n",

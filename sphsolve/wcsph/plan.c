@@ -17,7 +17,6 @@
 #define SAFETY 0.8             /* of the stable time step */
 #define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
 #define DELTA 0.1              /* Molteni, Colagrossi 2009 */
-#define SAMPLES_LEAST 80       /* of the Darcy velocity before a flow may be called steady */
 #define STABILISATION_FAST 0.1 /* dx/u: the most of gamma where inertia rules */
 #define PEAK_MODEL 6           /* of pore velocity over its mean, in a sand; 2 in ducts */
 
@@ -277,7 +276,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
     plan->steps =
         ceil(fmin(plan->steps + pressure_steps(plan, &modes), scene->end_time / plan->dt));
   if (scene->steady_tolerance > 0)
-    plan->steps = fmax(plan->steps, fmin(SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
+    plan->steps = fmax(plan->steps, fmin(WCSPH_SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
   double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
   plan->seconds = plan->steps * passes * modes.neighbours * (double)lattice->fluid_count /
                   (PAIRS_PER_SECOND * threads);

@@ -9,6 +9,10 @@
 #include "sphsolve/march/monitor.h"
 #include "sphsolve/march/watchdog.h"
 
+/* The fewest samples of the Darcy velocity before a flow may be called steady: the slowest mode of
+ * a slit has then died to 1e-7. */
+#define WCSPH_SAMPLES_LEAST 80
+
 struct wcsph_state {
   struct engine engine;
   struct monitor monitor;

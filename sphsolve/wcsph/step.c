@@ -5,12 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* The fewest samples before a flow may be called steady: the slowest mode of a slit has then died
- * to 1e-7. */
-#define SAMPLES_LEAST 80
-
 struct monitor_verdict wcsph_verdict(const struct wcsph_run *run) {
-  return monitor_judge(&run->state.monitor, run->scene->steady_tolerance, SAMPLES_LEAST);
+  return monitor_judge(&run->state.monitor, run->scene->steady_tolerance, WCSPH_SAMPLES_LEAST);
 }
 
 /* The Darcy velocity along the force first, it decides; then its components. */

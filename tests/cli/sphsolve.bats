@@ -40,6 +40,30 @@ END
   [[ "$stderr" == *"did you mean '--help'"* ]]
 }
 
+@test "overrides beyond those that are possible are refused, not dropped" {
+  slit
+  many=()
+  for ((n = 0; n < 257; n++)); do many+=(--set "scene.name=n$n"); done
+  run --separate-stderr "$SPH" explain slit.cfg "${many[@]}"
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == "sphsolve: --set: 256 overrides are possible"* ]]
+}
+
+@test "isph: walls that no list of neighbours holds are an error, and are not left out" {
+  cat > dense.cfg <<END
+scene = { name = "dense"; method = "isph"; end_time = "1 s"; };
+domain = { size = ["5 cm", "5 cm", "30 cm"]; spacing = "1 cm"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0", "5 cm", "5 cm", "30 cm"]; },
+  { type = "porous"; box = ["0", "0", "0", "5 cm", "5 cm", "28 cm"]; porosity = 0.02; grain_size = "1 mm"; } );
+force = { gravity = ["0", "0", "-9.81 m/s^2"]; };
+isph = { support_ratio = 6.0; };
+END
+  run --separate-stderr "$SPH" run dense.cfg -o dense --quiet
+  [ "$status" -ne 0 ]
+  [[ "$stderr" == *"more than 8192 wall particles within the support"* ]]
+}
+
 @test "missing and broken files end with exit code 3 and name the file" {
   run --separate-stderr "$SPH" explain nowhere.cfg
   [ "$status" -eq 3 ]

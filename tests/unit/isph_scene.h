@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/method.h"
 
 struct run {
@@ -46,6 +47,13 @@ static inline void finish(struct run *run) {
   isph_free(&run->s);
   lattice_free(&run->lattice);
   scene_free(&run->scene);
+}
+
+/* Pa. */
+static inline double pressure_at(const struct isph *s, const double point[3]) {
+  double number[GAUGE_NUMBERS];
+  isph_read_gauge(s, point, number);
+  return number[0];
 }
 
 /* Returns the number of steps. */

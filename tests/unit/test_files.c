@@ -186,6 +186,25 @@ static void test_not_hdf5(void **state) {
   refused(h5_open("/nowhere/at/all.hdf", &file), "No such file");
 }
 
+static void test_hash_of_a_start(void **state) {
+  (void)state;
+  char name[64], text[70000];
+  uint64_t hash;
+  memset(text, 'x', sizeof text);
+  snprintf(name, sizeof name, "%s/text", folder);
+  FILE *file = fopen(name, "wb");
+  fwrite(text, sizeof text, 1, file);
+  fclose(file);
+  const size_t sizes[] = {0, 1, 65536, 65537, sizeof text};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+    assert_int_equal(hash_file_start(name, sizes[i], &hash), STATUS_OK);
+    assert_true(hash == hash_bytes(text, sizes[i]));
+  }
+  assert_int_equal(hash_file(name, &hash), STATUS_OK);
+  assert_true(hash == hash_bytes(text, sizeof text));
+  unlink(name);
+}
+
 static void write_model(const struct voxel_model *model) {
   struct h5_file *file;
   const char *inputs[] = {"in.tif"};
@@ -379,11 +398,15 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_chunks),
-      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
-      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
-      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
-      cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
+                                     cmocka_unit_test(test_round_trip),
+                                     cmocka_unit_test(test_chunks),
+                                     cmocka_unit_test(test_foreign),
+                                     cmocka_unit_test(test_not_hdf5),
+                                     cmocka_unit_test(test_model),
+                                     cmocka_unit_test(test_snapshot),
+                                     cmocka_unit_test(test_series),
+                                     cmocka_unit_test(test_damaged_checkpoints),
+                                     cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

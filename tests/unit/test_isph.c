@@ -225,7 +225,7 @@ static void heads_hold(void **state) {
     mean += v[0] / 40;
     for (int g = 0; g < 2; g++) {
       const double at[3] = {g == 0 ? 0.05 : 0.15, 0, 0.05};
-      head[g] += (isph_pressure_at(&run.s, at) / 9810 + 0.05) / 40;
+      head[g] += (pressure_at(&run.s, at) / 9810 + 0.05) / 40;
     }
   }
   double a = 1000 * 1e-6 * 0.36 / (0.064 * 25e-6), b = 1.1 * 0.6 / (0.064 * 5e-3);

@@ -44,7 +44,7 @@ static void full_water_is_still(void **state) {
     assert_int_equal(run.s.enclosed_count, k == 0);
     for (int step = 0; step < 200; step++) {
       assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
-      double head = isph_pressure_at(&run.s, cases[k].foot) / (1000 * 9.81 * .1);
+      double head = pressure_at(&run.s, cases[k].foot) / (1000 * 9.81 * .1);
       assert_true(head < 10); /* 4.3 in the step in which the void falls shut */
       if (step >= 150) assert_true(fabs(head - 1) <= cases[k].swing);
     }
@@ -73,7 +73,7 @@ static void pressure_does_not_alternate(void **state) {
   while (run.s.time < 0.16) {
     const char *limit;
     assert_int_equal(isph_advance(&run.s, isph_stable_dt(&run.s, &limit)), STATUS_OK);
-    double now = isph_pressure_at(&run.s, at);
+    double now = pressure_at(&run.s, at);
     if (run.s.time > 0.07) worst = fmax(worst, fabs(now / before - 1));
     before = now;
   }

@@ -141,12 +141,39 @@ static void test_slope_is_one(void **state) {
   }
 }
 
+/* A site that covers a hundred others takes the mean of all of them, and one above walls alone what
+ * lies beside it, also along an axis of one site. */
+static void test_coarse(void **state) {
+  (void)state;
+  struct lattice fine, coarse = {.dimensions = 3, .size = {2, 1, 1}, .count = 2};
+  uint8_t kinds[2] = {SITE_FLUID, SITE_FLUID};
+  layers(0, 200, 0.2, 1e-3, &fine);
+  for (size_t s = 0; s < fine.count; s++) {
+    if (s % 200 >= 64 && s % 200 < 100) fine.micro_porosity[s] = 0.6f;
+    if (s % 200 >= 100 && s % 200 < 198) fine.kind[s] = SITE_WALL;
+  }
+  for (int a = 0; a < 3; a++) coarse.spacing[a] = a == 0 ? 100.0 : 2.0;
+  coarse.kind = kinds;
+  assert_int_equal(lattice_soil_resample(&fine, &coarse), STATUS_OK);
+  assert_true(fabs((double)coarse.micro_porosity[0] - (0.64 * 0.2 + 0.36 * 0.6)) < 1e-6);
+  assert_true(fabs((double)coarse.micro_porosity[1] - 0.2) < 1e-6);
+  memory_free(&coarse.micro_porosity);
+  memory_free(&coarse.micro_permeability);
+  fine.size[0] = 200, fine.size[1] = fine.size[2] = 1, fine.count = 200;
+  for (size_t s = 100; s < 200; s++)
+    fine.kind[s] = SITE_WALL; /* the nearest soil is round the box */
+  assert_int_equal(lattice_soil_resample(&fine, &coarse), STATUS_OK);
+  assert_true(fabs((double)coarse.micro_porosity[1] - 0.4) < 1e-6);
+  memory_free(&coarse.micro_porosity);
+  memory_free(&coarse.micro_permeability);
+  lattice_free(&fine);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_slope_of_one_solution),
-                                     cmocka_unit_test(test_slope_is_one),
-                                     cmocka_unit_test(test_channel_over_soil),
-                                     cmocka_unit_test(test_layers_in_series),
-                                     cmocka_unit_test(test_soil_alone),
-                                     cmocka_unit_test(test_resampled)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_coarse),           cmocka_unit_test(test_slope_of_one_solution),
+      cmocka_unit_test(test_slope_is_one),     cmocka_unit_test(test_channel_over_soil),
+      cmocka_unit_test(test_layers_in_series), cmocka_unit_test(test_soil_alone),
+      cmocka_unit_test(test_resampled)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

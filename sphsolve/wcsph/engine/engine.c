@@ -87,20 +87,19 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   engine->fields = engine_fields(settings);
   struct cluster_set wall_boxes = {0};
   const struct engine_settings *s = &engine->settings;
-  double widest = 0, volume = 1, geometric = 1;
+  double widest = 0, volume = 1;
   for (int a = 0; a < 3; a++) {
     if (lattice->dimensions == 2 && a == 1) continue;
     widest = fmax(widest, lattice->spacing[a]);
     volume *= lattice->spacing[a];
-    geometric = volume;
   }
-  geometric = pow(geometric, 1.0 / lattice->dimensions);
+  const double spacing = pow(volume, 1.0 / lattice->dimensions);
   TRY(pair_table_choose(s->kernel, &engine->table));
   /* A cluster as it was cut, and what its members may have gone and may go on both sides. */
-  double reach = ENGINE_REACH * widest, room = 2 * (1 + ENGINE_SWERVE) * ENGINE_PATH * geometric;
-  TRY(particles_make(lattice, s->support + WALL_ROOM * geometric, reach,
+  double reach = ENGINE_REACH * widest, room = 2 * (1 + ENGINE_SWERVE) * ENGINE_PATH * spacing;
+  TRY(particles_make(lattice, s->support + WALL_ROOM * spacing, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
-  if (ranks_count() > 1) TRY(engine_order_walls(engine, s->support + WALL_ROOM * geometric));
+  if (ranks_count() > 1) TRY(engine_order_walls(engine, s->support + WALL_ROOM * spacing));
   TRY(place(engine));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   TRY(set_velocities(engine));
@@ -137,7 +136,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->diffusion = s->pressure_diffusion;
   pass->weights = s->weights;
   pass->stabilisation = s->pressure_diffusion / (s->sound_speed * s->sound_speed);
-  pass->spacing = geometric;
+  pass->spacing = spacing;
   if (s->wall == PASS_FROZEN) /* until the first density pass */
     for (size_t i = 0; i < particles_slots(&engine->particles); i++) engine->particles.state[i] = 1;
   for (size_t i = 0; i < particles_slots(&engine->particles); i++) {
