@@ -59,7 +59,7 @@ static const struct option_table table = {
 #define OVERRIDES_MOST 256
 
 struct job {
-  int directions; /* that --time is shared by; 0: one */
+  int directions; /* runs among which --time is divided; 0: one */
   struct scene scene;
   struct lattice lattice;
   struct plan plan;

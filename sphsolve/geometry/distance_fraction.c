@@ -113,8 +113,9 @@ cleanup:
   return status;
 }
 
-/* Whether the fraction goes through 1/2 from the voxel at x to one of the six beside it; to those
- * that have no plane, nor has x, `piece` is laid where it does so by the line between them. */
+/* Whether the fraction goes through 1/2 between the voxel at x and one of the six beside it. Unless
+ * `planes` is NULL: *piece lies at the mean of the places where it does so, linear between centres,
+ * over those of the six that have no plane; *planes: all of them have one. */
 static bool crosses(const struct surface *s, const long x[3], bool *planes, struct piece *piece) {
   const int none[3] = {0, 0, 0};
   const long here = distance_neighbour(&s->grid, x, none);
@@ -181,7 +182,8 @@ static void to_piece(const struct surface *s, const struct piece *piece, const i
   *across = sqrt(fmax(square - along * along, 0));
 }
 
-/* Pieces of one surface, by the width of their discs: as far apart as planes of a bent one are. */
+/* In widths of a disc: pieces whose distances differ by less are taken for one surface, as planes
+ * of a bent one differ by so much. */
 #define SAME_SURFACE 0.15
 
 /* Distance from the site x to the surface, unsigned: that to the nearest disc says which surface it

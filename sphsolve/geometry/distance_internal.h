@@ -1,4 +1,4 @@
-/* What the ways to a wall distance share: the voxels around one, nearest first. */
+/* What both ways to find wall distances use: the voxels around one, nearest first. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_DISTANCE_INTERNAL_H
 #define TOSUI_SPHSOLVE_GEOMETRY_DISTANCE_INTERNAL_H
 

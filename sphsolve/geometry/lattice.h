@@ -24,8 +24,8 @@ struct lattice {
   double origin[3];  /* m: centre of site (0, 0, 0) */
   size_t count;      /* product of size */
   size_t fluid_count, wall_count;
-  /* Sites without added wall layers: the bulk of the Darcy velocity. Not whole where a closed side
-   * of a domain lies within a site. */
+  /* Sites without added wall layers: the bulk of the Darcy velocity. Not a whole number where a
+   * closed side of a domain lies within a site. */
   double bulk_count;
   uint8_t *kind; /* enum site_kind */
   /* Signed distance from the site's centre to the wall surface, m, positive in the fluid. From the
@@ -38,11 +38,13 @@ struct lattice {
   /* Soil with pores below the sites (soil.h): porosity 0..1 and permeability, m^2, of fluid sites,
    * 0 where there is none. NULL where no site is soil. */
   float *micro_porosity, *micro_permeability;
-  double micro_moved; /* 0; else they are moved by this factor to see what k makes of it, and how they
-                       * are solved is decided by what they were */
+  /* The factor by which micro_permeability has been multiplied to find how k responds; 0: none.
+   * What the solver decides by a permeability it decides by that without the factor. */
+  double micro_moved;
   uint64_t model_hash; /* of the model file; 0 without */
 };
 
+/* Arrays of a lattice that are set aside in a file on disk, and which. */
 struct lattice_spill {
   struct scratch_file file;
   bool distances, regions;

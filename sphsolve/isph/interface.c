@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Shares of soil are smooth: at an interface both soils have one. Across it the same water flows
+/* Fractions of soil are smooth: at an interface both soils have one. Across it the same water flows
  * through both and resistances add, along it both feel the same gradient and flows add:
  *   across   a = sum w a,     b = sum w b
  *   along    1/a = sum w / a, 1/sqrt(b) = sum w / sqrt(b)    (exact for a alone and for b alone)

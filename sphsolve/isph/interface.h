@@ -7,11 +7,12 @@
 
 #include "sphsolve/isph/state.h"
 
-/* A share of soil, its gradient (1/m) and second derivatives (xx xy xz yy yz zz, 1/m^2). */
+/* The fraction of a soil at a place, smoothed, its gradient (1/m) and second derivatives (xx xy xz
+ * yy yz zz, 1/m^2). */
 struct isph_fraction {
   double value, gradient[3], hessian[6];
 };
-/* to += scale * share */
+/* to += scale * fraction */
 void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share);
 
 /* Sums over the soils at a place; start from {.least = INFINITY}. */
@@ -20,7 +21,7 @@ struct isph_soil_mix {
   double linear, forchheimer;      /* sum of w/a, w/sqrt(b) */
   struct isph_fraction sum, level; /* sum of w, w ln a */
 };
-/* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its share w here. */
+/* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its fraction w here. */
 void isph_soil_mix_add(struct isph_soil_mix *mix, const struct isph_fraction *w, double a,
                        double b);
 /* From soil->a and b, the means across an interface: the means along it, and its normal (0 where

@@ -10,10 +10,10 @@
  * meet at the face; M across it falls to .8, and the flux with it. So in soil a slope counts
  *   slope_ij [ 1 + r.(C_i + C_j).r / (2 r^2) ],   C = ((d + 2) E - tr(E) 1) / 2,   E = 1 - M,
  * d the dimensions. For neighbours spread evenly over all directions sum V slope (r.C.r/r^2) r r =
- * (2 C + tr(C) 1)/(d + 2) = E, which takes the lack out to first order. A pair has one factor, at
+ * (2 C + tr(C) 1)/(d + 2) = E, which takes the defect out to first order. A pair has one factor, at
  * least 1/2, in all operators: the matrix stays symmetric and definite, divergence and gradient
  * each other's adjoint as before. C fades towards free water, where M is near 1, and is none on the
- * surface and next to it, where what lacks is missing indeed. */
+ * surface and next to it, where neighbours are missing indeed. */
 
 #define DEFECT_MOST 0.5 /* of C (Frobenius), so that slopes stay positive */
 
@@ -58,7 +58,7 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? sum / square : 0;
 }
 
-/* No lack next to a surface. */
+/* No correction next to a surface. */
 static void spare_surface(struct isph *s) {
   double *near = s->work[0];
   isph_find_near_surface(s, near);

@@ -16,8 +16,8 @@ enum status isph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Seconds a particle and step take on one core in 2-D and 3-D, measured; of a step's least
- * iterations. */
+/* Seconds of one core for a particle and a step, in 2-D and in 3-D; measured where the pressure
+ * takes few iterations. */
 static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
 
 /* Steps as isph_stable_dt will choose them, while the water is fast and after. */
@@ -33,9 +33,10 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
-/* Spacings of the particles in the soil that the two smeared ends of a layer are off, together: 20
- * spacings of soil between two heads, from grains of 1 um to 5 mm and porosity .1 to .9; round a
- * periodic box .1 of them at porosity .3, .26 at .1, and the same at half the spacing. */
+/* The two smoothed ends of a layer of soil change its resistance as so many spacings of the
+ * particles in it would, at most. Measured with 20 spacings of soil between two heads, grains of 1
+ * um to 5 mm and porosity .1 to .9; round a periodic box it is .1 at porosity .3 and .26 at .1, and
+ * the same at half the spacing. */
 #define SOIL_ENDS 0.35
 
 /* The same of soils side by side round a periodic box, porosity .5 beside .3 in layers along and

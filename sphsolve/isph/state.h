@@ -234,7 +234,7 @@ struct isph {
   double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
 };
 
-/* What is here collective, all ranks call; the same bits on any number of them.
+/* Functions that are collective are called by all ranks, and give the same bits on any number.
  * Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s);
@@ -312,7 +312,7 @@ void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
 /* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
 void isph_moment_defect(struct isph *s, size_t i, const double moment[6],
                         const double wall_moment[6]);
-/* Evens the slopes of all pairs by it. */
+/* Multiplies the slope of each pair by its factor, from the C of both. */
 void isph_moment_correct(struct isph *s);
 
 /* isph/energy.c: the bound on the energy, J or J/m: kinetic with the pore velocity, potential -f.x.

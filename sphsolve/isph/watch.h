@@ -12,11 +12,11 @@ struct isph_trip {
   double position[3], kernel_sum; /* of the particle that leads; kernel_sum 0: none does */
 };
 
-/* What drives water beside the force: walls, soil, heads and fluxes, as a speed, m/s. */
+/* The largest speed, m/s, that walls, soil, fluxes or heads give the water; without the force. */
 double isph_given_speed(const struct isph *s);
 /* The most that all that drives the water can give it in its pores, m/s; 0 where nothing does. */
 double isph_speed_most(const struct isph *s);
-/* Collective: looks at the state after a step of length dt. The share it uses of the bounds. */
+/* Collective, after a step of length dt: how much of the bounds its state uses, 1: out of them. */
 enum status isph_check_bounds(struct isph *s, double dt, double *used, struct isph_trip *trip);
 /* Collective: back to the last good state with half the step, or the end with that state in the
  * checkpoint. */

@@ -1,7 +1,7 @@
 /* Sees a march leave its bounds, and says how to go on: back to the last good state with half the
- * step, three times at most. It knows shares of bounds, no particles; a method measures them at
- * least every WATCH_STEPS steps, keeps the copy and goes back to it. Without a trip it changes no
- * bit. */
+ * step, three times at most. It sees how much of each bound is used, and no particles: the method
+ * measures that at least every WATCH_STEPS steps, keeps the copy and goes back to it. While no
+ * bound is left it changes no bit of the run. */
 #ifndef TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 #define TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 
@@ -25,18 +25,18 @@ struct watchdog {
   double trip_time;      /* s: of the last trip */
   bool kept;             /* a good state is kept, of: */
   int64_t kept_step;     /* its step */
-  double kept_used;      /* and the share of the bounds it used */
+  double kept_used;      /* and how much of the bounds it used */
   bool seen;             /* the energy has been looked at: */
   double speed, seen_at; /* its root as a speed, m/s, and the time then, s */
 };
 
-/* The share used of the energy's bound. The power of a force f and of walls is at most M v_rms f,
+/* How much of the energy's bound is used. The power of a force f and of walls is at most M v_rms f,
  * so that the root of the energy grows by no more than f dt (Cauchy, Schwarz) and what walls give;
  * the bound is twice that on twice what there was: an instability multiplies it. `floor`: a speed
  * below which nothing is dangerous. Updates what was seen. */
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor);
-/* The bound used most, and its share (INFINITY for NaN). */
+/* The bound used most, and how much of it is (INFINITY for NaN). */
 enum watch_bound watchdog_worst(const struct watch_reading *reading, double *used);
 /* Whether this state is worth keeping instead of the one there is: it has used no more of the
  * bounds, or the other is old. The caller copies, then calls watchdog_keep. */

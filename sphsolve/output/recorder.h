@@ -36,16 +36,17 @@ struct history_row {
 
 /* How a run ended; fills stdout's JSON and /run. */
 struct run_result {
-  const char *status;            /* "steady", "end_time", "converged", "interrupted", "blocked" */
-  const char *ended;             /* why short of the error asked for, in words; NULL */
-  double k;                      /* m/s, v/i along the force; NAN where there is none */
-  double k_finest;               /* m/s, of the finest lattice alone; NAN: k itself */
-  double k_error;                /* relative, of averaging, steadiness or residual; NAN unknown */
-  struct uncertainty error;      /* what k_error and the rest is made of */
+  const char *status;       /* "steady", "end_time", "converged", "budget", "blocked", "crystal",
+                               "interrupted", "failed" */
+  const char *ended;        /* why short of the error asked for, in words; NULL */
+  double k;                 /* m/s, v/i along the force; NAN where there is none */
+  double k_finest;          /* m/s, of the finest lattice alone; NAN: k itself */
+  double k_error;           /* relative, of averaging, steadiness or residual; NAN unknown */
+  struct uncertainty error; /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
-  double hydraulic_gradient[3]; /* between two heads: what falls over the length of soil; zero
-                                   without */
+  double
+      hydraulic_gradient[3]; /* fall of head over the length of soil between two heads; 0 without */
   double reynolds;
   int64_t steps;
   double wall_time;
@@ -85,8 +86,7 @@ double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot due by output.interval (INFINITY: none; the last is always written). */
 double recorder_next_snapshot(const struct recorder *recorder);
 
-/* Writes PREFIX-NNNN.hdf and the series. Fields not in output.fields are
- * dropped. */
+/* Writes PREFIX-NNNN.hdf and the series. Fields that output.fields does not name are left out. */
 enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
                               const struct snapshot_field *points, size_t field_count,
                               const struct snapshot_field *fields);

@@ -22,7 +22,7 @@ struct tensor_column {
 struct tensor {
   struct tensor_column columns[3];
   bool mirrored[3];    /* the body is its own mirror image along the axis */
-  double to_area;      /* m^2 per m/s, of the fluid */
+  double to_area;      /* nu / g: intrinsic permeability, m^2, over k, m/s */
   double voxel;        /* m, geometric mean of the axes */
   double k[3][3];      /* m/s, symmetric; row: flow, column: gradient */
   double low[3][3];    /* m/s: the 95 % interval of each term */

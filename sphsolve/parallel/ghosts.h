@@ -1,8 +1,8 @@
-/* Items, particles or clusters of them, shared out among the ranks (common/ranks.h). All items have
- * an order, that of one process; a rank computes a run of them, its own, and of the others keeps
- * those fresh that its neighbour lists name: ghosts. It holds all items, or those of some runs, in
- * that order. So a row sums the same numbers in the same order on any number of ranks, and gives
- * the same bits. */
+/* Items (particles, or clusters of them) divided among the ranks (common/ranks.h), and the exchange
+ * of their ghosts. Items have one order, that of a single process. A rank computes a run of them,
+ * its own, and holds copies, ghosts, of those of other ranks that its neighbour lists name, in that
+ * order too. So a row sums the same numbers in the same order on any number of ranks, and gives the
+ * same bits. */
 #ifndef TOSUI_SPHSOLVE_PARALLEL_GHOSTS_H
 #define TOSUI_SPHSOLVE_PARALLEL_GHOSTS_H
 
@@ -50,11 +50,13 @@ static inline size_t ghosts_number(const struct ghosts *g, size_t here) {
     number = g->run[k].number + (here - g->run[k].here);
   return number;
 }
-/* Collective: tells the ranks which of their items are `wanted` here, of so many that are here. */
+/* Collective: sets up the messages, as each rank learns which of its items are `wanted` on others;
+ * `items`: how many are held here. */
 enum status ghosts_plan_exchange(struct ghosts *ghosts, size_t items);
-/* Gives back the room of messages until then. */
+/* Frees the buffers of the messages until they are set up again. */
 void ghosts_free_buffers(struct ghosts *ghosts);
-/* Collective: puts fields under way; ghosts_finish waits, and fills the ghosts. */
+/* Collective: starts to send fields of the own items to where they are ghosts; ghosts_finish waits
+ * for what comes, and puts it into the ghosts here. */
 void ghosts_post(struct ghosts *ghosts, int count, const struct ghost_field *fields);
 void ghosts_finish(struct ghosts *ghosts);
 /* Collective: what this rank has summed for its ghosts, `count` numbers each, goes to their owners,

@@ -80,9 +80,9 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
  * cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a side,
  * scanned with noise and without, whose errors are a factor 2 apart at the same q (make tradeoff);
  * held against other flows by `scripts/studies/tradeoff --predictions`. */
-#define CORNERS 0.0065     /* q^3: the same between walls of boxes; less flow, not more */
-#define ANGLE 0.004        /* q: walls at an angle to the lattice, the mean over all angles */
-#define EDGES 2.6          /* over the mean width: voxel faces with edges */
+#define CORNERS 0.0065 /* q^3: less flow, in the corners between straight walls */
+#define ANGLE 0.004    /* q: less flow, by walls at an angle to the lattice; mean of all angles */
+#define EDGES 2.6      /* over the mean width: more flow, by edges of voxel faces */
 #define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
 #define ADAMI_PLACE 0.03   /* q: a curved wall half-way between sites is off by so much */
 /* Share of the mean shift: where walls are not flat, wall sites that stand out count more. */

@@ -1,6 +1,6 @@
-/* What a scene calls for, decided before anything is allocated: method, effects on and why, their
- * particles, memory, time step and the effect that limits it, steps, predicted time and
- * error. A pure function of scene and lattice; `explain` prints it and run obeys it. */
+/* What a scene calls for, decided before anything is allocated: method, effects on and why, memory,
+ * time step and the effect that limits it, steps, predicted time and error. A pure function of
+ * scene and lattice; `explain` prints it and run obeys it. */
 #ifndef TOSUI_SPHSOLVE_PLAN_PLAN_H
 #define TOSUI_SPHSOLVE_PLAN_PLAN_H
 

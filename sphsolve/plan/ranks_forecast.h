@@ -9,7 +9,7 @@
 enum ranks_term {
   RANKS_COMPUTE,  /* shared out, uneven slabs and chunks counted */
   RANKS_IN_FULL,  /* what every rank does for itself */
-  RANKS_GATHERED, /* told to all by all */
+  RANKS_GATHERED, /* gathered on every rank */
   RANKS_GHOSTS,
   RANKS_SUMS, /* of all ranks */
   RANKS_TERMS
@@ -28,7 +28,7 @@ struct ranks_cost {
   double used;       /* ranks that get work */
   double uneven;     /* work of the busiest over the mean */
   double in_full;    /* s that every rank spends on what is not shared out */
-  double gathered;   /* bytes a step that all tell all */
+  double gathered;   /* bytes a step that are gathered on every rank */
   double ghosts;     /* bytes a step from the neighbours */
   double messages;   /* a step */
   double sums;       /* of all ranks, a step */

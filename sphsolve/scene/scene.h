@@ -102,7 +102,7 @@ struct scene {
   char path[4096];
   char name[128];
   const struct method *method; /* NULL: auto */
-  double end_time;             /* s; INFINITY if not given and steady_tolerance > 0 */
+  double end_time;             /* s; INFINITY: not given, the run ends when it is steady */
   double steady_tolerance;     /* 0: runs to end_time */
 
   char model_path[4096]; /* "" when the scene has a domain */
@@ -144,14 +144,14 @@ struct scene {
     enum unified_form form;
     enum kernel kernel;
     double support_ratio;   /* he / dx */
-    double relaxation_time; /* s; of the density relaxation time */
-    double alpha;           /* NAN; else tau = dt / alpha, 0: no relaxation */
+    double relaxation_time; /* s: tau of the density relaxation, where alpha is NAN */
+    double alpha;           /* tau = dt / alpha; 0: no relaxation; NAN: not given */
     double dt;              /* s; NAN: auto */
     double tolerance;       /* of the pressure solve */
     bool slip;              /* outer and default walls */
     enum pressure_solver solver;
     double smagorinsky;  /* C_s */
-    bool porosity_paper; /* porosity = "m15": equation (32) instead of the clamp */
+    bool porosity_paper; /* porosity = "m15": smoothed by M15 eq. 32, else as isph/soil.c says */
   } isph;
 
   struct {            /* soil of the model with pores below the voxel */

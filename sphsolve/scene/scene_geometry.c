@@ -1,4 +1,4 @@
-/* What regions cannot be to each other, to the spacing and to what is measured in them. */
+/* Checks of regions against each other, against the spacing and against the gauges in them. */
 #include <math.h>
 
 #include "sphsolve/scene/scene_internal.h"
@@ -62,8 +62,8 @@ static enum status check_extent(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
-/* A region of which a later one leaves nothing was meant otherwise. Water and soil share their
- * place. */
+/* A later region that covers an earlier one whole is taken for a mistake, except that water and
+ * soil fill the same place. */
 static enum status check_pair(struct config *config, config_node *list, const struct scene *scene,
                               size_t i, size_t j) {
   const struct region *early = &scene->regions[i], *late = &scene->regions[j];
@@ -154,7 +154,8 @@ cleanup:
   return status;
 }
 
-/* Scenes of so many regions were not written by hand. */
+/* Pairs are checked among so many regions at most: the work goes with the square of their number,
+ * and scenes with more were not written by hand. */
 enum { PAIRS_AMONG = 2000 };
 
 enum status scene_check_geometry(struct config *config, config_node *list,

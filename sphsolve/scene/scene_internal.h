@@ -1,6 +1,6 @@
 /* What the parts of the scene reader share: scene.c (groups, driving, the whole), scene_regions.c
- * (what fills the domain, gauges, planes), scene_geometry.c (what regions cannot
- * be to each other), scene_settings.c (methods, effects, output), scene_solute.c (what a finished
+ * (what fills the domain, gauges, planes), scene_geometry.c (checks of regions
+ * against each other), scene_settings.c (methods, effects, output), scene_solute.c (what a finished
  * flow carries). */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_INTERNAL_H
@@ -26,7 +26,7 @@ enum status scene_check_geometry(struct config *config, config_node *list,
 /* Whether a point lies inside a wall that rests. */
 bool scene_in_wall(const struct scene *scene, const double point[3]);
 
-/* The groups that a file of the reader is for, into the scene. */
+/* Each reads the groups that its file is for into the scene. */
 enum status scene_read_regions(struct config *config, struct scene *scene);
 enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */
 enum status scene_read_solute(struct config *config, struct scene *scene); /* flow, solute */

@@ -40,10 +40,11 @@ static enum status read_box(struct config *config, config_node *group, const str
   return STATUS_OK;
 }
 
-/* Soil whose permeability k (m/s, of the scene's fluid at standard gravity) is given: the drag a of
- * a v = g i is g/k, whatever grains make it; a = alpha nu (1-eps)^2 / (eps^3 D50^2) with those of a
- * grain_size, which Forchheimer's term then takes too, else with alpha = 1000 and the D50 that
- * fits, and no such term. */
+/* Soil whose permeability k (m/s, of the scene's fluid at standard gravity g) is given. Darcy's law
+ * a v = g i, i the hydraulic gradient, needs the linear drag a = g/k, and M15 eq. 9c has
+ *   a = alpha nu (1 - eps)^2 / (eps^3 D50^2).
+ * With a grain_size alpha follows, and Forchheimer's term takes that grain size too; without, alpha
+ * is 1000, D50 follows, and there is no Forchheimer term. */
 static enum status take_permeability(struct config *config, config_node *group,
                                      const struct scene *scene, double k, struct region *region) {
   const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;

@@ -9,9 +9,10 @@
 extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
 enum status stokes_cost(struct plan *plan, int threads);
-/* On each of so many ranks while the lattice with other sides is solved, whole on every rank while
- * its pores are followed, beside the second of the cascade and the solution of the first; `held`:
- * of ghosts. 0 where it is not. */
+/* Bytes on each of so many ranks while the lattice with mirrored sides is solved for the error of
+ * the sides: it is whole on every rank while paths through its pores are sought, and beside it are
+ * the second lattice of the cascade and the solution of the first. `held`: bytes of ghosts. 0 where
+ * it is not solved. */
 double stokes_sides_bytes(const struct plan *plan, double ranks, double held);
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 

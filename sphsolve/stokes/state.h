@@ -52,9 +52,10 @@ void stokes_solver_free(struct stokes_solver *solver);
 /* The operator anew for a lattice that differs in the soil's permeability alone, and outlives it;
  * solution and preconditioner are those of before. */
 enum status stokes_solver_set_soil(struct stokes_solver *solver, const struct lattice *lattice);
-/* Mean velocity along the force that the system at hand would have, to the first order in how far x
- * is from its solution, when x solves one nearby. At surfaces the adjoint of v is nearer to v than
- * to v / D. */
+/* Mean velocity along the force in the solution of the system at hand, from an x that solves a
+ * nearby one: by the adjoint correction (Pierce, Giles 2000, SIAM Review 42) the error is of the
+ * second order in the difference of the two. At surfaces of soil the adjoint of v is nearer to v
+ * than to v / D. */
 double stokes_solver_functional(struct stokes_solver *solver);
 
 /* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them

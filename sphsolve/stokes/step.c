@@ -9,7 +9,7 @@
 #define ROUND_REDUCTION 0.25
 /* Of a flow that is solved but for rounding. */
 #define RESIDUAL_EXACT 1e-6
-
+/* And of one in soil. */
 #define RESIDUAL_ROUNDING 1e-7
 
 /* Where neither the residual nor the velocity is said to be good enough. */
@@ -30,7 +30,7 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
 double stokes_solver_mean_error(const struct stokes_solver *s) {
   const double left = s->residual_now / s->residual_before;
   const double q = s->walls_move ? left : left * left;
-  /* Where all of the flux is in soil its share of the first residual is anything. */
+  /* Where all of the flux is in soil, its part of the first residual may be small. */
   const double exact = s->operator.soil ? RESIDUAL_ROUNDING : RESIDUAL_EXACT;
   if (s->residual_now <= exact) return fmin(s->change, RESIDUAL_EXACT);
   return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;

@@ -19,8 +19,7 @@ bool stokes_solver_round(struct stokes_solver *solver);
 /* How far the mean is from where it converges to, relative, from the last rounds. */
 double stokes_solver_mean_error(const struct stokes_solver *solver);
 bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_goal *goal);
-/* What soil has to do with a solve that does not get on, and what helps; empty where there is none.
- */
+/* Why soil may keep a solve from converging, and what helps; empty where there is no such soil. */
 #define STOKES_HINT 240
 void stokes_solver_soil_hint(const struct stokes_solver *solver, char text[STOKES_HINT]);
 /* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt

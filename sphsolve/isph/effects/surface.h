@@ -3,14 +3,17 @@
  *
  * Where neighbours are missing on one side, a row of the pressure equation is closed by a ghost
  * particle in the void (Nair, Tomar 2014, Comput. Fluids 102), whose place makes it exact at rest:
- * the missing pairs have the moment
- *   Q = -sum a_ij (x_i - x_j),
+ * in the bulk sum a_ij (x_i - x_j) is 0, so that the missing pairs
+ * have minus that of the pairs there are,
+ *   Q = sum of a_ij (x_i - x_j) over the pairs there are = sum of a_ij (x_j - x_i) over the others,
  * and so has one ghost at the surface point x_s = x_i + n d with the coefficient c,
- *   n = Q/|Q|,   d = V^(1/dimensions)/2,   c = |Q|/d.
+ *   n = Q/|Q|, into the void,   d = V^(1/dimensions)/2,   c = |Q|/d.
  * It adds to the row
- *   c [ P_i - rho f.(x_i - x_s) ] = c P_i + rho f.Q
- * Water at rest with a level surface then has P = rho g (z_s - z) exactly, and a falling body of
- * water P = 0. The weight goes smoothly from 0 to 1, so that nothing jumps when particles pass. */
+ *   c [ P_i - rho f.(x_i - x_s) ] = c P_i + rho f.Q.
+ * Where the a_ij of a whole neighbourhood exceed those there are by more than |Q|/d, as in drops
+ * and sheets, whose Q is small, c is that difference. Water at rest with a level surface then has P
+ * = rho g (z_s - z) exactly, and a falling body of water P = 0. The weight goes smoothly from 0 to
+ * 1, so that nothing jumps when particles pass. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_H
 

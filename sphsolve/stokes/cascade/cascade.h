@@ -21,7 +21,7 @@ struct cascade {
   int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
   int tried;                   /* lattices so far, those without a flow included */
   const char *ended;           /* why it ends short of what was wanted, in words; NULL */
-  bool model_parts;            /* void ratio and model voxels have been looked at */
+  bool model_parts;            /* the parts by void ratio and model voxels are found */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
   struct uncertainty uncertainty;
 };

@@ -16,8 +16,8 @@ struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
   double moment[3][3];     /* sum over pore sites of g_ab times the vector to b */
   double surface;          /* part of D by the surface of soil beside a pore */
-  double unweighted[3][3]; /* where there is soil: the moment without the links' mobilities, */
-  double lost[3][3];       /* and with them, less the one that B inverts */
+  double unweighted[3][3]; /* where there is soil: the moment without weights by mobility */
+  double lost[3][3];       /* the moment with them, less that which B inverts */
   double towards[3];       /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
   double beside[3];        /* its length along each axis without signs, of the sites beside */
   struct wall_shape wall;  /* the nearest; without where there is none */

@@ -17,9 +17,9 @@
 struct stokes_preconditioner {
   struct stokes_operator *op;
   float *kappa; /* [n] */
-  float
-      *darcy; /* [n] the permeability that the pressure sees: kappa, but no more than soil has of
-               * its own, whose surface is dragged along by the pores; kappa where there is none */
+  /* [n] The permeability that the pressure sees: kappa, but in soil no more than its own, as the
+   * water of the pores drags that beneath the surface along. NULL without soil. */
+  float *darcy;
   struct stokes_multigrid velocity, pressure;
 };
 

@@ -87,7 +87,8 @@ struct engine {
   uint64_t rebuilds, steps;
   struct engine_ranks ranks;
   double (*acceleration)[3]; /* m/s^2, of an own force; NULL where there is none */
-  /* What own forces give in a second, per mass of a particle, summed by the last engine_budget. */
+  /* What each own force gives in a second, over the mass of a particle; by the last engine_budget.
+   */
   struct engine_force_sum {
     double impulse[3], work; /* m/s^2, m^2/s^3 */
   } own_sum[ENGINE_OWN];

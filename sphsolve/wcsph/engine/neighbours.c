@@ -67,7 +67,9 @@ TARGETS static void found_sort(struct found *found) {
   found->sorted_member = member_swap;
 }
 
-/* Where the cells [low, high] of an axis lie: in the box, and in which of its images. */
+/* Where the cells [low, high] of an axis lie: in the box, and in which of its images. Cells are at
+ * least as wide as the range of the lists, and boxes not many times that: so many are never needed.
+ */
 #define AXIS_CELLS 512
 struct axis_cells {
   int count;
