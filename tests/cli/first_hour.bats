@@ -247,7 +247,7 @@ END
 
 @test "--resume after another method says what has changed" {
   scene wcsph m.hdf > b.cfg
-  sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' -o cut --quiet
+  sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' --set scene.end_time='"2e-5 s"' -o cut --quiet
   [ -e cut.ckpt.hdf ]
   run --separate-stderr sphsolve run a.cfg -o cut --resume
   [ "$status" -eq 3 ]
