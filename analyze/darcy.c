@@ -6,7 +6,8 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-/* i/v = 1/k + b v: the relative residuals weigh alike, so that the low gradients count. */
+/* i = v / k + b v^2 (Forchheimer 1901, VDI-Z. 45), fitted as i/v = 1/k + b v: the relative
+ * residuals weigh alike, so that the low gradients count. */
 static enum status fit_forchheimer(const double *gradient, const double *velocity, size_t n,
                                    struct darcy_fit *fit, double *k, double *k_error) {
   enum status status = STATUS_OK;

@@ -59,7 +59,7 @@ cleanup:
 
 #define SERIES_ROWS 600
 
-/* Every so-manieth of `rows` values `stride` apart, and the last. */
+/* At most SERIES_ROWS + 1 of `rows` values `stride` apart: evenly spaced, and the last. */
 static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
   json_t *array = json_array();
   size_t step = (rows + SERIES_ROWS - 1) / SERIES_ROWS;

@@ -68,7 +68,7 @@ enum status balance_partition(size_t items, size_t first, size_t own, const doub
       Zoltan_Set_Geom_Multi_Fn(zoltan, place_items, &row) != ZOLTAN_OK ||
       Zoltan_LB_Partition(zoltan, &changed, &global_size, &local_size, &in, &global_in, &local_in,
                           &rank_in, &part_in, &out, &global, &local, &rank,
-                          &part) < 0) /* above: a warning that the items are coarse */
+                          &part) < 0) /* ZOLTAN_WARN: the items are coarse */
     status = FAIL(STATUS_RUN, "Zoltan fails to share the work out among %zu ranks", ranks);
   TRY(ranks_agree(status));
   TRY(memory_allocate(&count, ranks, sizeof *count, "shares of the ranks"));

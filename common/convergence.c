@@ -2,10 +2,10 @@
 
 #include <math.h>
 
-/* Least squares of f = value + slope h^p at given p; returns the sum of squares left. */
+/* Least squares of f = value + slope h^p at given p; returns the sum of the squared residuals. */
 static double fit_power(const double *h, const double *f, size_t n, double p, double *value,
                         double *slope) {
-  double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, left = 0.0;
+  double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, residual = 0.0;
   for (size_t i = 0; i < n; i++) {
     mx += pow(h[i] / h[0], p) / (double)n;
     my += f[i] / (double)n;
@@ -20,19 +20,19 @@ static double fit_power(const double *h, const double *f, size_t n, double p, do
   *slope = b / pow(h[0], p);
   for (size_t i = 0; i < n; i++) {
     double d = f[i] - *value - b * pow(h[i] / h[0], p);
-    left += d * d;
+    residual += d * d;
   }
-  return left;
+  return residual;
 }
 
-/* The order in [0.05, 10] that leaves least: a coarse scan, then golden section. */
+/* The order in [0.05, 10] of the least residual: a coarse scan, then golden section. */
 static double best_order(const double *h, const double *f, size_t n) {
   const double step = 0.05, golden = 0.6180339887498949;
   double value, slope, best = step, least = INFINITY;
   for (int i = 1; i <= 200; i++) {
-    double p = i * step, left = fit_power(h, f, n, p, &value, &slope);
-    if (left < least) {
-      least = left;
+    double p = i * step, residual = fit_power(h, f, n, p, &value, &slope);
+    if (residual < least) {
+      least = residual;
       best = p;
     }
   }
@@ -117,12 +117,12 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
 #define LIMIT_STEP_SHARE 0.05
 
 struct limit_fit {
-  double value, variance, left, evidence; /* evidence: logarithm */
+  double value, variance, residual, evidence; /* evidence: logarithm */
 };
 
 static struct limit_fit fit_order(const double *h, const double *f, const double *weight, size_t n,
                                   double p) {
-  double sum = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, left = 0.0, x[LIMIT_WINDOW];
+  double sum = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, residual = 0.0, x[LIMIT_WINDOW];
   for (size_t i = 0; i < n; i++) {
     x[i] = pow(h[i] / h[0], p);
     sum += weight[i];
@@ -136,16 +136,17 @@ static struct limit_fit fit_order(const double *h, const double *f, const double
   }
   const double slope = xy / xx, value = my - slope * mx;
   for (size_t i = 0; i < n; i++)
-    left += weight[i] * (f[i] - value - slope * x[i]) * (f[i] - value - slope * x[i]);
+    residual += weight[i] * (f[i] - value - slope * x[i]) * (f[i] - value - slope * x[i]);
   const double off = (p - LIMIT_ORDER_MEAN) / LIMIT_ORDER_SPREAD;
-  return (struct limit_fit){value, 1.0 / sum + mx * mx / xx, left, -0.5 * (left + off * off)};
+  return (struct limit_fit){value, 1.0 / sum + mx * mx / xx, residual,
+                            -0.5 * (residual + off * off)};
 }
 
 void converge_limit(const double *h, const double *f, size_t n, double scale,
                     struct limit_estimate *limit) {
   struct limit_fit fits[LIMIT_ORDERS];
   double weight[LIMIT_WINDOW], best = -INFINITY, total = 0.0, mean = 0.0, square = 0.0;
-  double order = 0.0, off_finest = 0.0, left = INFINITY;
+  double order = 0.0, off_finest = 0.0, residual = INFINITY;
   *limit = (struct limit_estimate){f[0], NAN, NAN, NAN};
   if (n < 2) return;
   const size_t window = n < LIMIT_WINDOW ? n : LIMIT_WINDOW;
@@ -158,7 +159,7 @@ void converge_limit(const double *h, const double *f, size_t n, double scale,
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     fits[p] = fit_order(h, f, weight, window, LIMIT_ORDER_FIRST + LIMIT_ORDER_STEP * p);
     best = fmax(best, fits[p].evidence);
-    left = fmin(left, fits[p].left);
+    residual = fmin(residual, fits[p].residual);
   }
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     const double share = exp(fits[p].evidence - best);
@@ -169,7 +170,7 @@ void converge_limit(const double *h, const double *f, size_t n, double scale,
   mean /= total;
   /* Values that scatter more than was thought tell so themselves (Birge 1932, Phys. Rev. 40): as
    * regular grains do whose narrow gaps fall now on a site, now between two. */
-  const double scatter = window > 2 ? fmax(left / (double)(window - 2), 1.0) : 1.0;
+  const double scatter = window > 2 ? fmax(residual / (double)(window - 2), 1.0) : 1.0;
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     const double off = fits[p].value - mean;
     square += exp(fits[p].evidence - best) * (off * off + scatter * fits[p].variance) / total;

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
-/* From here on SIGINT and SIGTERM are noted; `doing` ("writing a checkpoint; ...") is said with
- * "stopping", and must stay. */
+/* From here on SIGINT and SIGTERM are noted; `doing` ("writing a checkpoint; ...") is said
+ * behind "stopping" and is copied. */
 void interrupt_start(const char *doing);
 /* Whether one has come: costs a load. Of this process alone: ranks have to agree by themselves. */
 bool interrupt_requested(void);

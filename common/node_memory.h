@@ -1,6 +1,7 @@
-/* Memory that the ranks on one machine hold once: what all of them read, such as the model. Filled
- * by all, each a part; from then on none writes. The part of it that is counted here is one of as
- * many as ranks share it. Where it cannot be had (no memfd, a limit on files), each has its own. */
+/* Memory that the ranks on one machine hold once (ranks.c): what all of them read, such as the
+ * model. Filled by all, each a part; from then on none writes. Against its limit of memory each
+ * rank counts its bytes divided by the ranks that share them. Where it cannot be had (no memfd, a
+ * limit on the size of files), each has its own. */
 #ifndef TOSUI_COMMON_NODE_MEMORY_H
 #define TOSUI_COMMON_NODE_MEMORY_H
 

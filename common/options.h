@@ -1,5 +1,4 @@
-/* One table of options per program: parsing, --help, --version, man page and completion all come
- * from it. */
+/* One table of options per program: parsing, --help and the manual page (--man) come from it. */
 #ifndef TOSUI_COMMON_OPTIONS_H
 #define TOSUI_COMMON_OPTIONS_H
 
@@ -31,13 +30,13 @@ struct option_table {
   const struct option_command *commands; /* ends with name == NULL */
   const struct option_entry *entries;    /* ends with name == NULL; the common ones are added */
 };
-/* Common to all programs: --help --version --quiet --verbose --threads N --json --max-memory SIZE
- */
+/* Common to all programs: --threads N --max-memory SIZE --force --json --quiet --verbose --help
+ * --version --man */
 
 struct options; /* the parsed command line */
 
 /* Parses argv. On --help, --version or --man prints to stdout and sets *done. Applies --quiet,
- * --verbose, --threads and --max-memory itself. Free with options_free. */
+ * --verbose, --threads, --max-memory and --force itself. Free with options_free. */
 enum status options_parse(const struct option_table *table, int argc, char **argv,
                           struct options **options, bool *done);
 void options_free(struct options *options);

@@ -7,7 +7,8 @@ static double room(size_t i, size_t n, double spacing) {
   return spacing * ((double)(i < n - 1 - i ? i : n - 1 - i) + 0.5);
 }
 
-/* Of the neighbours within the sample that are of the other phase and know their own distance. */
+/* The distance that the voxel's neighbours of the other phase leave it, by the nearest: the surface
+ * lies between the two centres. INFINITY: none is there, or none has a distance of its own. */
 static float between(const size_t n[3], const double spacing[3], const float *distance,
                      const size_t at[3]) {
   const size_t step[3] = {1, n[0], n[0] * n[1]};
@@ -25,8 +26,8 @@ static float between(const size_t n[3], const double spacing[3], const float *di
   return own < 0.0f ? -least : least;
 }
 
-void sides_forget(const size_t n[3], const double spacing[3], const bool axes[2],
-                  float *distance) {
+void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[2],
+                          float *distance) {
   const size_t plane = n[0] * n[1];
   /* First what is next to the other phase, from distances that are still all there. */
   for (int pass = 0; pass < 2; pass++)

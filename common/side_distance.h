@@ -5,9 +5,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Distances that were found with the opposite side for a neighbour: those that reach beyond a side
- * of those axes, x or y, become unknown, INFINITY, or where the other phase is next to a voxel, what
- * is left of the way between the two. distance[z][y][x] of n. */
-void sides_forget(const size_t n[3], const double spacing[3], const bool axes[2], float *distance);
+/* distance[z][y][x] of n, m, negative in grains: wall distances that were found with `axes` (x, y)
+ * periodic, for a sample that is periodic there no more. A distance longer than the way to the
+ * nearer side of those axes may be that to a wall beyond it. It becomes unknown, INFINITY; or, next
+ * to a voxel of the other phase whose own distance is known, the spacing less that distance. */
+void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[2],
+                          float *distance);
 
 #endif

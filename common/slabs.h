@@ -20,7 +20,8 @@ struct slabs {
 enum status slabs_make(size_t planes, const double *work, size_t unit, struct slabs *slabs);
 void slabs_free(struct slabs *slabs);
 
-/* The same cuts on a lattice whose planes are 2^shift of these: first plane of rank r. */
+/* The first plane of a lattice whose planes are 2^shift of these that begins at `plane` or behind.
+ */
 static inline size_t slabs_coarse(size_t plane, int shift) {
   return (plane + ((size_t)1 << shift) - 1) >> shift;
 }

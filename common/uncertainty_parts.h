@@ -14,9 +14,11 @@
  * micro        from the uncertainty of the permeability of soil below the voxel
  * averaging    over time
  * steadiness   the change still to come, or what the solver left
- * and beside these shares how k answers: d ln k / d e, d ln k / d T per grey level, d ln k / d ln
- * of the permeability of soil below the voxel, and ln k in a tube that the sample fills, less ln k.
- */
+ * and beside these shares how k answers:
+ * slope_void_ratio  d ln k / d e
+ * slope_threshold   d ln k / d T, per grey level
+ * slope_micro       d ln k / d ln of the permeability of soil below the voxel
+ * sides_closed      ln k with walls at the sample's sides, less ln k */
 #define UNCERTAINTY_PARTS_MEMBERS                                                                  \
   double resolution, scan, sides, void_ratio, threshold, micro, averaging, steadiness;             \
   double slope_void_ratio, slope_threshold, slope_micro, sides_closed;
@@ -37,9 +39,9 @@ struct uncertainty_parts uncertainty_parts_none(void);
 /* Root of the sum of squares of the known shares, with another resolution; NAN if none is known. */
 double uncertainty_parts_total(const struct uncertainty_parts *parts, double resolution);
 /* Share of the sides, from k of a sample as it is wrapped, mirrored in x, and in x and y (0: not
- * found). Two sides may move k by as much and cancel in their sum, which no other sample's would: so
- * it is the larger of the whole change and of the root of the sum of squares of the two. NAN: not
- * known. */
+ * found). Two sides may move k by as much and cancel in their sum, which no other sample's would:
+ * so it is the larger of the whole change and of the root of the sum of squares of the two. NAN:
+ * not known. */
 double uncertainty_share_of_sides(double wrapped, double x_mirrored, double mirrored);
 /* Attributes of `group`; what is not there is NAN. */
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,

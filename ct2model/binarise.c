@@ -17,8 +17,8 @@ static double void_ratio_of(double porosity) {
 /* ---- calibration ---- */
 
 /* Grain and pore swapped turn e into 1/e. Where that fits the measured void ratio and the given
- * reading does not, one of the two is meant otherwise. */
-static enum status check_reading(const struct pipeline *pipeline, double porosity, bool sure) {
+ * polarity (--grain) does not, one of the two is meant otherwise. */
+static enum status check_polarity(const struct pipeline *pipeline, double porosity, bool sure) {
   const struct request *request = pipeline->request;
   double bright = void_ratio_of(request->dark_grains ? 1.0 - porosity : porosity);
   double e = void_ratio_of(porosity);
@@ -277,8 +277,8 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   if (request->rule == THRESHOLD_AUTO) {
     bool segmented = pipeline->phases.levels == 2;
     double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
-    TRY(check_reading(pipeline, grey_histogram_porosity(histogram, natural),
-                      segmented || pipeline->phases.valley_depth < 0.5));
+    TRY(check_polarity(pipeline, grey_histogram_porosity(histogram, natural),
+                       segmented || pipeline->phases.valley_depth < 0.5));
     if (!segmented) pipeline->threshold_original = first;
     pipeline->threshold = pipeline->threshold_original;
   } else {
@@ -292,7 +292,7 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
                pipeline_grey(pipeline, pipeline->threshold), porosity > 0.0 ? "pore" : "grain",
                pipeline_grey(pipeline, grey_histogram_quantile(histogram, 0.0)),
                pipeline_grey(pipeline, grey_histogram_quantile(histogram, 1.0)));
-    TRY(check_reading(pipeline, porosity, true));
+    TRY(check_polarity(pipeline, porosity, true));
   }
   /* A region of interest fixes the threshold at full resolution; the region that is modelled may
    * be denser or looser, and the resampled model matches its void ratio. */

@@ -41,7 +41,7 @@ static void coarsen(const struct pipeline *finest, int level, struct request *re
 
 static enum status run_level(const struct options *options, const struct request *request,
                              const char *const *paths, const char *key, struct pipeline *pipeline,
-                             json_t **said) {
+                             json_t **json) {
   enum status status = STATUS_OK;
   const bool build = strcmp(options_command(options), "build") == 0;
   TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
@@ -49,7 +49,7 @@ static enum status run_level(const struct options *options, const struct request
     TRY(model_output_write(pipeline, options));
   else if (request->output != NULL)
     TRY(sweep_table_write(&pipeline->table, request->output));
-  TRY(report_print(pipeline, options, key, said));
+  TRY(report_print(pipeline, options, key, json));
 cleanup:
   return status;
 }
@@ -57,22 +57,22 @@ cleanup:
 /* The model of a request and its coarser levels. `key` of JSON says what the model is to the first.
  */
 static enum status run_levels(const struct options *options, const struct request *request,
-                              const char *const *paths, const char *key, json_t **said) {
+                              const char *const *paths, const char *key, json_t **json) {
   enum status status = STATUS_OK;
   struct pipeline finest = {0}, coarser = {0};
   char output[PATH_MAX];
   json_t *own = NULL;
-  TRY(run_level(options, request, paths, key, &finest, *said == NULL ? said : &own));
+  TRY(run_level(options, request, paths, key, &finest, *json == NULL ? json : &own));
   for (int level = 1; level < request->levels; level++) {
     struct request less = *request;
     coarsen(&finest, level, &less, output);
-    TRY(run_level(options, &less, paths, "coarser", &coarser, own != NULL ? &own : said));
+    TRY(run_level(options, &less, paths, "coarser", &coarser, own != NULL ? &own : json));
     pipeline_end(&coarser);
     coarser = (struct pipeline){0};
   }
   if (own != NULL) {
-    if (json_object_get(*said, key) == NULL) json_object_set_new(*said, key, json_array());
-    json_array_append(json_object_get(*said, key), own);
+    if (json_object_get(*json, key) == NULL) json_object_set_new(*json, key, json_array());
+    json_array_append(json_object_get(*json, key), own);
   }
 cleanup:
   json_decref(own);
@@ -94,7 +94,7 @@ static enum status run_pipeline(const struct options *options, const struct requ
   const size_t n = options_operand_count(options);
   const char **paths = NULL;
   char output[PATH_MAX];
-  json_t *said = NULL;
+  json_t *json = NULL;
   TRY(memory_allocate(&paths, n, sizeof *paths, "file names"));
   for (size_t i = 0; i < n; i++) paths[i] = options_operand(options, i);
   struct request one = *request;
@@ -111,11 +111,11 @@ static enum status run_pipeline(const struct options *options, const struct requ
       if (!options_json(options) && log_level() > LOG_QUIET)
         printf("%svoid ratio %g\n", i > 0 ? "\n" : "", one.void_ratio);
     }
-    TRY(run_levels(options, &one, paths, "void_ratios", &said));
+    TRY(run_levels(options, &one, paths, "void_ratios", &json));
   }
-  TRY(report_end(&said));
+  TRY(report_end(&json));
 cleanup:
-  json_decref(said);
+  json_decref(json);
   memory_free(&paths);
   return status;
 }

@@ -394,7 +394,8 @@ static enum status find_walls(struct pipeline *pipeline) {
   model->grain_fraction = walls.grain_fraction;
   walls = (struct wall_result){0};
   if (pipeline->request->sides != SIDES_PERIODIC)
-    sides_forget(pipeline->size, model->spacing, (const bool[2]){true, true}, model->wall_distance);
+    side_distance_unwrap(pipeline->size, model->spacing, (const bool[2]){true, true},
+                         model->wall_distance);
   TRY(extend(pipeline, &model->wall_distance, "wall distances"));
   TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));
   TRY(wall_complete(model->wall_distance, model->solid, model->size, model->spacing,

@@ -29,7 +29,7 @@ struct quality {
   double surface_error; /* standard error of surface_original where windows stand for the whole */
 };
 
-/* Greys inside are `grey_sign` times stored ones; pipeline_grey gives what is reported. */
+/* Greys inside are region.scale times stored ones; pipeline_grey gives what is reported. */
 struct pipeline {
   const struct request *request;
   bool distances; /* a model is wanted, not a sweep alone */

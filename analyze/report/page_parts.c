@@ -45,7 +45,7 @@ cleanup:
   return status;
 }
 
-static enum status know_subject(struct subject *subject) {
+static enum status describe_subject(struct subject *subject) {
   enum status status = STATUS_OK;
   TRY(find_permeable(subject->runs, subject->n, &subject->permeable));
   subject->snapshots = true;
@@ -81,7 +81,7 @@ cleanup:
 
 enum status page_analyse(struct page *page) {
   enum status status = STATUS_OK;
-  TRY(know_subject(&page->subject));
+  TRY(describe_subject(&page->subject));
   if (page->subject.snapshots)
     TRY(find_flow(page));
   else

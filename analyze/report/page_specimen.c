@@ -59,7 +59,7 @@ static void write_percolation(FILE *stream, struct h5_file *file) {
   fputs("</td></tr>\n", stream);
 }
 
-/* The first `count` of a list in /quality; NULL where the file has none. */
+/* A list in /quality, with its length; NULL where the file has none. Free with memory_free. */
 static double *quality_list(struct h5_file *file, const char *name, size_t *count) {
   double *values = NULL;
   char path[64];

@@ -1,6 +1,6 @@
 /* Stream function of a seepage field, and lines of equal value. */
-#ifndef TOSUI_ANALYZE_FLOW_NET_H
-#define TOSUI_ANALYZE_FLOW_NET_H
+#ifndef TOSUI_ANALYZE_SEEPAGE_FLOW_NET_H
+#define TOSUI_ANALYZE_SEEPAGE_FLOW_NET_H
 
 #include <stdio.h>
 

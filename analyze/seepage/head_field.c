@@ -73,7 +73,8 @@ cleanup:
   return status;
 }
 
-/* Sums of moving least squares at one cell. */
+/* Sums of moving least squares at one cell (Lancaster, Salkauskas 1981, Math. Comp. 37, 141): a
+ * plane through the particles around. */
 struct sums {
   double basis[6];    /* 1 x z xx xz zz */
   double value[3][3]; /* of head, v_x, v_z times 1 x z */

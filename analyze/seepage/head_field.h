@@ -1,6 +1,6 @@
 /* Head and velocity of a 2-D run of isph on the cells of its lattice, as means over snapshots. */
-#ifndef TOSUI_ANALYZE_HEAD_FIELD_H
-#define TOSUI_ANALYZE_HEAD_FIELD_H
+#ifndef TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
+#define TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,7 +37,7 @@ struct head_field {
 enum status head_field_read(const struct run *run, struct head_field *field);
 void head_field_free(struct head_field *field);
 
-/* Elevation of a cell's centre, m. */
+/* A cell's centre, m; z is the elevation. */
 static inline double head_field_x(const struct head_field *f, size_t i) {
   return ((double)i + 0.5) * f->dx;
 }

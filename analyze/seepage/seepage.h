@@ -1,7 +1,7 @@
 /* What an engineer asks of a seepage run: flow, exit gradients, heave, forces on walls, flow net.
  */
-#ifndef TOSUI_ANALYZE_SEEPAGE_H
-#define TOSUI_ANALYZE_SEEPAGE_H
+#ifndef TOSUI_ANALYZE_SEEPAGE_SEEPAGE_H
+#define TOSUI_ANALYZE_SEEPAGE_SEEPAGE_H
 
 #include "analyze/product.h"
 #include "analyze/run_file.h"

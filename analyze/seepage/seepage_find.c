@@ -45,8 +45,9 @@ static bool is_top(const struct head_field *f, size_t i, size_t k) {
          f->wall[above] == REGION_NONE;
 }
 
-/* The gradient is that over one size of the soil's particles, so many below the upper face: nearer
- * to it the edge is smeared, and what is deeper is steeper. */
+/* The exit gradient is taken over one size of the soil's particles, in a depth of so many sizes
+ * below the soil's upper face: above it the kernel smears the face, and below it the gradient
+ * grows. */
 #define EXIT_SIZES 2.0
 
 static void find_exit(struct seepage *s) {

@@ -105,8 +105,8 @@ enum status region_turn(struct region *region, int axis, float **store) {
   float *slices = NULL, *turned = NULL;
   struct progress progress;
   progress_start(&progress, "preparing", "slices", (double)from.size[2]);
-  for (int d = 0; d < 3;
-       d++) { /* the turned z is `axis`, its x the next axis, its y the one after */
+  /* The turned z is `axis`, its x the next axis, its y the one after. */
+  for (int d = 0; d < 3; d++) {
     int source = (axis + 1 + d) % 3;
     region->size[d] = from.size[source];
     region->voxel[d] = from.voxel[source];

@@ -160,6 +160,7 @@ static enum status phases_by_moments(const struct region *region, double porosit
   }
   qsort(gaps, m, sizeof *gaps, by_value);
   struct grey_phases *phases = &survey->phases;
+  /* Of normal noise the median of |x| is 0.6745 sigma, and a difference has sigma sqrt(2). */
   phases->noise = (double)gaps[m / 2] / (0.6745 * sqrt(2.0));
   double rest = squares / (double)n - phases->noise * phases->noise;
   double contrast =

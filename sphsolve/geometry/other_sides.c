@@ -18,7 +18,7 @@ static enum status distances_inside(const struct lattice *wrapped, const bool ax
   enum status status = STATUS_OK;
   TRY(memory_allocate(distance, wrapped->count, sizeof **distance, "a lattice"));
   memcpy(*distance, wrapped->wall_distance, wrapped->count * sizeof **distance);
-  sides_forget(wrapped->size, wrapped->spacing, axes, *distance);
+  side_distance_unwrap(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
       /* No wall beside it inside: as far as it said, and one spacing at least. */

@@ -9,7 +9,7 @@
 /* Sets n, count, spacing and dimensions and allocates the arrays, all 0. */
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *flow);
 
-/* Index of the cell `by` steps from (i, j, k) along `axis`, around the box. */
+/* Index of the cell (i, j, k); each may lie one beyond the box, which is periodic. */
 static inline size_t solute_flow_at(const struct solute_flow *f, int i, int j, int k) {
   const int *n = f->n;
   i = i < 0 ? i + n[0] : i >= n[0] ? i - n[0] : i;
@@ -22,8 +22,8 @@ static inline size_t solute_flow_at(const struct solute_flow *f, int i, int j, i
 void solute_flow_cut(struct solute_flow *flow);
 
 /* What the cut of a face leaves open, and the integral of the distance over it, for a plane at the
- * signed distance d (m) from the face's centre with the normal's components times the spacings `m`
- * (m, of any sign) along the face. Shares of the face's area. */
+ * signed distance d (m) from the face's centre; m0 and m1: the normal's two components along the
+ * face times the spacings (m, of any sign). Shares of the face's area. */
 void solute_face_open(double d, double m0, double m1, double *area, double *moment);
 
 /* velocity from those of the sites, [nz][ny][nx][3], m/s, 0 in walls (flow_faces.c). */

@@ -1,6 +1,6 @@
 /* Lattices and engines made by hand, for the tests of the engine. */
-#ifndef TOSUI_TESTS_ENGINE_LATTICE_H
-#define TOSUI_TESTS_ENGINE_LATTICE_H
+#ifndef TOSUI_TESTS_UNIT_ENGINE_LATTICE_H
+#define TOSUI_TESTS_UNIT_ENGINE_LATTICE_H
 
 #include <math.h>
 #include <stdlib.h>

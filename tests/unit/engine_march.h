@@ -1,6 +1,6 @@
 /* Flows of the engine marched in time through geometries given by their wall distance. */
-#ifndef TOSUI_TESTS_ENGINE_MARCH_H
-#define TOSUI_TESTS_ENGINE_MARCH_H
+#ifndef TOSUI_TESTS_UNIT_ENGINE_MARCH_H
+#define TOSUI_TESTS_UNIT_ENGINE_MARCH_H
 
 #include "sphsolve/wcsph/state.h"
 #include "tests/unit/engine_lattice.h"

@@ -2,8 +2,8 @@
  * or its n-th write, fails, for n = 1, 2, ... until a run meets no fault. Each must end with an
  * exit code and a message, hold no memory and no HDF5 object, and leave no part file and no damaged
  * file. */
-#ifndef TOSUI_TESTS_FAULTS_H
-#define TOSUI_TESTS_FAULTS_H
+#ifndef TOSUI_TESTS_UNIT_FAULTS_H
+#define TOSUI_TESTS_UNIT_FAULTS_H
 
 #include <setjmp.h>
 #include <stdarg.h>
