@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
@@ -16,10 +15,6 @@
  * it crosses the side; a particle that leaves becomes the foremost. So the water sees the same
  * spacing on both sides at any moment, and a given flux is exact in mass. */
 
-static bool used(const struct isph *s, int a) {
-  return !(s->dimensions == 2 && a == 1);
-}
-
 /* Soil whose porosity a place on a side has, by sharp edges; 1 for free water. */
 static double porosity_at(const struct isph *s, const double x[3]) {
   double porosity = 1, near = 1e-6 * s->spacing;
@@ -27,7 +22,7 @@ static double porosity_at(const struct isph *s, const double x[3]) {
     const struct region *region = &s->scene->regions[k];
     bool inside = region->type == REGION_POROUS;
     for (int a = 0; a < 3; a++)
-      if (used(s, a))
+      if (isph_uses_axis(s, a))
         inside = inside && x[a] >= region->box[a] - near && x[a] <= region->box[a + 3] + near;
     if (inside) porosity = region->porosity;
   }
@@ -44,7 +39,8 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
   const double apart = s->spacing * pow(s->mass_ratio / side.porosity, 1.0 / s->dimensions);
   for (int a = 0; a < 3; a++) {
     double width = side.high[a] - side.low[a];
-    side.cells[a] = a == side.axis || !used(s, a) ? 1 : (int)fmax(1, round(width / apart));
+    side.cells[a] =
+        a == side.axis || !isph_uses_axis(s, a) ? 1 : (int)fmax(1, round(width / apart));
     side.pitch[a] = a == side.axis ? s->spacing : width / side.cells[a];
     columns *= (size_t)side.cells[a];
   }
@@ -64,14 +60,14 @@ static enum status cut(struct isph *s, const struct isph_open_side *side) {
     if (region->type != REGION_POROUS) continue;
     bool touches = true;
     for (int a = 0; a < 3; a++)
-      if (used(s, a))
+      if (isph_uses_axis(s, a))
         touches = touches && (a == side->axis ? side->edge >= region->box[a] - near &&
                                                     side->edge <= region->box[a + 3] + near
                                               : side->low[a] < region->box[a + 3] - near &&
                                                     side->high[a] > region->box[a] + near);
     for (int e = 0; e < 6 && touches; e++) {
       const int a = e % 3;
-      if (a == side->axis || !used(s, a)) continue;
+      if (a == side->axis || !isph_uses_axis(s, a)) continue;
       if (!(region->box[e] > side->low[a] + near && region->box[e] < side->high[a] - near))
         continue;
       struct isph_open_side below = *side, above = *side;
@@ -95,7 +91,8 @@ enum status isph_open_create(struct isph *s) {
       side.low[a] = region->box[a], side.high[a] = region->box[a + 3];
       double width = side.high[a] - side.low[a];
       bool at_low = side.low[a] <= s->low[a] + near, at_high = side.high[a] >= s->high[a] - near;
-      if (!used(s, a) || s->periodic[a] || at_low == at_high || width >= thinnest) continue;
+      if (!isph_uses_axis(s, a) || s->periodic[a] || at_low == at_high || width >= thinnest)
+        continue;
       thinnest = width;
       side.axis = a;
       side.inward = at_low ? 1 : -1;
@@ -194,7 +191,7 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       /* As much water in each as in a particle of free water, by the smeared porosity there. */
       double area = 1, porosity = 1;
       for (int a = 0; a < 3; a++)
-        if (used(s, a) && a != side->axis) area *= side->pitch[a];
+        if (isph_uses_axis(s, a) && a != side->axis) area *= side->pitch[a];
       if (s->on.soil) {
         struct soil_point soil;
         isph_soil_at(s, x, 0, &soil);
@@ -247,104 +244,18 @@ int isph_open_side_behind(const struct isph *s, const double x[3]) {
     bool behind =
         side->inward > 0 ? x[side->axis] < s->low[side->axis] : x[side->axis] > s->high[side->axis];
     for (int a = 0; a < 3; a++)
-      if (a != side->axis && used(s, a))
+      if (a != side->axis && isph_uses_axis(s, a))
         behind = behind && x[a] > side->low[a] && x[a] < side->high[a];
     if (behind) return (int)k;
   }
   return -1;
 }
 
-/* Bulk volumes that differ by less than this stand in one lattice. */
-#define SAME_SPACING 0.2
-
-/* The column behind which x has left goes on from there, unless the water is of another spacing. */
-static void follow(struct isph *s, int k, const double x[3], double volume) {
-  const struct isph_open_side *side = &s->sides[k];
-  int at[3];
-  for (int a = 0; a < 3; a++) {
-    double cell = (x[a] - side->low[a]) / side->pitch[a];
-    at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
-  }
-  size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
-  size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
-  const struct isph_column *column = &s->columns[side->first + c];
-  double *front = &s->column_front[side->first + c];
-  if (fabs(volume / column->volume - 1) < SAME_SPACING && *front > 0.5 * column->pitch)
-    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch);
-}
-
-static bool is_outside(const struct isph *s, const double x[3]) {
-  for (int a = 0; a < 3; a++)
-    if (used(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
-  return false;
-}
-
-static void count_removed(struct isph *s, const struct isph_removed *gone) {
-  const double *x = gone->position, mass = gone->mass * s->thickness;
-  int side = isph_open_side_behind(s, x);
-  isph_budget_removed(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
-  if (side >= 0) {
-    s->left_count++, s->left_mass += mass;
-    follow(s, side, x, gone->volume);
-    return;
-  }
-  if (s->lost_count == 0)
-    log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and is "
-                "taken out",
-                s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
-  const double *v = gone->velocity;
-  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
-  if (!(speed <= s->fastest_lost[0]))
-    memcpy(s->fastest_lost, (double[5]){speed, x[0], x[1], x[2], (double)gone->id},
-           sizeof s->fastest_lost);
-  if (s->lost_count < CONSERVATION_LOSSES) {
-    const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
-    memcpy(s->losses[s->lost_count], loss, sizeof loss);
-  }
-  s->lost_count++, s->lost_mass += mass;
-}
-
-enum status isph_remove_outside(struct isph *s) {
-  enum status status = STATUS_OK;
-  struct isph_removed *here = NULL, *all = NULL;
-  size_t kept = 0, gone = 0, total = 0;
-  s->fastest_lost[0] = 0;
-  for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_outside(s, s->position[i]);
-  TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
-  gone = 0;
-  for (size_t i = s->local.begin; i < s->local.end; i++) {
-    if (is_outside(s, s->position[i])) {
-      struct isph_removed *g = &here[gone++];
-      memcpy(g->position, s->position[i], sizeof g->position);
-      memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
-      g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
-      g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
-      continue;
-    }
-    if (kept != i) {
-      memcpy(s->position[kept], s->position[i], sizeof *s->position);
-      memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
-      s->pressure[kept] = s->pressure[i];
-      s->mass[kept] = s->mass[i];
-      s->id[kept] = s->id[i];
-    }
-    kept++;
-  }
-  s->count = kept;
-  if (!ranks_any(gone > 0)) goto cleanup;
-  TRY(isph_gather(here, gone, sizeof *here, &all, &total));
-  for (size_t k = 0; k < total; k++) count_removed(s, &all[k]);
-cleanup:
-  memory_free(&here);
-  memory_free(&all);
-  return status;
-}
-
 /* How far x stands in front of a window, m; INFINITY where it does not. */
 static double depth_before(const struct isph *s, const struct isph_open_side *side,
                            const double x[3]) {
   for (int a = 0; a < 3; a++)
-    if (a != side->axis && used(s, a) && !(x[a] > side->low[a] && x[a] < side->high[a]))
+    if (a != side->axis && isph_uses_axis(s, a) && !(x[a] > side->low[a] && x[a] < side->high[a]))
       return INFINITY;
   return side->inward > 0 ? x[side->axis] - s->low[side->axis]
                           : s->high[side->axis] - x[side->axis];

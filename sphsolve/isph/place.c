@@ -42,10 +42,6 @@ struct blocks {
   uint32_t *of; /* [regions * (regions + 1)]: number + 1 of the block of (porous, water) */
 };
 
-static bool used(const struct isph *s, int a) {
-  return s->dimensions == 3 || a != 1;
-}
-
 static void find_regions(const struct isph *s, struct site *site) {
   static const double still[3] = {0};
   site->porous = site->water = s->scene->region_count;
@@ -55,7 +51,7 @@ static void find_regions(const struct isph *s, struct site *site) {
     const struct region *region = &s->scene->regions[k];
     bool inside = true;
     for (int a = 0; a < 3; a++)
-      if (used(s, a))
+      if (isph_uses_axis(s, a))
         inside = inside && site->x[a] >= region->box[a] && site->x[a] < region->box[a + 3];
     if (inside && region->type == REGION_POROUS)
       site->porous = k, site->porosity = region->porosity;
@@ -66,8 +62,7 @@ static void find_regions(const struct isph *s, struct site *site) {
 static bool boxes_meet(const struct isph *s, const double p[6], const double q[6]) {
   const double near = 1e-6 * s->spacing;
   for (int a = 0; a < 3; a++)
-    if ((s->dimensions == 3 || a != 1) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near))
-      return false;
+    if (isph_uses_axis(s, a) && (p[a] > q[a + 3] - near || q[a] > p[a + 3] - near)) return false;
   return true;
 }
 
@@ -78,7 +73,7 @@ static const struct region *filled_by(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < n && found == NULL; k++) {
     bool inside = regions[k].type == REGION_WATER;
     for (int a = 0; a < 3; a++)
-      if (s->dimensions == 3 || a != 1)
+      if (isph_uses_axis(s, a))
         inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
     if (inside) found = &regions[k];
   }
@@ -99,7 +94,7 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
   const struct region *region = filled_by(s, site->x);
   if (region == NULL) return;
   for (int a = 0; a < 3; a++) {
-    if (!used(s, a)) continue;
+    if (!isph_uses_axis(s, a)) continue;
     const double dx = lattice->spacing[a], low = region->box[a], length = region->box[a + 3] - low;
     const double first = floor((low - lattice->origin[a]) / dx + 1e-9) + 1;
     const double last = ceil((low + length - lattice->origin[a]) / dx - 1e-9) - 1;
@@ -130,7 +125,7 @@ static enum status for_sites(struct isph *s, const struct lattice *lattice,
         struct site site = {.volume = volume};
         for (int a = 0; a < 3; a++) {
           site.x[a] = lattice->origin[a] + (double)at[a] * lattice->spacing[a];
-          site.width[a] = used(s, a) ? lattice->spacing[a] : 1;
+          site.width[a] = isph_uses_axis(s, a) ? lattice->spacing[a] : 1;
         }
         fit_box(s, lattice, &site);
         find_regions(s, &site);
@@ -179,7 +174,7 @@ static void draw_rows(const struct isph *s, struct block *block) {
   for (int left = s->dimensions; left > 0; left--) {
     int axis = -1;
     for (int a = 0; a < 3; a++)
-      if (used(s, a) && !drawn[a] &&
+      if (isph_uses_axis(s, a) && !drawn[a] &&
           (axis < 0 || block->high[a] - block->low[a] < block->high[axis] - block->low[axis]))
         axis = a;
     const double length = block->high[axis] - block->low[axis];
@@ -219,7 +214,7 @@ static enum status share_out(struct isph *s, const struct site *site, void *cont
         const int at[3] = {i, j, k};
         double share = site->porosity * s->density * site->volume;
         for (int a = 0; a < 3; a++)
-          if (used(s, a)) share *= overlap(block, site, a, at[a]);
+          if (isph_uses_axis(s, a)) share *= overlap(block, site, a, at[a]);
         const size_t row = (size_t)k * (size_t)block->rows[1] + (size_t)j;
         struct cell *cell = &blocks->cell[block->first + row * (size_t)block->rows[0] + (size_t)i];
         cell->mass += share;
@@ -228,7 +223,7 @@ static enum status share_out(struct isph *s, const struct site *site, void *cont
           const double low = fmax(site->x[a] - 0.5 * site->width[a], block->low[a] + at[a] * pitch);
           const double high =
               fmin(site->x[a] + 0.5 * site->width[a], block->low[a] + (at[a] + 1) * pitch);
-          cell->moment[a] += share * (used(s, a) ? 0.5 * (low + high) : site->x[a]);
+          cell->moment[a] += share * (isph_uses_axis(s, a) ? 0.5 * (low + high) : site->x[a]);
         }
       }
   return STATUS_OK;

@@ -394,8 +394,8 @@ int isph_open_side_behind(const struct isph *s, const double x[3]);
 void isph_open_straighten(struct isph *s);
 /* How fast the water goes at each column; from sorted particles. */
 enum status isph_open_measure(struct isph *s);
-/* Takes out particles outside the domain: those that left through a window, and with a warning
- * those that should not be there. */
+/* isph/outside.c: takes out particles outside the domain: those that left through a window, and
+ * with a warning those that should not be there. */
 enum status isph_remove_outside(struct isph *s);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
@@ -403,6 +403,11 @@ enum status isph_open_move(struct isph *s, double dt);
  * there. */
 enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]);
+/* Whether the scene has axis a: 2-D scenes have no y. */
+static inline bool isph_uses_axis(const struct isph *s, int a) {
+  return s->dimensions == 3 || a != 1;
+}
+
 /* The size of a particle, m: the side of a square or cube of its bulk volume. */
 static inline double isph_size_of(const struct isph *s, double volume) {
   return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);

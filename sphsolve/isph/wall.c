@@ -14,10 +14,6 @@ int isph_wall_layers(const struct isph *s) {
   return (int)ceil(s->support_max / s->spacing - 1e-9);
 }
 
-static bool used(const struct isph *s, int a) {
-  return !(s->dimensions == 2 && a == 1);
-}
-
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box, double volume) {
   if (s->boundary_count == *capacity) {
@@ -47,7 +43,7 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
   for (int a = 0; a < 3; a++) {
     n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
     pitch[a] = (s->high[a] - s->low[a]) / n[a];
-    bool closed = !s->periodic[a] && used(s, a);
+    bool closed = !s->periodic[a] && isph_uses_axis(s, a);
     from[a] = closed ? -isph_wall_layers(s) : 0;
     to[a] = closed ? n[a] + isph_wall_layers(s) : n[a];
   }
@@ -70,7 +66,7 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
 
 static bool in_box(const struct isph *s, const struct isph_wall_box *box, const double x[3]) {
   for (int a = 0; a < 3; a++)
-    if (used(s, a) && (x[a] <= box->low[a] || x[a] >= box->high[a])) return false;
+    if (isph_uses_axis(s, a) && (x[a] <= box->low[a] || x[a] >= box->high[a])) return false;
   return true;
 }
 
@@ -79,7 +75,8 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
   int n[3];
   double pitch[3];
   for (int a = 0; a < 3; a++) {
-    n[a] = used(s, a) ? (int)fmax(1, round((box->high[a] - box->low[a]) / s->spacing)) : 1;
+    n[a] =
+        isph_uses_axis(s, a) ? (int)fmax(1, round((box->high[a] - box->low[a]) / s->spacing)) : 1;
     pitch[a] = (box->high[a] - box->low[a]) / n[a];
   }
   for (int k = 0; k < n[2]; k++)
@@ -89,7 +86,8 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
                        box->low[2] + (k + 0.5) * pitch[2]};
         bool taken = false;
         for (int a = 0; a < 3; a++)
-          if (used(s, a) && !s->periodic[a]) taken = taken || x[a] < s->low[a] || x[a] > s->high[a];
+          if (isph_uses_axis(s, a) && !s->periodic[a])
+            taken = taken || x[a] < s->low[a] || x[a] > s->high[a];
         for (size_t later = index + 1; later < s->wall_box_count; later++)
           taken = taken || in_box(s, &s->wall_boxes[later], x);
         if (taken) continue;
@@ -115,8 +113,8 @@ enum status isph_wall_create(struct isph *s) {
     struct isph_wall_box *box = &s->wall_boxes[s->wall_box_count++];
     box->slip = region->slip;
     for (int a = 0; a < 3; a++) {
-      box->low[a] = used(s, a) ? region->box[a] : s->low[a];
-      box->high[a] = used(s, a) ? region->box[a + 3] : s->high[a];
+      box->low[a] = isph_uses_axis(s, a) ? region->box[a] : s->low[a];
+      box->high[a] = isph_uses_axis(s, a) ? region->box[a + 3] : s->high[a];
       box->velocity[a] = region->velocity[a];
     }
     box->region = region;
@@ -171,7 +169,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   }
   const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
   for (int a = 0; a < 3; a++) {
-    if (!used(s, a)) continue;
+    if (!isph_uses_axis(s, a)) continue;
     double i_distance = 0, j_distance = 0;
     if (box->tank) {
       if (s->periodic[a]) continue;
@@ -206,7 +204,7 @@ void isph_wall_guard(const struct isph *s, const double x[3], double scale, doub
                      double v[3]) {
   double gap = GUARD * s->spacing, reach = s->spacing;
   for (int a = 0; a < 3; a++) {
-    if (s->periodic[a] || !used(s, a)) continue;
+    if (s->periodic[a] || !isph_uses_axis(s, a)) continue;
     double below = x[a] - s->low[a], above = s->high[a] - x[a];
     double outside[3] = {x[0], x[1], x[2]};
     if (below < reach) {
@@ -224,7 +222,7 @@ void isph_wall_guard(const struct isph *s, const double x[3], double scale, doub
     double most = -INFINITY, sign = 0;
     bool near = true;
     for (int a = 0; a < 3; a++) {
-      if (!used(s, a)) continue;
+      if (!isph_uses_axis(s, a)) continue;
       double low = box->low[a] - x[a], high = x[a] - box->high[a];
       double out = fmax(low, high);
       near = near && out < reach;

@@ -45,8 +45,7 @@ struct run_result {
   struct uncertainty error; /* what k_error and the rest is made of */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
-  double
-      hydraulic_gradient[3]; /* fall of head over the length of soil between two heads; 0 without */
+  double hydraulic_gradient[3]; /* between two heads, over the length of soil; 0 without */
   double reynolds;
   int64_t steps;
   double wall_time;

@@ -14,7 +14,7 @@
 
 const char *ranks_term_name(enum ranks_term term) {
   static const char *const names[] = {"compute", "what every rank does in full",
-                                      "what all tell all", "ghosts", "sums"};
+                                      "gathering on every rank", "ghosts", "sums"};
   return names[term];
 }
 

@@ -28,7 +28,7 @@ static inline bool isph_energy_wanted(const struct effect_context *context, char
 
 #endif
 
-EFFECT(isph_energy, .model = "what a step lifts out of nothing is let down",
+EFFECT(isph_energy, .model = "kinetic and potential energy together may not grow",
        .citation = "docs/physics/isph.md", .wanted = isph_energy_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, energy),
        .budget = 1u << BUDGET_ENERGY_BOUND)

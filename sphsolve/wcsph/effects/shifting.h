@@ -65,7 +65,7 @@ static inline double wcsph_shifting_dt(const struct effect_context *context) {
 #endif
 
 #ifdef EFFECTS
-EFFECT(shifting, .model = "particles are nudged to where they are fewer",
+EFFECT(shifting, .model = "particles drift to where they are fewer",
        .citation = "Lind et al. 2012, eq. 15; Sun et al. 2019, eq. 2",
        .wanted = wcsph_shifting_wanted, .dt_max = wcsph_shifting_dt, .dt_power = 1,
        .dt_accuracy = true, .operations = 7,

@@ -1,0 +1,98 @@
+/* Particles that leave the domain: through a window of an open side, or, which should not be,
+ * through a wall. */
+#include "sphsolve/isph/state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Bulk volumes that differ by less than this stand in one lattice. */
+#define SAME_SPACING 0.2
+
+/* The column behind which x has left goes on from there, unless the water is of another spacing. */
+static void follow(struct isph *s, int k, const double x[3], double volume) {
+  const struct isph_open_side *side = &s->sides[k];
+  int at[3];
+  for (int a = 0; a < 3; a++) {
+    double cell = (x[a] - side->low[a]) / side->pitch[a];
+    at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
+  }
+  size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
+  size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
+  const struct isph_column *column = &s->columns[side->first + c];
+  double *front = &s->column_front[side->first + c];
+  if (fabs(volume / column->volume - 1) < SAME_SPACING && *front > 0.5 * column->pitch)
+    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch);
+}
+
+static bool is_outside(const struct isph *s, const double x[3]) {
+  for (int a = 0; a < 3; a++)
+    if (isph_uses_axis(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a]))
+      return true;
+  return false;
+}
+
+static void count_removed(struct isph *s, const struct isph_removed *gone) {
+  const double *x = gone->position, mass = gone->mass * s->thickness;
+  int side = isph_open_side_behind(s, x);
+  isph_budget_removed(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
+  if (side >= 0) {
+    s->left_count++, s->left_mass += mass;
+    follow(s, side, x, gone->volume);
+    return;
+  }
+  if (s->lost_count == 0)
+    log_warning("t = %.4g s: particle %llu went through a wall at (%.4g, %.4g, %.4g) m and is "
+                "taken out",
+                s->time, (unsigned long long)gone->id, x[0], x[1], x[2]);
+  const double *v = gone->velocity;
+  double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / gone->porosity;
+  if (!(speed <= s->fastest_lost[0]))
+    memcpy(s->fastest_lost, (double[5]){speed, x[0], x[1], x[2], (double)gone->id},
+           sizeof s->fastest_lost);
+  if (s->lost_count < CONSERVATION_LOSSES) {
+    const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
+    memcpy(s->losses[s->lost_count], loss, sizeof loss);
+  }
+  s->lost_count++, s->lost_mass += mass;
+}
+
+enum status isph_remove_outside(struct isph *s) {
+  enum status status = STATUS_OK;
+  struct isph_removed *here = NULL, *all = NULL;
+  size_t kept = 0, gone = 0, total = 0;
+  s->fastest_lost[0] = 0;
+  for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_outside(s, s->position[i]);
+  TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
+  gone = 0;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    if (is_outside(s, s->position[i])) {
+      struct isph_removed *g = &here[gone++];
+      memcpy(g->position, s->position[i], sizeof g->position);
+      memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
+      g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
+      g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
+      continue;
+    }
+    if (kept != i) {
+      memcpy(s->position[kept], s->position[i], sizeof *s->position);
+      memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
+      s->pressure[kept] = s->pressure[i];
+      s->mass[kept] = s->mass[i];
+      s->id[kept] = s->id[i];
+    }
+    kept++;
+  }
+  s->count = kept;
+  if (!ranks_any(gone > 0)) goto cleanup;
+  TRY(isph_gather(here, gone, sizeof *here, &all, &total));
+  for (size_t k = 0; k < total; k++) count_removed(s, &all[k]);
+cleanup:
+  memory_free(&here);
+  memory_free(&all);
+  return status;
+}
