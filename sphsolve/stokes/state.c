@@ -68,7 +68,9 @@ static void precondition(void *system, const float *x, float *work, float *y) {
 /* What the residual (r_m, r_c) adds to the flux along the force: v.(r_m / D) - p.r_c. The system is
  * nearly its own adjoint once the momentum rows are divided by D and continuity is negated, and the
  * flux along the force is the functional that belongs to its right-hand side, so that with this
- * the flux is wrong by the square of the solution's error (Pierce, Giles 2000, SIAM Review 42). */
+ * the flux is wrong by the square of the solution's error (Pierce, Giles 2000, SIAM Review 42). Of
+ * pores beside soil D holds the soil's own slip, and v is the better adjoint where that is moved:
+ * without `divide` only the rows of soil are divided. */
 static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_grid *grid = &s->grid;
@@ -82,7 +84,8 @@ static double adjoint_correction(const struct stokes_solver *s, bool divide) {
         momentum += s->x[a * n + i] * (double)s->residual[a * n + i];
       double continuity = (double)s->residual[axes * n + i];
       if (weight) momentum /= (double)weight[i], continuity *= (double)weight[i];
-      if (divide) momentum /= (double)s->operator.parabola[i];
+      if (divide || (s->operator.soil && s->operator.soil->relative[i]<1.0f))
+        momentum /= (double)s->operator.parabola[i];
       own += momentum - s->x[axes * n + i] * continuity;
     }
     sum += stokes_grid_weight(grid, row) * own;

@@ -10,11 +10,15 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/stokes/cascade/soil_response.h"
 #include "sphsolve/stokes/step.h"
 
 static FILE *json;
 static int count, failed;
 static long iterations; /* of the last solve */
+static double slope;    /* d ln k / d ln k_micro, of the last with soil, where `sloped` */
+static double work;     /* iterations times the sites solved */
+static bool sloped;
 
 static void report(const char *name, double reference, double measured, double bound) {
   const bool pass = fabs(measured / reference - 1.0) <= bound;
@@ -81,6 +85,10 @@ static double permeability(const size_t size[3], geometry *place, const double *
     printf("%s\n", error_message());
   error_clear();
   iterations = s.iterations;
+  work = (double)s.iterations * (double)s.grid.active_all;
+  struct micropores_point point = {.slope = NAN};
+  if (sloped && isfinite(k) && soil_response_measure(&s, &l, &point) != STATUS_OK) error_clear();
+  slope = point.slope;
   stokes_solver_free(&s);
   memory_free(&l.kind);
   memory_free(&l.wall_distance);
@@ -227,6 +235,84 @@ static void sand_of_aggregates(void) {
   memory_free(&aggregates);
 }
 
+/* The slope of one solution against that of the exact flow. */
+static void channel_slope(double n, double k) {
+  char name[80];
+  const struct layers l = {2, {16, 8}, {0, n}, {INFINITY, k}};
+  sloped = true;
+  of_layers(&l, 2, 0);
+  sloped = false;
+  snprintf(name, sizeof name, "slope of a channel 16 wide, k_micro %g", k);
+  report(name,
+         log(exact_channel(8, 4, n, 1.01 * k) / exact_channel(8, 4, n, k / 1.01)) / (2 * log(1.01)),
+         slope, 0.05);
+}
+
+/* Balls of grain at random, radius 4 to 6, and of soil between them, a third of the sites;
+ * parameter: permeability, 0 for grain in place of soil. */
+#define PACKING 60
+static unsigned char *packing; /* [z][y][x] kind of a site */
+static void throw_balls(double share, int kind, unsigned *seed) {
+  const size_t sites = (size_t)PACKING * PACKING * PACKING;
+  for (size_t taken = 0; (double)taken < share * (double)sites;) {
+    double ball[4]; /* centre, radius */
+    for (int i = 0; i < 4; i++) {
+      *seed = *seed * 1664525u + 1013904223u;
+      ball[i] = (*seed >> 8) / 16777216.0 * (i < 3 ? PACKING : 2.0) + (i < 3 ? 0.0 : 4.0);
+    }
+    for (size_t s = 0; s < sites; s++) {
+      const size_t at[3] = {s % PACKING, s / PACKING % PACKING, s / PACKING / PACKING};
+      double square = 0.0;
+      for (int a = 0; a < 3; a++) {
+        const double away = fabs((double)at[a] + 0.5 - ball[a]);
+        square += pow(fmin(away, PACKING - away), 2);
+      }
+      if (packing[s] != 0 || square > ball[3] * ball[3]) continue;
+      packing[s] = (unsigned char)kind;
+      taken++;
+    }
+  }
+}
+static struct place packed_at(const size_t at[3], const double *p) {
+  const int kind = packing[(at[2] * PACKING + at[1]) * PACKING + at[0]];
+  if (kind == 2 && p[0] == 0.0) return (struct place){.kind = 1};
+  return (struct place){kind, 0.35, p[0]};
+}
+
+/* What soil costs beside the same packing with it closed, which has half the sites: where soil is
+ * tight iterations are many, which is shown; and the slope against solves. */
+static void packing_of_soil(void) {
+  const size_t size[3] = {PACKING, PACKING, PACKING};
+  unsigned seed = 22;
+  char name[80];
+  double k[3];
+  if (memory_allocate(&packing, (size_t)PACKING * PACKING * PACKING, 1, "a packing")) exit(1);
+  throw_balls(0.36, 1, &seed);
+  throw_balls(0.33, 2, &seed);
+  const double closed_k = permeability(size, packed_at, (const double[]){0.0}, 2, 1e-4);
+  const double closed = work;
+  const long closed_iterations = iterations;
+  printf("  packing with its soil closed: k %.6g, %ld iterations\n", closed_k, iterations);
+  for (int e = -4; e <= -2; e += 2) {
+    for (int i = 0; i < 3; i++) {
+      const double p = pow(10, e) * pow(1.1, i - 1);
+      sloped = i == 1;
+      k[i] = permeability(size, packed_at, &p, 2, i == 1 ? 1e-4 : 1e-5);
+      if (i != 1) continue;
+      printf("  k_micro %g: %ld iterations, times the sites %.3g of that closed\n", p, iterations,
+             work / closed);
+      if (e == -2)
+        report("packing, a third soil, k_micro 0.01: iterations, and closed",
+               (double)closed_iterations, (double)iterations, 0.3);
+      k[i] = slope;
+    }
+    sloped = false;
+    snprintf(name, sizeof name, "packing, a third soil, k_micro %g: slope", pow(10, e));
+    report(name, log(k[2] / k[0]) / log(1.21), k[1], 0.15);
+  }
+  memory_free(&packing);
+}
+
 int main(int argc, char **argv) {
   char name[80];
   if (argc > 1) json = fopen(argv[1], "w");
@@ -248,6 +334,8 @@ int main(int argc, char **argv) {
     const struct layers beside = {2, {8, 8}, {0.35, 0.5}, {1e-2 * k, 1e-4 * k}};
     report(name, 0.5 * (1e-2 * k + 1e-4 * k), of_layers(&beside, 2, 0), 0.01);
   }
+  for (int e = -6; e <= 0; e += 2) channel_slope(0.35, pow(10, e));
+  packing_of_soil();
   /* Limit of grain, and iterations over the permeability. */
   const double radius = cbrt(0.75 * 0.216 / M_PI) * 24;
   const double solid = spheres(24, radius, 0, 0);
