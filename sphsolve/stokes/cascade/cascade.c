@@ -6,12 +6,9 @@
 #include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "common/ranks.h"
-#include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
-#include "sphsolve/geometry/surface_blur.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/stokes/cascade/cascade_parts.h"
 #include "sphsolve/stokes/cascade/start.h"
 
 /* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
@@ -19,16 +16,11 @@
 #define SOLVER_SHARE 0.02
 #define GOAL_FINEST 3e-4
 #define GOAL_COARSEST 1e-3
-/* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
- * more than the tolerance of the solver. */
-#define SURFACE_STEP 0.05
 /* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
 const double cascade_few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
-/* So do those of a scene's own spacing and coarser, where a mean pore has fewer sites than this. */
+/* Lattices of a scene's own spacing and coarser err so too, where a mean pore has fewer sites than
+ * this. */
 #define COARSE 4.5
-static const struct stokes_goal part_goal = {.mean = 3e-4};
-/* Other sides change k by per cents, on four times the sites. */
-static const struct stokes_goal sides_goal = {.mean = 1e-3};
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
@@ -59,16 +51,11 @@ static bool finer_is_in_vain(const struct cascade *c) {
   return c->plan->goal.error > 0.0 && left > c->wanted && c->uncertainty.resolution < 0.5 * left;
 }
 
-static bool sides_wait(const struct cascade *c) {
-  return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
-         cascade_sides_are_wrapped(c->scene->model_path);
-}
-
 /* Processor seconds that the share of the sides will take, as the last lattice took. */
 static double sides_seconds(const struct cascade *c) {
   const int n = c->uncertainty.level_count;
   size_t size[3], count;
-  if (n == 0 || !sides_wait(c)) return 0.0;
+  if (n == 0 || !cascade_sides_wait(c)) return 0.0;
   const double spacing = cascade_sides_spacing(c->plan, c->base);
   if (lattice_resampled_size(c->base, spacing, size, &count) != STATUS_OK) {
     error_clear();
@@ -153,144 +140,6 @@ cleanup:
   return status;
 }
 
-/* m^2, along the force. */
-static double permeability_of(const struct stokes_solver *s) {
-  double k = 0.0;
-  for (int a = 0; a < 3; a++) k += s->mean[a] * s->force[a] * s->stencil.unit * s->stencil.unit;
-  return k;
-}
-
-/* Whether every rank has the memory that its part of a solve will take: an even part, and as much
- * again as parts are uneven and have ghosts. */
-#define RANK_SPARE 1.3
-static bool have_room(const struct lattice *lattice) {
-  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count,
-                                           lattice->micro_porosity != NULL);
-  return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
-}
-
-/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails:
- * a part of the error is then unknown, which is said, and the run goes on. Of several processes,
- * one that fails in the middle of a solve cannot, as the others wait for it; so they ask first
- * whether memory is there. */
-static enum status solve(struct cascade *c, const struct lattice *lattice, enum wall_scheme wall,
-                         const struct stokes_solver *from, const struct stokes_goal *goal,
-                         bool keep, double *k) {
-  enum status status = STATUS_OK;
-  struct stokes_solver s = {0};
-  *k = 0.0;
-  if (ranks_count() > 1 && lattice->fluid_count > 0 && !have_room(lattice)) {
-    log_warning("a part of the error of k is not known: memory is short for a solve of its own");
-    return STATUS_OK;
-  }
-  if (lattice->fluid_count > 0) status = cascade_build(c, lattice, wall, &s);
-  if (status != STATUS_OK && ranks_count() > 1) return status;
-  if (status == STATUS_OK && s.grid.active_all > 0) {
-    if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
-      error_clear();
-    status = stokes_solver_run(&s, goal);
-    if (status == STATUS_OK) *k = permeability_of(&s);
-  }
-  if (status != STATUS_OK && status != STATUS_INTERRUPTED)
-    log_warning("a part of the error of k is not known: %s", error_message());
-  error_clear();
-  if (keep && *k > 0.0)
-    cascade_keep(c, &s);
-  else
-    stokes_solver_free(&s);
-  return STATUS_OK;
-}
-
-/* What the model says of its own void ratio, times the measured slope. */
-static void add_calibration(const char *path, struct uncertainty *u) {
-  struct h5_file *file = NULL;
-  if (!*path || !isfinite(u->slope_void_ratio)) return;
-  if (h5_open(path, &file) != STATUS_OK) {
-    error_clear();
-    return;
-  }
-  const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
-  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
-  u->void_ratio =
-      fabs(u->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
-                                  h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
-  u->slope_threshold = u->slope_void_ratio / slope;
-  if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
-  h5_close(file);
-}
-
-/* The change of k when pores that end at a side go on into their own image there, not into whatever
- * lies at the opposite side, and what a tube would do; all on one coarse lattice. */
-static enum status add_sides(struct cascade *c) {
-  enum status status = STATUS_OK;
-  struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
-  double k, one, other, tube;
-  const struct stokes_solver none = {0};
-  if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
-  TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
-  TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
-  TRY(solve(c, &wrapped, WALL_SUBVOXEL, &none, &sides_goal, false, &k));
-  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, false}, &mirrored));
-  TRY(solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false, &one));
-  lattice_free(&mirrored);
-  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));
-  TRY(solve(c, &mirrored, WALL_SUBVOXEL, &none, &sides_goal, false, &other));
-  c->uncertainty.sides = uncertainty_share_of_sides(k, one, other);
-  lattice_free(&mirrored);
-  TRY(solve(c, &closed, WALL_SUBVOXEL, &none, &sides_goal, false, &tube));
-  if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
-cleanup:
-  lattice_free(&closed);
-  lattice_free(&wrapped);
-  lattice_free(&mirrored);
-  return status;
-}
-
-/* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
-static enum status add_model_parts(struct cascade *c, const struct lattice *lattice, double spacing,
-                                   double k, const struct stokes_solver *from) {
-  enum status status = STATUS_OK;
-  struct lattice moved = {0}, coarser = {0};
-  double more, other;
-  if (!*c->scene->model_path) return STATUS_OK;
-  TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
-  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &part_goal, false, &more));
-  const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
-  if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
-  add_calibration(c->scene->model_path, &c->uncertainty);
-  lattice_free(&moved);
-  /* The model from every second of its voxels. */
-  TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
-  TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
-  TRY(solve(c, &moved, WALL_SUBVOXEL, from, &part_goal, false, &other));
-  if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
-  if (!sides_wait(c)) TRY(add_sides(c));
-cleanup:
-  lattice_free(&moved);
-  lattice_free(&coarser);
-  return status;
-}
-
-/* What k owes to the scanner: the surface is blurred once more. */
-static enum status add_scan_part(struct cascade *c, const struct lattice *lattice, double k,
-                                 const struct stokes_solver *from) {
-  enum status status = STATUS_OK;
-  struct lattice blurred = {0};
-  struct scan_quality scan;
-  double scale, other = 0.0;
-  if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
-  TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
-  TRY(solve(c, &blurred, WALL_SUBVOXEL, from, &part_goal, false, &other));
-  if (other > 0.0) {
-    c->uncertainty.slope_blur = scale * log(other / k);
-    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
-                                     c->plan->shape.width * c->plan->context.spacing);
-  }
-cleanup:
-  lattice_free(&blurred);
-  return status;
-}
-
 /* The estimate from all lattices so far. */
 static void estimate(struct cascade *c) {
   struct uncertainty *u = &c->uncertainty;
@@ -341,11 +190,11 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
                                                      .iterations = from->iterations};
   if (!c->model_parts && u->level_count == 2) {
     c->model_parts = true;
-    TRY(add_model_parts(c, lattice, spacing, k, from));
+    TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
   }
   /* A little finer, where throats are seen; once more where the first look was a coarse one. */
   if (u->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && u->level_count == 4))
-    TRY(add_scan_part(c, lattice, k, from));
+    TRY(cascade_add_scan_part(c, lattice, k, from));
   estimate(c);
 cleanup:
   return status;
@@ -353,12 +202,13 @@ cleanup:
 
 enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
                         const struct stokes_solver *s, double seconds) {
-  return add(c, lattice, spacing, s->grid.active_all > 0 ? permeability_of(s) : 0.0, s, seconds);
+  return add(c, lattice, spacing, s->grid.active_all > 0 ? cascade_permeability(s) : 0.0, s,
+             seconds);
 }
 
 enum status cascade_finish(struct cascade *c) {
   enum status status = STATUS_OK;
-  if (c->uncertainty.level_count > 1 && sides_wait(c)) TRY(add_sides(c));
+  if (c->uncertainty.level_count > 1 && cascade_sides_wait(c)) TRY(cascade_add_sides(c));
   if (c->uncertainty.level_count == 2 && clock_seconds() - c->started > c->seconds)
     log_info("a k with its error takes no less: two lattices, and what else moves k");
 cleanup:
@@ -394,7 +244,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
     const double started = clock_processor_seconds();
     double k;
-    status = solve(&c, &lattice, WALL_SUBVOXEL, &c.coarse, &part_goal, true, &k);
+    status = cascade_solve(&c, &lattice, &c.coarse, &cascade_part_goal, true, &k);
     if (status == STATUS_OK)
       status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_own) own = k;

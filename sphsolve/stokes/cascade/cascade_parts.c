@@ -1,0 +1,156 @@
+#include "sphsolve/stokes/cascade/cascade_parts.h"
+
+#include <math.h>
+
+#include "common/convergence.h"
+#include "common/hdf5_file.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/ranks.h"
+#include "sphsolve/geometry/other_sides.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/geometry/surface_blur.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/stokes/cascade/start.h"
+
+/* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
+ * more than the tolerance of the solver. */
+#define SURFACE_STEP 0.05
+const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
+/* Other sides change k by per cents, on four times the sites. */
+static const struct stokes_goal sides_goal = {.mean = 1e-3};
+
+bool cascade_sides_wait(const struct cascade *c) {
+  return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
+         cascade_sides_are_wrapped(c->scene->model_path);
+}
+
+double cascade_permeability(const struct stokes_solver *s) {
+  double k = 0.0;
+  for (int a = 0; a < 3; a++) k += s->mean[a] * s->force[a] * s->stencil.unit * s->stencil.unit;
+  return k;
+}
+
+/* Whether every rank has the memory that its part of a solve will take: an even part, and as much
+ * again as parts are uneven and have ghosts. */
+#define RANK_SPARE 1.3
+static bool have_room(const struct lattice *lattice) {
+  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count,
+                                           lattice->micro_porosity != NULL);
+  return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
+}
+
+enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
+                          const struct stokes_solver *from, const struct stokes_goal *goal,
+                          bool keep, double *k) {
+  enum status status = STATUS_OK;
+  struct stokes_solver s = {0};
+  *k = 0.0;
+  if (ranks_count() > 1 && lattice->fluid_count > 0 && !have_room(lattice)) {
+    log_warning("a part of the error of k is not known: memory is short for a solve of its own");
+    return STATUS_OK;
+  }
+  if (lattice->fluid_count > 0) status = cascade_build(c, lattice, WALL_SUBVOXEL, &s);
+  if (status != STATUS_OK && ranks_count() > 1) return status;
+  if (status == STATUS_OK && s.grid.active_all > 0) {
+    if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
+      error_clear();
+    status = stokes_solver_run(&s, goal);
+    if (status == STATUS_OK) *k = cascade_permeability(&s);
+  }
+  if (status != STATUS_OK && status != STATUS_INTERRUPTED)
+    log_warning("a part of the error of k is not known: %s", error_message());
+  error_clear();
+  if (keep && *k > 0.0)
+    cascade_keep(c, &s);
+  else
+    stokes_solver_free(&s);
+  return STATUS_OK;
+}
+
+/* What the model says of its own void ratio, times the measured slope. */
+static void add_calibration(const char *path, struct uncertainty *u) {
+  struct h5_file *file = NULL;
+  if (!*path || !isfinite(u->slope_void_ratio)) return;
+  if (h5_open(path, &file) != STATUS_OK) {
+    error_clear();
+    return;
+  }
+  const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
+  u->void_ratio =
+      fabs(u->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
+                                  h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
+  u->slope_threshold = u->slope_void_ratio / slope;
+  if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
+  h5_close(file);
+}
+
+enum status cascade_add_sides(struct cascade *c) {
+  enum status status = STATUS_OK;
+  struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
+  double k, one, other, tube;
+  const struct stokes_solver none = {0};
+  if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
+  TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
+  TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
+  TRY(cascade_solve(c, &wrapped, &none, &sides_goal, false, &k));
+  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, false}, &mirrored));
+  TRY(cascade_solve(c, &mirrored, &none, &sides_goal, false, &one));
+  lattice_free(&mirrored);
+  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));
+  TRY(cascade_solve(c, &mirrored, &none, &sides_goal, false, &other));
+  c->uncertainty.sides = uncertainty_share_of_sides(k, one, other);
+  lattice_free(&mirrored);
+  TRY(cascade_solve(c, &closed, &none, &sides_goal, false, &tube));
+  if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
+cleanup:
+  lattice_free(&closed);
+  lattice_free(&wrapped);
+  lattice_free(&mirrored);
+  return status;
+}
+
+enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lattice,
+                                    double spacing, double k, const struct stokes_solver *from) {
+  enum status status = STATUS_OK;
+  struct lattice moved = {0}, coarser = {0};
+  double more, other;
+  if (!*c->scene->model_path) return STATUS_OK;
+  TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
+  TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &more));
+  const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
+  if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
+  add_calibration(c->scene->model_path, &c->uncertainty);
+  lattice_free(&moved);
+  /* The model from every second of its voxels. */
+  TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
+  TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
+  TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &other));
+  if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
+  if (!cascade_sides_wait(c)) TRY(cascade_add_sides(c));
+cleanup:
+  lattice_free(&moved);
+  lattice_free(&coarser);
+  return status;
+}
+
+enum status cascade_add_scan_part(struct cascade *c, const struct lattice *lattice, double k,
+                                  const struct stokes_solver *from) {
+  enum status status = STATUS_OK;
+  struct lattice blurred = {0};
+  struct scan_quality scan;
+  double scale, other = 0.0;
+  if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
+  TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
+  TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
+  if (other > 0.0) {
+    c->uncertainty.slope_blur = scale * log(other / k);
+    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
+                                     c->plan->shape.width * c->plan->context.spacing);
+  }
+cleanup:
+  lattice_free(&blurred);
+  return status;
+}
