@@ -1,3 +1,5 @@
+/* k against the spacing of the lattice: extrapolated to spacing 0 where several spacings allow it.
+ */
 #include <math.h>
 #include <string.h>
 
@@ -36,8 +38,6 @@ static enum status measure(const struct run *run, struct level *level) {
              "%s: the run has no driving force along its flow, so it has no permeability",
              run->path);
   TRY(average_darcy(run, &average));
-  double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
-                        run->driving[2] * run->driving[2]);
   if (average.mean == 0)
     TRY_FAIL(STATUS_INPUT,
              "%s: no pore leads through along the force: k is 0, and says nothing of the "
@@ -46,7 +46,7 @@ static enum status measure(const struct run *run, struct level *level) {
   level->run = run;
   level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
   if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);
-  level->permeability = average.mean * run->viscosity / (run->density * driving);
+  level->permeability = average.mean * run->viscosity / (run->density * run_driving(run));
   /* What several lattices say of the limit is no value of a lattice: the finest's own is. */
   level->of_finest = run->levels.count > 0 && run->k_finest > 0.0;
   if (level->of_finest) {

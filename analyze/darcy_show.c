@@ -70,8 +70,6 @@ static enum status fit_group(struct darcy_table *table, size_t g) {
   double *columns = NULL;
   size_t count = 0;
   const struct run *run = table->first[g];
-  double driving = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
-                        run->driving[2] * run->driving[2]);
   TRY(memory_allocate(&columns, 3 * table->n, sizeof *columns, "fit"));
   double *gradient = columns, *velocity = columns + table->n, *error = columns + 2 * table->n;
   for (size_t i = 0; i < table->n; i++) {
@@ -83,7 +81,7 @@ static enum status fit_group(struct darcy_table *table, size_t g) {
   }
   if (count > 0)
     TRY(darcy_fit(gradient, velocity, error, count, run->viscosity / run->density,
-                  driving / run->hydraulic_gradient, &table->fits[g]));
+                  run_driving(run) / run->hydraulic_gradient, &table->fits[g]));
   const struct darcy_fit *fit = &table->fits[g];
   if (fit->b + fit->b_error < 0.0 && fit->curvature < -0.01)
     log_warning("%s: k grows with the gradient (by %.1f %% up to the highest), which no "

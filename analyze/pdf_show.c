@@ -268,15 +268,12 @@ static enum status analyze(const struct subject *subject, const struct options *
   (void)options;
   struct velocity_statistics *table = NULL;
   TRY(memory_allocate(&table, n, sizeof *table, "runs"));
-  json_t *list = json_array();
-  json_object_set_new(product->json, "runs", list);
   for (size_t i = 0; i < n; i++) {
     TRY(measure(&runs[i], &table[i]));
     json_t *object = json_object();
     fill_json(&table[i], object);
-    json_array_append_new(list, object);
+    product_add_run(product, object, n);
   }
-  if (n == 1) fill_json(&table[0], product->json);
   write_csv(table, n, product->csv.stream);
   write_summary(table, n, product->summary.stream);
   reference_json(table, n, product->json);

@@ -125,6 +125,13 @@ cleanup:
   return status;
 }
 
+void product_add_run(struct product *product, json_t *object, size_t n) {
+  json_t *list = json_object_get(product->json, "runs");
+  if (list == NULL) json_object_set_new(product->json, "runs", list = json_array());
+  if (n == 1) json_object_update(product->json, object);
+  json_array_append_new(list, object);
+}
+
 void csv_text(FILE *stream, const char *text) {
   if (strpbrk(text, ",\"\r\n") == NULL) {
     fputs(text, stream);

@@ -34,6 +34,10 @@ void product_free(struct product *product);
  * Without gnuplot one warning says so and the rest is there. */
 enum status product_save(const struct product *product, const char *folder);
 
+/* Appends what is told of one of n runs to "runs" in the JSON; of a single run its members stand
+ * beside "runs" too. Takes `object` over. */
+void product_add_run(struct product *product, json_t *object, size_t n);
+
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
 /* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-",

@@ -9,17 +9,16 @@
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
 
-static enum status text_copy(const char *from, size_t length, char **text) {
-  enum status status = memory_allocate(text, length + 1, 1, "text");
-  if (status == STATUS_OK) memcpy(*text, from, length);
-  return status;
+double run_driving(const struct run *run) {
+  const double *g = run->driving;
+  return sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
 }
 
 static enum status read_text_or_empty(struct h5_file *file, const char *object,
                                       const char *attribute, char **text) {
   if (h5_attribute_exists(file, object, attribute))
     return h5_read_attribute_text(file, object, attribute, text);
-  return text_copy("", 0, text);
+  return memory_copy_text("", 0, text);
 }
 
 static enum status read_numbers(struct h5_file *file, const char *attribute, size_t count,
@@ -85,8 +84,7 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
     if (!isfinite(run->driving[d])) run->driving[d] = 0.0;
   }
   run->dimensions = dimensions == 2.0 ? 2 : 3;
-  double strength = sqrt(run->driving[0] * run->driving[0] + run->driving[1] * run->driving[1] +
-                         run->driving[2] * run->driving[2]);
+  const double strength = run_driving(run);
   for (int d = 0; d < 3; d++) run->direction[d] = strength > 0 ? run->driving[d] / strength : 0.0;
   if (isfinite(run->hydraulic_gradient)) run->hydraulic_gradient = fabs(run->hydraulic_gradient);
 cleanup:
@@ -105,7 +103,7 @@ static enum status read_column(struct h5_file *file, const struct run *run, cons
   if (rank == 1) dims[1] = 1;
   if (rank < 1 || (dims[1] != 1 && dims[1] != 3))
     TRY_FAIL(STATUS_INPUT, "%s: %s is neither [n] nor [n][3]", run->path, path);
-  TRY(text_copy(name, strlen(name), &column->name));
+  TRY(memory_copy_text(name, strlen(name), &column->name));
   TRY(read_text_or_empty(file, path, "unit", &column->unit));
   TRY(h5_read(file, path, H5_F64, rank, dims, &column->values));
   column->rows = dims[0];
@@ -215,16 +213,17 @@ static enum status name_by_file(struct run *run) {
   const char *file = run->path + strlen(run->folder);
   const char *ending = strrchr(file, '.');
   memory_free(&run->name);
-  return text_copy(file, ending == NULL ? strlen(file) : (size_t)(ending - file), &run->name);
+  return memory_copy_text(file, ending == NULL ? strlen(file) : (size_t)(ending - file),
+                          &run->name);
 }
 
 static enum status name_run(struct run *run) {
   enum status status = STATUS_OK;
   const char *slash = strrchr(run->path, '/');
   size_t folder = slash == NULL ? 0 : (size_t)(slash - run->path) + 1;
-  TRY(text_copy(run->path, folder, &run->folder));
+  TRY(memory_copy_text(run->path, folder, &run->folder));
   if (run->name[0] == '\0') TRY(name_by_file(run));
-  TRY(text_copy(run->name, strlen(run->name), &run->title));
+  TRY(memory_copy_text(run->name, strlen(run->name), &run->title));
 cleanup:
   return status;
 }
@@ -243,7 +242,7 @@ enum status run_read(const char *path, struct run *run) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   memset(run, 0, sizeof *run);
-  TRY(text_copy(path, strlen(path), &run->path));
+  TRY(memory_copy_text(path, strlen(path), &run->path));
   TRY(h5_open(path, &file));
   TRY(provenance_check(file));
   if (!h5_exists(file, "/run")) {

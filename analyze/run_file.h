@@ -78,6 +78,9 @@ bool run_is_companion(const char *path);
  * a force only holds the water in a tank). */
 bool run_has_permeability(const struct run *run);
 
+/* Magnitude of the driving force by mass, m/s^2. */
+double run_driving(const struct run *run);
+
 /* The column of that name with that many components, or NULL. */
 const struct history_column *run_column(const struct run *run, const char *name, int components);
 

@@ -13,7 +13,7 @@ struct slice_request {
   int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y of a 2-D run */
   double position;  /* m, middle of the slab; NAN: middle of the run */
   double thickness; /* m; NAN: one spacing */
-  double vectors;   /* most along the longer side; 0: 60 */
+  double vectors;   /* most along the longer side */
   bool zoomed;
   double zoom[4]; /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
 };
@@ -63,9 +63,8 @@ static enum status choose_window(const struct run *run, const struct slice_reque
       return FAIL(STATUS_USAGE, "--zoom: the window lies outside the run in %c (%g to %g m)",
                   axes[d], extent_low(run, d), extent_high(run, d));
   }
-  double vectors = request->vectors > 0.0 ? request->vectors : 60.0;
   double longest = fmax(w->high[0] - w->low[0], w->high[1] - w->low[1]);
-  w->cell = fmax(fmax(run->spacing[w->across], run->spacing[w->up]), longest / vectors);
+  w->cell = fmax(fmax(run->spacing[w->across], run->spacing[w->up]), longest / request->vectors);
   for (int i = 0; i < 2; i++) w->cells[i] = (size_t)ceil((w->high[i] - w->low[i]) / w->cell - 1e-9);
   return STATUS_OK;
 }
@@ -210,13 +209,14 @@ static enum status parse_zoom(const struct options *options, struct slice_reques
   return STATUS_OK;
 }
 
-/* Vectors are means over cells so that not more than `vectors` stand along an axis. */
+/* Vectors are means over cells so that not more than `vectors` stand along an axis: fewer in the
+ * report, whose picture is smaller. */
 static enum status analyze(const struct subject *subject, const struct options *options,
                            struct product *product) {
   enum status status = STATUS_OK;
   const struct run *run = &subject->runs[0];
   struct slice_request request = {
-      .axis = -1, .position = NAN, .thickness = NAN, .vectors = options == NULL ? 42.0 : 0.0};
+      .axis = -1, .position = NAN, .thickness = NAN, .vectors = options == NULL ? 42.0 : 60.0};
   static const char axes[] = "xyz";
   struct particles particles = {0};
   struct cell *cells = NULL;

@@ -178,9 +178,9 @@ enum status model_read(const char *path, struct voxel_model *model) {
       TRY_FAIL(STATUS_INPUT, "%s: spacing %g m: metres, greater than 0, are wanted", path,
                spacing[a]);
   }
-  TRY(read_optional_number(file, "void_ratio", &model->void_ratio));
   TRY(read_optional_number(file, "void_ratio_measured", &model->void_ratio_measured));
   TRY(read_optional_number(file, "threshold", &model->threshold));
+  /* Counted, not read: the attribute is for people, and may be another's. */
   model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
   TRY(read_optional_field(file, "/model/micro_porosity", model, 0, 1, &model->micro_porosity));
   TRY(read_optional_field(file, "/model/micro_permeability", model, 0, 1,

@@ -102,8 +102,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   if (s->walkers >= UINT32_MAX)
     return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
   walk->diffusion = s->peclet > 0 ? 1 / s->peclet : 1;
-  walk->dt = s->flight * s->flight / (6 * walk->diffusion);
-  if (s->peclet > 0) walk->dt = fmin(walk->dt, WALK_CARRIED);
+  walk->dt = time_step(s->peclet, s->flight);
   walk->step = (struct walk_step){.time = s->peclet > 0 ? (float)walk->dt : 0,
                                   .flight = (float)sqrt(6 * walk->diffusion * walk->dt),
                                   .seed = s->seed};
