@@ -194,8 +194,8 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
   }
 }
 
-/* Whether all soil starts full of water without being told: no surface is possible where there is
- * no water region at all, or where the domain is endless along the driving force. */
+/* Whether all soil starts full of water where the scene does not say: no surface is possible where
+ * there is no water region at all, or where the domain is endless along the driving force. */
 static bool saturated_by_nature(const struct scene *scene) {
   bool water = false;
   for (size_t r = 0; r < scene->region_count; r++)

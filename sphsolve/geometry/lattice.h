@@ -55,7 +55,7 @@ struct lattice_spill {
 enum status lattice_build(const struct scene *scene, int wall_layers, struct lattice *lattice);
 void lattice_free(struct lattice *lattice);
 
-/* What a method does not look at while it runs lies on disk (`beside` its results) meanwhile.
+/* Puts what a method does not read while it runs into a file on disk, `beside` its results.
  * Taking it back frees `spill`, also where it fails. */
 enum status lattice_spill_distances(struct lattice *lattice, const char *beside,
                                     struct lattice_spill *spill);

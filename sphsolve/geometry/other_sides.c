@@ -21,7 +21,7 @@ static enum status distances_inside(const struct lattice *wrapped, const bool ax
   side_distance_unwrap(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
-      /* No wall beside it inside: as far as it said, and one spacing at least. */
+      /* No wall beside it inside: the distance it had, and one spacing at least. */
       const float own = wrapped->wall_distance[i];
       (*distance)[i] = copysignf(fmaxf(fabsf(own), (float)wrapped->spacing[0]), own);
     }

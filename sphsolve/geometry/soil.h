@@ -22,7 +22,7 @@ static inline void lattice_soil_copy(const struct lattice *from, size_t site, st
 
 /* Of the sites of `fine` that a fluid site of `out` covers, those that most of the pore side are:
  * soil has their mean porosity and the geometric mean of their permeability. Sizes, spacings and
- * kinds of `out` stand. */
+ * kinds of `out` are set before. */
 enum status lattice_soil_resample(const struct lattice *fine, struct lattice *out);
 /* The largest permeability of its soil, m^2; 0 without. */
 double lattice_soil_most(const struct lattice *lattice);

@@ -6,12 +6,12 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 
-/* In standard deviations of the blur: where its kernel ends; up to where the blurred share of pore
- * tells a distance, and from where the old distance is kept. */
+/* In standard deviations of the blur: where its kernel is cut off; up to which distance the blurred
+ * fraction of pore gives the distance, and from which on the old distance is kept. */
 #define REACH 4.0
 #define READ_TO 2.5
 #define READ_NO_MORE 3.0
-/* In spacings: a narrower blur is not resolved by the shares of sites. */
+/* In spacings: a narrower blur is not resolved by the fractions of sites. */
 #define NARROWEST 0.9
 enum { TAPS_MOST = 64 };
 
@@ -64,8 +64,8 @@ static double normal_quantile(double share) {
   return share < 0.5 ? t : -t;
 }
 
-/* The distance of the new surface from the share of pore around a site: a flat wall's own, as deep
- * as greys tell, and further on at least the old one's amount. */
+/* The distance of the new surface from the fraction of pore around a site: that of a flat wall with
+ * that fraction, as far as the blur reaches, and beyond at least the size of the old distance. */
 static double distance_of(double share, double width, double old) {
   const double far = copysign(fmax(fabs(old), READ_TO * width), share - 0.5);
   if (fmin(share, 1.0 - share) < 0.5 * erfc(READ_NO_MORE / sqrt(2.0))) return far;
@@ -91,7 +91,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   float *image = NULL, *work = NULL;
   const double h = spacing_of(out);
   const bool mirrored = lattice_is_mirrored(out);
-  /* The share of a site is read off its distance, which blurs by a site's own width. */
+  /* The fraction of a site follows from its distance: a mean over the site, which blurs, too. */
   const double width = sqrt(deviation * deviation + h * h / 12.0);
   TRY(memory_allocate(&image, out->count, sizeof *image, "a lattice"));
   TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));

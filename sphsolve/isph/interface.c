@@ -17,7 +17,7 @@
  * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
  * with 0.1). */
 #define HESSIAN_WEIGHT 0.02
-/* Neighbours' weight along an edge is at least this share of what it is without. */
+/* Neighbours' weight along an edge is at least this fraction of that without an edge. */
 #define WEIGHT_LEAST 0.25
 
 void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share) {

@@ -25,7 +25,7 @@ struct isph_soil_mix {
 void isph_soil_mix_add(struct isph_soil_mix *mix, const struct isph_fraction *w, double a,
                        double b);
 /* From soil->a and b, the means across an interface: the means along it, and its normal (0 where
- * there is none). `smoothing`: h of the shares, m. */
+ * there is none). `smoothing`: h of the fractions, m. */
 void isph_soil_mix_split(const struct isph_soil_mix *mix, double smoothing,
                          struct soil_point *soil);
 

@@ -14,7 +14,7 @@ enum status isph_refuse(const struct effect_context *context);
 enum status isph_cost(struct plan *plan, int threads);
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
-/* From a plan to the switches of its state; also for those who run that by hand. */
+/* From a plan to the switches of the state; also for tests, which march it themselves. */
 enum status isph_switches_of(const struct plan *plan, struct isph_switches *on);
 
 #endif

@@ -195,7 +195,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   row.reynolds = isph_reynolds(s, row.darcy_velocity);
   extra[c++] = whole.potential * scale;
   extra[c++] = sqrt(whole.squares / count);
-  /* A particle by a wall is no cube: what of it would stand in the wall is not there. */
+  /* A particle by a wall is no cube: no part of it lies beyond the wall. */
   for (int a = 0; a < 3; a++)
     extra[c++] = s->periodic[a] ? -whole.extreme[3 + a] : fmax(-whole.extreme[3 + a], s->low[a]);
   for (int a = 0; a < 3; a++)

@@ -10,7 +10,7 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Bulk volumes that differ by less than this stand in one lattice. */
+/* Particles whose bulk volumes differ by less are as far apart as those of the column. */
 #define SAME_SPACING 0.2
 
 /* The column behind which x has left goes on from there, unless the water is of another spacing. */

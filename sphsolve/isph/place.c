@@ -229,7 +229,8 @@ static enum status share_out(struct isph *s, const struct site *site, void *cont
   return STATUS_OK;
 }
 
-/* Cells that walls or other soil leave less than this share of go to the fullest beside them. */
+/* Cells of which walls or other soil leave less than this are merged with the fullest beside them.
+ */
 #define SHARE_LEAST 0.5
 
 static void merge_slivers(const struct block *block, struct cell *cell) {
@@ -281,8 +282,8 @@ static enum status find_mass_ratio(struct isph *s, const struct site *site, void
   return STATUS_OK;
 }
 
-/* One mass fits all: that of a site where the scene's water is fullest, which is free water unless
- * soil fills the domain. */
+/* All particles have the mass of a site where the porosity is largest: of free water, unless soil
+ * fills the domain. */
 enum status isph_choose_mass(struct isph *s, const struct lattice *lattice) {
   s->mass_ratio = s->on.soil && !s->on.surface ? 0 : 1;
   enum status status = s->mass_ratio > 0 ? STATUS_OK : for_sites(s, lattice, find_mass_ratio, NULL);

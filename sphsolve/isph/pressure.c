@@ -12,7 +12,7 @@
 #define ITERATIONS_MAX 2000
 
 /* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
- * and ranks, whose shares begin with a block. */
+ * and ranks, whose particles begin with a block. */
 double isph_dot(struct isph *s, const double *a, const double *b) {
   const size_t first = s->local.begin, n = s->local.end;
   double total = 0, *own = s->partial + isph_first_chunk(s);

@@ -85,7 +85,7 @@ static enum status find_lines(const struct isph *s, struct lines *lines) {
     }
     for (size_t r = 1; pass == 0 && r < ranks; r++) next[r] = next[r - 1] + lines->send[r - 1];
   }
-  /* How the lines come tells where they go. */
+  /* The place of each line in the order in which they come. */
   TRY(memory_allocate(&place, lines->count, sizeof *place, "a snapshot"));
   TRY(memory_allocate(&lines->place, lines->count, sizeof *place, "a snapshot"));
   for (size_t k = 0; k < lines->count; k++) lines->place[k] = (uint32_t)k;

@@ -7,12 +7,12 @@
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
 
-/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the share of soil in a kernel half
- * as wide as that of the water in the least porous soil (M15 section 4 with soil markers in the
- * limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
+/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the fraction of soil in a kernel
+ * half as wide as that of the water in the least porous soil (M15 section 4 with soil markers in
+ * the limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
  * change with eps: an edge steeper than the spacing of the particles in the soil is one that their
- * sums do not resolve. One width for all soils, so that their shares add up to 1 where they touch.
- * Boxes that touch a closed side go on beyond it, so that walls see no thinner soil. */
+ * sums do not resolve. One width for all soils, so that their fractions add up to 1 where they
+ * touch. Boxes that touch a closed side go on beyond it, so that walls see no thinner soil. */
 
 struct box {
   double low[3], high[3];
@@ -72,7 +72,8 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct b
   return fraction;
 }
 
-/* Share of what of `box` no soil from region `next` on takes: S(box) - S(box and next). */
+/* Fraction of that part of `box` which no soil from region `next` on takes: S(box) - S(box and
+ * next). */
 static struct isph_fraction fraction_left(const struct isph *s, const struct box *box, size_t next,
                                           double ahead, const double x[3]) {
   for (; next < s->scene->region_count; next++) {
@@ -133,8 +134,8 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
   soil->fraction = share;
-  /* Inertia and drag, as multiples of the pressure gradient, count by the share of the soil, whose
-   * own they are: a layer then weighs and loses as much as with sharp faces, next to free water and
+  /* Inertia and drag, as multiples of the pressure gradient, count by the fraction of the soil they
+   * belong to: a layer then weighs and loses as much as with sharp faces, next to free water and
    * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in
    * it: too small for the forces over rho_w, the drag too large for M15's forces over eps. */
   soil->a = a, soil->b = b, soil->inertia = 1 - share + inertia;

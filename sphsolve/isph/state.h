@@ -171,7 +171,7 @@ struct isph {
                              is on the surface; NULL without a surface */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_factor;    /* B: share of v_D left by the drag; NULL without */
+  double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */
   double *mobility;       /* k = B T G / rho_w */
   double *eddy;           /* nu + nu_T; NULL without viscosity */
   double (*predicted)[3]; /* v* without the driving force */
@@ -240,7 +240,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
                         const struct isph_switches *switches, struct isph *s);
 void isph_free(struct isph *s);
 /* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
- * leave a fresh state; who changes positions by hand calls it. */
+ * leave a fresh state; to be called after positions were changed otherwise. */
 enum status isph_refresh(struct isph *s);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
@@ -361,8 +361,8 @@ void isph_move(struct isph *s, double dt, double available);
 /* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
-/* Collective: the failure of a solve that stands at a relative error, with the particle whose row
- * is off most. */
+/* Collective: the error of a solve that has stopped at this relative error, with the particle whose
+ * row has the largest residual. */
 enum status isph_solve_failed(struct isph *s, double error, int iterations);
 /* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
 void isph_multiply(struct isph *s, double *x, double *y);

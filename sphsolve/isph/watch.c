@@ -18,7 +18,7 @@
 #define KERNEL_SUM_WARN 1.3
 /* Water without a surface has a gap where the kernel sum is smaller. */
 #define KERNEL_SUM_GAP 0.7
-/* Energies below that of this speed, in spacings a step, are no cause for alarm (watchdog.h). */
+/* In spacings a step: energies below that of such a speed trip no bound (watchdog.h). */
 #define ENERGY_FLOOR 0.02
 /* Of the speed over what drives the water; jets of an impact reach some 5 times. Without this bound
  * the step, which shortens as the fastest particle speeds up, would follow a diverging one towards
@@ -35,8 +35,9 @@ double isph_given_speed(const struct isph *s) {
   return speed;
 }
 
-/* A fall through the whole domain, or for so long round it; a head without gravity, which stands
- * for a pressure; a drop of one particle that its surface tension draws together. */
+/* A fall through the whole domain, or round a periodic one for the time of the run; a head without
+ * gravity, which is then a pressure; a drop of one particle that its surface tension draws
+ * together. */
 double isph_speed_most(const struct isph *s) {
   const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   double square = 0, head = 0, speed = isph_given_speed(s);

@@ -1,7 +1,7 @@
-/* Sees a march leave its bounds, and says how to go on: back to the last good state with half the
- * step, three times at most. It sees how much of each bound is used, and no particles: the method
- * measures that at least every WATCH_STEPS steps, keeps the copy and goes back to it. While no
- * bound is left it changes no bit of the run. */
+/* Finds that a march has left its bounds, and decides how to go on: back to the last good state
+ * with half the step, three times at most. It sees how much of each bound is used, and no
+ * particles: the method measures that at least every WATCH_STEPS steps, keeps the copy and goes
+ * back to it. While no bound is left it changes no bit of the run. */
 #ifndef TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 #define TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 
@@ -10,7 +10,7 @@
 
 #include "common/error.h"
 
-#define WATCH_STEPS 8    /* between looks: a trip is seen within ten steps */
+#define WATCH_STEPS 8    /* between checks: a trip is found within ten steps */
 #define WATCH_HALVINGS 3 /* of the step, before a run is given up */
 
 enum watch_bound { WATCH_DENSITY, WATCH_VELOCITY, WATCH_ENERGY, WATCH_RESIDUAL, WATCH_COUNT };

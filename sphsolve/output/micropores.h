@@ -12,8 +12,8 @@
 /* With the permeabilities of all soil times `factor`; NAN: not found. */
 struct micropores_point {
   double factor;
-  double k;     /* m/s */
-  double flux;  /* share of the flux along the force that goes through soil */
+  double k;         /* m/s */
+  double flux;      /* fraction of the flux along the force that goes through soil */
   double connected; /* share of the soil's sites that lie on a path along the force */
   double slope; /* d ln k / d ln k_micro, which is the share of the force's power that drag takes */
 };

@@ -355,7 +355,7 @@ cleanup:
   return status;
 }
 
-/* A scene of another text: what it says otherwise is named, or refused. */
+/* The scene's text differs from the checkpoint's: settings that differ are logged, or refused. */
 static enum status compare_settings(const struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
   char *then = NULL, *now = NULL;

@@ -18,7 +18,8 @@ struct predicted_level;
 
 struct method {
   const char *name;
-  const struct effect *const *effects; /* in the order in which they are told, ended by NULL */
+  const struct effect *const
+      *effects; /* in the order in which explain prints them, ended by NULL */
 
   /* The plan refuses what a method cannot do. One that resolves pores takes voxel models, and
    * domains with every site water or wall; one that does not takes soil, inflow and surfaces. */

@@ -33,7 +33,7 @@ struct effect_context {
   double driving;             /* |g + a - grad P / rho|, m/s^2 */
   double velocity_scale;      /* m/s, estimated */
   double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
-  double inertia;             /* share of the force that inertia takes up, by the same */
+  double inertia;             /* fraction of the force that inertia takes up, by the same */
   char sound_why[EFFECT_WHY]; /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow;
 };

@@ -7,7 +7,7 @@
 #include "sphsolve/plan/plan.h"
 
 enum ranks_term {
-  RANKS_COMPUTE,  /* shared out, uneven slabs and chunks counted */
+  RANKS_COMPUTE,  /* divided among the ranks, as unevenly as slabs and chunks are */
   RANKS_IN_FULL,  /* what every rank does for itself */
   RANKS_GATHERED, /* gathered on every rank */
   RANKS_GHOSTS,
@@ -23,11 +23,12 @@ struct ranks_forecast {
   double memory_bytes; /* of a rank, at most */
 };
 
-/* What a method says of itself (struct method): numbers a step are the busiest rank's. */
+/* What a method's ranks_cost fills (struct method); numbers a step are those of the busiest rank.
+ */
 struct ranks_cost {
   double used;       /* ranks that get work */
   double uneven;     /* work of the busiest over the mean */
-  double in_full;    /* s that every rank spends on what is not shared out */
+  double in_full;    /* s that every rank spends on what is not divided */
   double gathered;   /* bytes a step that are gathered on every rank */
   double ghosts;     /* bytes a step from the neighbours */
   double messages;   /* a step */

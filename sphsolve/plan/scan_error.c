@@ -7,15 +7,15 @@
 /* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
 /* Fitted to generated sands (docs/notes/2026-11-22-scanner.md). */
-static const double KEPT = 1.5;     /* share of the change of ln k where the blur was left in, */
+static const double KEPT = 1.5; /* the error over the change of ln k, where the blur was left in, */
 static const double REMOVED = 0.3;  /* and where it was taken out, */
 static const double GROWTH = 3.0;   /* which grows by this times the change */
-static const double ROUGH = 0.2;    /* share of the roughness by noise over the width of a pore */
+static const double ROUGH = 0.2;    /* the error over (roughness by noise / width of a pore) */
 static const double VOXELS = 0.035; /* what the sharpest scan's voxels leave */
 static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation / mean pore)^2 */
 /* Of the steps of a segmented image: fitted to spheres, packs, fibres and level sets of noise
  * (docs/notes/2026-11-22-labels.md). */
-static const double LABELS = 2.0; /* share of the change */
+static const double LABELS = 2.0; /* the error over the change */
 
 bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   struct h5_file *file = NULL;

@@ -1,5 +1,5 @@
-/* What the scanner's blur and noise leave in k, from what a model says of its scan and from how k
- * moves when its surface is blurred once more. */
+/* The error of k by the scanner's blur and noise: from the properties of the scan in the model's
+ * file and from the change of k when its surface is blurred once more. */
 #ifndef TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
 #define TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
 
@@ -14,7 +14,7 @@ struct scan_quality {
   bool removed;            /* the model's surface is that of the scan without its blur */
 };
 
-/* False where the model's file says nothing of its scanner, or there is no file. */
+/* False where the model's file has no properties of its scanner, or there is no file. */
 bool scan_quality_read(const char *model_path, struct scan_quality *scan);
 
 /* The standard deviation (m) of a Gaussian that resolves as much as the scanner. */

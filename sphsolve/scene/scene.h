@@ -157,7 +157,7 @@ struct scene {
   struct {            /* soil of the model with pores below the voxel */
     int factor_count; /* k is solved with its permeabilities times these, too; ascending */
     double factors[MICRO_FACTORS_MOST];
-    double uncertainty; /* they are known to this factor (95 %), above 1; NAN: not said */
+    double uncertainty; /* factor, above 1, within which they are known (95 %); NAN: not given */
   } micro;
 
   struct {

@@ -69,7 +69,7 @@ static enum status write_row(struct stokes_job *job, const struct stokes_solver 
   return recorder_row(job->recorder, &row, extra);
 }
 
-/* What the rounds hand on beside the solution itself. */
+/* What is carried from round to round beside the solution. */
 struct progress_state {
   double best;
   int stalled;
@@ -229,7 +229,7 @@ static void report_level(const struct cascade *c) {
   level_bar_show(u, to_speed);
 }
 
-/* How k of a solved lattice answers to its soil, and that share of its error. */
+/* How k of a solved lattice responds to its soil, and that part of its error. */
 static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s) {
   struct uncertainty *u = &job->cascade.uncertainty;
   struct micropores_point *own = &job->result->micropores.own;
@@ -257,7 +257,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
                 job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
     status = solve(job, &s);
-    /* Of an interrupted solve too; its message is the one to be told. */
+    /* Of an interrupted solve too, whose own error is then the one to report. */
     if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
       const enum status balanced = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = balanced;
@@ -367,7 +367,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
 cleanup:
   h5_close(job.checkpoint);
   cascade_end(&job.cascade);
-  /* What was solved last is what the record tells of. */
+  /* The record is of the lattice that was solved last. */
   if (!job.own && job.lattice.count > 0) {
     lattice_free(&base);
     *lattice = job.lattice;

@@ -24,7 +24,7 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
 #define MEAN_SAFETY 2.0
 
 /* The error of the flux goes with the square of the residual (with the residual itself where walls
- * move, as there is no adjoint correction then). Let a round leave the share q of that: the flux
+ * move, as there is no adjoint correction then). Let a round leave the fraction q of that: the flux
  * has changed by (1 - q) of its error before the round, and the change still to come is
  *   q / (1 - q) times that of the round. */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
@@ -36,8 +36,8 @@ double stokes_solver_mean_error(const struct stokes_solver *s) {
   return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;
 }
 
-/* Below this share of the first residual the single precision of the Krylov vectors tells: the
- * residual is then found anew after each round. */
+/* Below this fraction of the first residual the single precision of the Krylov vectors is felt: the
+ * residual is then found anew, in double precision, after each round. */
 #define EXACT_BELOW 1e-4
 
 bool stokes_solver_round(struct stokes_solver *s) {

@@ -9,7 +9,7 @@
 /* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
  * the change of density means nothing. */
 #define DENSITY_BAND 0.5
-/* Energies below that of this share of the speed of sound are no cause for alarm (watchdog.h). */
+/* Of the speed of sound: energies below that of such a speed trip no bound (watchdog.h). */
 #define ENERGY_FLOOR 0.125
 /* A state to go back to is kept once this share of a bound is used, or the step is this near to its
  * limit, or where the fluid does not start at rest. */
@@ -42,7 +42,7 @@ static void describe(const struct wcsph_run *run, enum watch_bound bound,
   const size_t number = bound != WATCH_DENSITY ? totals->fastest
                         : low > high           ? totals->thinnest
                                                : totals->densest;
-  /* Told by the rank that has it: where it is, and its name. */
+  /* Place and id, from the rank that owns it. */
   const size_t first = engine_first_slot(engine),
                slot = number - engine_number(engine, first) + first;
   double found[4] = {0};

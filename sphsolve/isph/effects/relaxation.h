@@ -2,8 +2,8 @@
  * not 0 but such that an error of the kernel sum phi = sum V W (with V the bulk volume it is 1
  * everywhere, in and out of soil) decays with the time tau; M15's alpha is dt/tau.
  *   div v_D = - eps (1 - phi) B / tau
- * B is the share of a velocity that the drag of one step leaves: without it the correction in soil
- * of strong drag would be faster than the water.
+ * B is the fraction of a velocity that the drag of one step leaves: without it the correction in
+ * soil of strong drag would be faster than the water.
  *
  * |1 - phi| counts up to 0.05. At a surface only phi > 1 counts, and where no force acts on the
  * water also next to it: neighbours are missing there on one side, so that phi changes under a

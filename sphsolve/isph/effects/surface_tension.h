@@ -1,9 +1,9 @@
 /* Surface tension: the pressure under a surface of curvature kappa (positive: convex water) is
  *   P_s = sigma kappa                                                 (Young 1805; Laplace 1806)
- * above that outside. It stands where P = 0 does without (surface.h), half a particle above the
- * outermost, so that a drop at rest has P = sigma kappa everywhere and no force at all acts in it:
- * the continuum surface force of Brackbill, Kothe, Zemach (1992), Morris (2000), sigma kappa n
- * delta, in the limit of a sharp surface.
+ * above that outside. It takes the place of P = 0 (surface.h), half a particle above the outermost,
+ * so that a drop at rest has P = sigma kappa everywhere and no force at all acts in it: the
+ * continuum surface force of Brackbill, Kothe, Zemach (1992), Morris (2000), sigma kappa n delta,
+ * in the limit of a sharp surface.
  *
  * Normals n_i are those of the sum V grad W of a particle and its neighbours on the surface, the
  * curvature their slope along it in the sense of least squares,

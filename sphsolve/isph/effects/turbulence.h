@@ -1,5 +1,6 @@
 /* Eddy viscosity after Smagorinsky (M15 eq. 3): nu_T = (C_s he)^2 |S|, |S|^2 = 2 S_ab S_ab. Fades
- * with the share of soil, whose Forchheimer term already counts what eddies between grains take. */
+ * with the fraction of soil, whose Forchheimer term already counts what eddies between grains take.
+ */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 

@@ -51,7 +51,7 @@ static bool finer_is_in_vain(const struct cascade *c) {
   return c->plan->goal.error > 0.0 && left > c->wanted && c->uncertainty.resolution < 0.5 * left;
 }
 
-/* Processor seconds that the share of the sides will take, as the last lattice took. */
+/* Processor seconds that the part of the sides will take, at the last lattice's for each site. */
 static double sides_seconds(const struct cascade *c) {
   const int n = c->uncertainty.level_count;
   size_t size[3], count;
@@ -162,7 +162,7 @@ static void estimate(struct cascade *c) {
   struct error_level *level = &u->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
-  /* One lattice says nothing of its error; its pores do. */
+  /* The error of one lattice alone is that expected of its pores. */
   if (n == 1 && c->fixed != 1)
     limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
                                                WALL_SUBVOXEL, c->plan->context.spacing / h[0])
@@ -192,7 +192,8 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
     c->model_parts = true;
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
   }
-  /* A little finer, where throats are seen; once more where the first look was a coarse one. */
+  /* On a finer lattice than the parts before, which resolves throats; in an open cascade, which
+   * begins with coarse ones, once more. */
   if (u->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && u->level_count == 4))
     TRY(cascade_add_scan_part(c, lattice, k, from));
   estimate(c);

@@ -69,7 +69,7 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   return STATUS_OK;
 }
 
-/* What the model says of its own void ratio, times the measured slope. */
+/* The error of the void ratio, from the model's file, times the slope d ln k / de found here. */
 static void add_calibration(const char *path, struct uncertainty *u) {
   struct h5_file *file = NULL;
   if (!*path || !isfinite(u->slope_void_ratio)) return;

@@ -33,7 +33,7 @@ static void unpack_row(const struct stokes_solver *s, size_t row, float *out, si
   }
 }
 
-/* The two sites around a position along an axis, and the share of the second. */
+/* The two sites around a position along an axis, and the weight of the second. */
 static void find_pair(double at, size_t size, size_t index[2], float *share) {
   const double whole = floor(at);
   *share = (float)(at - whole);

@@ -9,7 +9,7 @@
 
 #include "sphsolve/stokes/solver/operator.h"
 
-/* Lays kappa [n] out for the calls below; it stands until the operator is used otherwise. */
+/* Unpacks kappa [n] for the calls below; it is valid until the operator is used otherwise. */
 void stokes_darcy_begin(struct stokes_operator *op, const float *kappa);
 /* p = omega diag(T)^-1 r: a damped Jacobi sweep from p = 0. */
 void stokes_darcy_start(struct stokes_operator *op, const float *r, float *p);
