@@ -250,7 +250,7 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
   for (size_t i = 0; i < n; i++)
     if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
-  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.13,0.97 spacing 0.095,0\n"
+  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.17,0.97 spacing 0.095,0\n"
         "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
         "set logscale x\nset yrange [0:1]\nset key bottom right spacing 1.2\n",
         stream);

@@ -79,7 +79,7 @@ static void write_frame(const struct film *f, size_t frame, FILE *stream) {
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES ? f->frames - FRAMES : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 2,3 margins 0.07,0.985,0.14,0.94 spacing 0.075,0.16\n"
+  fputs("set multiplot layout 2,3 margins 0.07,0.985,0.17,0.94 spacing 0.075,0.17\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);

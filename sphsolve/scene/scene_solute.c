@@ -22,6 +22,13 @@ static enum status refuse_other_groups(struct config *config) {
                           "already, with all of its settings; leave '%s' out",
                           groups[i]);
   }
+  static const char *const times[] = {"end_time", "steady_tolerance"};
+  config_node *scene = config_child(config, config_root(config), "scene");
+  for (size_t i = 0; i < sizeof times / sizeof *times; i++)
+    if (config_child(config, scene, times[i]) != NULL)
+      return config_error(config, config_child(config, scene, times[i]),
+                          "is of a scene that solves a flow; leave it out: a solute is followed "
+                          "until its coefficients are known");
   return STATUS_OK;
 }
 

@@ -24,8 +24,9 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
                                  struct solute_result *result);
 
 /* The limit of two walks by the square of the spacing, on cells `ratio` times as long: moves `fine`
- * by as much as the two differ beyond what their own errors make of it, and adds that to its error.
- * Returns it, longitudinal and transverse, relative; nothing moves where it is not known (NAN). */
+ * by what the two differ by, times change^2 / (change^2 + its variance), and adds that to its
+ * error. Returns it, longitudinal and transverse, relative; nothing moves where it is not known
+ * (NAN). */
 void solute_walk_limit(struct solute_estimate *fine, const struct solute_estimate *coarse,
                        double ratio, double resolution[2]);
 

@@ -58,13 +58,14 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
   out->asymptotics[1] = across * v->transverse_drift;
 }
 
-/* One coefficient's. */
+/* One coefficient's. A difference that its standard error could be is no difference. */
 static double move_to_limit(double *value, double *error, double coarse, double coarse_error,
                             double ratio) {
   const double change = coarse / *value - 1;
-  const double beyond = fabs(change) - hypot(*error, coarse_error * coarse / *value);
-  if (!isfinite(beyond)) return NAN;
-  const double move = copysign(fmax(beyond, 0) / (ratio * ratio - 1), -change);
+  const double variance = 0.25 * (pow(*error, 2) + pow(coarse_error * coarse / *value, 2));
+  const double weight = change * change / (change * change + variance);
+  if (!isfinite(change) || !isfinite(weight)) return NAN;
+  const double move = -weight * change / (ratio * ratio - 1);
   *value *= 1 + move;
   *error = hypot(*error, move);
   return fabs(move);

@@ -3,10 +3,12 @@
 #include <math.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define ROUNDS 8     /* of moving corners; what is left shrinks in each by a third to a half */
-#define SUB 4        /* samples along each side of a cell */
+#define ROUNDS 8 /* of moving corners; what is left shrinks in each by a third to a half */
+#define SUB 4    /* samples along each side of a cell */
+#define SAMPLES (SUB * SUB * SUB)
 #define FARTHEST 0.5 /* spacings: how far a corner's distance may be moved in all */
 #define LEAST_AREA 1 /* of a face: surface around a corner, below which it moves less */
 
@@ -14,12 +16,15 @@
  * bent wall by 1/8 of its curvature), between those of the eight around. */
 static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
+  const int corner[3] = {i, j, k};
   double sum = 0, least = INFINITY, most = -INFINITY;
+  size_t at[3][4], step = 1;
+  for (int a = 0; a < 3; step *= (size_t)f->n[a++])
+    for (int t = 0; t < 4; t++)
+      at[a][t] = step * (size_t)((corner[a] + t - 2 + 2 * f->n[a]) % f->n[a]);
   for (int c = 0; c < 64; c++) {
     const int x = c & 3, y = c >> 2 & 3, z = c >> 4;
-    int at[3] = {i + x - 2, j + y - 2, k + z - 2};
-    for (int a = 0; a < 3; a++) at[a] = (at[a] % f->n[a] + f->n[a]) % f->n[a];
-    const double d = (double)f->distance[solute_flow_at(f, at[0], at[1], at[2])];
+    const double d = (double)f->distance[at[0][x] + at[1][y] + at[2][z]];
     sum += weight[x] * weight[y] * weight[z] * d;
     if ((x == 1 || x == 2) && (y == 1 || y == 2) && (z == 1 || z == 2))
       least = fmin(least, d), most = fmax(most, d);
@@ -27,27 +32,43 @@ static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   return (float)fmin(fmax(sum, least), most);
 }
 
+/* Of each corner at each sample. */
+struct weights {
+  float of[8][SAMPLES];
+};
+
+static void set_weights(struct weights *weights) {
+  for (int s = 0; s < SAMPLES; s++) {
+    const float x[3] = {((float)(s % SUB) + 0.5f) / SUB, ((float)(s / SUB % SUB) + 0.5f) / SUB,
+                        ((float)(s / SUB / SUB) + 0.5f) / SUB};
+    for (int c = 0; c < 8; c++)
+      weights->of[c][s] =
+          (c & 1 ? x[0] : 1 - x[0]) * (c & 2 ? x[1] : 1 - x[1]) * (c & 4 ? x[2] : 1 - x[2]);
+  }
+}
+
 /* Share of a cell in which the distance between its corners is positive, and how it grows with
  * them, 1/m: the surface over the volume. */
-static float share_open(const float corner[8], float width, float *area) {
-  float share = 0, partly = 0;
-  for (int s = 0; s < SUB * SUB * SUB; s++) {
-    const float x = ((float)(s % SUB) + 0.5f) / SUB, y = ((float)(s / SUB % SUB) + 0.5f) / SUB,
-                z = ((float)(s / SUB / SUB) + 0.5f) / SUB;
-    float edge[4];
-    for (int e = 0; e < 4; e++) edge[e] = corner[2 * e] + x * (corner[2 * e + 1] - corner[2 * e]);
-    const float low = edge[0] + y * (edge[1] - edge[0]), high = edge[2] + y * (edge[3] - edge[2]);
-    const float part = 0.5f + (low + z * (high - low)) / width;
-    share += part < 0 ? 0 : part > 1 ? 1 : part;
-    partly += part > 0 && part < 1;
+TARGETS static float share_open(const struct weights *weights, const float corner[8], float width,
+                                float *area) {
+  float part[SAMPLES], partly[SAMPLES];
+  for (int s = 0; s < SAMPLES; s++) part[s] = 0.5f * width;
+  for (int c = 0; c < 8; c++)
+    for (int s = 0; s < SAMPLES; s++) part[s] += corner[c] * weights->of[c][s];
+  for (int s = 0; s < SAMPLES; s++) {
+    const float share = part[s] / width;
+    partly[s] = share > 0 && share < 1 ? 1.0f : 0.0f;
+    part[s] = share < 0 ? 0 : share > 1 ? 1 : share;
   }
-  *area = partly / (SUB * SUB * SUB * width);
-  return share / (SUB * SUB * SUB);
+  for (int half = SAMPLES / 2; half > 0; half /= 2)
+    for (int s = 0; s < half; s++) part[s] += part[s + half], partly[s] += partly[s + half];
+  *area = partly[0] / (SAMPLES * width);
+  return part[0] / SAMPLES;
 }
 
 /* What each cell lacks of the flow's share, and its surface; 0 where no wall passes. */
-static void compare(const struct solute_flow *f, const float *corners, float width, float *lacks,
-                    float *area) {
+static void compare(const struct solute_flow *f, const struct weights *weights,
+                    const float *corners, float width, float *lacks, float *area) {
 #pragma omp parallel for schedule(static)
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)
@@ -62,7 +83,7 @@ static void compare(const struct solute_flow *f, const float *corners, float wid
         const float own = f->volume[at];
         lacks[at] = area[at] = 0;
         if ((own <= 0 || own >= 1) && (open == 0 || open == 8)) continue;
-        lacks[at] = own - share_open(corner, width, &area[at]);
+        lacks[at] = own - share_open(weights, corner, width, &area[at]);
       }
 }
 
@@ -82,8 +103,10 @@ enum status walk_surface_find(const struct solute_flow *f, float *corners) {
         const size_t at = solute_flow_at(f, i, j, k);
         corners[at] = first[at] = interpolated(f, i, j, k);
       }
+  struct weights weights;
+  set_weights(&weights);
   for (int round = 0; round < ROUNDS; round++) {
-    compare(f, corners, spacing / SUB, lacks, area);
+    compare(f, &weights, corners, spacing / SUB, lacks, area);
 #pragma omp parallel for schedule(static)
     for (int k = 0; k < f->n[2]; k++)
       for (int j = 0; j < f->n[1]; j++)

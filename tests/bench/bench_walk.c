@@ -1,7 +1,8 @@
 /* Speed of the random walk on a flow of 240^3 cells past spheres, beside a plain implementation:
  * one walker after the other in the order they began, velocities between the faces (Pollock 1988)
  * read from the flow's arrays, functions of the library, flights into grain refused. Time is that
- * of the processor. bench_walk OUT.json [SIDE] [WALKERS] [INTERVALS] */
+ * of the processor. bench_walk OUT.json [SIDE] [WALKERS] [INTERVALS] [RUN.hdf]: RUN, a flow of
+ * stokes, instead of spheres. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -36,26 +37,36 @@ static void past_ball(const void *context, const double x[3], double u[3]) {
   u[0] = share, u[1] = 0.4 * share, u[2] = 0.2 * share;
 }
 
-/* The flow past one sphere, again and again. */
-static void make_flow(int side, struct solute_flow *flow) {
-  const int n[3] = {PERIOD, PERIOD, PERIOD}, all[3] = {side, side, side};
-  const double h[3] = {1, 1, 1};
-  struct solute_flow one;
-  must(solute_flow_build(n, h, ball_distance, past_ball, NULL, &one));
-  must(solute_flow_allocate(all, h, flow));
-  for (int k = 0; k < side; k++)
-    for (int j = 0; j < side; j++)
-      for (int i = 0; i < side; i++) {
+/* The flow in one box, again and again, until some `side` cells along each axis. */
+static void repeat(const struct solute_flow *one, int side, struct solute_flow *flow) {
+  int all[3];
+  for (int a = 0; a < 3; a++) all[a] = one->n[a] * (int)fmax(1, round((double)side / one->n[a]));
+  must(solute_flow_allocate(all, one->spacing, flow));
+  for (int k = 0; k < all[2]; k++)
+    for (int j = 0; j < all[1]; j++)
+      for (int i = 0; i < all[0]; i++) {
         const size_t to = solute_flow_at(flow, i, j, k),
-                     from = solute_flow_at(&one, i % PERIOD, j % PERIOD, k % PERIOD);
-        flow->distance[to] = one.distance[from], flow->volume[to] = one.volume[from];
+                     from = solute_flow_at(one, i % one->n[0], j % one->n[1], k % one->n[2]);
+        flow->distance[to] = one->distance[from], flow->volume[to] = one->volume[from];
         for (int a = 0; a < 3; a++) {
-          flow->aperture[a][to] = one.aperture[a][from];
-          flow->velocity[a][to] = one.velocity[a][from];
+          flow->aperture[a][to] = one->aperture[a][from];
+          flow->velocity[a][to] = one->velocity[a][from];
         }
       }
-  memcpy(flow->mean_velocity, one.mean_velocity, sizeof flow->mean_velocity);
-  flow->speed = one.speed, flow->porosity = one.porosity;
+  memcpy(flow->mean_velocity, one->mean_velocity, sizeof flow->mean_velocity);
+  flow->speed = one->speed, flow->porosity = one->porosity;
+}
+
+/* Past one sphere, or of a run. */
+static void make_flow(int side, const char *run, struct solute_flow *flow) {
+  const int n[3] = {PERIOD, PERIOD, PERIOD};
+  const double h[3] = {1, 1, 1};
+  struct solute_flow one;
+  if (run == NULL)
+    must(solute_flow_build(n, h, ball_distance, past_ball, NULL, &one));
+  else
+    must(solute_flow_read(run, &one));
+  repeat(&one, side, flow);
   solute_flow_free(&one);
 }
 
@@ -171,7 +182,8 @@ int main(int argc, char **argv) {
   json_t *list = json_array();
   if (argc < 2) return 2;
   log_start("bench_walk", LOG_QUIET);
-  make_flow(side, &flow);
+  const char *run = argc > 5 ? argv[5] : NULL;
+  make_flow(side, run, &flow);
   const double started = clock_processor_seconds();
   must(walk_cells_make(&flow, &cells));
   const double making = clock_processor_seconds() - started;
@@ -181,8 +193,9 @@ int main(int argc, char **argv) {
     const double steps = (double)(count / share) * intervals * WALK_INTERVAL;
     speed = 1e-6 * steps / (seconds = walk_seconds(&flow, &cells, count / share, intervals));
     snprintf(label, sizeof label,
-             "walk: million steps a second of processor, %d^3 cells, %.2g steps", side, steps);
-    add(list, label, speed, share > 1 ? NAN : 20, seconds);
+             "walk%s: million steps a second of processor, %d x %d x %d cells, %.2g steps",
+             run == NULL ? "" : " in sand", flow.n[0], flow.n[1], flow.n[2], steps);
+    add(list, label, speed, share > 1 || run != NULL ? NAN : 20, seconds);
   }
   const double slow = plain_speed(&flow, &cells, count, intervals, &seconds);
   add(list, "walk: the same by a plain implementation", slow, NAN, seconds);
