@@ -194,7 +194,7 @@ static void past_bodies(const char *name, const int n[3], const struct body *bod
 static void through_sand(const char *run) {
   struct solute_flow flow;
   must(solute_flow_read(run, &flow));
-  beside_closure("sand", &flow, flow.grain_size, 5, 1.5e8, true);
+  beside_closure("sand", &flow, flow.grain_size, 4, 1.5e8, true);
   solute_flow_free(&flow);
 }
 
