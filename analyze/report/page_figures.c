@@ -169,14 +169,14 @@ static enum status write_pictures(struct page *page) {
     }
     fputs("</div>\n", out);
   }
-  if (page->flow.plume != NULL) {
-    fputs("<figure class=\"plume\">", out);
-    TRY(plume_write(&page->flow, out));
+  if (page->flow.paths != NULL) {
+    fputs("<figure class=\"paths\">", out);
+    TRY(paths_write(&page->flow, out));
     fprintf(out,
             "<figcaption>Half of the flow goes through %.2g&nbsp;%% of the pores&rsquo; "
             "volume: the fastest water along the force (blue), among the grains.</figcaption>"
             "</figure>\n",
-            100.0 * page->flow.plume_share);
+            100.0 * page->flow.paths_share);
   }
 cleanup:
   return status;

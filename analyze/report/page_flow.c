@@ -212,7 +212,7 @@ cleanup:
 void flow_free(struct flow *flow) {
   memory_free(&flow->solid);
   memory_free(&flow->velocity);
-  memory_free(&flow->plume);
+  memory_free(&flow->paths);
   memory_free(&flow->line_start);
   memory_free(&flow->points);
   memset(flow, 0, sizeof *flow);

@@ -17,9 +17,9 @@ struct flow {
   float *solid;      /* [z][y][x] grain fraction, 0..1 */
   float *velocity;   /* [z][y][x][3] m/s, mean of the particles, 0 in grains */
   double speed_high; /* m/s, 99th percentile; colours end there */
-  float *plume; /* [z][y][x] share of the cell's water among that which carries half of the flow;
-                 * NULL until plume_find */
-  double plume_share; /* of the pores' water, that carries half of the flow */
+  float *paths; /* [z][y][x] share of the cell's water among that which carries half of the flow;
+                 * NULL until paths_find */
+  double paths_share; /* of the pores' water, that carries half of the flow */
   size_t line_count, point_count;
   size_t *line_start; /* [line_count + 1] into points */
   float *points;      /* [point_count][4]: x y z in cells, speed / speed_high */
@@ -34,9 +34,9 @@ void flow_free(struct flow *flow);
 void flow_write_json(const struct flow *flow, const char *label, FILE *stream);
 
 /* The fastest water along the force that together carries half of the flow. */
-enum status plume_find(const struct run *run, const struct particles *particles, struct flow *flow);
+enum status paths_find(const struct run *run, const struct particles *particles, struct flow *flow);
 /* <img>: that water as a solid body in a glassy box of grains. */
-enum status plume_write(const struct flow *flow, FILE *stream);
+enum status paths_write(const struct flow *flow, FILE *stream);
 
 /* The cell of a place, periodic. */
 size_t flow_cell(const struct run *run, const struct flow *flow, const double at[3]);

@@ -67,12 +67,12 @@ static enum status find_flow(struct page *page) {
   TRY(flow_build(run, &particles, &page->flow));
   page->has_flow = true;
   if (page->subject.permeable && page->flow.speed_high > 0.0) {
-    TRY(plume_find(run, &particles, &page->flow));
+    TRY(paths_find(run, &particles, &page->flow));
     TRY(plane_read(run, &particles, &page->model, &page->plane));
     page->subject.maps = page->plane.speed_high > 0.0;
     json_object_set_new(
         page->data, "flow",
-        json_pack("{s:o}", "pore_share_of_half_the_flow", json_number(page->flow.plume_share)));
+        json_pack("{s:o}", "pore_share_of_half_the_flow", json_number(page->flow.paths_share)));
   }
 cleanup:
   particles_free(&particles);

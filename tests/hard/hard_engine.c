@@ -8,10 +8,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "sphsolve/wcsph/effects/shifting.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
-#include "tests/unit/engine_lattice.h"
+#include "tests/unit/engine_vortex.h"
 
 static json_t *results;
 
@@ -153,46 +152,19 @@ static void jitter(void) {
   test_lattice_free(&lattice);
 }
 
-/* Unit box, U = 1; as tests/unit/test_vortex.c. */
 static void vortex(void) {
-  size_t n = 50;
-  double dx = 1.0 / (double)n, nu = 1e-3, start = 0, energy = 0, most = 0;
-  struct lattice lattice = test_lattice(2, n, 1, n, dx, dx, dx);
-  struct engine_settings settings = test_settings(&lattice, PASS_OPEN, 2.9 * dx);
-  struct lattice_modes modes =
-      lattice_modes_find(KERNEL_QUINTIC, 2, lattice.spacing, settings.smoothing_length);
-  settings.kinematic_viscosity = nu;
-  settings.sound_speed = 10;
-  /* The automatic step of such a scene. */
-  settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
-                                        modes.shifting_stiffness));
-  settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
+  const double reynolds = 1000;
+  struct lattice lattice;
   struct engine engine;
-  if (engine_make(&lattice, &settings, &engine)) give_up();
-  struct particles *p = &engine.particles;
-  for (size_t i = 0; i < particles_slots(p); i++) {
-    if (p->id[i] == NO_PARTICLE) continue;
-    double at[3];
-    particles_position(p, &lattice, i, at);
-    double x = 2 * M_PI * (at[0] + dx / 2), z = 2 * M_PI * (at[2] + dx / 2);
-    p->v[0][i] = (float)(-cos(x) * sin(z));
-    p->v[2][i] = (float)(sin(x) * cos(z));
-    p->state[i] = (float)(-0.25 * (cos(2 * x) + cos(2 * z)) / 100);
-    start += pow((double)p->v[0][i], 2) + pow((double)p->v[2][i], 2);
-  }
-  engine.speed_max = 1;
-  int steps = (int)ceil(1 / settings.dt);
+  if (test_vortex_make(50, reynolds, &lattice, &engine)) give_up();
+  const double start = test_vortex_energy(&engine, NULL), dt = engine.settings.dt;
+  double most;
+  int steps = (int)ceil(1 / dt);
   for (int s = 0; s < steps; s++)
     if (engine_step(&engine)) give_up();
-  for (size_t i = 0; i < particles_slots(p); i++) {
-    if (p->id[i] == NO_PARTICLE) continue;
-    double square = pow((double)p->v[0][i], 2) + pow((double)p->v[2][i], 2);
-    energy += square;
-    most = fmax(most, sqrt(square));
-  }
+  const double energy = test_vortex_energy(&engine, &most);
   report("wcsph 50 x 50, t = 1: energy over exact",
-         energy / start / exp(-16 * M_PI * M_PI * nu * steps * settings.dt), 1, 0.02,
+         energy / start / exp(-16 * M_PI * M_PI / reynolds * steps * dt), 1, 0.02,
          "verification.md: 2 % at 50 x 50");
   report("wcsph 50 x 50, t = 1: largest speed", most, 0.924080, 0.02 * 0.924080,
          "verification.md: .924080");

@@ -7,52 +7,30 @@
 #include <stdio.h>
 #include <cmocka.h>
 
-#include "sphsolve/wcsph/effects/shifting.h"
-#include "tests/unit/engine_lattice.h"
+#include "tests/unit/engine_vortex.h"
 
 /* Kinetic energy at t = end over the exact exp(-16 pi^2 t/Re) of a unit box with U = 1; `error`:
  * rms of the velocities' error over their rms. The step is the automatic one. */
 static double energy_ratio(size_t n, double reynolds, double end, double *error) {
-  double dx = 1.0 / (double)n, nu = 1 / reynolds;
-  struct lattice lattice = test_lattice(2, n, 1, n, dx, dx, dx);
-  struct engine_settings settings = test_settings(&lattice, PASS_OPEN, 2.9 * dx);
-  struct lattice_modes modes =
-      lattice_modes_find(KERNEL_QUINTIC, 2, lattice.spacing, settings.smoothing_length);
-  settings.kinematic_viscosity = nu;
-  settings.sound_speed = 10;
-  settings.dt = fmin(0.6 * 2 / (settings.sound_speed * modes.gradient),
-                     SHIFTING_STABLE / (SHIFTING_STRENGTH_LEAST * settings.smoothing_length *
-                                        modes.shifting_stiffness));
-  settings.pressure_diffusion = 0.1 * settings.smoothing_length * settings.sound_speed;
+  const double dx = 1.0 / (double)n;
+  struct lattice lattice;
   struct engine engine;
-  assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
-  struct particles *p = &engine.particles;
-  double start = 0, energy = 0;
-  for (size_t i = 0; i < particles_slots(p); i++) {
-    if (p->id[i] == NO_PARTICLE) continue;
-    double at[3];
-    particles_position(p, &lattice, i, at);
-    double x = 2 * M_PI * (at[0] + dx / 2), z = 2 * M_PI * (at[2] + dx / 2);
-    p->v[0][i] = (float)(-cos(x) * sin(z));
-    p->v[2][i] = (float)(sin(x) * cos(z));
-    /* The pressure that goes with it, or sound would ring. */
-    p->state[i] = (float)(-0.25 * (cos(2 * x) + cos(2 * z)) / 100);
-    start += (double)(p->v[0][i] * p->v[0][i] + p->v[2][i] * p->v[2][i]);
-  }
-  engine.speed_max = 1;
-  int steps = (int)ceil(end / settings.dt);
+  assert_int_equal(test_vortex_make(n, reynolds, &lattice, &engine), STATUS_OK);
+  const struct particles *p = &engine.particles;
+  const double start = test_vortex_energy(&engine, NULL), dt = engine.settings.dt;
+  int steps = (int)ceil(end / dt);
   for (int s = 0; s < steps; s++) assert_int_equal(engine_step(&engine), STATUS_OK);
-  double exact = exp(-16 * M_PI * M_PI * nu * steps * settings.dt), wrong = 0;
+  double exact = exp(-16 * M_PI * M_PI / reynolds * steps * dt), wrong = 0;
   for (size_t i = 0; i < particles_slots(p); i++) {
     if (p->id[i] == NO_PARTICLE) continue;
     double at[3], vx = (double)p->v[0][i], vz = (double)p->v[2][i];
     particles_position(p, &lattice, i, at);
     double x = 2 * M_PI * (at[0] + dx / 2), z = 2 * M_PI * (at[2] + dx / 2);
-    energy += vx * vx + vz * vz;
     wrong +=
         pow(vx + sqrt(exact) * cos(x) * sin(z), 2) + pow(vz - sqrt(exact) * sin(x) * cos(z), 2);
   }
   *error = sqrt(wrong / (start * exact));
+  const double energy = test_vortex_energy(&engine, NULL);
   engine_free(&engine);
   test_lattice_free(&lattice);
   return energy / start / exact;

@@ -17,14 +17,14 @@ static int falling(const void *a, const void *b) {
   return x < y ? 1 : x > y ? -1 : 0;
 }
 
-enum status plume_find(const struct run *run, const struct particles *particles,
+enum status paths_find(const struct run *run, const struct particles *particles,
                        struct flow *flow) {
   enum status status = STATUS_OK;
   const size_t cells = flow->size[0] * flow->size[1] * flow->size[2];
   double *speeds = NULL, total = 0.0, carried = 0.0;
   float *count = NULL;
   size_t carriers = 0;
-  TRY(memory_allocate(&flow->plume, cells, sizeof *flow->plume, "the flow's carriers"));
+  TRY(memory_allocate(&flow->paths, cells, sizeof *flow->paths, "the flow's carriers"));
   TRY(memory_allocate(&count, cells, sizeof *count, "the flow's carriers"));
   TRY(memory_allocate(&speeds, particles->count, sizeof *speeds, "speeds"));
   for (size_t i = 0; i < particles->count; i++)
@@ -32,14 +32,14 @@ enum status plume_find(const struct run *run, const struct particles *particles,
   qsort(speeds, particles->count, sizeof *speeds, falling);
   while (carriers < particles->count && carried < 0.5 * total) carried += speeds[carriers++];
   const double least = carriers > 0 ? speeds[carriers - 1] : INFINITY;
-  flow->plume_share = (double)carriers / (double)particles->count;
+  flow->paths_share = (double)carriers / (double)particles->count;
   for (size_t i = 0; i < particles->count; i++) {
     const size_t cell = flow_cell(run, flow, &particles->points[3 * i]);
     count[cell] += 1.0f;
-    if (along(run, &particles->velocity[3 * i]) >= least) flow->plume[cell] += 1.0f;
+    if (along(run, &particles->velocity[3 * i]) >= least) flow->paths[cell] += 1.0f;
   }
   for (size_t c = 0; c < cells; c++)
-    if (count[c] > 0) flow->plume[c] *= (1.0f - flow->solid[c]) / count[c];
+    if (count[c] > 0) flow->paths[c] *= (1.0f - flow->solid[c]) / count[c];
 cleanup:
   memory_free(&count);
   memory_free(&speeds);
@@ -85,7 +85,7 @@ static double lit_at(const struct flow *flow, const float *field, const double a
   return 0.4 + 0.6 * fmax(lit, 0.0);
 }
 
-/* One ray: what it meets of the grains' surfaces takes a little light, the plume all that is left.
+/* One ray: what it meets of the grains' surfaces takes a little light, the paths all that is left.
  */
 static void march(const struct flow *flow, const struct camera *camera, double u, double v,
                   double reach, uint8_t rgb[3]) {
@@ -96,8 +96,8 @@ static void march(const struct flow *flow, const struct camera *camera, double u
     double p[3];
     for (int d = 0; d < 3; d++)
       p[d] = camera->middle[d] + u * camera->right[d] + v * camera->up[d] + t * camera->forward[d];
-    if (value_at(flow, flow->plume, p) > 0.35) {
-      const double lit = lit_at(flow, flow->plume, p);
+    if (value_at(flow, flow->paths, p) > 0.35) {
+      const double lit = lit_at(flow, flow->paths, p);
       for (int c = 0; c < 3; c++) sum[c] += left * water[c] * lit * 1.2;
       left = 0.0;
       break;
@@ -113,7 +113,7 @@ static void march(const struct flow *flow, const struct camera *camera, double u
   for (int c = 0; c < 3; c++) rgb[c] = (uint8_t)fmin(fmax(sum[c] + left * colour[c], 0.0), 255.0);
 }
 
-enum status plume_write(const struct flow *flow, FILE *stream) {
+enum status paths_write(const struct flow *flow, FILE *stream) {
   enum status status = STATUS_OK;
   uint8_t *pixels = NULL;
   struct camera camera;
