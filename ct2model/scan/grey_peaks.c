@@ -27,10 +27,22 @@ struct cells {
   struct grey_histogram all, octant[OCTANTS];
 };
 
+/* The greys seen so far, up to LABELS; more are no labels. */
+#define LABELS 8
+static void note_greys(size_t n, const float *values, float seen[LABELS], int *count) {
+  for (size_t i = 0; i < n && *count <= LABELS; i++) {
+    int at = 0;
+    while (at < *count && at < LABELS && seen[at] != values[i]) at++;
+    if (at == *count && at < LABELS) seen[at] = values[i];
+    if (at == *count) *count += 1;
+  }
+}
+
 static enum status take_means(const struct region *region, struct cells *c) {
   enum status status = STATUS_OK;
   const size_t nx = region->size[0], plane = nx * region->size[1];
-  float *slices = NULL;
+  float *slices = NULL, seen[LABELS];
+  int greys = 0;
   for (int d = 0; d < 3; d++) c->size[d] = region->size[d] / 2;
   if (c->size[0] < 4 || c->size[1] < 4 || c->size[2] < 4)
     TRY_FAIL(STATUS_INPUT,
@@ -43,6 +55,7 @@ static enum status take_means(const struct region *region, struct cells *c) {
   for (size_t z = 0; z < c->size[2]; z++) {
     const size_t both[2] = {2 * z, 2 * z + 1};
     TRY(region_read(region, both, 2, slices));
+    note_greys(2 * plane, slices, seen, &greys);
     for (size_t y = 0; y < c->size[1]; y++)
       for (size_t x = 0; x < c->size[0]; x++) {
         const float *a = slices + 2 * y * nx + 2 * x, *b = a + plane;
@@ -50,6 +63,11 @@ static enum status take_means(const struct region *region, struct cells *c) {
             0.125f * ((a[0] + a[1] + a[nx] + a[nx + 1]) + (b[0] + b[1] + b[nx] + b[nx + 1]));
       }
   }
+  if (greys <= LABELS)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: --micro auto: holds %d greys: an image of labels; say what each is, as "
+             "--segmented \"0=pore,1=grain,2=soil(0.35, 2um)\"",
+             region->stack->files[0].path, greys);
 cleanup:
   memory_free(&slices);
   return status;
@@ -182,9 +200,10 @@ static enum status not_three(const struct region *region, const struct cells *c,
   }
   return FAIL(
       STATUS_INPUT,
-      "%s: --micro auto: the histogram shows %d clear peak%s (%s), and pore, soil and grain "
+      "%s: --micro auto: the histogram shows %d clear peak%s%s%s%s, and pore, soil and grain "
       "are three; %s, or name the greys of soil, as 80..170",
-      region->stack->files[0].path, clear, clear == 1 ? "" : "s", list,
+      region->stack->files[0].path, clear, clear == 1 ? "" : "s", clear > 0 ? " (" : "", list,
+      clear > 0 ? ")" : "",
       clear > PEAKS ? "crop away what is none of them"
                     : "leave --micro out, where there is no such soil");
 }

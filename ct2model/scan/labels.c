@@ -20,6 +20,10 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
     const size_t i = rules->count++;
     rules->value[i] = strtod(at, &end);
     if (end == at) goto wrong;
+    for (size_t other = 0; other < i; other++)
+      if (rules->value[other] == rules->value[i])
+        return FAIL(STATUS_USAGE, "--segmented %s: the label %g stands there twice", text,
+                    rules->value[i]);
     if (*end == '\0' && i == 0) {
       rules->pore[0] = rules->rest_is_grain = true;
       return STATUS_OK;

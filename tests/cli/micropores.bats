@@ -178,6 +178,9 @@ END
   wrong 3 "shows 4 clear peaks" four.raw $image --micro auto
   head -c $((64 * 64 * 7)) a.raw > thin.raw
   wrong 3 "too few for peaks" thin.raw --raw 64x64x7:u8 --voxel-size 5um --micro auto --micro-permeability 1um
+  wrong 3 "holds 3 greys: an image of labels" layers.raw --raw 24x24x24:u8 --voxel-size 5um --micro auto --micro-permeability 1um
+  head -c 512 a.raw > small.raw
+  wrong 3 "shows 0 clear peaks, and" small.raw --raw 8x8x8:u8 --voxel-size 5um --micro auto --micro-permeability 1um
   wrong 2 "auto is wanted, or the greys of soil" a.raw $image --micro automatic
   wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8
   wrong 2 "porosities of two greys or more" a.raw $image --micro 72:0.8,
@@ -204,6 +207,7 @@ END
   wrong 2 "is grain" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,0 m^2)"
   wrong 2 "as soil(0.35, 1.8e-15 m^2)" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35)"
   wrong 2 "--segmented" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2"
+  wrong 2 "the label 3 stands there twice" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2),3=grain"
   wrong 3 "square of a voxel" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-9m^2)"
   wrong 3 "no voxel has the label 4" $LAYERS --segmented "1=pore,2=grain,3=grain,4=soil(0.35,1e-15m^2)"
   wrong 2 "the lower first" $GREYS --micro 160..90 --micro-permeability 2um
