@@ -360,7 +360,9 @@ static void print_micro(const struct grey_soil *greys) {
   if (!(greys->porosity_error > 0.0)) return;
   printf("greys unsure      leave porosity of soil +- %.2g", greys->porosity_error);
   if (greys->permeability_error > 0.0)
-    printf(", its permeability +- %.2g %%", 100.0 * greys->permeability_error);
+    printf(greys->permeability_error < 0.1 ? ", its permeability +- %.2g %%"
+                                           : ", its permeability +- %.0f %%",
+           100.0 * greys->permeability_error);
   if (greys->void_ratio_error > 0.0)
     printf(", void ratio, by the bounds, +- %.2g", greys->void_ratio_error);
   printf(" (95 %%)\n");
