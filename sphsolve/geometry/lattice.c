@@ -74,7 +74,8 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
              "they are about as wide as high",
              scene->model_path, model.spacing[0], model.spacing[1], model.spacing[2]);
   lattice->dimensions = 3;
-  lattice->bulk_count = (double)model_site_count(&model);
+  lattice->model_count = model_site_count(&model);
+  lattice->bulk_count = (double)lattice->model_count;
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {
@@ -94,6 +95,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   }
   if (model.wall_distance == NULL) TRY(find_distances(&model, &inner));
   const float *source = model.wall_distance != NULL ? model.wall_distance : inner;
+  memory_free(&model.grain_fraction);
   TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
                     "wall distances"));
   TRY(planes_of(lattice->size, &start));

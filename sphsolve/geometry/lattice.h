@@ -42,6 +42,7 @@ struct lattice {
    * What the solver decides by a permeability it decides by that without the factor. */
   double micro_moved;
   uint64_t model_hash; /* of the model file; 0 without */
+  size_t model_count;  /* voxels of that model, whatever sites the lattice has; 0 without */
 };
 
 /* Arrays of a lattice that are set aside in a file on disk, and which. */

@@ -162,7 +162,9 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   enum status status = STATUS_OK;
   struct target t;
   const bool mirrored = lattice_is_mirrored(fine);
-  *out = (struct lattice){.dimensions = fine->dimensions, .model_hash = fine->model_hash};
+  *out = (struct lattice){.dimensions = fine->dimensions,
+                          .model_hash = fine->model_hash,
+                          .model_count = fine->model_count};
   TRY(find_target(fine, spacing, mirrored, &t));
   out->count = t.count;
   out->bulk_count = fine->bulk_count;

@@ -133,7 +133,8 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   }
   TRY(method->cost(plan, threads));
   plan->bytes_total =
-      PROGRAM_BYTES + fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split);
+      PROGRAM_BYTES + fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
+                           MODEL_BYTES * (double)lattice->model_count);
   plan->seconds += PROGRAM_SECONDS;
   if (plan->steps > STEPS_MOST)
     TRY(scene_error(

@@ -17,6 +17,9 @@
 
 /* The program with its libraries: peak memory and time of a scene of a few sites. */
 #define PROGRAM_BYTES 16e6
+/* What reading a model takes a voxel: its solid, wall distance and grain fraction; then the first
+ * two twice, in the file's form and the lattice's; then the lattice and the labels of its pores. */
+#define MODEL_BYTES 10.0
 #define PROGRAM_SECONDS 0.02
 
 /* What an effect may look at to decide. The numbers are those of the chosen method. */
@@ -58,7 +61,7 @@ struct predicted_level {
   double error;   /* relative, of k from all lattices up to this, as a run will state it */
   bool few;       /* too few lattices for --error to end with; --time may */
   double seconds; /* processor time of all up to this */
-  double bytes;   /* while it is solved */
+  double bytes;   /* at most until it is solved, with what the program itself takes */
 };
 #define PREDICTED_LEVELS_MAX 24
 

@@ -105,7 +105,8 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
   const double sides = cascade_sides_sites(plan);
   if (sides > 0.0) {
     const double refined = cbrt(sides / 4.0 / (double)l->count);
-    seconds += CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
+    seconds +=
+        CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
   }
   return seconds;
 }
@@ -115,6 +116,12 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
  * 1.6 to 15 sites across a mean pore. */
 #define ITERATIONS_WARM 24.0
 #define OPEN_SHARE 0.65
+/* Beside the solver: a site of the base, its kind and wall distance; of the lattice solved before,
+ * its solution, indices, kind and wall distance. */
+#define BASE_BYTES 5.0
+#define BEFORE_BYTES 25.0
+/* Of a site of the base while the scan's share is found: itself, its blurred form, what blurs. */
+#define BLUR_BYTES 14.0
 
 int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels) {
   const struct lattice *base = plan->context.lattice;
@@ -140,14 +147,17 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     if (i < LEVELS_LEAST - 1) continue; /* no estimate of use from fewer */
     const double few =
         i + 1 < CASCADE_ENOUGH && !plan->shape.flat ? cascade_few_lattices[i + 1] : 1.0;
-    levels[count++] =
-        (struct predicted_level){.spacing = h / refined,
-                                 .sites = sites,
-                                 .error = fmin(1.0, few * OPEN_SHARE * e.error),
-                                 .few = i + 1 < CASCADE_ENOUGH,
-                                 .seconds = seconds,
-                                 .bytes = stokes_solver_bytes(half * sites, half * phi * sites,
-                                                              base->micro_porosity != NULL)};
+    const double before = sites / pow(CASCADE_SHRINKS, base->dimensions);
+    const double solving =
+        BASE_BYTES * (double)base->count + BEFORE_BYTES * before +
+        stokes_solver_bytes(half * sites, half * phi * sites, base->micro_porosity != NULL);
+    levels[count++] = (struct predicted_level){
+        .spacing = h / refined,
+        .sites = sites,
+        .error = fmin(1.0, few * OPEN_SHARE * e.error),
+        .few = i + 1 < CASCADE_ENOUGH,
+        .seconds = seconds,
+        .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model_count)};
   }
   return count;
 }
