@@ -150,7 +150,7 @@ static void estimate(struct cascade *c) {
     h[i] = u->levels[n - 1 - i].spacing;
     k[i] = u->levels[n - 1 - i].permeability;
   }
-  converge_limit(h, k, (size_t)n, cascade_first_spacing(c->plan, c->base), &limit);
+  converge_limit(h, k, (size_t)n, cascade_noise_scale(c->plan, c->base), &limit);
   /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};

@@ -24,13 +24,37 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
          scene->fluid.viscosity > 0.0;
 }
 
-/* The spacing with few sites across a mean pore, where a cascade may begin. */
-double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
+/* Few sites across a mean pore and along a body so long. */
+static double few_sites(const struct plan *plan, double body) {
   const double h = plan->context.spacing, width = plan->shape.width;
+  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, body / FIRST_BODY);
+}
+
+double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, shortest / FIRST_BODY);
+  return few_sites(plan, shortest);
+}
+
+/* Whether walls change along an axis: not along a duct or a cylinder. */
+static bool walls_change(const struct lattice *base, int axis) {
+  size_t step = 1;
+  for (int a = 0; a < axis; a++) step *= base->size[a];
+  const float least = (float)(1e-3 * base->spacing[axis]);
+  for (size_t s = 0; s < base->count; s++)
+    if (s / step % base->size[axis] > 0 &&
+        fabsf(base->wall_distance[s] - base->wall_distance[s - step]) > least)
+      return true;
+  return false;
+}
+
+double cascade_noise_scale(const struct plan *plan, const struct lattice *base) {
+  double shortest = INFINITY;
+  for (int a = 0; a < 3; a++)
+    if (base->size[a] > 1 && walls_change(base, a))
+      shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
+  return few_sites(plan, shortest);
 }
 
 /* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model

@@ -28,6 +28,9 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
 
 /* The spacing with few sites across a mean pore, where an open cascade may begin. */
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base);
+/* The spacing at which where the sites happen to lie scatters k by all that converge_limit expects:
+ * the same, but an axis along which no wall changes may be as short as one likes. */
+double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
 /* Steps from the first of its lattices to the last, the scene's own sites. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
 /* What would lessen the error of resolution once a lattice of that spacing has been solved. */
