@@ -10,7 +10,7 @@
 
 /* The share of grain u, 0 <= u <= 1, is that which minimises
  *
- *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P / s^2 (1 + NOISE P^POWER (s^2 - 1)),
+ *   |g - H A u|^2 / 2 + lambda TV(u),   lambda = SURFACE P (1 + f)^2 / s^2,
  *
  * g the scan, A the grey of the grain at a place, H the scanner's blur with the voxel's own
  * average, TV the total variation (Rudin, Osher and Fatemi 1992), smoothed by ROUNDING; by
@@ -18,26 +18,22 @@
  *
  * With the noise power P = variance times the volume it is correlated over, -log likelihood is
  * |g - H A u|^2 / (2 P); a surface of s^2, the square of the blur (a voxel at least), costs
- * SURFACE: grains have no relief much finer than the scanner can see. Sharpening a wide blur also
- * amplifies the noise, which costs more (NOISE; P and s in voxels). That extra cost is taken only
- * as far as the scan is still explained, for beyond it small grains vanish: the misfit around
- * surfaces may grow by MISFIT, or be EXPLAINED of what the noise makes there. The constants and
- * ROUNDS were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
- * noise (docs/notes/2026-11-22-scanner.md). */
+ * SURFACE: grains have no relief much finer than the scanner can see. A fringe f raises the
+ * scanner's transfer of relief of the blur's size, the period 2 pi s, 1 + f times
+ * (edge_fit_transfer), its square in the likelihood; surface costs as much more. SURFACE and ROUNDS
+ * were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise
+ * (docs/notes/2026-11-23-scanner.md). */
 #define PI 3.14159265358979323846
-static const double SURFACE = 0.07, NOISE = 1.9, POWER = 0.75, MISFIT = 1.15, EXPLAINED = 0.3,
-                    ROUNDING = 0.1;
+static const double SURFACE = 0.09, ROUNDING = 0.1;
 enum { ROUNDS = 30, LEVELS = 255 };
 /* Noise is taken as correlated over a length of so many voxels at least, as finer noise makes
  * relief between the voxels; and over no more than the blur, as what is longer is the grains'
  * texture. */
 #define CORRELATION_LEAST 0.6
-#define TIMES_LEAST 1.2     /* a cost raised by less than this is not tried */
-enum { SLICES_TRIED = 24 }; /* at least */
 
-/* In voxels: worked on at a time, at most; held in memory as levels, at most; from where on voxels
- * are averaged as far as the blur allows; and that the cost of surface is tried on. */
-static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6, TRIED = 1e6;
+/* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
+ * voxels are averaged as far as the blur allows. */
+static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 
@@ -45,7 +41,6 @@ struct slab {
   size_t size[3];
   double sigma[3], fringe[3], stretch[3];
   double lambda, step; /* of the surface, of a round */
-  double noise_seen;   /* mean square of the noise, blurred as the scanner blurs */
   float *grey, *grain, *u, *y, *a, *b, *work;
 };
 
@@ -76,8 +71,9 @@ static double largest_transfer(double fringe) {
   return most * most;
 }
 
-/* The grey of the grain around each voxel: mean over its inner voxels, 1 far from all. Grains
- * differ by some per cent, heavy minerals by more than their contrast. */
+/* The grey of the grain around each voxel: what its inner voxels have over what a grain of grey 1
+ * has there, which a fringe raises near surfaces; 1 far from all. Grains differ by some per cent,
+ * heavy minerals by more than their contrast. */
 static void find_grain(struct slab *slab) {
   const size_t n = slab->size[0] * slab->size[1] * slab->size[2];
   double fine[3], wide[3];
@@ -86,14 +82,18 @@ static void find_grain(struct slab *slab) {
     wide[d] = fmax(1.6 * slab->sigma[d], 1.5);
   }
   gaussian_filter(slab->grey, slab->size, fine, slab->work, slab->a);
-  for (size_t i = 0; i < n; i++) slab->u[i] = slab->a[i] > 0.5f ? 1.0f : 0.0f;
+  for (size_t i = 0; i < n; i++) slab->u[i] = slab->y[i] = slab->a[i] > 0.5f ? 1.0f : 0.0f;
   gaussian_filter(slab->u, slab->size, slab->sigma, slab->work, slab->a);
-  for (size_t i = 0; i < n; i++) slab->u[i] = slab->u[i] > 0.0f && slab->a[i] > 0.98f ? 1.0f : 0.0f;
-  for (size_t i = 0; i < n; i++) slab->b[i] = slab->grey[i] * slab->u[i];
-  gaussian_filter(slab->b, slab->size, wide, slab->work, slab->b);
-  gaussian_filter(slab->u, slab->size, wide, slab->work, slab->a);
+  blur(slab, slab->y, slab->b);
   for (size_t i = 0; i < n; i++) {
-    const float grain = (slab->b[i] + 1e-5f) / (slab->a[i] + 1e-5f);
+    const float inner = slab->u[i] > 0.0f && slab->a[i] > 0.98f ? 1.0f : 0.0f;
+    slab->u[i] = slab->grey[i] * inner;
+    slab->y[i] = slab->b[i] * inner;
+  }
+  gaussian_filter(slab->u, slab->size, wide, slab->work, slab->u);
+  gaussian_filter(slab->y, slab->size, wide, slab->work, slab->y);
+  for (size_t i = 0; i < n; i++) {
+    const float grain = (slab->u[i] + 1e-5f) / (slab->y[i] + 1e-5f);
     slab->grain[i] = fminf(fmaxf(grain, 0.5f), 4.0f);
   }
 }
@@ -189,23 +189,6 @@ static void set_surface(struct slab *slab, double lambda, double fringe) {
   slab->step = 1.0 / (1.05 * largest_transfer(fringe) + 12.0 * lambda / ROUNDING);
 }
 
-/* Mean square of what the restored slab leaves unexplained, seen as blurred as the scanner sees,
- * where its surfaces are. */
-static double slab_misfit(struct slab *slab) {
-  const size_t n = slab->size[0] * slab->size[1] * slab->size[2];
-  double sum = 0.0, count = 0.0;
-  multiply(slab->grain, slab->u, n, slab->a);
-  blur(slab, slab->a, slab->b);
-  subtract(slab->grey, slab->b, n, slab->a);
-  gaussian_filter(slab->a, slab->size, slab->sigma, slab->work, slab->a);
-  for (size_t i = 0; i < n; i++) {
-    if (!(slab->b[i] > 0.2f && slab->b[i] < 0.8f)) continue;
-    sum += (double)slab->a[i] * (double)slab->a[i];
-    count += 1.0;
-  }
-  return sum / fmax(count, 1.0);
-}
-
 static void slab_restore(struct slab *slab) {
   const size_t nx = slab->size[0], rows = slab->size[1] * slab->size[2], n = nx * rows;
   double t = 1.0;
@@ -299,29 +282,6 @@ static void slab_keep(struct slab *slab, size_t skipped, size_t count, size_t fi
   restored->histogram.total += count * plane;
 }
 
-/* How many times `lambda` surface may cost, up to `most`: tried on slices in the middle. */
-static enum status choose_surface(const struct region *region, const struct scanner *scanner,
-                                  const struct coarse *restored, size_t slices, double lambda,
-                                  double most, struct slab *slab) {
-  enum status status = STATUS_OK;
-  set_surface(slab, lambda, scanner->fringe);
-  if (most < TIMES_LEAST) return STATUS_OK;
-  const size_t wanted =
-      (size_t)(TRIED / (double)(restored->size[0] * restored->size[1])) + SLICES_TRIED;
-  slab->size[2] = wanted < slices ? wanted : slices;
-  TRY(slab_read(region, scanner, restored->step, (restored->size[2] - slab->size[2]) / 2, slab));
-  slab_restore(slab);
-  const double plain = slab_misfit(slab);
-  for (double times = most; times >= TIMES_LEAST; times = pow(times, 0.75)) {
-    set_surface(slab, times * lambda, scanner->fringe);
-    slab_restore(slab);
-    if (slab_misfit(slab) <= fmax(MISFIT * plain, EXPLAINED * slab->noise_seen)) return STATUS_OK;
-  }
-  set_surface(slab, lambda, scanner->fringe);
-cleanup:
-  return status;
-}
-
 /* Volume (m^3) over which noise is as one voxel's, its power at low frequencies over its variance:
  * of white noise filtered by a Gaussian of that length, (2 sqrt(pi) length)^3, a voxel at least. */
 static double noise_volume(double length, const double voxel[3]) {
@@ -355,11 +315,6 @@ enum status restore_run(const struct region *region, const struct scanner *scann
       fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(width, least));
   const double power =
       pow(scanner->noise / contrast, 2.0) * noise_volume(length, region->voxel) / volume;
-  slab.noise_seen = pow(scanner->noise / contrast, 2.0);
-  for (int d = 0; d < 3; d++) {
-    const double own = length / region->voxel[d] / (double)step;
-    slab.noise_seen *= own / hypot(own, slab.sigma[d]);
-  }
   const double seen = fmax(width, least);            /* finer than a voxel nothing is */
   const double wide = seen * seen / (least * least); /* of the blur, voxels^2 */
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
@@ -373,8 +328,7 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   TRY(memory_allocate(&restored->levels, plane * nz, 1, "the scan without its blur"));
   TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restored->histogram));
   TRY(slab_start(plane * most, &slab));
-  TRY(choose_surface(region, scanner, restored, most, SURFACE * power / wide,
-                     1.0 + NOISE * pow(power, POWER) * (wide - 1.0), &slab));
+  set_surface(&slab, SURFACE * power * pow(1.0 + scanner->fringe, 2.0) / wide, scanner->fringe);
   progress_start(&progress, "restoring", "slices", (double)nz);
   for (size_t z = 0; z < nz; z += depth) {
     const size_t count = nz - z < depth ? nz - z : depth, first = z > margin ? z - margin : 0;

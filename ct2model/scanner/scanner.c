@@ -89,12 +89,13 @@ cleanup:
   return status;
 }
 
-/* Smoothing that leaves noise of a twentieth of the contrast, so that surfaces are found where they
- * are and not where noise is; noise correlated over 0.7 voxels is taken for granted. */
+/* Smoothing that leaves noise of a tenth of the contrast, so that surfaces are found where they are
+ * and not where noise is; noise correlated over 0.7 voxels is taken for granted. A voxel at least:
+ * a distance from the voxel's own grey would know of its noise, and edges look sharper. */
 static double choose_smoothing(double noise_ratio) {
-  static const double TRIED[] = {0.0, 0.5, 0.7, 1.0, 1.4, 2.0};
+  static const double TRIED[] = {1.0, 1.4, 2.0};
   for (size_t i = 0; i + 1 < sizeof TRIED / sizeof *TRIED; i++)
-    if (pow(0.49 / (0.49 + TRIED[i] * TRIED[i]), 0.75) / noise_ratio < 0.05) return TRIED[i];
+    if (pow(0.49 / (0.49 + TRIED[i] * TRIED[i]), 0.75) / noise_ratio < 0.1) return TRIED[i];
   return 2.0;
 }
 
@@ -152,10 +153,25 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
   return true;
 }
 
+/* Beyond a window's sides there may be a surface: no voxel is known to lie deeper than the side is
+ * far, within a quarter of the window. */
+static void bound_depth(const struct windows *all, const struct window *w) {
+  for (size_t i = 0; i < w->size[0] * w->size[1] * w->size[2]; i++) {
+    const size_t at[3] = {i % w->size[0], i / w->size[0] % w->size[1], i / w->size[0] / w->size[1]};
+    for (int d = 0; d < 3; d++) {
+      const size_t last = w->size[d] - 1, side = at[d] < last - at[d] ? at[d] : last - at[d];
+      const float most = (float)(((double)side + 0.5) * all->stretch[d]);
+      if (4 * side < last && fabsf(w->distance[i]) > most)
+        w->distance[i] = copysignf(most, w->distance[i]);
+    }
+  }
+}
+
 static void measure_noise(const struct windows *all, double noise_ratio, const struct edge_fit *fit,
                           struct scanner *scanner) {
   struct noise_sums sums = {0};
   const double levels[2] = {fit->pore, fit->grain}, most = fmax(0.5, 4.5 / noise_ratio);
+  for (size_t i = 0; i < all->count; i++) bound_depth(all, &all->window[i]);
   for (int phase = 0; phase < 2 && sums.count < 2000.0; phase++)
     for (double depth = 3.0; depth >= 2.0 && sums.count < 2000.0; depth -= 0.5) {
       sums = (struct noise_sums){0};
