@@ -17,10 +17,13 @@ built() {
 @test "blur, contrast to noise and the noise's correlation are those of the generator within a tenth" {
   sand one --seed 31 --blur 5.83um --noise-ratio 16 --fringe 0
   sand two --seed 32 --blur 11.66um --noise-ratio 6 --fringe 0.7 --noise-length 1
-  for name in one two; do built $name 0.725; done
+  # Little noise and a weak fringe: distances that know of a voxel's own noise make it a quarter too sharp; and pores
+  # beside a window's sides are not as far from grains as they look.
+  sand three --seed 37 --blur 13.1um --noise-ratio 28 --fringe 0.3
+  for name in one two three; do built $name 0.725; done
   python3 - "$WORK" << 'P'
 import json, sys
-for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11.66e-6, 6, 5.83e-6):
+for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11.66e-6, 6, 5.83e-6), ("three", 13.1e-6, 28, 0.7 * 5.83e-6):
     found = json.load(open(f"{sys.argv[1]}/{name}.json"))["scanner"]
     print(name, found)
     assert abs(found["blur_m"] / blur - 1) < 0.1
