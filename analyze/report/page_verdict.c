@@ -37,10 +37,10 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
   json_array_append_new(
-      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:O?}", "name", json_text(name), "note",
-                         note, "k_m_per_s", json_number(k), "k_low_m_per_s", json_number(low),
-                         "k_high_m_per_s", json_number(high), "k_relative_error",
-                         json_number(relative), "intrinsic_permeability_m2",
+      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?}", "name", json_text(name),
+                         "note", note, "path", json_text(run->path), "k_m_per_s", json_number(k),
+                         "k_low_m_per_s", json_number(low), "k_high_m_per_s", json_number(high),
+                         "k_relative_error", json_number(relative), "intrinsic_permeability_m2",
                          json_number(permeability), "spacing_m", json_number(run->spacing[0]),
                          "error_budget", json_object_get(fit, "error_budget")));
 }
@@ -59,6 +59,35 @@ static bool covered(const json_t *group, const json_t *series) {
     if (!found) return false;
   }
   return true;
+}
+
+/* Whether two runs are of one body at whatever spacing: equal lengths and porosity. */
+static bool of_one_body(const struct run *a, const struct run *b) {
+  for (int d = 0; d < a->dimensions; d++) {
+    const int axis = a->dimensions == 2 && d == 1 ? 2 : d;
+    const double length = (double)a->size[axis] * a->spacing[axis];
+    if (!(fabs((double)b->size[axis] * b->spacing[axis] / length - 1.0) < 0.02)) return false;
+  }
+  return a->dimensions == b->dimensions &&
+         fabs(b->fluid_count / b->bulk_count * a->bulk_count / a->fluid_count - 1.0) < 0.03;
+}
+
+/* Puts first, of the results of the first one's body, that which is known best. */
+static void put_best_first(json_t *results, const struct run *runs, size_t n) {
+  const struct run *own = run_of(runs, n, json_array_get(results, 0));
+  size_t i, best = 0;
+  const json_t *result;
+  double least = json_number_or_nan(json_array_get(results, 0), "k_relative_error");
+  json_array_foreach(results, i, result) {
+    const double error = json_number_or_nan(result, "k_relative_error");
+    if (!isfinite(error) || error >= least || !of_one_body(own, run_of(runs, n, result))) continue;
+    least = error;
+    best = i;
+  }
+  if (best == 0) return;
+  json_t *first = json_incref(json_array_get(results, best));
+  json_array_remove(results, best);
+  json_array_insert_new(results, 0, first);
 }
 
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
@@ -84,6 +113,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
       add(results, runs, n, fit, string(fit, "name"),
           json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");
   }
+  if (json_array_size(results) > 1) put_best_first(results, runs, n);
   return results;
 }
 
@@ -111,8 +141,10 @@ static const char *class_name(const struct class_of_k *classes, double k) {
 
 static void judge_class(json_t *result, const char *key, const struct class_of_k *classes) {
   char text[100];
-  const char *low = class_name(classes, json_number_or_nan(result, "k_low_m_per_s"));
-  const char *high = class_name(classes, json_number_or_nan(result, "k_high_m_per_s"));
+  const double k = json_number_or_nan(result, "k_m_per_s");
+  const bool known = isfinite(json_number_or_nan(result, "k_relative_error"));
+  const char *low = class_name(classes, known ? json_number_or_nan(result, "k_low_m_per_s") : k);
+  const char *high = class_name(classes, known ? json_number_or_nan(result, "k_high_m_per_s") : k);
   if (strcmp(low, high) == 0)
     snprintf(text, sizeof text, "%s", low);
   else

@@ -249,6 +249,20 @@ PY
   grep -q "class=\"map\"" page.html && ! grep -q "id=\"slice\"" page.html # a map says what arrows would
 }
 
+@test "report: of several spacings and gradients the head is the k that is known best" {
+  for i in 1 5; do
+    /usr/bin/python3 "$MAKE_RUN" coarse$i.hdf n=20 i=$i spacing=4e-5 k=1.5e-3 method=stokes hash=0x20 k_error=.03
+    /usr/bin/python3 "$MAKE_RUN" fine$i.hdf n=40 i=$i spacing=2e-5 k=1.0e-3 method=stokes hash=0x40 k_error=.01
+    /usr/bin/python3 "$MAKE_RUN" another$i.hdf n=30 i=$i spacing=2e-5 k=2.0e-3 method=stokes hash=0x60 k_error=.001
+  done
+  analyze report coarse1.hdf coarse5.hdf fine1.hdf fine5.hdf another1.hdf another5.hdf --mix -o best.html --json > best.json
+  /usr/bin/python3 - <<'PY'
+import json
+heads = [round(v["k_m_per_s"], 6) for v in json.load(open("best.json"))["verdict"]]
+assert heads == [1e-3, 1.5e-3, 2e-3], heads  # another body is not the first one's, however well known
+PY
+}
+
 @test "report: nothing from a file is taken for HTML" {
   /usr/bin/python3 "$MAKE_RUN" evil.hdf 'name=</script><script>alert(1)</script>' 'model=a"onload="x.hdf' 'status=<b>&'
   analyze report evil.hdf -o evil.html > /dev/null
