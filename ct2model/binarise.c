@@ -343,7 +343,7 @@ static uint64_t crossing_of(const struct voxel_model *model, const size_t at[3],
       gradient[a] += ((double)model->solid[j] - (double)model->solid[i]) / model->spacing[a];
     }
   }
-  return crossing_weight(gradient);
+  return crossing_weight(gradient, axis);
 }
 
 /* Grain surface per bulk volume of the periodic model. */

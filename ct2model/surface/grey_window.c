@@ -166,7 +166,7 @@ static uint64_t weight_of(const struct grey_window *window, const long at[3], in
     for (int a = 0; a < 3; a++) gradient[a] += grey * d[a] * w[(a + 1) % 3] * w[(a + 2) % 3];
   }
   for (int a = 0; a < 3; a++) gradient[a] /= window->region->voxel[a];
-  return crossing_weight(gradient);
+  return crossing_weight(gradient, axis);
 }
 
 /* Of the voxels of word w of a row whose bit of `changes` is set. */
