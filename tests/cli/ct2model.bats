@@ -527,8 +527,8 @@ for m in all:
 @test "the specific surface of slits, straight and turned by 30 degrees, and of a tube is theirs within 4 %" {
   cd "$WORK"
   /usr/bin/python3 - "$CT" <<'END'
-import json, math, subprocess, sys
-n, c, t = 48, 24, math.radians(30)
+import json, math, random, subprocess, sys
+n, c, t, r = 48, 24, math.radians(30), random.Random(1)
 shapes = {"slit": (lambda x, y: 8.3 - abs(x - c), 2 * n), "tube": (lambda x, y: math.hypot(x - c - 0.3, y - c + 0.4) - 15, 2 * math.pi * 15)}
 # Of two lines at 8.3 from the middle of a square, turned: what of them lies in it.
 step = 0.001
@@ -536,9 +536,11 @@ inside = sum(abs(8.3 * math.cos(t) - s * step * math.sin(t)) < c and abs(8.3 * m
 shapes["turned"] = (lambda x, y: 8.3 - abs((x - c) * math.cos(t) + (y - c) * math.sin(t)), 2 * step * inside)
 for name, (distance, length) in shapes.items():
     d = [distance(x + 0.5, y + 0.5) for y in range(n) for x in range(n)]
-    for kind, options in (("grey", ["--void-ratio", str(sum(v < 0 for v in d) / sum(v > 0 for v in d))]), ("labels", ["--segmented", "0"])):
-        layer = bytes(round(100 + 50 * max(-1, min(1, v / 1.5))) if kind == "grey" else v > 0 for v in d)
-        open("plane.raw", "wb").write(layer * n)
+    void_ratio = ["--void-ratio", str(sum(v < 0 for v in d) / sum(v > 0 for v in d))]
+    for kind, options in (("grey", void_ratio), ("noisy", void_ratio), ("labels", ["--segmented", "0"])):
+        grey = [100 + 50 * max(-1, min(1, v / 1.5)) for v in d]
+        layers = {"grey": lambda: bytes(map(round, grey)), "noisy": lambda: bytes(round(r.gauss(v, 6)) for v in grey), "labels": lambda: bytes(v > 0 for v in d)}
+        open("plane.raw", "wb").write(b"".join(layers[kind]() for z in range(n)))
         told = subprocess.run([sys.argv[1], "build", "plane.raw", "--raw", f"{n}x{n}x{n}:u8", "--voxel-size", "1um", "--mirror", "none", "--json", "--quiet", "-o", "plane.hdf"] + options, capture_output=True, text=True, check=True)
         found = json.loads(told.stdout)["specific_surface_per_m"] / (1e6 * length / n**2)
         assert abs(found - 1) < 0.04, (name, kind, found)
