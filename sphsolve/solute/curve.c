@@ -50,9 +50,14 @@ static double share(double change, double value) {
   return value > 0 ? fabs(change) / value : 0;
 }
 
+/* Beyond SOLUTE_CELL_PECLET the order falls to one half, which leaves 1 / (sqrt(2) - 1) of the
+ * difference of both lattices beyond the finer one, a third of which the limit has. */
+#define LAYERS_SHARE (M_SQRT2 + 1.0 - 1.0 / 3.0)
+
 /* The limit of both lattices, and its error. `coarse` NULL: one alone. */
-static void take(const struct solute_flow *flow, const struct solute_solved *fine,
-                 const struct solute_solved *coarse, struct solute_closed *out) {
+static void take(const struct solute_flow *flow, double cell_peclet,
+                 const struct solute_solved *fine, const struct solute_solved *coarse,
+                 struct solute_closed *out) {
   struct solute_dispersion limit = fine->value;
   const double direction[3] = {flow->speed > 0 ? flow->mean_velocity[0] / flow->speed : 0,
                                flow->speed > 0 ? flow->mean_velocity[1] / flow->speed : 0,
@@ -69,7 +74,8 @@ static void take(const struct solute_flow *flow, const struct solute_solved *fin
     const double other = coarse == NULL ? NAN
                          : t            ? coarse->value.transverse
                                         : coarse->value.longitudinal;
-    out->resolution[t] = share(ours[t] - other, value[t]);
+    out->resolution[t] =
+        share(ours[t] - other, value[t]) * (cell_peclet > SOLUTE_CELL_PECLET ? LAYERS_SHARE : 1.0);
     /* Of what the flow adds to conduction, as much as the projection changed the flow. */
     out->projection[t] = flow->correction * fmin(1, share(fmax(value[t] - 1, 0), value[t]));
     out->solver = fine->value.residual;
@@ -98,8 +104,9 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
   TRY(solve_lattice(flow, SOLUTE_FINE, r, &progress, 8, &done, state));
   r->by_closure = true;
   for (int i = 0; i < r->count; i++)
-    take(flow, &fine[i + 1], twice ? &coarse[i + 1] : NULL, &r->closure[i]);
-  take(flow, &fine[0], twice ? &coarse[0] : NULL, &still);
+    take(flow, r->peclet[i] * flow->spacing[0] / r->length, &fine[i + 1],
+         twice ? &coarse[i + 1] : NULL, &r->closure[i]);
+  take(flow, 0.0, &fine[0], twice ? &coarse[0] : NULL, &still);
   r->tortuosity = 1 / still.value.longitudinal;
   r->formation = r->tortuosity / flow->porosity;
   r->formation_error = still.value.longitudinal_error;

@@ -9,6 +9,9 @@
 /* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
  * large too. */
 #define SOLUTE_CELLS_LEAST 4
+/* Beyond this Peclet number of a cell, U h / D, cells do not hold the layers in which a solute
+ * leaves its streamline, and the closure problem is known less well. */
+#define SOLUTE_CELL_PECLET 50.0
 #define SOLUTE_WALK_ERROR 0.03 /* of a walk, where the user says nothing */
 
 /* By the closure problem: fills closure, formation, formation_error and tortuosity of the result

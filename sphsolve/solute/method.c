@@ -69,6 +69,19 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
                 missed, r->count, 100 * wanted, r->peclet[worst], 100 * most);
 }
 
+/* Where cells are too large for the closure problem. */
+static void tell_cells(const struct scene *scene, const struct solute_flow *flow,
+                       const struct solute_result *r) {
+  for (int i = 0; i < r->count && scene->solute.way == SOLUTE_CLOSURE; i++) {
+    const double cell = r->peclet[i] * flow->spacing[0] / r->length;
+    if (cell <= SOLUTE_CELL_PECLET) continue;
+    log_warning("%s: Pe %.4g is %.3g of a cell, too much for the closure problem on this lattice: "
+                "solute.way = \"walk\" is surer",
+                scene->path, r->peclet[i], cell);
+    return;
+  }
+}
+
 static enum status run_on_flow(const struct scene *scene, const char *prefix, bool resume,
                                const char *command_line, bool json) {
   enum status status = STATUS_OK;
@@ -108,6 +121,7 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, state, &result));
   if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, state, &result));
   take_best(&result);
+  tell_cells(scene, &flow, &result);
   tell_missed(scene, &result);
   result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));

@@ -46,6 +46,14 @@ P
   grep -q "^others     by how much" table.txt
 }
 
+@test "the closure problem on cells with too large a Peclet number of their own says so, and how much less it knows" {
+  sphsolve run carried.cfg -o cells --json --set 'solute.peclet=[1000.0, 1100.0]' > cells.json 2> cells.txt
+  grep -q "Pe 1100 is 5[0-9.]* of a cell, too much for the closure problem" cells.txt
+  run grep "Pe 1000 is" cells.txt
+  [ "$status" -eq 1 ]
+  /usr/bin/python3 -c 'import json; e = json.load(open("cells.json"))["longitudinal_error"]; assert e[1] > 2 * e[0] > 0, e'
+}
+
 @test "the random walk finds the same, within the error that it states" {
   /usr/bin/python3 - <<'P'
 import json
