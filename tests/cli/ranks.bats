@@ -21,11 +21,18 @@ setup() {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$BATS_FILE_TMPDIR"
 }
+ranks_of() { # NAME: the processes of its ranks, of this folder alone
+  local p
+  for p in $(pgrep -f -- "sphsolve-mpi.* -o $1 --quiet"); do
+    [ "$(readlink "/proc/$p/cwd")" != "$PWD" ] || [ "$(basename "$(readlink "/proc/$p/exe")")" != sphsolve-mpi ] || echo "$p"
+  done
+}
 killed() { # NAME JOB: a rank of it, once the second checkpoint is there; the job ends, and leaves the checkpoint
   for _ in $(seq 400); do [ ! -e "$1.ckpt.1.hdf" ] || break; sleep 0.02; done
-  kill -9 "$(pgrep -f -- "sphsolve-mpi.* -o $1 --quiet" | tail -1)"
+  kill -9 "$(ranks_of "$1" | tail -1)"
   run wait "$2"
   [ "$status" -ne 0 ]
+  for _ in $(seq 400); do [ -n "$(ranks_of "$1")" ] || break; sleep 0.02; done # the others, after mpirun
   [ -e "$1.ckpt.hdf" ]
   [ ! -e "$1.hdf" ]
 }
