@@ -30,6 +30,13 @@ struct run {
   struct isph s;
 };
 
+/* Pa. */
+static inline double pressure_at(const struct isph *s, const double point[3]) {
+  double number[GAUGE_NUMBERS];
+  isph_read_gauge(s, point, number);
+  return number[0];
+}
+
 static void give_up(void) {
   fprintf(stderr, "verification: %s\n", error_message());
   exit(1);

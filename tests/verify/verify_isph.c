@@ -23,7 +23,7 @@ static void hydrostatic(void) {
     double reference = 1000 * 9.81 * .2;
     snprintf(name, sizeof name, "hydrostatic over soil: bottom pressure, eps %g, %g cm", eps[k % 3],
              100 * dx);
-    report(name, reference, isph_pressure_at(&run.s, foot), .01 * reference, started);
+    report(name, reference, pressure_at(&run.s, foot), .01 * reference, started);
     finish(&run);
   }
 }

@@ -65,7 +65,7 @@ static void series(void) {
     for (int k = 1; k <= 20; k++) {
       advance(&run, 1 + 0.1 * k);
       flux += isph_plane_flux(&run.s, 0, 0.2) / 20;
-      head += (isph_pressure_at(&run.s, contact) / 9810 + .05) / 20;
+      head += (pressure_at(&run.s, contact) / 9810 + .05) / 20;
     }
     double a[2], b[2], eps[2] = {.4, .3}, low = 0, high = 1;
     for (int k = 0; k < 2; k++) {
