@@ -79,6 +79,10 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   write_part(stream, ", threshold ", u->threshold);
   write_part(stream, ", soil below the voxel ", u->micro);
   write_part(stream, "; together ", uncertainty_total(u));
+  if (isfinite(u->void_ratio) && isnan(u->threshold))
+    write_part(stream,
+               "\n  the void ratio was given without its +-, which is not counted: each 0.01 moves k by ",
+               fabs(0.01 * u->slope_void_ratio));
   if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * u->slope_void_ratio);
     write_part(stream,

@@ -37,12 +37,13 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
   json_array_append_new(
-      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?}", "name", json_text(name),
+      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?,s:O?}", "name", json_text(name),
                          "note", note, "path", json_text(run->path), "k_m_per_s", json_number(k),
                          "k_low_m_per_s", json_number(low), "k_high_m_per_s", json_number(high),
                          "k_relative_error", json_number(relative), "intrinsic_permeability_m2",
                          json_number(permeability), "spacing_m", json_number(run->spacing[0]),
-                         "error_budget", json_object_get(fit, "error_budget")));
+                         "error_budget", json_object_get(fit, "error_budget"), "dlnk_dvoid_ratio",
+                         json_object_get(fit, "dlnk_dvoid_ratio")));
 }
 
 /* Whether all runs of a group stand in a series that has a k. */

@@ -13,8 +13,8 @@
 /* The results of the runs, one for each body, fluid, method and wall: runs that differ in spacing
  * alone are one result. `darcy` and `converge` are those analyses' JSON, NULL where they are not.
  * A new array of {"name", "note", "path", "k_m_per_s", "k_low_m_per_s", "k_high_m_per_s",
- * "k_relative_error", "intrinsic_permeability_m2", "spacing_m", "error_budget"}, the first the
- * page's own; empty without a k. */
+ * "k_relative_error", "intrinsic_permeability_m2", "spacing_m", "error_budget",
+ * "dlnk_dvoid_ratio"}, the first the page's own; empty without a k. */
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge);
 

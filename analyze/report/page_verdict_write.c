@@ -56,7 +56,8 @@ static void interval(FILE *out, double value, double low, double high, const cha
 }
 
 /* The parts of the error as bars on one scale, largest part first to the eye. */
-static void write_budget(const json_t *budget, FILE *out) {
+static void write_budget(const json_t *result, FILE *out) {
+  const json_t *budget = json_object_get(result, "error_budget");
   static const struct {
     const char *key, *name;
   } parts[] = {{"resolution", "resolution"}, {"scan", "scan"},
@@ -82,6 +83,13 @@ static void write_budget(const json_t *budget, FILE *out) {
         "<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
         "known and not counted.</p>\n",
         out);
+  const double slope = fabs(json_number_or_nan(result, "dlnk_dvoid_ratio"));
+  if (isfinite(json_number_or_nan(budget, "void_ratio")) && isfinite(slope) &&
+      isnan(json_number_or_nan(budget, "threshold")))
+    fprintf(out,
+            "<p class=\"note\">The void ratio was given without its &plusmn;, which is not "
+            "counted: each 0.01 of it is %.2g&nbsp;%% of <var>k</var>.</p>\n",
+            slope);
   const double closed = json_number_or_nan(budget, "dlnk_sides_closed");
   if (isfinite(closed))
     fprintf(
@@ -171,7 +179,7 @@ void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out
   fputs("</p><p class=\"note\">", out);
   write_string(result, "note", out);
   fputs("</p>\n", out);
-  write_budget(json_object_get(result, "error_budget"), out);
+  write_budget(result, out);
   fputs("</div><div>", out);
   write_orientation(result, out);
   fputs("</div></div>\n", out);

@@ -120,6 +120,10 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
     print_part("; the model's voxels leave", u->model);
     putchar('\n');
   }
+  if (isfinite(u->void_ratio) && isfinite(u->slope_void_ratio) && isnan(u->threshold))
+    printf("           the void ratio was given without its +-: each 0.01 is %.2g %% of k, not "
+           "counted\n",
+           fabs(u->slope_void_ratio));
   if (isfinite(u->sides_closed) && log_level() >= LOG_VERBOSE)
     printf("           in a tube with the sample's sides k changes by %+.2g %% (solved)\n",
            100.0 * expm1(u->sides_closed));

@@ -218,11 +218,11 @@ static void report_level(const struct cascade *c) {
       context->driving / context->kinematic_viscosity / scene_hydraulic_gradient(c->scene);
   char known[80] = " cm/s, no estimate from one lattice";
   if (isfinite(l->low))
-    snprintf(known, sizeof known,
-             u->resolution_high < 0.995 ? ", estimate %.4g cm/s -%.2g +%.2g %%"
-                                        : ", estimate %.4g cm/s -%.0f +%.0f %%",
-             100 * to_speed * l->estimate, 100 * fmin(u->resolution_low, 1.0),
-             100 * u->resolution_high);
+    snprintf(
+        known, sizeof known,
+        fmax(u->resolution_low, u->resolution_high) < 0.995 ? ", estimate %.4g cm/s -%.2g +%.2g %%"
+                                                            : ", estimate %.4g cm/s -%.0f +%.0f %%",
+        100 * to_speed * l->estimate, 100 * fmin(u->resolution_low, 1.0), 100 * u->resolution_high);
   log_info("lattice %d: %.4g um, %.3g M sites: k %.4g%s; %.2g s, the next about %.2g s",
            u->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
            known, l->seconds, cascade_next_seconds(c));

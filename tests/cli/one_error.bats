@@ -42,6 +42,22 @@ assert "uncertain" not in open("model.txt").read()  # a model has no k, and no e
 END
 }
 
+@test "a measured void ratio without its uncertainty: run, darcy and page say what it is worth and that it is not counted" {
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 32x32x14 -o bare.hdf --quiet
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=bare.hdf -o bare-run > bare.txt
+  grep -q "the void ratio was given without its +-: each 0.01 is [0-9.]* % of k, not counted" bare.txt
+  run grep "given without" run.txt
+  [ "$status" -eq 1 ]
+  for of in bare-run run; do
+    analyze darcy $of.hdf > $of.darcy
+    analyze report $of.hdf -o $of.html > told
+  done
+  grep -q "void ratio was given without its +-, which is not counted: each 0.01 moves k by" bare-run.darcy
+  grep -q "The void ratio was given without its &plusmn;, which is not counted" bare-run.html
+  run grep "given without" run.darcy run.html
+  [ "$status" -eq 1 ]
+}
+
 @test "velocities of several lattices are the finest's, and say so wherever they are shown" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   analyze pdf run.hdf -o pdf > pdf.txt
