@@ -177,6 +177,13 @@ static enum status refuse_option(const struct options *options, const char *word
   for (size_t i = 0; i < options->entry_count; i++)
     if (takes(options, &options->entries[i])) names[n++] = options->entries[i].name;
   names[n] = NULL;
+  for (size_t i = 0; i < options->entry_count && options->command != NULL; i++)
+    for (const struct option_command *c = options->table->commands; c->name; c++)
+      if (strcmp(options->entries[i].name, name) == 0 &&
+          options->entries[i].commands >> (c - options->table->commands) & 1u)
+        return FAIL(STATUS_USAGE, "--%s is an option of %s, not of %s (see %s %s --help)", name,
+                    c->name, options->command->name, options->table->program,
+                    options->command->name);
   const char *near = nearest_name(name, names);
   return FAIL(STATUS_USAGE, "unknown option '%s'%s%s%s (see %s%s%s --help)", word,
               near ? ", did you mean '--" : "", near ? near : "", near ? "'?" : "",
@@ -323,7 +330,8 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     else
       for (size_t i = 0; i < options->entry_count; i++)
         if (options->entries[i].letter == c) entry = &options->entries[i];
-    if (entry == NULL || !takes(options, entry)) TRY(refuse_option(options, word));
+    if (entry == NULL || !takes(options, entry))
+      TRY(refuse_option(options, entry != NULL ? entry->name : word));
     if (options->given_count == VALUE_MAX)
       TRY_FAIL(STATUS_USAGE, "more than %d options", VALUE_MAX);
     /* A value that may be left out stands behind a space too, where it cannot be a file's name. */

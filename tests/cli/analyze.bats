@@ -249,6 +249,12 @@ PY
   grep -q "class=\"map\"" page.html && ! grep -q "id=\"slice\"" page.html # a map says what arrows would
 }
 
+@test "an option of another command is named with it" {
+  run analyze darcy d1.hdf --plane x=1mm
+  [ "$status" -eq 2 ]
+  [ "$output" = "analyze: --plane is an option of slice, not of darcy (see analyze darcy --help)" ]
+}
+
 @test "report: of several spacings and gradients the head is the k that is known best" {
   for i in 1 5; do
     /usr/bin/python3 "$MAKE_RUN" coarse$i.hdf n=20 i=$i spacing=4e-5 k=1.5e-3 method=stokes hash=0x20 k_error=.03

@@ -38,6 +38,9 @@ END
   done
   run --separate-stderr "$SPH" explain --hlep
   [[ "$stderr" == *"did you mean '--help'"* ]]
+  run --separate-stderr "$SPH" explain x.cfg --tensor
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"--tensor is an option of run, not of explain"* ]]
 }
 
 @test "overrides beyond those that are possible are refused, not dropped" {
