@@ -1,24 +1,54 @@
 #include "ct2model/scan/denoising.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
 
 enum { BINS = 65536 };
 
-/* Pairs of neighbours in x and y on different sides of the threshold. */
-static double faces(const float *slices, size_t count, const size_t size[2], double threshold) {
-  size_t found = 0, nx = size[0], ny = size[1];
+static double clamped(const float *slice, const size_t size[2], long x, long y) {
+  const long nx = (long)size[0], ny = (long)size[1];
+  x = x < 0 ? 0 : x < nx ? x : nx - 1;
+  y = y < 0 ? 0 : y < ny ? y : ny - 1;
+  return slice[y * nx + x];
+}
+
+/* How much the wall between a pixel and the next along `axis` faces that axis, 0 to 1: |n| of it,
+ * from Sobel's differences at both. */
+static double facing(const float *slice, const size_t size[2], long x, long y, int axis) {
+  double g[2] = {0};
+  for (int side = 0; side < 2; side++)
+    for (int d = -1; d <= 1; d++) {
+      const long u = x + (axis == 0 ? side : 0), v = y + (axis == 1 ? side : 0);
+      const int w = 2 - abs(d);
+      g[0] += w * (clamped(slice, size, u + 1, v + d) - clamped(slice, size, u - 1, v + d));
+      g[1] += w * (clamped(slice, size, u + d, v + 1) - clamped(slice, size, u + d, v - 1));
+    }
+  const double length = hypot(g[0], g[1]);
+  return length > 0 ? fabs(g[axis]) / length : 2 / M_PI; /* the mean over directions */
+}
+
+/* The length of walls in slices, in pixels: pairs of neighbours on different sides of the
+ * threshold, each by how much the wall faces their axis, as the specific surface counts
+ * (surface/crossing.h). */
+static double wall_length(const float *slices, size_t count, const size_t size[2],
+                          double threshold) {
+  const size_t nx = size[0], ny = size[1];
+  double length = 0;
   for (size_t row = 0; row < count * ny; row++) {
-    const float *at = slices + row * nx;
+    const float *at = slices + row * nx, *slice = slices + row / ny * nx * ny;
+    const size_t y = row % ny;
     for (size_t x = 0; x < nx; x++) {
-      bool grain = (double)at[x] > threshold;
-      if (x + 1 < nx) found += ((double)at[x + 1] > threshold) != grain;
-      if (row % ny + 1 < ny) found += ((double)at[x + nx] > threshold) != grain;
+      const bool grain = (double)at[x] > threshold;
+      if (x + 1 < nx && ((double)at[x + 1] > threshold) != grain)
+        length += facing(slice, size, (long)x, (long)y, 0);
+      if (y + 1 < ny && ((double)at[x + nx] > threshold) != grain)
+        length += facing(slice, size, (long)x, (long)y, 1);
     }
   }
-  return (double)found;
+  return length;
 }
 
 /* Threshold of `porosity`, and the share under `other`. */
@@ -74,7 +104,7 @@ enum status denoise_effect_measure(const struct survey *survey, const size_t siz
   TRY(threshold_of(noisy, count * plane, porosity, 0.0, &raw, &share));
   TRY(threshold_of(clean, count * plane, porosity, raw, &after, &share));
   effect->void_ratio = share / (1.0 - share);
-  effect->surface = faces(clean, count, part, after) / faces(noisy, count, part, raw);
+  effect->surface = wall_length(clean, count, part, after) / wall_length(noisy, count, part, raw);
 cleanup:
   memory_free(&noisy);
   memory_free(&clean);
