@@ -8,7 +8,7 @@
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/model/connect.h"
-#include "ct2model/surface/crossing.h"
+#include "ct2model/scan/crossing.h"
 
 static double void_ratio_of(double porosity) {
   return porosity / (1.0 - porosity);

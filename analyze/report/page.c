@@ -53,13 +53,14 @@ static void write_head(struct page *page) {
         "<meta name=\"generator\" content=\"" TOSUI_MARK "\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
-  html_text(out, page->runs[0].title);
+  html_text(out, page->subject.runs[0].title);
   fputs(" - Tosui report</title>\n", out);
   write_asset(out, ASSET_DYGRAPH_STYLE, "<style>", "</style>\n");
   write_asset(out, ASSET_STYLE, "<style>", "</style>\n");
   fputs("</head><body>\n<header><h1>", out);
-  html_text(out, page->runs[0].title);
-  fprintf(out, "</h1><p>%zu run%s</p></header>\n<main>\n", page->n, page->n > 1 ? "s" : "");
+  html_text(out, page->subject.runs[0].title);
+  fprintf(out, "</h1><p>%zu run%s</p></header>\n<main>\n", page->subject.n,
+          page->subject.n > 1 ? "s" : "");
 }
 
 static void write_foot(struct page *page) {
@@ -79,7 +80,8 @@ static void write_contents(const struct page *page, bool budget) {
   FILE *out = page->out;
   fputs("<nav>", out);
   if (page->has_flow) write_link(out, "flow", "Flow");
-  if (page->n == 1 && page->runs[0].levels.count > 1) write_link(out, "levels", "Accuracy");
+  if (page->subject.n == 1 && page->subject.runs[0].levels.count > 1)
+    write_link(out, "levels", "Accuracy");
   if (page_has_soil(page)) write_link(out, "soil", "Soil");
   if (page->subject.blocked) write_link(out, "pdf", "Pore velocity");
   for (enum showing showing = SHOW_OPEN; showing >= SHOW_FOLDED; showing--)
@@ -107,9 +109,10 @@ static void write_methods(struct page *page) {
   json_array_foreach(json_object_get(converge, "series"), i, series) {
     facts.extrapolated |= json_is_true(json_object_get(series, "extrapolated"));
   }
-  for (i = 0; i < page->n; i++) facts.averaged |= strcmp(page->runs[i].method, "stokes") != 0;
+  for (i = 0; i < page->subject.n; i++)
+    facts.averaged |= strcmp(page->subject.runs[i].method, "stokes") != 0;
   fputs("<section id=\"methods\"><h2>Methods</h2>\n", page->out);
-  page_methods(page->runs, page->n, &page->model, &facts, page->out);
+  page_methods(page->subject.runs, page->subject.n, &page->model, &facts, page->out);
   fputs("</section>\n", page->out);
 }
 
@@ -119,9 +122,9 @@ static enum status write_body(struct page *page) {
   json_t *calibration = NULL;
   struct tensor tensor;
   bool budget, has_tensor = false;
-  TRY(page_has_budget(page->runs, page->n, &budget));
-  for (size_t i = 0; i < page->n && !has_tensor; i++)
-    TRY(tensor_read(&page->runs[i], &tensor, &has_tensor));
+  TRY(page_has_budget(page->subject.runs, page->subject.n, &budget));
+  for (size_t i = 0; i < page->subject.n && !has_tensor; i++)
+    TRY(tensor_read(&page->subject.runs[i], &tensor, &has_tensor));
   write_head(page);
   write_contents(page, budget);
   verdict_write(json_object_get(page->data, "verdict"), has_tensor ? &tensor : NULL, out);
@@ -135,7 +138,7 @@ static enum status write_body(struct page *page) {
         out);
   page_analyses(page);
   fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
-  TRY(page_specimen(&page->runs[0], &page->model, out, &calibration));
+  TRY(page_specimen(&page->subject.runs[0], &page->model, out, &calibration));
   if (calibration != NULL) {
     json_object_set_new(page->data, "calibration", calibration);
     TRY(page_calibration(out, calibration, &page->model));
@@ -143,17 +146,17 @@ static enum status write_body(struct page *page) {
   fputs("</section>\n", out);
   write_methods(page);
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
-  TRY(page_effects(&page->runs[0], out));
+  TRY(page_effects(&page->subject.runs[0], out));
   fputs("</section>\n", out);
   if (budget) {
     fputs("<section id=\"ledger\"><h2>Budget of momentum and energy</h2>\n<details><summary>What "
           "each effect gave the water</summary>\n",
           out);
-    TRY(page_budget(page->runs, page->n, out));
+    TRY(page_budget(page->subject.runs, page->subject.n, out));
     fputs("</details></section>\n", out);
   }
   fputs("<section id=\"provenance\"><h2>Provenance</h2>\n", out);
-  for (size_t i = 0; i < page->n; i++) TRY(page_provenance(&page->runs[i], out));
+  for (size_t i = 0; i < page->subject.n; i++) TRY(page_provenance(&page->subject.runs[i], out));
   fputs("</section>\n", out);
   write_foot(page);
   TRY(write_data(page));
@@ -190,8 +193,6 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
   enum status status = STATUS_OK;
   struct page page = {
       .subject = {.runs = runs, .n = n, .solutes = solutes, .solute_count = solute_count},
-      .runs = runs,
-      .n = n,
       .command_line = command_line};
   char *text = NULL;
   size_t size = 0;

@@ -104,12 +104,12 @@ static bool write_estimates(const struct run_levels *levels, FILE *plot) {
  * interval. */
 enum status page_levels(struct page *page) {
   enum status status = STATUS_OK;
-  const struct run *run = &page->runs[0];
+  const struct run *run = &page->subject.runs[0];
   const struct run_levels *levels = &run->levels;
   char *body = NULL;
   size_t size = 0;
   double gone = 0.0;
-  if (levels->count < 2 || page->n > 1 || !(levels->seconds[0] >= 0.0)) return STATUS_OK;
+  if (levels->count < 2 || page->subject.n > 1 || !(levels->seconds[0] >= 0.0)) return STATUS_OK;
   FILE *plot = open_memstream(&body, &size);
   if (plot == NULL) return FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("$levels << EOD\n", plot);
@@ -118,22 +118,24 @@ enum status page_levels(struct page *page) {
             1e6 * levels->spacing[i]);
   fputs("EOD\n$estimates << EOD\n", plot);
   const bool estimated = write_estimates(levels, plot);
-  fprintf(
-      plot,
-      "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
-      "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset xrange [%.6g:%.6g]\n"
-      "set key outside below center vertical maxrows 3 Left reverse\nset offsets 0, 0, graph 0.1, 0\n"
-      "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
-      "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels left "
-      "rotate by 40 offset 0.2,0.6 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars pointtype 5 linewidth 2 linecolor "
-      "rgb '%s' title 'result, 95 %%'\n",
-      gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high,
-      0.6 * levels->seconds[0], 4.0 * gone, plot_colours[0],
-      estimated ? "$estimates using 1:2:3:4 with yerrorbars pointtype 4 linewidth 1.2 linecolor "
-                  "rgb '"
-                : "",
-      estimated ? plot_colours[2] : "",
-      estimated ? "' title 'estimate so far, resolution alone', " : "", plot_colours[1]);
+  fprintf(plot,
+          "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
+          "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset xrange [%.6g:%.6g]\n"
+          "set key outside below center vertical maxrows 3 Left reverse\nset offsets 0, 0, graph "
+          "0.1, 0\n"
+          "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
+          "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels left "
+          "rotate by 40 offset 0.2,0.6 notitle, %s%s%s$result using 1:2:3:4 with yerrorbars "
+          "pointtype 5 linewidth 2 linecolor "
+          "rgb '%s' title 'result, 95 %%'\n",
+          gone, 100.0 * run->k, 100.0 * run->k_low, 100.0 * run->k_high, 0.6 * levels->seconds[0],
+          4.0 * gone, plot_colours[0],
+          estimated
+              ? "$estimates using 1:2:3:4 with yerrorbars pointtype 4 linewidth 1.2 linecolor "
+                "rgb '"
+              : "",
+          estimated ? plot_colours[2] : "",
+          estimated ? "' title 'estimate so far, resolution alone', " : "", plot_colours[1]);
   if (fclose(plot) != 0) TRY_FAIL(STATUS_RUN, "out of memory for a plot");
   fputs("<section id=\"levels\"><h2>Accuracy and its cost</h2><figure>", page->out);
   page_still(page->out, "levels", body, 560, 440, "k of each lattice against processor time");
@@ -157,8 +159,8 @@ static enum status write_pictures(struct page *page) {
     fprintf(out,
             "<figcaption>Speed, with streamlines of the velocity in the plane %c = %.4g mm. "
             "Outlines: the walls that the flow feels.",
-            "xyz"[page->plane.axis], 1e3 * page->plane.at);
-    lattice_note_write(&page->runs[0], " ", ".", out);
+            "xyz"[page->plane.axis], 1e3 * page -> plane.at);
+    lattice_note_write(&page->subject.runs[0], " ", ".", out);
     fputs("</figcaption></figure>\n", out);
     if (page->plane.pressure != NULL && page->plane.pressure_high > 0.0) {
       fprintf(out, "<figure>");
@@ -191,13 +193,13 @@ enum status page_flow_section(struct page *page) {
   fputs("<figure><div id=\"view\"><div class=\"still3d\">", out);
   TRY(flow_write_still(&page->flow, out));
   fputs("</div></div>\n<figcaption>Grains and streamlines of <em>", out);
-  html_text(out, page->runs[0].name);
+  html_text(out, page->subject.runs[0].name);
   fprintf(
       out,
       "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). Drag to turn, wheel or pinch "
       "to zoom; the slider cuts the grains.",
       1e3 * page->flow.speed_high);
-  lattice_note_write(&page->runs[0], " ", ".", out);
+  lattice_note_write(&page->subject.runs[0], " ", ".", out);
   fputs("</figcaption></figure></section>\n", out);
 cleanup:
   return status;

@@ -21,8 +21,6 @@ struct part {
 
 struct page {
   struct subject subject;
-  const struct run *runs; /* those of the subject */
-  size_t n;
   const char *command_line;
   struct part parts[ANALYSES];
   struct page_model model; /* of the first run */

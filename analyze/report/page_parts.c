@@ -61,7 +61,7 @@ cleanup:
 static enum status find_flow(struct page *page) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
-  const struct run *run = &page->runs[0];
+  const struct run *run = &page->subject.runs[0];
   if (run->dimensions != 3) return STATUS_OK;
   TRY(run_last_snapshot(run, &particles));
   TRY(flow_build(run, &particles, &page->flow));

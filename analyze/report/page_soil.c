@@ -70,7 +70,7 @@ cleanup:
 bool page_has_soil(const struct page *page) {
   struct h5_file *file = NULL;
   bool has = false;
-  if (h5_open(page->runs[0].path, &file) == STATUS_OK)
+  if (h5_open(page->subject.runs[0].path, &file) == STATUS_OK)
     has = h5_exists(file, group);
   else
     error_clear();
@@ -84,7 +84,7 @@ enum status page_soil(struct page *page) {
   struct curve curve = {0};
   FILE *out = page->out;
   if (!page_has_soil(page)) return STATUS_OK;
-  TRY(h5_open(page->runs[0].path, &file));
+  TRY(h5_open(page->subject.runs[0].path, &file));
   TRY(read_curve(file, &curve));
   const double permeability = h5_attribute_or_nan(file, group, "permeability");
   const double slope = h5_attribute_or_nan(file, group, "dlnk_dlnk_micro");

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/scan/crossing.h"
 
 enum { BINS = 65536 };
 
@@ -15,40 +16,38 @@ static double clamped(const float *slice, const size_t size[2], long x, long y) 
   return slice[y * nx + x];
 }
 
-/* How much the wall between a pixel and the next along `axis` faces that axis, 0 to 1: |n| of it,
- * from Sobel's differences at both. */
-static double facing(const float *slice, const size_t size[2], long x, long y, int axis) {
-  double g[2] = {0};
+/* What the change of phase from a pixel to the next along an axis counts; the normal by Sobel's
+ * differences at both. */
+static uint64_t crossing_of(const float *slice, const size_t size[2], long x, long y, int axis) {
+  double gradient[3] = {0};
   for (int side = 0; side < 2; side++)
     for (int d = -1; d <= 1; d++) {
       const long u = x + (axis == 0 ? side : 0), v = y + (axis == 1 ? side : 0);
       const int w = 2 - abs(d);
-      g[0] += w * (clamped(slice, size, u + 1, v + d) - clamped(slice, size, u - 1, v + d));
-      g[1] += w * (clamped(slice, size, u + d, v + 1) - clamped(slice, size, u + d, v - 1));
+      gradient[0] += w * (clamped(slice, size, u + 1, v + d) - clamped(slice, size, u - 1, v + d));
+      gradient[1] += w * (clamped(slice, size, u + d, v + 1) - clamped(slice, size, u + d, v - 1));
     }
-  const double length = hypot(g[0], g[1]);
-  return length > 0 ? fabs(g[axis]) / length : 2 / M_PI; /* the mean over directions */
+  return crossing_weight(gradient, axis);
 }
 
-/* The length of walls in slices, in pixels: pairs of neighbours on different sides of the
- * threshold, each by how much the wall faces their axis, as the specific surface counts
- * (surface/crossing.h). */
+/* The length of walls in slices, in CROSSING_UNIT of a pixel: as the specific surface counts, in
+ * the slices' own planes. */
 static double wall_length(const float *slices, size_t count, const size_t size[2],
                           double threshold) {
   const size_t nx = size[0], ny = size[1];
-  double length = 0;
+  uint64_t length = 0;
   for (size_t row = 0; row < count * ny; row++) {
     const float *at = slices + row * nx, *slice = slices + row / ny * nx * ny;
     const size_t y = row % ny;
     for (size_t x = 0; x < nx; x++) {
       const bool grain = (double)at[x] > threshold;
       if (x + 1 < nx && ((double)at[x + 1] > threshold) != grain)
-        length += facing(slice, size, (long)x, (long)y, 0);
+        length += crossing_of(slice, size, (long)x, (long)y, 0);
       if (y + 1 < ny && ((double)at[x + nx] > threshold) != grain)
-        length += facing(slice, size, (long)x, (long)y, 1);
+        length += crossing_of(slice, size, (long)x, (long)y, 1);
     }
   }
-  return length;
+  return (double)length;
 }
 
 /* Threshold of `porosity`, and the share under `other`. */

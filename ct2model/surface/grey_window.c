@@ -9,7 +9,7 @@
 #include "common/variants.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/resample/reduce.h"
-#include "ct2model/surface/crossing.h"
+#include "ct2model/scan/crossing.h"
 #include "ct2model/surface/specks.h"
 
 enum { UNITS_OF_CONTRAST = 8192, SPECK_REACH = 12 };

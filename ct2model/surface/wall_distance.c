@@ -5,7 +5,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "ct2model/surface/crossing.h"
+#include "ct2model/scan/crossing.h"
 #include "ct2model/surface/grey_window.h"
 #include "ct2model/resample/resample.h"
 #include "ct2model/surface/specks.h"

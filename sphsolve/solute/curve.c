@@ -50,7 +50,8 @@ static double share(double change, double value) {
   return value > 0 ? fabs(change) / value : 0;
 }
 
-/* Beyond SOLUTE_CELL_PECLET the order falls to one half, which leaves 1 / (sqrt(2) - 1) of the
+/* Beyond SOLUTE_CELL_PECLET the order falls to some half (one sand at Pe 96 of a cell, the
+ * physics page's), which leaves 1 / (sqrt(2) - 1) of the
  * difference of both lattices beyond the finer one, a third of which the limit has. */
 #define LAYERS_SHARE (M_SQRT2 + 1.0 - 1.0 / 3.0)
 

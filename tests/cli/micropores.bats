@@ -31,6 +31,15 @@ END
   export LAYERS="layers.raw --raw 24x24x24:u8 --voxel-size 5um" GREYS="greys.raw --raw 32x32x32:u8 --voxel-size 5um --mirror none"
 }
 
+wrong() { # CODE WORD ARGUMENTS
+  local code=$1 word=$2
+  shift 2
+  run --separate-stderr ct2model build "$@" -o wrong.hdf
+  [[ "$status" -eq "$code" && "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
+  [ "${#stderr_lines[@]}" -eq 1 ]
+  [ ! -e wrong.hdf ]
+}
+
 @test "a label as soil: written beside the walls, mirrored, turned and resampled; its pores count" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   local labels="1=pore,2=grain,3=soil(0.35, 1.8e-15 m^2)"
@@ -166,14 +175,6 @@ wanted = run["micro"]["dlnk_dlnk_micro"] * math.hypot(small["micro"]["ln_permeab
 assert abs(run["error"]["micro"] / wanted - 1) < 1e-6, (run["error"]["micro"], wanted)
 assert run["error"]["threshold"] > 0
 END
-  wrong() { # CODE WORD ARGUMENTS
-    local code=$1 word=$2
-    shift 2
-    run --separate-stderr ct2model build "$@" -o wrong.hdf
-    [[ "$status" -eq "$code" && "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
-    [ "${#stderr_lines[@]}" -eq 1 ]
-    [ ! -e wrong.hdf ]
-  }
   wrong 3 "shows 2 clear peaks" two.raw $image --micro auto
   wrong 3 "shows 4 clear peaks" four.raw $image --micro auto
   head -c $((64 * 64 * 7)) a.raw > thin.raw
@@ -193,14 +194,6 @@ END
 }
 
 @test "soil that cannot be is refused in a line that says what to do" {
-  wrong() { # CODE WORD ARGUMENTS
-    local code=$1 word=$2
-    shift 2
-    run --separate-stderr ct2model build "$@" -o wrong.hdf
-    [[ "$status" -eq "$code" && "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
-    [ "${#stderr_lines[@]}" -eq 1 ]
-    [ ! -e wrong.hdf ]
-  }
   wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(0,1e-15m^2)"
   wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(1,1e-15m^2)"
   wrong 2 "neither a permeability" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15)"

@@ -3,8 +3,8 @@
  * face's area. So each crossing counts |n_d|, with n from the greys beside it, and the three axes
  * add up to (n_x^2 + n_y^2 + n_z^2) A = A, for planes in any direction; normals that are off by an
  * angle b leave cos b of it. */
-#ifndef TOSUI_CT2MODEL_SURFACE_CROSSING_H
-#define TOSUI_CT2MODEL_SURFACE_CROSSING_H
+#ifndef TOSUI_CT2MODEL_SCAN_CROSSING_H
+#define TOSUI_CT2MODEL_SCAN_CROSSING_H
 
 #include <math.h>
 #include <stdint.h>
