@@ -5,6 +5,7 @@
 #include "analyze/product.h"
 #include "common/hdf5_file.h"
 #include "common/log.h"
+#include "common/model_file.h"
 
 void uncertainty_read(const struct run *run, struct uncertainty *u) {
   struct h5_file *file = NULL;
@@ -20,12 +21,11 @@ void uncertainty_read(const struct run *run, struct uncertainty *u) {
     return;
   }
   double e = h5_attribute_or_nan(file, "/model", "void_ratio");
-  double measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
   double threshold_slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
   double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
   if (e > 0.0) {
     u->slope_void_ratio = 3.0 / e - 1.0 / (1.0 + e);
-    u->void_ratio = u->slope_void_ratio * fabs(e - measured);
+    u->void_ratio = u->slope_void_ratio * fabs(model_void_ratio_error(file));
     u->slope_threshold = u->slope_void_ratio / threshold_slope;
     if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
   }
@@ -80,9 +80,10 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   write_part(stream, ", soil below the voxel ", u->micro);
   write_part(stream, "; together ", uncertainty_total(u));
   if (isfinite(u->void_ratio) && isnan(u->threshold))
-    write_part(stream,
-               "\n  the void ratio was given without its +-, which is not counted: each 0.01 moves k by ",
-               fabs(0.01 * u->slope_void_ratio));
+    write_part(
+        stream,
+        "\n  the void ratio was given without its +-, which is not counted: each 0.01 moves k by ",
+        fabs(0.01 * u->slope_void_ratio));
   if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
     write_part(stream, "\n  0.01 of void ratio moves k by ", 0.01 * u->slope_void_ratio);
     write_part(stream,

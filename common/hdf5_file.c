@@ -63,12 +63,17 @@ const char *h5_path(const struct h5_file *file) {
 static enum status new_file(const char *path, bool writing, struct h5_file **result) {
   enum status status = STATUS_OK;
   struct h5_file *file;
-  size_t length = strlen(path);
+  char target[OUTPUT_NAME_MAX];
   /* HDF5 1.10 crashes in its exit handler when a file could not be flushed (full disk). All files
    * are closed by us, so it is not needed. Only the first call counts. */
   H5dont_atexit();
   /* The library's own error stack is for programmers; our message names file and object. */
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  if (writing) {
+    TRY(output_follow(path, target));
+    path = target;
+  }
+  const size_t length = strlen(path);
   TRY(memory_allocate(&file, 1, sizeof *file, "a file handle"));
   *result = file;
   file->id = -1;

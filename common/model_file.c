@@ -199,6 +199,13 @@ cleanup:
   return status;
 }
 
+double model_void_ratio_error(struct h5_file *file) {
+  const double told = h5_attribute_or_nan(file, "/model", "void_ratio_error");
+  if (isfinite(told)) return told;
+  return h5_attribute_or_nan(file, "/model", "void_ratio") -
+         h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+}
+
 enum status model_write(struct h5_file *file, const struct voxel_model *model) {
   enum status status = STATUS_OK;
   size_t dims[3] = {model->size[2], model->size[1], model->size[0]};

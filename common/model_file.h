@@ -44,6 +44,8 @@ void model_free(struct voxel_model *model);
 /* Reads and validates: values, finiteness, sizes. Only /model/solid and its attribute `spacing` are
  * required (periodic by default). */
 enum status model_read(const char *path, struct voxel_model *model);
+/* The void ratio of the model less that measured on the specimen; NAN where either is unknown. */
+double model_void_ratio_error(struct h5_file *file);
 /* Writes /model and the /VTKHDF view (ImageData 1.0, PointData by soft links) into an open file;
  * ct2model adds calibration and provenance, then commits. */
 enum status model_write(struct h5_file *file, const struct voxel_model *model);

@@ -273,6 +273,27 @@ static enum status list_entries(struct options *options, struct option longs[ENT
   return STATUS_OK;
 }
 
+/* Of an option that is given twice the last value counts, and that is told; PATH=VALUE is given
+ * once for each path. */
+static void warn_of_repeats(const struct options *options) {
+  for (size_t i = 0; i < options->given_count; i++) {
+    const struct given *first = &options->given[i];
+    const char *metavar = first->entry->metavar;
+    if (metavar == NULL) continue;
+    const bool keyed = strchr(metavar, '=') != NULL && metavar[0] != '[';
+    for (size_t j = i + 1; j < options->given_count; j++) {
+      const struct given *next = &options->given[j];
+      const size_t key = keyed ? strcspn(first->value, "=") + 1 : 0;
+      if (next->entry != first->entry || strcmp(first->value, next->value) == 0 ||
+          (keyed && strncmp(first->value, next->value, key) != 0))
+        continue;
+      log_warning("--%s %s: counts no more, as --%s %s comes after it", first->entry->name,
+                  first->value, next->entry->name, next->value);
+      break;
+    }
+  }
+}
+
 static enum status check_operands(const struct options *options) {
   const struct option_command *command = options->command;
   const char *program = options->table->program;
@@ -358,6 +379,7 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     TRY(refuse_command(table, NULL));
   }
   TRY(apply_common(options));
+  warn_of_repeats(options);
   TRY(check_operands(options));
 cleanup:
   return status;

@@ -9,6 +9,8 @@
 
 #include "common/memory.h"
 
+#define LINKS_MOST 40 /* as Linux */
+
 static long fail_after;
 
 bool output_fails(void) {
@@ -62,6 +64,26 @@ enum status output_check_inputs(const char *path) {
   return STATUS_OK;
 }
 
+enum status output_follow(const char *path, char target[OUTPUT_NAME_MAX]) {
+  char link[OUTPUT_NAME_MAX];
+  size_t length = strlen(path);
+  if (length >= OUTPUT_NAME_MAX)
+    return FAIL(STATUS_USAGE, "%.40s...: the name of an output is too long", path);
+  memcpy(target, path, length + 1);
+  for (int hop = 0; hop < LINKS_MOST; hop++) {
+    const ssize_t got = readlink(target, link, sizeof link);
+    if (got < 0) return STATUS_OK;
+    const char *slash = link[0] == '/' ? NULL : strrchr(target, '/');
+    const size_t folder = slash != NULL ? (size_t)(slash + 1 - target) : 0;
+    length = folder + (size_t)got;
+    if (length >= OUTPUT_NAME_MAX)
+      return FAIL(STATUS_USAGE, "%s: is a link to a name that is too long", path);
+    memcpy(target + folder, link, (size_t)got);
+    target[length] = '\0';
+  }
+  return FAIL(STATUS_USAGE, "%s: is a link that leads back to itself", path);
+}
+
 enum status output_rename(const char *from, const char *to) {
   enum status status = output_check_inputs(to);
   if (status != STATUS_OK) return status;
@@ -73,9 +95,10 @@ enum status output_rename(const char *from, const char *to) {
 enum status output_write(const char *path, const char *data, size_t size) {
   enum status status = STATUS_OK;
   FILE *file = NULL;
-  char *part = NULL;
-  TRY(memory_allocate(&part, strlen(path) + 6, 1, "a path"));
-  sprintf(part, "%s.part", path);
+  char *part = NULL, target[OUTPUT_NAME_MAX];
+  TRY(output_follow(path, target));
+  TRY(memory_allocate(&part, strlen(target) + 6, 1, "a path"));
+  sprintf(part, "%s.part", target);
   file = fopen(part, "wb");
   if (file == NULL) TRY_FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
   if (output_fails() || fwrite(data, 1, size, file) != size || fflush(file) != 0)
@@ -83,7 +106,7 @@ enum status output_write(const char *path, const char *data, size_t size) {
   bool bad = fclose(file) != 0;
   file = NULL;
   if (bad) TRY_FAIL(STATUS_RUN, "%s: cannot be written: %s", path, strerror(errno));
-  TRY(output_rename(part, path));
+  TRY(output_rename(part, target));
 cleanup:
   if (file != NULL) fclose(file);
   if (status != STATUS_OK && part != NULL) unlink(part);

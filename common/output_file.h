@@ -3,14 +3,20 @@
 #ifndef TOSUI_COMMON_OUTPUT_FILE_H
 #define TOSUI_COMMON_OUTPUT_FILE_H
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 
 #include "common/error.h"
 
-/* Writes `size` bytes to PATH.part and renames it to PATH; an error names the cause, and no part is
- * left. */
+#define OUTPUT_NAME_MAX PATH_MAX
+
+/* Writes `size` bytes to PATH.part and renames it to PATH (that of output_follow); an error names
+ * the cause, and no part is left. */
 enum status output_write(const char *path, const char *data, size_t size);
+/* The name that `path` is a symbolic link to, over all links, or `path`; no file need be there.
+ * Outputs are written to that, as cp and the shell do, and the link stays. */
+enum status output_follow(const char *path, char target[OUTPUT_NAME_MAX]);
 /* rename(2) as a status; an input of this run is never replaced. */
 enum status output_rename(const char *from, const char *to);
 

@@ -90,9 +90,11 @@ static enum status check_folder(const char *path) {
 enum status output_allow(const char *path) {
   enum status status = STATUS_OK;
   struct stat info;
+  char target[OUTPUT_NAME_MAX];
   if (path == NULL) return STATUS_OK;
   if (path[0] == '\0') return FAIL(STATUS_USAGE, "-o '': the name of a file is wanted");
-  TRY(check_folder(path));
+  TRY(output_follow(path, target));
+  TRY(check_folder(target));
   if (stat(path, &info) != 0) goto cleanup;
   if (!S_ISREG(info.st_mode))
     TRY_FAIL(STATUS_USAGE, "%s: is a %s, not a file to be written; give another name with -o", path,

@@ -61,7 +61,7 @@ static enum status check_labels(const struct pipeline *pipeline) {
   const struct labels *labels = &pipeline->labels;
   const double e = void_ratio_of(labels->voids), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
-  const double off = fabs(e - measured);
+  const double off = fabs(e - measured), most = fmax(0.1 * measured, 3.0 * error);
   const char *path = pipeline->stack.files[0].path;
   const bool pair = labels->count == 2 && labels->micro.kind == NULL;
   const double pore = labels->value[labels->pore[0] ? 0 : 1];
@@ -75,12 +75,12 @@ static enum status check_labels(const struct pipeline *pipeline) {
           path, pore, other, e, 1.0 / e, other);
     return STATUS_OK;
   }
-  if (pair && fabs(log(e * measured)) < 0.5 * fabs(log(e / measured)))
+  if (pair && off > most && fabs(1.0 / e - measured) <= most)
     return FAIL(STATUS_INPUT,
                 "%s: with the label %g as pore its void ratio is %.4g, with %g it is %.4g, and "
                 "measured is %.4g: say --segmented %g, or leave --void-ratio out",
                 path, pore, e, other, 1.0 / e, measured, other);
-  if (off > fmax(0.1 * measured, 3.0 * error))
+  if (off > most)
     return FAIL(STATUS_INPUT,
                 "%s: is segmented, with a void ratio of %.4g, and no threshold makes it the "
                 "measured %.4g: segment it anew from the greys, or leave --void-ratio out%s",
@@ -366,21 +366,40 @@ static double model_surface(const struct voxel_model *model) {
   return sum / sites;
 }
 
+/* Whether layer `at` of an axis is a face of the scan, where what is cut may touch others beyond.
+ */
+static bool is_face(const struct pipeline *pipeline, int axis, size_t at) {
+  return at == 0 || at + 1 == pipeline->model.size[axis] || at + 1 == pipeline->size[axis];
+}
+
+/* Grains that lie within the scan and touch no other there. */
 static enum status count_floating_grains(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
+  const struct voxel_model *model = &pipeline->model;
   struct parts grains = {0};
   struct quality *quality = &pipeline->quality;
+  bool *touches = NULL;
   size_t largest = 0;
-  TRY(parts_find(pipeline->model.solid, pipeline->model.size, pipeline->model.periodic, 1,
-                 &grains));
+  TRY(parts_find(model->solid, model->size, model->periodic, 1, &grains));
+  TRY(memory_allocate(&touches, grains.count, sizeof *touches, "parts of the grains"));
+  for (size_t row = 0; row < model->size[1] * model->size[2]; row++) {
+    const bool face = is_face(pipeline, 1, row % model->size[1]) || // NOLINT: it has rows
+                      is_face(pipeline, 2, row / model->size[1]);
+    for (size_t r = grains.row_first[row]; r < grains.row_first[row + 1]; r++) {
+      const struct run *run = &grains.runs[r];
+      const bool ends = run->x0 == 0 || run->x1 == model->size[0];
+      if (face || ends) touches[run->part] = true;
+    }
+  }
   for (size_t p = 0; p < grains.count; p++)
     if (grains.parts[p].voxels > grains.parts[largest].voxels) largest = p;
   for (size_t p = 0; p < grains.count; p++) {
-    if (p == largest) continue;
+    if (p == largest || touches[p]) continue;
     quality->floating_grains++;
     quality->floating_voxels += grains.parts[p].voxels;
   }
 cleanup:
+  memory_free(&touches);
   parts_end(&grains);
   return status;
 }

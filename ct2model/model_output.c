@@ -129,7 +129,7 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   const struct morphology *morphology = &pipeline->morphology;
   int32_t percolates[3] = {quality->percolates[2], quality->percolates[1], quality->percolates[0]};
   TRY(write_number(file, "/model", "void_ratio_error",
-                   pipeline->model.void_ratio - pipeline->request->void_ratio));
+                   pipeline_void_ratio(pipeline) - pipeline->request->void_ratio));
   TRY(write_number(file, "/model", "porosity", quality->porosity));
   if (pipeline->model.micro_porosity != NULL) {
     const struct micro_summary micro = micro_summary(&pipeline->model);

@@ -13,12 +13,13 @@
 #include "ct2model/scan/autocrop.h"
 #include "ct2model/binarise.h"
 #include "ct2model/misfit.h"
+#include "ct2model/model_size.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
 #include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
 
-/* ---- region: crop, voxel size, size after resampling ---- */
+/* ---- region: crop, voxel size ---- */
 
 static enum status choose_voxel(struct pipeline *pipeline) {
   const struct stack *stack = &pipeline->stack;
@@ -48,73 +49,6 @@ static enum status choose_voxel(struct pipeline *pipeline) {
     log_info("voxel size %s from the %s", text, stack->voxel_source);
   }
   stack_compare_voxel(stack, given);
-  return STATUS_OK;
-}
-
-/* Model voxels are cubes as large as the shortest edge of the scan's, unless --size says otherwise.
- */
-static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
-  const double *voxel = pipeline->region.voxel;
-  const double edge = fmin(fmin(voxel[0], voxel[1]), voxel[2]);
-  const size_t n = pipeline->region.size[axis];
-  if (pipeline->request->filter == FILTER_NONE || voxel[axis] < edge * (1.0 + 1e-3)) return n;
-  return (size_t)fmax(1.0, round((double)n * voxel[axis] / edge));
-}
-
-static enum status choose_size(struct pipeline *pipeline) {
-  const struct request *request = pipeline->request;
-  size_t in[3], out[3]; /* in the model's axes, as --size */
-  double voxel[3], spacing[3];
-  for (int a = 0; a < 3; a++) {
-    in[a] = pipeline->region.size[pipeline->place[a]];
-    voxel[a] = pipeline->region.voxel[pipeline->place[a]];
-    out[a] = request->size_given ? request->size[a] : size_of_cubes(pipeline, pipeline->place[a]);
-    pipeline->size[pipeline->place[a]] = out[a];
-    spacing[a] = voxel[a] * (double)in[a] / (double)out[a];
-  }
-  for (int a = 0; pipeline->distances && !request->size_given && a < 3; a++)
-    if (in[a] == 1)
-      return FAIL(STATUS_INPUT,
-                  "%s: one %s is no volume to flow through; give the whole stack (a folder, or all "
-                  "files), or say that one layer is meant with --size %zux%zux%zu",
-                  pipeline->stack.files[0].path, a == 2 ? "slice" : "row of voxels", out[0], out[1],
-                  out[2]);
-  if (request->filter == FILTER_NONE && memcmp(in, out, sizeof in) != 0)
-    return FAIL(STATUS_USAGE,
-                "--filter none keeps all %zux%zux%zu voxels, but --size is %zux%zux%zu; leave "
-                "--size out or use --filter area",
-                in[0], in[1], in[2], out[0], out[1], out[2]);
-  if (request->filter == FILTER_BICUBIC_POINT && spacing[0] > 2.0 * voxel[0])
-    log_warning("bicubic-point does not antialias: at a reduction of %.3g the void ratio still "
-                "matches, but many voxels are wrong and the surface is far too large; use bicubic",
-                spacing[0] / voxel[0]);
-  if (request->size_given && (out[0] > in[0] || out[1] > in[1] || out[2] > in[2]))
-    log_warning(
-        "--size %zux%zux%zu is finer than the scan's own %zux%zux%zu voxels: it adds voxels, "
-        "but no detail",
-        out[0], out[1], out[2], in[0], in[1], in[2]);
-  if (!request->size_given && memcmp(in, out, sizeof in) != 0)
-    log_info("voxels of %.4g x %.4g x %.4g um become cubes: %zux%zux%zu", voxel[0] * 1e6,
-             voxel[1] * 1e6, voxel[2] * 1e6, out[0], out[1], out[2]);
-  else if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 ||
-           fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
-    double ny = (double)in[1] * voxel[1] / spacing[0], nz = (double)in[2] * voxel[2] / spacing[0];
-    const double least = fmin(fmin(spacing[0], spacing[1]), spacing[2]);
-    const double most = fmax(fmax(spacing[0], spacing[1]), spacing[2]);
-    char text[160];
-    snprintf(text, sizeof text, "model voxels of %.4g x %.4g x %.4g um are", spacing[0] * 1e6,
-             spacing[1] * 1e6, spacing[2] * 1e6);
-    if (pipeline->distances && most > MODEL_LONGEST_EDGE * least)
-      return FAIL(STATUS_USAGE,
-                  "%s too far from cubes to be solved (%.3g times as long as wide, %g at most); "
-                  "--size %zux%.0fx%.0f would make cubes",
-                  text, most / least, MODEL_LONGEST_EDGE, out[0], fmax(1.0, round(ny)),
-                  fmax(1.0, round(nz)));
-    log_warning("%s not cubic; --size %zux%.0fx%.0f%s would keep them so", text, out[0],
-                fmax(1.0, round(ny)), fmax(1.0, round(nz)),
-                fabs(ny - round(ny)) + fabs(nz - round(nz)) > 1e-3 ? " with a --crop to match"
-                                                                   : "");
-  }
   return STATUS_OK;
 }
 
@@ -175,7 +109,7 @@ static enum status choose_region(struct pipeline *pipeline) {
   /* Each slice is denoised once. */
   if (axis != 2 || region->denoise != DENOISE_NONE)
     TRY(region_turn(region, axis, &pipeline->turned));
-  TRY(choose_size(pipeline));
+  TRY(model_size_choose(pipeline));
 cleanup:
   return status;
 }

@@ -61,7 +61,8 @@ static void json_of_model(const struct pipeline *pipeline, json_t *root) {
   static const char *const SIDES[] = {"periodic", "closed", "mirrored"};
   json_object_set_new(root, "sides", json_string(SIDES[pipeline->request->sides]));
   json_put_number(root, "void_ratio", model->void_ratio);
-  json_put_number(root, "void_ratio_error", model->void_ratio - pipeline->request->void_ratio);
+  json_put_number(root, "void_ratio_error",
+                  pipeline_void_ratio(pipeline) - pipeline->request->void_ratio);
   json_put_number(root, "porosity", quality->porosity);
   if (model->micro_porosity != NULL) {
     const struct micro_summary micro = micro_summary(model);
@@ -240,9 +241,11 @@ static void print_model(const struct pipeline *pipeline) {
   if (pipeline->request->sides != SIDES_PERIODIC)
     printf(pipeline->request->sides == SIDES_CLOSED ? ", sides closed" : ", sides mirrored");
   printf("\nvoid ratio        %.4f", model->void_ratio);
+  if (pipeline_walls_are_labels(pipeline))
+    printf(" by voxels; %.4f within the walls", pipeline_void_ratio(pipeline));
   if (!isnan(pipeline->request->void_ratio))
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
-           model->void_ratio - pipeline->request->void_ratio);
+           pipeline_void_ratio(pipeline) - pipeline->request->void_ratio);
   printf("\nporosity          %.4f, on a path along z %.4f: only the latter conducts\n",
          quality->porosity, quality->connected_porosity);
   if (model->micro_porosity != NULL) {
@@ -259,7 +262,7 @@ static void print_model(const struct pipeline *pipeline) {
   printf("isolated pores    %zu (%zu voxels): on no path along z; noise, or throats too narrow for "
          "the voxels\n",
          quality->isolated_pores, quality->isolated_voxels);
-  printf("floating grains   %zu (%zu voxels): touch no other grain, which no real one can; noise, "
+  printf("floating grains   %zu (%zu voxels): touch no other grain and no side of the scan; noise, "
          "or a contact lost\n",
          quality->floating_grains, quality->floating_voxels);
 }

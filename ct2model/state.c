@@ -1,6 +1,7 @@
 #include "ct2model/state.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/memory.h"
 
@@ -13,6 +14,17 @@ struct mirroring pipeline_mirroring(const struct pipeline *pipeline) {
 double pipeline_grey(const struct pipeline *pipeline, double internal) {
   const bool negated = pipeline->request->dark_grains && !pipeline->labels.on;
   return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
+}
+
+bool pipeline_walls_are_labels(const struct pipeline *pipeline) {
+  return pipeline->labels.on && pipeline->labels.micro.kind == NULL &&
+         !pipeline->request->fill_islands &&
+         memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
+}
+
+double pipeline_void_ratio(const struct pipeline *pipeline) {
+  const double n = pipeline->labels.model_porosity;
+  return pipeline_walls_are_labels(pipeline) ? n / (1.0 - n) : pipeline->model.void_ratio;
 }
 
 double pipeline_threshold_error(const struct pipeline *pipeline) {

@@ -80,6 +80,11 @@ struct mirroring pipeline_mirroring(const struct pipeline *pipeline);
 
 /* A grey of the region, as it is reported: of the scan as stored. */
 double pipeline_grey(const struct pipeline *pipeline, double internal);
+/* Whether the model's walls are those of labels on their own voxels, which enclose the labels'
+ * volume while the voxels' centres, counted, do not quite. */
+bool pipeline_walls_are_labels(const struct pipeline *pipeline);
+/* The void ratio that the model's walls leave: of its voxels, or of such labels. */
+double pipeline_void_ratio(const struct pipeline *pipeline);
 /* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
 double pipeline_threshold_error(const struct pipeline *pipeline);
 

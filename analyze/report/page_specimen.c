@@ -169,7 +169,7 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   row(stream, "Connected porosity", h5_attribute_or_nan(file, "/model", "connected_porosity"), "");
   row(stream, "Isolated pores (on no path along z)",
       h5_attribute_or_nan(file, "/model", "isolated_pores"), "");
-  row(stream, "Floating grains (touch no other)",
+  row(stream, "Floating grains (touch no other, nor a side)",
       h5_attribute_or_nan(file, "/model", "floating_grains"), "");
   write_percolation(stream, file);
   row(stream, "Specific surface", 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface"),

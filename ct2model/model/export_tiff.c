@@ -43,9 +43,9 @@ enum status export_tiff(const char *path, const struct voxel_model *model) {
   enum status status = STATUS_OK;
   uint8_t *row = NULL;
   TIFF *tiff = NULL;
-  char part[PATH_MAX];
-  if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
-    return FAIL(STATUS_RUN, "%s: the name is too long", path);
+  char target[OUTPUT_NAME_MAX], part[OUTPUT_NAME_MAX + 5];
+  TRY(output_follow(path, target));
+  snprintf(part, sizeof part, "%s.part", target);
   TRY(memory_allocate(&row, model->size[0], 1, "image row"));
   TIFFSetErrorHandler(NULL);
   errno = 0;
@@ -58,7 +58,7 @@ enum status export_tiff(const char *path, const struct voxel_model *model) {
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   memory_free(&row);
-  if (status == STATUS_OK) status = output_rename(part, path);
+  if (status == STATUS_OK) status = output_rename(part, target);
   if (status != STATUS_OK && tiff != NULL) unlink(part);
   return status;
 }

@@ -41,6 +41,58 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
   done
 }
 
+@test "an output that is a symbolic link is written where it leads, as cp does; the link stays" {
+  mkdir -p far
+  ln -s far/model.hdf linked.hdf # to nothing yet
+  ln -s "$PWD/far/run.hdf" linkedrun.hdf
+  ln -s ../linked.hdf far/back.hdf
+  ct2model build $SCAN -o linked.hdf
+  [ -L linked.hdf ]
+  cmp m.hdf far/model.hdf || ct2model info far/model.hdf
+  [ ! -L far/model.hdf ]
+  ct2model build $SCAN -o far/back.hdf # over two links
+  [ -L far/back.hdf ]
+  [ -L linked.hdf ]
+  sphsolve run a.cfg --set model.file=linked.hdf -o linkedrun --quiet
+  [ -L linkedrun.hdf ]
+  analyze darcy far/run.hdf --json > /dev/null
+  ln -s far/run.html page.html
+  analyze report run.hdf -o page.html --quiet
+  [ -L page.html ]
+  grep -q "<html" far/run.html
+  ln -s far/m.tif stack.tif
+  ct2model export m.hdf -o stack.tif --quiet
+  [ -L stack.tif ]
+  ct2model info far/m.tif --voxel-size 10um > /dev/null
+  [ "$(find . -name '*.part' | wc -l)" -eq 0 ]
+  # A link to what is not ours, to a folder that is not there, and to itself.
+  echo "my notes" > far/notes.txt
+  ln -s far/notes.txt notes.hdf
+  refused far/notes.txt ct2model build $SCAN -o notes.hdf
+  ln -s absent/x.hdf nowhere.hdf
+  run --separate-stderr ct2model build $SCAN -o nowhere.hdf
+  [ "$status" -eq 1 ]
+  [[ "$stderr" == *"folder absent"* ]]
+  ln -s round.hdf circle.hdf
+  ln -s circle.hdf round.hdf
+  run --separate-stderr ct2model build $SCAN -o round.hdf
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"leads back to itself"* ]]
+}
+
+@test "of an option given twice with other values the last counts, and that is told in a line" {
+  said() { "$@" 2>&1 > /dev/null | grep -c "counts no more" || true; }
+  local build="ct2model build scan --voxel-size 8.745um --size 16x16x7 -o twice.hdf"
+  $build --void-ratio .7 -e .8 > told.txt 2> said.txt
+  grep -q "^ct2model: warning: --void-ratio .7: counts no more, as --void-ratio .8 comes after it$" said.txt
+  grep -q "measured 0.8," told.txt
+  [ "$(said $build -e .7 -e .7)" -eq 0 ]
+  [ "$(said $build -e .7 -v -v)" -eq 0 ]
+  [ "$(said $build -e .6 -e .65 -e .7)" -eq 2 ]
+  [ "$(said sphsolve explain a.cfg --set scene.name=a --set model.file=m.hdf)" -eq 0 ]
+  [ "$(said sphsolve explain a.cfg --set scene.name=a --set scene.name=b)" -eq 1 ]
+}
+
 @test "a file that is no product of ours is replaced with --force only" {
   echo "my notes" > notes.txt
   refused notes.txt ct2model build $SCAN -o notes.txt

@@ -88,6 +88,43 @@ END
   run ! grep -q "taken as pore" said
 }
 
+@test "labels beside a measured void ratio: one error everywhere, of what the walls enclose; advice that holds" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # Rough grains: their walls cut corners that the voxels' centres count.
+  /usr/bin/python3 - <<'END'
+import random
+random.seed(3)
+n, balls = 24, [(random.uniform(0, 24), random.uniform(0, 24), random.uniform(0, 24), random.uniform(2, 5)) for _ in range(60)]
+def near(a, b): return min(abs(a - b), n - abs(a - b))
+open("balls.raw", "wb").write(bytes(int(any(near(x, a) ** 2 + near(y, b) ** 2 + near(z, c) ** 2 < r * r for a, b, c, r in balls))
+                                    for z in range(n) for y in range(n) for x in range(n)))
+END
+  local balls="balls.raw --raw 24x24x24:u8 --voxel-size 10um --mirror none"
+  e=$(ct2model build $balls --segmented 0 --json -o balls.hdf | sed -n 's/^  "void_ratio_original": \(.*\),/\1/p')
+  measured=$(awk -v e="$e" 'BEGIN { printf "%.4f", 1.02 * e }')
+  ct2model build $balls --segmented 0 -e "$measured" -o balls.hdf > told.txt 2> said.txt
+  sphsolve run s.cfg --set model.file=balls.hdf -o balls-run --json > run.json
+  grep -q "^void ratio .* by voxels; .* within the walls (measured" told.txt
+  E=$e M=$measured /usr/bin/python3 - <<'END'
+import json, os, re
+import h5py
+e, measured = float(os.environ["E"]), float(os.environ["M"])
+model, run = h5py.File("balls.hdf")["model"].attrs, json.load(open("run.json"))["error"]
+assert abs(model["void_ratio"] - e) > 0.003, "the voxels' centres do not tell the two apart"
+assert abs(model["void_ratio_error"] - (e - measured)) < 1e-9
+assert abs(float(re.search(r"error ([-+.0-9]+)\)", open("told.txt").read()).group(1)) - (e - measured)) < 1e-4
+assert abs(run["void_ratio"] - abs(run["dlnk_dvoid_ratio"] * (e - measured))) < 1e-9
+END
+  # Another label is advised only where it would be taken.
+  far=$(awk -v e="$e" 'BEGIN { printf "%.4f", 1.3 / e }')
+  near=$(awk -v e="$e" 'BEGIN { printf "%.4f", 1.05 / e }')
+  run -3 --separate-stderr ct2model build $balls --segmented 0 -e "$far" -o wrong.hdf
+  [[ "$stderr" != *"--segmented 1"* ]]
+  run -3 --separate-stderr ct2model build $balls --segmented 0 -e "$near" -o wrong.hdf
+  [[ "$stderr" == *"say --segmented 1"* ]]
+  ct2model build $balls --segmented 1 -e "$near" -o right.hdf --quiet
+}
+
 @test "what cannot be labels is refused, and what to do is said" {
   wrong() { # CODE WORD ARGUMENTS
     local code=$1 word=$2

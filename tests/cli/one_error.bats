@@ -225,4 +225,22 @@ for expected, level in zip(plan["levels"], solved):
     assert abs(expected["sites"] / level["sites"] - 1) < 0.1, (expected, level)
     assert 0.4 < level["high"] / expected["expected_error"] < 2.6, (expected, level)
 END
+  # The seconds hold what is solved beside the lattices: the scan's share and the sides' are in them.
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  for less in none scanner sides; do
+    cp m.hdf less.hdf
+    LESS=$less /usr/bin/python3 - <<'END'
+import os
+import h5py
+with h5py.File("less.hdf", "r+") as f:
+    if os.environ["LESS"] == "scanner": del f["scanner"]
+    if os.environ["LESS"] == "sides": del f["model"].attrs["sides"]
+END
+    sphsolve explain "$ROOT/data-samples/scenes/demo.cfg" --set model.file=less.hdf --json > less-$less.json
+  done
+  /usr/bin/python3 - <<'END'
+import json
+none, scanner, sides = ([l["seconds"] for l in json.load(open(f"less-{n}.json"))["levels"]] for n in ("none", "scanner", "sides"))
+assert all(a > b for a, b in zip(none, scanner)) and all(a > b for a, b in zip(none, sides)), (none, scanner, sides)
+END
 }

@@ -8,6 +8,7 @@
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/cost.h"
 
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
@@ -15,6 +16,7 @@
 #define FIRST_BODY 8.0
 /* An open cascade has so many lattices at least, if it is not ended before. */
 #define LEVELS_LEAST 3
+const struct stokes_goal cascade_sides_goal = {.mean = 1e-3};
 const double cascade_fixed_ratios[CASCADE_FIXED] = {2.0, 1.5, 1.0};
 
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
@@ -116,6 +118,15 @@ double cascade_sides_sites(const struct plan *plan) {
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }
 
+/* Processor seconds of all that the share of the sides takes. */
+static double sides_seconds(const struct plan *plan, const struct stokes_goal *goal) {
+  const struct lattice *l = plan->context.lattice;
+  const double sides = cascade_sides_sites(plan);
+  if (!(sides > 0.0)) return 0.0;
+  const double refined = pow(sides / 4.0 / (double)l->count, 1.0 / l->dimensions);
+  return CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, goal, WALL_SUBVOXEL);
+}
+
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
   const struct lattice *l = plan->context.lattice;
   const struct stokes_goal goal = stokes_goal_of(scene);
@@ -126,13 +137,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
     seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / cascade_fixed_ratios[i], &goal,
                                               WALL_SUBVOXEL);
   }
-  const double sides = cascade_sides_sites(plan);
-  if (sides > 0.0) {
-    const double refined = cbrt(sides / 4.0 / (double)l->count);
-    seconds +=
-        CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, &goal, WALL_SUBVOXEL);
-  }
-  return seconds;
+  return seconds + sides_seconds(plan, &goal);
 }
 
 /* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
@@ -157,15 +162,22 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
+  struct scan_quality scan;
+  const bool scanned = *scene->model_path && scan_quality_read(scene->model_path, &scan);
   const int steps = cascade_open_steps(plan, base);
   for (int i = 0; i <= steps && count < most; i++) {
     const double refined = pow(CASCADE_SHRINKS, i - steps);
     const double sites = (double)base->count * pow(refined, base->dimensions);
-    const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
+    /* Beside a lattice: the void ratio and the model's voxels with the second, the scan with the
+     * third and the fourth. */
+    double solves = 1.0;
+    if (i == 1 && *scene->model_path) solves += 2.0;
+    if ((i == 2 || i == 3) && scanned) solves += 1.0;
     const double own = solves * stokes_soil_seconds(base) *
                        stokes_seconds(stokes_soil_iterations(base) * ITERATIONS_WARM, half * sites,
                                       half * phi * sites);
     seconds += own;
+    if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal);
     const struct error_forecast e =
         error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
     if (i < LEVELS_LEAST - 1) continue; /* no estimate of use from fewer */

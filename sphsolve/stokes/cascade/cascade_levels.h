@@ -8,6 +8,7 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
+#include "sphsolve/stokes/step.h"
 
 /* From one lattice to the next of an open cascade the spacing shrinks by this. */
 #define CASCADE_SHRINKS 1.4142135623730951
@@ -19,6 +20,8 @@
 /* The effect of the sides is solved on a lattice as it is, mirrored in x, in x and y, and closed:
  * so many times its sites. */
 #define CASCADE_SIDES_SITES (1.0 + 2.0 + 4.0 + 1.0)
+/* Other sides change k by per cents, on four times the sites. */
+extern const struct stokes_goal cascade_sides_goal;
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
 /* Two and three coarse lattices err by more than their fits say, by up to so many times. */
 extern const double cascade_few_lattices[CASCADE_ENOUGH];

@@ -6,6 +6,7 @@
 #include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/model_file.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
@@ -18,8 +19,6 @@
  * more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
 const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
-/* Other sides change k by per cents, on four times the sites. */
-static const struct stokes_goal sides_goal = {.mean = 1e-3};
 
 bool cascade_sides_wait(const struct cascade *c) {
   return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
@@ -79,9 +78,7 @@ static void add_calibration(const char *path, struct uncertainty *u) {
   }
   const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
   const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
-  u->void_ratio =
-      fabs(u->slope_void_ratio * (h5_attribute_or_nan(file, "/model", "void_ratio") -
-                                  h5_attribute_or_nan(file, "/model", "void_ratio_measured")));
+  u->void_ratio = fabs(u->slope_void_ratio * model_void_ratio_error(file));
   u->slope_threshold = u->slope_void_ratio / slope;
   if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
   h5_close(file);
@@ -95,15 +92,15 @@ enum status cascade_add_sides(struct cascade *c) {
   if (!cascade_sides_are_wrapped(c->scene->model_path)) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
-  TRY(cascade_solve(c, &wrapped, &none, &sides_goal, false, &k));
+  TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, &k));
   TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, false}, &mirrored));
-  TRY(cascade_solve(c, &mirrored, &none, &sides_goal, false, &one));
+  TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &one));
   lattice_free(&mirrored);
   TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));
-  TRY(cascade_solve(c, &mirrored, &none, &sides_goal, false, &other));
+  TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &other));
   c->uncertainty.sides = uncertainty_share_of_sides(k, one, other);
   lattice_free(&mirrored);
-  TRY(cascade_solve(c, &closed, &none, &sides_goal, false, &tube));
+  TRY(cascade_solve(c, &closed, &none, &cascade_sides_goal, false, &tube));
   if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
 cleanup:
   lattice_free(&closed);
