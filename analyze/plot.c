@@ -86,12 +86,13 @@ static enum status spawn_gnuplot(const char *folder, const char *name, const cha
 static enum status run_gnuplot(const char *folder, const char *name, const char *format,
                                bool *ran) {
   enum status status = STATUS_OK;
-  char picture[4200];
+  char picture[4200], target[OUTPUT_NAME_MAX];
   int code;
   /* Drawn anew: gnuplot would write into whatever else the file is linked with. */
   snprintf(picture, sizeof picture, "%s/%s.%s", folder, name, format);
   TRY(output_check_inputs(picture));
-  unlink(picture);
+  TRY(output_follow(picture, target));
+  unlink(target);
   TRY(spawn_gnuplot(folder, name, format, false, &code));
   *ran = code >= 0;
   if (code > 0) {

@@ -127,7 +127,8 @@ static enum status write_body(struct page *page) {
     TRY(tensor_read(&page->subject.runs[i], &tensor, &has_tensor));
   write_head(page);
   write_contents(page, budget);
-  verdict_write(json_object_get(page->data, "verdict"), has_tensor ? &tensor : NULL, out);
+  verdict_write(json_object_get(page->data, "verdict"), json_object_get(page->data, "seepage"),
+                has_tensor ? &tensor : NULL, out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   TRY(page_soil(page));

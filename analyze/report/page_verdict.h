@@ -22,8 +22,9 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
  * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results.
- */
-void verdict_write(const json_t *results, const struct tensor *tensor, FILE *stream);
+/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results;
+ * without a result that of `seepage`, the JSON of that analysis, if it is there. */
+void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
+                   FILE *stream);
 
 #endif

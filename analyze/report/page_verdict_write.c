@@ -5,6 +5,7 @@
 #include "analyze/product.h"
 #include "analyze/report/page_html.h"
 #include "analyze/report/page_verdict.h"
+#include "analyze/seepage/seepage.h"
 #include "common/units.h"
 
 static void write_string(const json_t *object, const char *key, FILE *stream) {
@@ -147,9 +148,36 @@ static void write_others(const json_t *results, FILE *out) {
   fputs("</tbody></table></div>\n", out);
 }
 
-void verdict_write(const json_t *results, const struct tensor *tensor, FILE *out) {
+/* Where there is no k: what flows through the soil, and how far its surface is from being lifted.
+ */
+static void write_seepage(const json_t *seepage, FILE *out) {
+  const json_t *prism;
+  size_t i;
+  double least = json_number_or_nan(json_object_get(seepage, "exit"), "factor_of_safety");
+  json_array_foreach(json_object_get(seepage, "heave"), i, prism) least =
+      fmin(least, json_number_or_nan(prism, "factor_of_safety")); /* NAN: the other */
+  const double flow = json_number_or_nan(seepage, "flow_m2_per_s");
+  const int power = flow > 0.0 ? (int)floor(log10(flow)) : 0;
+  fprintf(out,
+          "<p class=\"k\">%.4g &times; 10<sup>%s%d</sup> m&sup2;/s <span "
+          "class=\"interval\">through the soil</span></p>\n<p class=\"verdict\">For each "
+          "metre along y; the head falls by %.3g&nbsp;m in it",
+          flow / pow(10.0, power), power < 0 ? "&minus;" : "", abs(power),
+          json_number_or_nan(seepage, "head_drop_m"));
+  if (isfinite(least))
+    fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
+            seepage_judge(least));
+  fputs(".</p></article></section>\n", out);
+}
+
+void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
+                   FILE *out) {
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
+  if (result == NULL && seepage != NULL) {
+    write_seepage(seepage, out);
+    return;
+  }
   if (result == NULL) {
     fputs("<p>No steady flow through all of the body is driven in every run, so there is no "
           "permeability.</p>"

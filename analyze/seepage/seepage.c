@@ -57,7 +57,7 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
   }
 }
 
-static const char *judge(double factor) {
+const char *seepage_judge(double factor) {
   return factor < 1 ? "the soil is lifted" : factor < 1.5 ? "little is in hand" : "it stays";
 }
 
@@ -76,7 +76,7 @@ static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
           "exit       gradient %.3g at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: factor "
           "%.3g, %s\n",
           e->gradient, e->x, e->z, e->depth, e->critical, e->critical / e->gradient,
-          judge(e->critical / e->gradient));
+          seepage_judge(e->critical / e->gradient));
 }
 
 static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
@@ -97,7 +97,7 @@ static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
             "heave      beside the wall regions.[%zu], %s x: mean gradient %.3g in a prism %.3g m "
             "deep, %.3g m wide; critical %.3g: factor %.3g, %s\n",
             p->wall, p->side < 0 ? "lower" : "higher", p->gradient, p->depth, p->width, p->critical,
-            factor, judge(factor));
+            factor, seepage_judge(factor));
   }
   json_object_set_new(json, "heave", list);
 }

@@ -57,6 +57,9 @@ double seepage_critical(double grain_density, double density, double porosity);
 /* Whether water seeps in a run so that a flow net says something: head falls in its soil by more
  * than a spacing. False also where there is no such field. */
 enum status seepage_applies(const struct run *run, bool *applies);
+/* What a factor of safety against being lifted means, in a few words. */
+const char *seepage_judge(double factor);
+
 /* seepage_plot.c: gnuplot's body of the flow net. */
 void seepage_plot(const struct seepage *seepage, struct product *product);
 

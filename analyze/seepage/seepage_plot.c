@@ -10,7 +10,9 @@
 #define DROPS 10      /* of head, from equipotential to equipotential */
 #define TUBES_MOST 30 /* between streamlines */
 #define TUBES_LEAST 2
-#define WIDTH 900 /* pixels */
+/* Pixels: its letters can be read where a telephone shows the picture 360 wide; a page enlarges it.
+ */
+#define WIDTH 560
 
 /* Rows of cells without a gap as boxes: middle x, middle z, half width, half height. */
 static void write_boxes(const struct head_field *f, const char *name, int kind, FILE *stream) {
@@ -96,8 +98,8 @@ void seepage_plot(const struct seepage *s, struct product *product) {
       fprintf(stream, "%.6g %.6g\n", head_field_x(f, i), s->phreatic[i]);
   }
   fputs("EOD\n", stream);
-  snprintf(title, sizeof title, "%s: %.3g m^2/s in %d tubes, head %.3g m in %d drops", s->run->name,
-           s->flow, tubes, s->drop, DROPS);
+  snprintf(title, sizeof title, "%.3g m^2/s in %d tubes, head %.3g m in %d drops", s->flow, tubes,
+           s->drop, DROPS);
   fputs("set title ", stream);
   plot_text(stream, title);
   fprintf(stream,
@@ -115,5 +117,5 @@ void seepage_plot(const struct seepage *s, struct product *product) {
             plot_colours[2]);
   fputc('\n', stream);
   product->width = WIDTH;
-  product->height = (int)fmin(900, fmax(320, WIDTH * 0.85 * height / width + 150));
+  product->height = (int)fmin(1.2 * WIDTH, fmax(260, WIDTH * 0.85 * height / width + 210));
 }
