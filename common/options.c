@@ -96,7 +96,9 @@ static void print_man(const struct options *options) {
   printf(".SH OPTIONS\n");
   for (size_t i = 0; i < options->entry_count; i++) {
     const struct option_entry *e = &options->entries[i];
-    printf(".TP\n.B \\-\\-%s%s%s\n%s", e->name, e->metavar ? " " : "", e->metavar ? e->metavar : "",
+    printf(".TP\n.B ");
+    if (e->letter) printf("\\-%c, ", e->letter);
+    printf("\\-\\-%s%s%s\n%s", e->name, e->metavar ? " " : "", e->metavar ? e->metavar : "",
            e->help);
     if (e->commands != OPTION_ALL) {
       const char *separator = " (";

@@ -276,7 +276,10 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   }
   if (request->rule == THRESHOLD_AUTO) {
     bool segmented = pipeline->phases.levels == 2;
-    double natural = segmented ? pipeline->threshold_original : pipeline->phases.valley;
+    /* On the floor of a wide valley no grey is better than another. */
+    double natural =
+        segmented ? pipeline->threshold_original
+                  : fmin(fmax(first, pipeline->phases.valley_low), pipeline->phases.valley_high);
     TRY(check_polarity(pipeline, grey_histogram_porosity(histogram, natural),
                        segmented || pipeline->phases.valley_depth < 0.5));
     if (!segmented) pipeline->threshold_original = first;

@@ -172,6 +172,9 @@ static int highest_peak(const double *coarse, int first, int end) {
   return peak >= 0 ? peak : top;
 }
 
+/* A valley's floor is where no grey is so many times as frequent as the rarest. */
+#define VALLEY_FLOOR 2.0
+
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
                            struct grey_phases *phases) {
   double coarse[COARSE];
@@ -180,6 +183,8 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
   *phases = (struct grey_phases){.pore_peak = NAN,
                                  .grain_peak = NAN,
                                  .valley = NAN,
+                                 .valley_low = NAN,
+                                 .valley_high = NAN,
                                  .noise = NAN,
                                  .contrast_to_noise = NAN,
                                  .valley_depth = 1.0};
@@ -194,6 +199,12 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
   phases->pore_peak = low + (pore + 0.5) * step;
   phases->grain_peak = low + (grain + 0.5) * step;
   phases->valley = low + (valley + 0.5) * step;
+  int floor_low = valley, floor_high = valley; /* the peaks are higher where there is a valley */
+  while (floor_low > pore && coarse[floor_low - 1] <= VALLEY_FLOOR * coarse[valley]) floor_low--;
+  while (floor_high < grain && coarse[floor_high + 1] <= VALLEY_FLOOR * coarse[valley])
+    floor_high++;
+  phases->valley_low = low + (floor_low + 0.5) * step;
+  phases->valley_high = low + (floor_high + 0.5) * step;
   phases->valley_depth = coarse[valley] / fmin(coarse[pore], coarse[grain]);
   /* The flank away from the other phase is noise alone: 0.3173/2 of a normal distribution lies
    * below mean - sd. Where the pore's flank is cut off there, the grain's outer flank stands in. */

@@ -39,12 +39,13 @@ double grey_histogram_otsu(const struct grey_histogram *histogram);
 
 /* The two phases as the histogram shows them: its highest peaks on both sides of `threshold`. */
 struct grey_phases {
-  double pore_peak, grain_peak; /* modes */
-  double valley;                /* the least frequent grey between them */
-  double noise;                 /* standard deviation of the pore peak, from its outer flank */
-  double contrast_to_noise;     /* (grain - pore) / noise */
-  double valley_depth;          /* count at the valley / the lower of the two peaks; 1: no valley */
-  size_t levels;                /* greys that occur; 2 for a segmented image */
+  double pore_peak, grain_peak;   /* modes */
+  double valley;                  /* the least frequent grey between them */
+  double valley_low, valley_high; /* its floor: greys hardly more frequent */
+  double noise;                   /* standard deviation of the pore peak, from its outer flank */
+  double contrast_to_noise;       /* (grain - pore) / noise */
+  double valley_depth; /* count at the valley / the lower of the two peaks; 1: no valley */
+  size_t levels;       /* greys that occur; 2 for a segmented image */
 };
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
                            struct grey_phases *phases);

@@ -413,6 +413,19 @@ END
   done
 }
 
+@test "on the floor of a wide valley any grey is as good: no void ratio of it is called another specimen's" {
+  cd "$WORK"
+  # 80 columns of pore, 160 of every grey between, 80 of grain; e = 1 in the middle, 1/3 and 3 at the ends.
+  /usr/bin/python3 -c 'open("ramp.raw", "wb").write(bytes(min(max(x - 39, 40), 201) for _ in range(64) for x in range(320)))'
+  for e in 0.5 1 2; do
+    run_ct build ramp.raw --raw 320x8x8:u8 --voxel-size 10um -e $e -o ramp.hdf
+    [ "$status" -eq 0 ]
+    [[ "$stderr" != *"own valley"* ]] || { echo "$e: $stderr"; false; }
+  done
+  run_ct build ramp.raw --raw 320x8x8:u8 --voxel-size 10um -e 5 -o ramp.hdf
+  [[ "$stderr" == *"lies near a peak"* ]]
+}
+
 @test "sweep writes a table that rises and holds the match" {
   cd "$WORK"
   run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o sweep.csv --json
