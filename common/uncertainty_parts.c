@@ -14,7 +14,8 @@ const char *const uncertainty_part_names[UNCERTAINTY_PARTS] = {"resolution",
                                                                "dlnk_dvoid_ratio",
                                                                "dlnk_dthreshold",
                                                                "dlnk_dlnk_micro",
-                                                               "dlnk_sides_closed"};
+                                                               "dlnk_sides_closed",
+                                                               "blur_assumed"};
 
 struct uncertainty_parts uncertainty_parts_none(void) {
   struct uncertainty_parts parts;

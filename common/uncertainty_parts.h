@@ -18,12 +18,14 @@
  * slope_void_ratio  d ln k / d e
  * slope_threshold   d ln k / d T, per grey level
  * slope_micro       d ln k / d ln of the permeability of soil below the voxel
- * sides_closed      ln k with walls at the sample's sides, less ln k */
+ * sides_closed      ln k with walls at the sample's sides, less ln k
+ * and
+ * blur_assumed      m: where the scan told no blur, the one that `scan` is found with */
 #define UNCERTAINTY_PARTS_MEMBERS                                                                  \
   double resolution, scan, sides, void_ratio, threshold, micro, averaging, steadiness;             \
-  double slope_void_ratio, slope_threshold, slope_micro, sides_closed;
+  double slope_void_ratio, slope_threshold, slope_micro, sides_closed, blur_assumed;
 
-enum { UNCERTAINTY_SHARES = 8, UNCERTAINTY_PARTS = 12 };
+enum { UNCERTAINTY_SHARES = 8, UNCERTAINTY_PARTS = 13 };
 struct uncertainty_parts {
   union {
     struct {

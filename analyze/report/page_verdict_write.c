@@ -84,6 +84,13 @@ static void write_budget(const json_t *result, FILE *out) {
         "<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
         "known and not counted.</p>\n",
         out);
+  const double assumed = json_number_or_nan(budget, "blur_assumed_m");
+  if (isfinite(assumed))
+    fprintf(
+        out,
+        "<p class=\"note\">The scanner&rsquo;s blur could not be measured: no surface stands "
+        "alone in the scan. The share of the scan is that of a blur of %.3g&nbsp;&micro;m.</p>\n",
+        1e6 * assumed);
   const double slope = fabs(json_number_or_nan(result, "dlnk_dvoid_ratio"));
   if (isfinite(json_number_or_nan(budget, "void_ratio")) && isfinite(slope) &&
       isnan(json_number_or_nan(budget, "threshold")))

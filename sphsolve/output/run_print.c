@@ -14,7 +14,7 @@
 static json_t *error_json(const struct uncertainty *u) {
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-      "s:s}",
+      "s:s, s:o}",
       "resolution", json_number(u->resolution), "scan", json_number(u->scan), "sides",
       json_number(u->sides), "void_ratio", json_number(u->void_ratio), "threshold",
       json_number(u->threshold), "micro", json_number(u->micro), "averaging",
@@ -25,7 +25,8 @@ static json_t *error_json(const struct uncertainty *u) {
       json_number(u->slope_void_ratio), "dlnk_sides_closed", json_number(u->sides_closed),
       "dlnk_blurred_again", json_number(u->slope_blur), "dlnk_dthreshold",
       json_number(u->slope_threshold), "dlnk_dlnk_micro", json_number(u->slope_micro),
-      "resolution_needs", resolution_needs_names[u->needs]);
+      "resolution_needs", resolution_needs_names[u->needs], "blur_assumed",
+      json_number(u->blur_assumed));
 }
 
 /* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
@@ -103,6 +104,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   print_part(" resolution", u->resolution);
   if (!isfinite(u->resolution)) printf(" resolution not counted");
   print_part(", scan", u->scan);
+  if (isfinite(u->blur_assumed)) printf(" (blur assumed)");
   if (scanned && isnan(u->scan)) printf(", scan not counted (unknown)");
   print_part(", sides", u->sides);
   print_part(", averaging", u->averaging > 0 ? u->averaging : NAN);
@@ -120,6 +122,10 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
     print_part("; the model's voxels leave", u->model);
     putchar('\n');
   }
+  if (isfinite(u->blur_assumed))
+    printf("           the scan told no blur, as no surface stands alone in it: one of %.3g um is "
+           "assumed\n",
+           1e6 * u->blur_assumed);
   if (isfinite(u->void_ratio) && isfinite(u->slope_void_ratio) && isnan(u->threshold))
     printf("           the void ratio was given without its +-: each 0.01 is %.2g %% of k, not "
            "counted\n",

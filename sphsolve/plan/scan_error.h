@@ -11,10 +11,12 @@ struct scan_quality {
   double resolution;       /* period seen at a tenth of its contrast */
   double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
   bool labels;             /* segmented before: `resolution` alone is known */
+  bool assumed;            /* the scan told none of them */
   bool removed;            /* the model's surface is that of the scan without its blur */
 };
 
-/* False where the model's file has no properties of its scanner, or there is no file. */
+/* False where the model's file knows of no scan, or there is no file. Where the scanner could not
+ * be measured a blur of 1.2 voxels is assumed. */
 bool scan_quality_read(const char *model_path, struct scan_quality *scan);
 
 /* The standard deviation (m) of a Gaussian that resolves as much as the scanner. */

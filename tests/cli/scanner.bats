@@ -114,3 +114,45 @@ for n in "remove", "keep":
 assert run["keep"]["error"]["scan"] > 1.5 * run["remove"]["error"]["scan"]
 P
 }
+
+@test "a scan that tells no blur: one of 1.2 voxels is assumed, said, and the bar holds an exact k" {
+  # A duct of 12 x 4 voxels, turned by .3, blurred over a voxel, with noise of 6 in 100: Boussinesq 1868.
+  python3 - "$WORK" << 'P'
+import math, random, sys
+random.seed(4)
+n, sub, w, h, turn = 24, 5, 12, 4, 0.3
+share = [[0.0] * n for _ in range(n)]
+for j in range(n * sub):
+    for i in range(n * sub):
+        y, x = (j + 0.5) / sub - n / 2 + 0.15, (i + 0.5) / sub - n / 2
+        u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
+        share[j // sub][i // sub] += (abs(u) < w / 2 and abs(v) < h / 2) / sub**2
+taps = [math.exp(-0.5 * t * t) for t in range(-4, 5)]
+def blurred(rows): return [[sum(a * row[(i + t) % n] for t, a in zip(range(-4, 5), taps)) / sum(taps) for i in range(n)] for row in rows]
+grey = list(zip(*blurred(list(zip(*blurred(share))))))
+open(f"{sys.argv[1]}/duct.raw", "wb").write(bytes(min(max(round(160 - 100 * grey[j][i] + random.gauss(0, 6)), 0), 255)
+                                                  for _ in range(n) for j in range(n) for i in range(n)))
+pores = sum(map(sum, share)) / n**2
+series = sum(192 * h / (math.pi**5 * w) * math.tanh(i * math.pi * w / (2 * h)) / i**5 for i in range(1, 60, 2))
+open(f"{sys.argv[1]}/duct.txt", "w").write(f"{pores / (1 - pores)} {w * h**3 / 12 * (1 - series) / n**2 * 5e-6**2}")
+P
+  "$CT" build "$WORK/duct.raw" --raw 24x24x24:u8 --voxel-size 5um --mirror none --void-ratio "$(cut -d' ' -f1 "$WORK/duct.txt")" \
+    --json -o "$WORK/duct.hdf" --quiet > "$WORK/duct.json"
+  sed "s#dense.hdf#$WORK/duct.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/duct.cfg"
+  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --error 5% --json --quiet > "$WORK/duct-run.json"
+  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --error 5% 2> /dev/null | grep -q "told no blur.* 6 um is assumed"
+  "$BUILD/bin/analyze" darcy "$WORK/duct-run.hdf" | grep -q "scan (blur assumed)"
+  "$BUILD/bin/analyze" report "$WORK/duct-run.hdf" -o "$WORK/duct.html" --quiet
+  grep -q "blur could not be measured.* a blur of 6&nbsp;&micro;m" "$WORK/duct.html"
+  python3 - "$WORK" << 'P'
+import json, sys
+built, run = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("duct", "duct-run"))
+exact = float(open(f"{sys.argv[1]}/duct.txt").read().split()[1])
+found = run["intrinsic_permeability"]
+print(built["scanner"], found / exact, run["error"])
+assert built["scanner"] is None or built["scanner"]["blur_m"] is None
+assert abs(run["error"]["blur_assumed"] / 6e-6 - 1) < 1e-6
+assert run["k_low"] / run["k"] * found < exact < run["k_high"] / run["k"] * found
+assert run["error"]["total"] < 0.4
+P
+}

@@ -275,15 +275,16 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 12
+#define CASCADE_NUMBERS 13
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, struct h5_file *file) {
   const struct uncertainty *u = &c->uncertainty;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
-      c->tried,      u->level_count, c->model_parts, u->slope_void_ratio,
-      u->void_ratio, u->threshold,   u->model,       u->slope_threshold,
-      u->sides,      u->slope_blur,  u->scan,        u->sides_closed};
+      c->tried,       u->level_count, c->model_parts, u->slope_void_ratio,
+      u->void_ratio,  u->threshold,   u->model,       u->slope_threshold,
+      u->sides,       u->slope_blur,  u->scan,        u->sides_closed,
+      u->blur_assumed};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < u->level_count; i++) {
     const struct error_level *l = &u->levels[i];
@@ -312,6 +313,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   u->slope_void_ratio = numbers[3], u->void_ratio = numbers[4], u->threshold = numbers[5];
   u->model = numbers[6], u->slope_threshold = numbers[7], u->sides = numbers[8];
   u->slope_blur = numbers[9], u->scan = numbers[10], u->sides_closed = numbers[11];
+  u->blur_assumed = numbers[12];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));

@@ -143,6 +143,7 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
   TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
   TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
   if (other > 0.0) {
+    c->uncertainty.blur_assumed = scan.assumed ? scan.blur : NAN;
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
                                      c->plan->shape.width * c->plan->context.spacing);
