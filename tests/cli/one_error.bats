@@ -110,6 +110,9 @@ END
   grep -qE "close [1-9][0-9]* throats of the model's and open [0-9]" said.txt
   needs "model with smaller voxels" --set model.file=m.hdf
   ct2model build "$ROOT/data-samples/small" --threshold 62 --voxel-size 8.745um --crop 0,0,0,20,20,10 --sides mirrored -o own.hdf --quiet
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # So few voxels tell no blur; without what is known of their greys no share of the scan is larger.
+  /usr/bin/python3 -c 'import h5py; del h5py.File("own.hdf", "r+")["calibration"]'
   needs "scan with smaller voxels" --set model.file=own.hdf
 }
 
@@ -233,7 +236,7 @@ END
 import os
 import h5py
 with h5py.File("less.hdf", "r+") as f:
-    if os.environ["LESS"] == "scanner": del f["scanner"]
+    if os.environ["LESS"] == "scanner": del f["scanner"], f["calibration"]
     if os.environ["LESS"] == "sides": del f["model"].attrs["sides"]
 END
     sphsolve explain "$ROOT/data-samples/scenes/demo.cfg" --set model.file=less.hdf --json > less-$less.json
