@@ -161,9 +161,27 @@ cleanup:
   return status;
 }
 
+/* The runs with the finest of the first one's body before the others: its pictures are shown. The
+ * runs stay those of `runs`. */
+static enum status put_finest_first(const struct run *runs, size_t n, struct run **ordered) {
+  enum status status = STATUS_OK;
+  size_t finest = 0;
+  TRY(memory_allocate(ordered, n, sizeof **ordered, "the runs of a report"));
+  for (size_t i = 1; i < n; i++)
+    if (runs[i].spacing[0] < 0.999 * runs[finest].spacing[0] &&
+        verdict_one_body(&runs[0], &runs[i]))
+      finest = i;
+  (*ordered)[0] = runs[finest];
+  for (size_t i = 0, at = 1; i < n; i++)
+    if (i != finest) (*ordered)[at++] = runs[i];
+cleanup:
+  return status;
+}
+
 static enum status report_command(const struct options *options, const struct run *runs, size_t n) {
   enum status status = STATUS_OK;
   json_t *json = NULL;
+  struct run *ordered = NULL;
   const char **solutes = NULL;
   size_t solute_count = 0;
   static const char *const ENDINGS[] = {".html", ".htm", NULL};
@@ -175,13 +193,15 @@ static enum status report_command(const struct options *options, const struct ru
                   sizeof path));
   TRY(output_allow(path));
   TRY(find_solutes(options, &solutes, &solute_count));
-  TRY(page_write(runs, n, solutes, solute_count, path, options_command_line(options), &json));
+  TRY(put_finest_first(runs, n, &ordered));
+  TRY(page_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {
     print_json(json);
   } else if (log_level() > LOG_QUIET) {
     printf("written: %s\n", path);
   }
 cleanup:
+  memory_free(&ordered);
   memory_free(&solutes);
   json_decref(json);
   return status;

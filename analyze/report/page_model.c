@@ -52,6 +52,7 @@ void page_model_read(const struct run *run, struct page_model *model) {
                                .threshold = NAN,
                                .void_ratio = NAN,
                                .void_ratio_measured = NAN,
+                               .voxel_scanned = NAN,
                                .porosity = NAN,
                                .specific_surface = NAN};
   model->other = run->model_other;
@@ -65,6 +66,7 @@ void page_model_read(const struct run *run, struct page_model *model) {
   model->threshold = h5_attribute_or_nan(file, "/model", "threshold");
   model->void_ratio = h5_attribute_or_nan(file, "/model", "void_ratio");
   model->void_ratio_measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+  model->voxel_scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
   model->porosity = h5_attribute_or_nan(file, "/model", "porosity");
   if (isnan(model->porosity)) model->porosity = model->void_ratio / (1.0 + model->void_ratio);
   model->specific_surface = h5_attribute_or_nan(file, "/model", "specific_surface");

@@ -23,6 +23,7 @@ struct page_model {
   enum threshold_rule rule;
   bool wall_distance, grain_fraction;
   double threshold, void_ratio, void_ratio_measured;
+  double voxel_scanned;              /* m */
   double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */
   char mirror_axis[8];               /* "x", "y", "z", "none", "": unknown */
   char path[8200];

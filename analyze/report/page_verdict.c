@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "analyze/compatible_runs.h"
 #include "analyze/product.h"
 #include "common/units.h"
 
@@ -62,14 +63,9 @@ static bool covered(const json_t *group, const json_t *series) {
   return true;
 }
 
-/* Whether two runs are of one body at whatever spacing: equal lengths and porosity. */
-static bool of_one_body(const struct run *a, const struct run *b) {
-  for (int d = 0; d < a->dimensions; d++) {
-    const int axis = a->dimensions == 2 && d == 1 ? 2 : d;
-    const double length = (double)a->size[axis] * a->spacing[axis];
-    if (!(fabs((double)b->size[axis] * b->spacing[axis] / length - 1.0) < 0.02)) return false;
-  }
-  return a->dimensions == b->dimensions &&
+bool verdict_one_body(const struct run *a, const struct run *b) {
+  int axis;
+  return a->dimensions == b->dimensions && compatible_runs_same_body(a, b, &axis) &&
          fabs(b->fluid_count / b->bulk_count * a->bulk_count / a->fluid_count - 1.0) < 0.03;
 }
 
@@ -81,7 +77,8 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   double least = json_number_or_nan(json_array_get(results, 0), "k_relative_error");
   json_array_foreach(results, i, result) {
     const double error = json_number_or_nan(result, "k_relative_error");
-    if (!isfinite(error) || error >= least || !of_one_body(own, run_of(runs, n, result))) continue;
+    if (!isfinite(error) || error >= least || !verdict_one_body(own, run_of(runs, n, result)))
+      continue;
     least = error;
     best = i;
   }
@@ -178,7 +175,8 @@ static const struct {
 /* Nearer to the wanted error than this the other parts leave a lattice nothing that can be paid. */
 #define LATTICE_MOST 0.97
 
-static void judge_advice(json_t *result) {
+/* `scanned`: the scan's voxel (m; NAN: unknown), below which a model tells nothing new. */
+static void judge_advice(json_t *result, double scanned) {
   const json_t *parts = json_object_get(result, "error_budget");
   const char *needs = string(parts, "resolution_needs");
   const bool model = strcmp(needs, "model") == 0, scan = strcmp(needs, "scan") == 0;
@@ -218,7 +216,12 @@ static void judge_advice(json_t *result) {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
     const double spacing = 1e6 * json_number_or_nan(result, "spacing_m");
-    if (model || scan)
+    if (model && spacing / finer < 0.99e6 * scanned)
+      snprintf(
+          text, sizeof text,
+          "For 5 %%: a scan with voxels of about %.2g um; its own are %.4g um, the model's %.4g.",
+          spacing / finer, 1e6 * scanned, spacing);
+    else if (model || scan)
       snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %.2g um instead of %.3g.",
                needs, spacing / finer, spacing);
     else
@@ -258,6 +261,6 @@ void verdict_judge(json_t *results, const struct run *run, const struct page_mod
                                            json_number_or_nan(result, "k_relative_error"))));
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
-  judge_advice(result);
+  judge_advice(result, model->voxel_scanned);
   judge_formulas(result, run, model);
 }

@@ -4,6 +4,7 @@
 #define TOSUI_ANALYZE_REPORT_PAGE_VERDICT_H
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "analyze/report/page_model.h"
@@ -17,6 +18,11 @@
  * "dlnk_dvoid_ratio"}, the first the page's own; empty without a k. */
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge);
+
+/* Whether two runs are of one body at whatever spacing: equal lengths but for rounding, and
+ * porosity.
+ */
+bool verdict_one_body(const struct run *a, const struct run *b);
 
 /* Adds to the first result what it is good for: "good_for", "class_din", "class_casagrande",
  * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */

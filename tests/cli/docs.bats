@@ -41,6 +41,10 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   run_blocks "$ROOT/docs/tutorial.md"
   [ -s tutorial/converge/converge.json ]
   [ -s tutorial/report.html ]
+  # Of one body's runs the finest is shown, and no model finer than the scan is advised.
+  grep -q "Grains and streamlines of <em>fine-run</em>" tutorial/report.html
+  [[ "$(grep -o 'tutorial/[a-z]*.hdf</td>' tutorial/report.html | head -1)" == tutorial/fine.hdf* ]]
+  grep -q "For 5 %: a scan with voxels of about [0-9.]* um; its own are 8.745 um" tutorial/report.html
 }
 
 @test "calibration: from a measured void ratio to its share in the error of k" {
