@@ -54,7 +54,11 @@ static enum status measure(const struct run *run, struct level *level) {
     level->spacing = run->levels.spacing[run->levels.count - 1];
   }
   level->error = average.error95 / fabs(average.mean);
-  if (!average.without_drift)
+  if (isnan(average.drift))
+    log_warning("%s: one row of history does not show whether the Darcy velocity has settled; its "
+                "k is not final",
+                run->path);
+  else if (!average.without_drift)
     log_warning("%s: the Darcy velocity still drifts by %.1f %%; its k is not final", run->path,
                 100.0 * fabs(average.drift / average.mean));
 cleanup:

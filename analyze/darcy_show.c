@@ -55,7 +55,11 @@ static enum status collect(struct darcy_table *table) {
     point->gradient = run->hydraulic_gradient;
     point->k = point->average.mean / point->gradient;
     if (table->first[group[i]] == NULL) table->first[group[i]] = run;
-    if (!point->average.without_drift)
+    if (isnan(point->average.drift))
+      log_warning("%s: one row of history does not show whether the Darcy velocity has settled, so "
+                  "the run is left out of the fit; write more of them (output.history_interval)",
+                  run->path);
+    else if (!point->average.without_drift)
       log_warning("%s: the Darcy velocity still drifts by %.1f %% over the averaged "
                   "rows, so the run is left out of the fit; run it longer",
                   run->path, 100.0 * fabs(point->average.drift / point->average.mean));

@@ -275,24 +275,30 @@ static enum status list_entries(struct options *options, struct option longs[ENT
   return STATUS_OK;
 }
 
-/* Of an option that is given twice the last value counts, and that is told; PATH=VALUE is given
- * once for each path. */
+/* Whether two options set one thing: PATH=VALUE is given once for each path. */
+static bool is_again(const struct given *a, const struct given *b) {
+  const char *metavar = a->entry->metavar;
+  if (a->entry != b->entry || metavar == NULL) return false;
+  if (metavar[0] == '[' || strchr(metavar, '=') == NULL) return true;
+  return strncmp(a->value, b->value, strcspn(a->value, "=") + 1) == 0;
+}
+
+/* Of what is given more than once the last value counts, and that is told in a line. */
 static void warn_of_repeats(const struct options *options) {
+  const struct given *given = options->given;
   for (size_t i = 0; i < options->given_count; i++) {
-    const struct given *first = &options->given[i];
-    const char *metavar = first->entry->metavar;
-    if (metavar == NULL) continue;
-    const bool keyed = strchr(metavar, '=') != NULL && metavar[0] != '[';
-    for (size_t j = i + 1; j < options->given_count; j++) {
-      const struct given *next = &options->given[j];
-      const size_t key = keyed ? strcspn(first->value, "=") + 1 : 0;
-      if (next->entry != first->entry || strcmp(first->value, next->value) == 0 ||
-          (keyed && strncmp(first->value, next->value, key) != 0))
-        continue;
-      log_warning("--%s %s: counts no more, as --%s %s comes after it", first->entry->name,
-                  first->value, next->entry->name, next->value);
-      break;
-    }
+    size_t before = 0, last = i;
+    bool other = false;
+    while (before < i && !is_again(&given[before], &given[i])) before++;
+    if (before < i) continue; /* told */
+    for (size_t j = i + 1; j < options->given_count; j++)
+      if (is_again(&given[i], &given[j])) {
+        other |= strcmp(given[i].value, given[j].value) != 0;
+        last = j;
+      }
+    if (other)
+      log_warning("--%s is given more than once: %s counts, the last, not %s", given[i].entry->name,
+                  given[last].value, given[i].value);
   }
 }
 

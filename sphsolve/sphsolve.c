@@ -181,6 +181,9 @@ static enum status run_scene(const struct options *options, struct job *job, con
   const bool cascade = job->plan.goal.error > 0 || job->plan.goal.seconds > 0;
   if (status == STATUS_OK && result->k > 0 && !cascade && result->error.level_count < 2)
     status = finish_error(job, result);
+  if (status == STATUS_OK && result->k > 0 && isnan(result->error.steadiness))
+    log_warning("k: whether the flow has settled is not known, and not in its error: let "
+                "scene.end_time be longer");
   result->wall_time = clock_seconds() - started;
   if (status == STATUS_OK && tensor != NULL) {
     tensor_set_column(&job->scene, result->darcy_velocity, &result->error,

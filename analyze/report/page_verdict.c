@@ -34,7 +34,10 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
   if (!isfinite(k) || run == NULL) return;
   if (json_array_size(rows) == 1 && isfinite(run->k_low) && isfinite(run->k_high)) {
     if (k != 0) permeability *= run->k / k; /* the run's own best estimate and interval */
-    k = run->k, low = run->k_low, high = run->k_high;
+    k = run->k;
+    /* What was found of its history is in the fit's error alone. */
+    low = fmin(run->k_low, k * fmax(0.0, 1.0 - relative));
+    high = fmax(run->k_high, k * (1.0 + relative));
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
   json_array_append_new(

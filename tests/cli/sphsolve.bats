@@ -46,7 +46,7 @@ END
 @test "overrides beyond those that are possible are refused, not dropped" {
   slit
   many=()
-  for ((n = 0; n < 257; n++)); do many+=(--set "scene.name=n$n"); done
+  for ((n = 0; n < 257; n++)); do many+=(--set "a.key$n=1"); done
   run --separate-stderr "$SPH" explain slit.cfg "${many[@]}"
   [ "$status" -eq 2 ]
   [[ "$stderr" == "sphsolve: --set: 256 overrides are possible"* ]]
@@ -212,6 +212,26 @@ assert abs(sum(p * p for p in parts if p is not None) ** 0.5 - error["total"]) <
 assert abs(error["extrapolated_permeability"] / exact - 1) < 1e-3
 budget = darcy["error_budget"]
 assert abs(budget["resolution"] / error["resolution"] - 1) < 1e-9 and budget["resolution_from"] == "lattices"'
+}
+
+@test "wcsph that ends before its flow has settled: k's interval holds the steady k, and the share is named" {
+  local scene="$BATS_TEST_DIRNAME/../../data-samples/scenes/poiseuille.cfg"
+  for end in 0.02 0.1 0.6; do
+    "$SPH" run "$scene" -o early --set "scene.end_time=\"$end s\"" --json > early.json
+    python3 -c '
+import json
+run, exact = json.load(open("early.json")), 1e-3 ** 2 / 12  # a slit
+per = run["k"] / run["intrinsic_permeability"]
+assert run["k"] < 0.999 * exact * per, "it has settled"
+assert run["k_low"] < exact * per < 1.0001 * run["k_high"], (run["k_low"], exact * per, run["k_high"])
+assert run["error"]["steadiness"] > 100 * run["error"]["resolution"]'
+  done
+  "$SPH" run "$scene" -o early --set 'scene.end_time="0.1 s"' | grep -q "^verdict .* most of it is what still changes: a longer run"
+  run "$BUILD/bin/analyze" darcy early.hdf
+  [[ "$output" == *"left out of the fit"* && "$output" != *nan* ]]
+  "$SPH" run "$scene" -o early --set 'scene.end_time="0.02 s"' --quiet
+  run "$BUILD/bin/analyze" darcy early.hdf
+  [[ "$output" == *"one row of history"* && "$output" != *nan* ]]
 }
 
 @test "explain --error names settings that reach the error, and they do" {

@@ -256,12 +256,17 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   u->averaging = given.averaging;
   u->steadiness = given.steadiness;
   u->micro = given.micro, u->slope_micro = given.slope_micro;
-  /* What the run's own k differs by: its walls, or what its method leaves. */
+  /* What the run's own k differs by: its walls, or what its method leaves; where the run cannot say
+   * how far its flow has settled that is what it has still to change by. */
   if (c.uncertainty.level_count > 0 && found > 0.0) {
-    const double off = found / c.uncertainty.extrapolated - 1.0;
-    u->resolution_low = hypot(u->resolution_low, fmax(0.0, off));
-    u->resolution_high = hypot(u->resolution_high, fmax(0.0, -off));
-    u->resolution = fmax(u->resolution_low, u->resolution_high);
+    const double off = c.uncertainty.extrapolated / found - 1.0;
+    if (isnan(given.steadiness)) {
+      u->steadiness = fabs(off);
+    } else {
+      u->resolution_low = hypot(u->resolution_low, fmax(0.0, -off));
+      u->resolution_high = hypot(u->resolution_high, fmax(0.0, off));
+      u->resolution = fmax(u->resolution_low, u->resolution_high);
+    }
   }
   if (c.uncertainty.level_count < CASCADE_FIXED || !(own > 0.0) ||
       plan->context.method->wall(scene) != WALL_SUBVOXEL) {
