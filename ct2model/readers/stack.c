@@ -151,7 +151,8 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
-/* Gaps are a warning: some scanners number every second slice. A uniform stride is no gap. */
+/* Gaps are a warning. A uniform stride is none, as some scanners number every second slice; a
+ * larger one may be of slices left out, which lie farther apart than pixels. */
 static void warn_of_gaps(const struct name_list *list) {
   if (list->count < 3) return;
   long long stride = 0;
@@ -172,6 +173,10 @@ static void warn_of_gaps(const struct name_list *list) {
       log_warning("the numbering jumps from %s to %s: slices missing?",
                   base_name(list->names[i - 1]), base_name(list->names[i]));
   }
+  if (gaps == 0 && stride > 2)
+    log_warning("the slices are numbered in steps of %lld (%s, %s, ...): where those between were "
+                "left out, give their distance too, as --voxel-size 5um,5um,10um",
+                stride, base_name(list->names[0]), base_name(list->names[1]));
   if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
 }
 

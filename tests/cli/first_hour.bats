@@ -121,6 +121,17 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
   done
 }
 
+@test "slices numbered in steps are told of: others between them may have been left out" {
+  mkdir -p second all
+  for i in 0 3 6 9; do
+    cp "scan/slice_000$i.png" second
+    cp "scan/slice_000$i.png" "all/s$((i / 3)).png"
+  done
+  said() { ct2model info "$1" --voxel-size 8.745um 2>&1 > /dev/null; }
+  [[ "$(said second)" == *"numbered in steps of 3 (slice_0000.png, slice_0003.png, ...)"*"their distance"* ]]
+  [ -z "$(said all)" ]
+}
+
 @test "a folder that is absent or may not be written is named, before the work" {
   run --separate-stderr ct2model build $SCAN -o nowhere/m.hdf
   [ "$status" -eq 1 ]
