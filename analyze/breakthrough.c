@@ -250,9 +250,9 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
   for (size_t i = 0; i < n; i++)
     if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
-  fputs("set multiplot layout 1,2 margins 0.075,0.985,0.17,0.97 spacing 0.095,0\n"
+  fputs("set multiplot layout 1,2 margins 0.115,0.98,0.19,0.97 spacing 0.145,0\n"
         "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
-        "set logscale x\nset yrange [0:1]\nset key bottom right spacing 1.2\n",
+        "set logscale x\nset yrange [0:1]\nset key top left reverse Left samplen 1\n",
         stream);
   write_curves(list, n, false, stream);
   fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
@@ -279,7 +279,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_summary(list, count, product->summary.stream);
   if (any) {
     write_plot(list, count, product->plot.stream);
-    product->width = 1000, product->height = 460;
+    product->width = 720, product->height = 380; /* letters for a telephone */
   }
 cleanup:
   for (size_t i = 0; i < count; i++) free_curves(&list[i]);

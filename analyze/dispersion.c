@@ -378,8 +378,8 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_csv(runs, n, product->csv.stream);
   write_summary(runs, n, product->summary.stream);
   write_plot(runs, n, product->plot.stream);
-  product->width = 800;
-  product->height = 600;
+  product->width = 560; /* letters for a telephone's width */
+  product->height = 480;
 cleanup:
   for (size_t r = 0; r < n && runs != NULL; r++) free_run(&runs[r]);
   memory_free(&runs);

@@ -63,6 +63,8 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   char label[400];
   snprintf(label, sizeof label, "%s (%s)", model->name,
            strcmp(model->unit, "1") == 0 || model->unit[0] == '\0' ? "-" : model->unit);
+  for (char *at = label; *at != '\0' && *at != '('; at++)
+    if (*at == '_') *at = ' ';
   fputs(spans_decades(model) ? "set logscale y\nset format y '10^{%L}'\n" : "set format y '%.4g'\n",
         stream);
   start_panel(stream, time_label, label);

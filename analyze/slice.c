@@ -150,7 +150,7 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   }
   fputs("EOD\n", stream);
   double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
-  double pixels = 720.0 / fmax(width, height);
+  double pixels = 440.0 / fmax(width, height);
   /* Room for axis labels (90, 75 pixels) and the colour bar (130). */
   double across = width * pixels, up = height * pixels;
   product->width = (int)fmax(across, 160.0) + 240;

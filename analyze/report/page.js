@@ -147,7 +147,8 @@
           points: series(r, values, v => v)})));
         const all = [].concat.apply([], list.map(s => s.points.map(p => p[1]))).filter(v => v !== null);
         const least = Math.min.apply(null, all), most = Math.max.apply(null, all);
-        chart(parent, name, time, name + ' (' + (column.unit === '1' ? '-' : column.unit || '-') + ')', list,
+        const words = name.replace(/_/g, ' '), title = words[0].toUpperCase() + words.slice(1);
+        chart(parent, title, time, title + ' (' + (column.unit === '1' ? '-' : column.unit || '-') + ')', list,
               least > 0 && most > 1e3 * least ? {logscale: true} : {});
       });
     },
