@@ -35,6 +35,14 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
 @test "readme: a scan, a scene of four lines, a report" {
   run_blocks "$ROOT/README.md"
   [ -s out.html ]
+  # What to change for one's own scan, and for a segmented one, is said beside it; the first number is worth seeing.
+  grep -q "for yours change the folder, the void ratio you measured and the voxel size" <(tr '\n' ' ' < "$ROOT/README.md")
+  grep -q "^A segmented image?.*--segmented" <(tr '\n' ' ' < "$ROOT/README.md" | sed 's/A segmented image?/\n&/')
+  [ "$(sed -n 's/^k .* +- \([0-9.]*\) % .*/\1/p' "$ROOT/README.md" | head -1 | cut -d. -f1)" -le 15 ]
+  # The page's contents lead to what is on it.
+  sections=$(sed -n '/<nav>/,/<\/nav>/p' out.html | grep -o 'href="#[a-z0-9]*"' | tr -d '"' | cut -d'#' -f2)
+  [ "$(wc -l <<< "$sections")" -ge 5 ]
+  for section in $sections; do grep -q "id=\"$section\"" out.html || { echo "no section $section"; false; }; done
 }
 
 @test "tutorial: from a scan to a number" {
