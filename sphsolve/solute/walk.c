@@ -68,12 +68,23 @@ static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   return false;
 }
 
-static void look(const struct walk *walk, struct walk_spot *spots) {
+/* Where each walker is, and how fast; the number of those in grain. Cells and spots of walkers to
+ * come are fetched ahead. */
+static size_t look(const struct walk *walk, struct walk_spot *spots) {
+  enum { AHEAD = 16 };
   const double *e = walk->settings.direction;
   const struct walk_cells *c = walk->cells;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < walk->moments.count; i++) {
-    const struct walker *w = &walk->walkers[i];
+  const size_t count = walk->moments.count;
+  size_t lost = 0;
+#pragma omp parallel for schedule(static) reduction(+ : lost)
+  for (size_t i = 0; i < count; i++) {
+    const struct walker *w = &walk->walkers[i], *next = w + (i + AHEAD < count ? AHEAD : 0);
+    __builtin_prefetch(&c->cell[next->number < 0 ? 0 : next->number]);
+    __builtin_prefetch(&spots[next->id - walk->moments.first], 1);
+    if (!(walk_distance(c, w) > 0)) {
+      lost++;
+      continue;
+    }
     struct walk_spot *spot = &spots[w->id - walk->moments.first];
     const walk_vector v = walk_velocity(c, w->number, w->x);
     double along = 0;
@@ -83,6 +94,7 @@ static void look(const struct walk *walk, struct walk_spot *spots) {
     }
     spot->along = (float)along;
   }
+  return lost;
 }
 
 static double box_along(const struct walk_cells *c, const double e[3]) {
@@ -196,15 +208,10 @@ enum status walk_advance(struct walk *walk) {
   walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
              &walk->kept);
   walk->steps += WALK_INTERVAL;
-  size_t lost = 0;
-#pragma omp parallel for schedule(static) reduction(+ : lost)
-  for (size_t w = 0; w < count; w++)
-    lost += walk->walkers[w].number < 0 || !(walk_distance(walk->cells, &walk->walkers[w]) > 0);
-  lost = (size_t)ranks_sum((double)lost);
+  const size_t lost = (size_t)ranks_sum((double)look(walk, walk->now));
   if (lost > 0)
     TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost,
              walk->settings.walkers, (unsigned long long)walk->steps);
-  look(walk, walk->now);
   pass_planes(walk);
   if (walk->moments.intervals < WALK_TRACK)
     for (size_t w = 0; w < count && walk->moments.first + w < WALK_TRACKED; w++)

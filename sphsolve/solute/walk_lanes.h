@@ -34,44 +34,55 @@ WALK_HOT struct walker lanes_take(const struct walk_lanes *g, int l) {
                          .id = g->id[l]};
 }
 
-/* The records of sixteen cells by columns: word w of each in word[w]. Four perfect shuffles turn
- * rows into columns. */
-WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LANES],
-                            int32_t word[16][LANES]) {
+/* Four words, from the word `first` on, of the records of sixteen cells, by columns: word first + w
+ * of each in word[w]. Cells l, l + 4, l + 8, l + 12 make a row, and each quarter of the four rows
+ * is turned by itself. */
+WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LANES], int first,
+                            int32_t word[4][LANES]) {
+  typedef int32_t quarter __attribute__((vector_size(16)));
+  typedef int32_t half __attribute__((vector_size(32)));
   typedef int32_t row __attribute__((vector_size(64)));
-  row r[16], t[16];
+  quarter r[LANES];
+  row t[4];
 #pragma GCC unroll 16
-  for (int l = 0; l < LANES; l++) memcpy(&r[l], &c->cell[number[l]], sizeof r[l]);
+  for (int l = 0; l < LANES; l++)
+    memcpy(&r[l], (const char *)&c->cell[number[l]] + sizeof(int32_t) * (size_t)first, sizeof r[l]);
 #pragma GCC unroll 4
-  for (int stage = 0; stage < 4; stage++) {
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; i++) {
-      t[2 * i] = __builtin_shufflevector(r[i], r[i + 8], 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21,
-                                         6, 22, 7, 23);
-      t[2 * i + 1] = __builtin_shufflevector(r[i], r[i + 8], 8, 24, 9, 25, 10, 26, 11, 27, 12, 28,
-                                             13, 29, 14, 30, 15, 31);
-    }
-#pragma GCC unroll 16
-    for (int i = 0; i < 16; i++) r[i] = t[i];
+  for (int l = 0; l < 4; l++) {
+    const half low = __builtin_shufflevector(r[l], r[l + 4], 0, 1, 2, 3, 4, 5, 6, 7),
+               high = __builtin_shufflevector(r[l + 8], r[l + 12], 0, 1, 2, 3, 4, 5, 6, 7);
+    t[l] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   }
-#pragma GCC unroll 16
-  for (int w = 0; w < 16; w++) memcpy(word[w], &r[w], sizeof r[w]);
+  /* Two perfect shuffles within each quarter. */
+#pragma GCC unroll 2
+  for (int stage = 0; stage < 2; stage++) {
+    const row a = t[0], b = t[1], d = t[2], e = t[3];
+    t[0] = __builtin_shufflevector(a, d, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+    t[1] =
+        __builtin_shufflevector(a, d, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+    t[2] = __builtin_shufflevector(b, e, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+    t[3] =
+        __builtin_shufflevector(b, e, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+  }
+#pragma GCC unroll 4
+  for (int w = 0; w < 4; w++) memcpy(word[w], &t[w], sizeof t[w]);
 }
 
 /* walk_velocity at x in the cells. */
 WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LANES],
                              float x[3][LANES], float u[3][LANES]) {
-  int32_t word[16][LANES] __attribute__((aligned(64)));
-  lanes_columns(c, number, word);
+  int32_t word[12][LANES] __attribute__((aligned(64)));
+#pragma GCC unroll 3
+  for (int q = 0; q < 3; q++) lanes_columns(c, number, 4 + 4 * q, &word[4 * q]);
   const float unit = c->slope_unit;
   for (int l = 0; l < LANES; l++) {
     float slope[4][3], face[2][3], low[3], high[3], scaled[3];
 #pragma GCC unroll 12
     for (int k = 0; k < 12; k++)
-      slope[k / 3][k % 3] = (float)(k % 2 ? word[4 + k / 2][l] >> 16
-                                          : (int32_t)((uint32_t)word[4 + k / 2][l] << 16) >> 16);
+      slope[k / 3][k % 3] =
+          (float)(k % 2 ? word[k / 2][l] >> 16 : (int32_t)((uint32_t)word[k / 2][l] << 16) >> 16);
 #pragma GCC unroll 6
-    for (int k = 0; k < 6; k++) memcpy(&face[k / 3][k % 3], &word[10 + k][l], sizeof(float));
+    for (int k = 0; k < 6; k++) memcpy(&face[k / 3][k % 3], &word[6 + k][l], sizeof(float));
 #pragma GCC unroll 3
     for (int a = 0; a < 3; a++) scaled[a] = unit * x[a][l];
 #pragma GCC unroll 3
@@ -92,7 +103,7 @@ WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LA
 
 /* Which walkers stand in grain, a bit each: walk_in_pore, false where there is no cell. */
 WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_lanes *g) {
-  int32_t word[16][LANES] __attribute__((aligned(64)));
+  int32_t word[4][LANES] __attribute__((aligned(64)));
   int32_t number[LANES], grain[LANES];
   uint32_t cut = 0, mask = 0;
   for (int l = 0; l < LANES; l++) {
@@ -101,7 +112,7 @@ WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_l
     grain[l] = g->number[l] < 0;
   }
   if (cut & WALK_CUT) {
-    lanes_columns(c, number, word);
+    lanes_columns(c, number, 0, word);
     for (int l = 0; l < LANES; l++) {
       float edge[4];
 #pragma GCC unroll 4
@@ -120,8 +131,11 @@ WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_l
   return mask;
 }
 
-/* walk_settle after a move; the cells found are fetched for the next turn. */
+/* walk_settle after a move; the cells found are fetched for the next turn. Those who stayed in
+ * their cell are not looked up again. */
 WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
+  int32_t left[LANES] = {0};
+  uint32_t address[LANES], mask = 0;
   for (int a = 0; a < 3; a++) {
     const int32_t n = c->n[a];
     for (int l = 0; l < LANES; l++) {
@@ -136,17 +150,21 @@ WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
       g->x[a][l] -= (float)step;
       g->cell[a][l] += step;
       g->wrapped[a][l] = at;
+      left[l] |= step;
     }
   }
   const int32_t row = c->blocks[0] << 12, layer = c->blocks[0] * c->blocks[1] << 12;
   for (int l = 0; l < LANES; l++) {
     const int32_t x = g->wrapped[0][l], y = g->wrapped[1][l], z = g->wrapped[2][l];
-    g->address[l] =
+    address[l] =
         (uint32_t)(((x >> 4) << 12) + (y >> 4) * row + (z >> 4) * layer + ((x & 12) << 4) +
                    ((y & 12) << 6) + ((z & 12) << 8) + (x & 3) + ((y & 3) << 2) + ((z & 3) << 4));
+    mask |= (uint32_t)(left[l] != 0) << l;
   }
-  for (int l = 0; l < LANES; l++) {
-    walk_look_up(c, g->address[l], &g->number[l], &g->walls[l]);
+  memcpy(g->address, address, sizeof address);
+  for (; mask != 0; mask &= mask - 1) {
+    const int l = __builtin_ctz(mask);
+    walk_look_up(c, address[l], &g->number[l], &g->walls[l]);
     __builtin_prefetch(&c->cell[g->number[l] < 0 ? 0 : g->number[l]]);
   }
 }

@@ -96,15 +96,19 @@ WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
   return true;
 }
 
-/* The whole of the displacement with the water. */
-WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
-                    struct walk_kept *kept) {
+/* The first part of the displacement with the water. */
+WALK_HOT void to_end(const struct walk_cells *c, struct group *g) {
   float u[3][LANES];
-  int rest[LANES], count = 0;
   lanes_velocity(c, g->middle.number, g->middle.x, u);
   for (int a = 0; a < 3; a++)
     for (int l = 0; l < LANES; l++) u[a][l] *= g->part[l];
   shift(c, &g->at, u, &g->end);
+}
+
+/* The whole of it. */
+WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
+                    struct walk_kept *kept) {
+  int rest[LANES], count = 0;
   const uint32_t grain = lanes_in_grain(c, &g->end);
   for (int l = 0; l < LANES; l++) {
     rest[count] = l;
@@ -155,6 +159,7 @@ TARGETS static void move_block(const struct walk_cells *c, const struct walk_ste
       if (s % 2 == 0) draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].move);
       if (step->time > 0) to_middle(c, &group[g], step->time);
     }
+    for (int g = 0; g < groups && step->time > 0; g++) to_end(c, &group[g]);
     for (int g = 0; g < groups && step->time > 0; g++) carry(c, &group[g], step->time, kept);
     for (int g = 0; g < groups; g++) {
       group[g].end = group[g].at;
