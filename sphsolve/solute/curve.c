@@ -8,6 +8,13 @@
 
 /* Of the residual, relative: D* is then known to some 1e-4, far below what the lattice leaves. */
 #define TOLERANCE 1e-4
+
+/* Whether the coarsest cells are fine enough at this Peclet number for the order to show. */
+static bool shows_order(const struct solute_flow *flow, const struct solute_result *r,
+                        double peclet) {
+  return 4 * peclet * flow->spacing[0] / r->length <= SOLUTE_CELL_PECLET;
+}
+
 /* `weight`: of one Peclet number, for the progress line. */
 static enum status solve_lattice(const struct solute_flow *flow, int lattice,
                                  const struct solute_result *r, struct progress *progress,
@@ -19,13 +26,17 @@ static enum status solve_lattice(const struct solute_flow *flow, int lattice,
   int *count = &state->solved_count[lattice];
   *done += weight * *count;
   if (*count > r->count) return STATUS_OK;
-  TRY(solute_closure_build(flow, lattice == SOLUTE_COARSE, &closure));
+  TRY(solute_closure_build(flow, lattice, &closure));
   if (*count > 0) TRY(solute_state_take_closure(state, &closure));
   /* First without flow, for the formation factor; then from one Peclet number to the next. */
   while (*count <= r->count) {
     struct solute_solved *solved = &state->solved[lattice][*count];
     const double peclet = *count == 0 ? 0 : r->peclet[*count - 1];
     const double d = peclet > 0 ? flow->speed * r->length / peclet : INFINITY;
+    if (lattice == SOLUTE_COARSEST && !shows_order(flow, r, peclet)) {
+      ++*count;
+      continue;
+    }
     const double started = clock_processor_seconds();
     TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved->value));
     if (lattice == SOLUTE_FINE)
@@ -55,18 +66,49 @@ static double share(double change, double value) {
  * difference of both lattices beyond the finer one, a third of which the limit has. */
 #define LAYERS_SHARE (M_SQRT2 + 1.0 - 1.0 / 3.0)
 
-/* The limit of both lattices, and its error. `coarse` NULL: one alone. */
-static void take(const struct solute_flow *flow, double cell_peclet,
-                 const struct solute_solved *fine, const struct solute_solved *coarse,
-                 struct solute_closed *out) {
-  struct solute_dispersion limit = fine->value;
-  const double direction[3] = {flow->speed > 0 ? flow->mean_velocity[0] / flow->speed : 0,
-                               flow->speed > 0 ? flow->mean_velocity[1] / flow->speed : 0,
-                               flow->speed > 0 ? flow->mean_velocity[2] / flow->speed : 1};
-  for (int p = 0; p < 3 && coarse != NULL; p++)
+/* By how much of fine - coarse the limit lies beyond fine: 1 / (2^p - 1). p, the order, is seen
+ * from three lattices (Roache 1994), between 1, where cells at the contacts of grains decide, and
+ * 2, that of the scheme; 2 as well where it does not show. */
+static double beyond(double fine, double coarse, double coarsest) {
+  const double ratio = (coarse - coarsest) / (fine - coarse);
+  return ratio > 0 ? 1 / (fmin(fmax(ratio, 2), 4) - 1) : 1.0 / 3.0;
+}
+
+/* The limit of the lattices. `coarsest` NULL: of two. */
+static struct solute_dispersion limit_of(const struct solute_flow *flow,
+                                         const struct solute_dispersion *fine,
+                                         const struct solute_dispersion *coarse,
+                                         const struct solute_dispersion *coarsest) {
+  struct solute_dispersion limit = *fine;
+  double n[3] = {0, 0, 1};
+  for (int a = 0; a < 3 && flow->speed > 0; a++) n[a] = flow->mean_velocity[a] / flow->speed;
+  double along = 1.0 / 3.0, across = 1.0 / 3.0;
+  if (coarsest != NULL) {
+    along = beyond(fine->longitudinal, coarse->longitudinal, coarsest->longitudinal);
+    across = beyond(fine->transverse, coarse->transverse, coarsest->transverse);
+  }
+  /* The difference by `across`, and what is along the flow by `along`. */
+  const double more = (along - across) * (fine->longitudinal - coarse->longitudinal);
+  for (int p = 0; p < 3; p++)
     for (int q = 0; q < 3; q++)
-      limit.tensor[p][q] += (fine->value.tensor[p][q] - coarse->value.tensor[p][q]) / 3;
-  solute_dispersion_parts(direction, flow->dimensions, &limit);
+      limit.tensor[p][q] +=
+          across * (fine->tensor[p][q] - coarse->tensor[p][q]) + more * n[p] * n[q];
+  solute_dispersion_parts(n, flow->dimensions, &limit);
+  return limit;
+}
+
+/* The limit of the lattices, and its error; of what was solved as number `i`, on so many. */
+static void take(const struct solute_flow *flow, const struct solute_state *state, int i,
+                 double peclet, int lattices, const struct solute_result *r,
+                 struct solute_closed *out) {
+  const struct solute_solved *fine = &state->solved[SOLUTE_FINE][i],
+                             *coarse = lattices > 1 ? &state->solved[SOLUTE_COARSE][i] : NULL;
+  const bool order = lattices > 2 && shows_order(flow, r, peclet);
+  const double cell_peclet = peclet * flow->spacing[0] / r->length;
+  const struct solute_dispersion limit =
+      coarse == NULL ? fine->value
+                     : limit_of(flow, &fine->value, &coarse->value,
+                                order ? &state->solved[SOLUTE_COARSEST][i].value : NULL);
   memcpy(out->tensor, limit.tensor, sizeof out->tensor);
   const double value[2] = {limit.longitudinal, limit.transverse};
   const double ours[2] = {fine->value.longitudinal, fine->value.transverse};
@@ -91,23 +133,24 @@ static void take(const struct solute_flow *flow, double cell_peclet,
 enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_state *state,
                                     struct solute_result *r) {
   enum status status = STATUS_OK;
-  const struct solute_solved *fine = state->solved[SOLUTE_FINE],
-                             *coarse = state->solved[SOLUTE_COARSE];
+  static const double weight[SOLUTE_LATTICES] = {8, 1,
+                                                 0.125}; /* cells of one, to those of coarse */
   struct progress progress;
   struct solute_closed still;
-  bool twice = true;
-  double done = 0;
+  double done = 0, all = 0;
+  int lattices = SOLUTE_LATTICES;
   for (int a = 0; a < 3; a++)
-    twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
+    while (flow->n[a] > 1 && lattices > 1 && flow->n[a] < SOLUTE_CELLS_LEAST << 2 * (lattices - 2))
+      lattices--;
   solute_correlation_lengths(flow, r->correlation);
-  progress_start(&progress, "closure", NULL, (r->count + 1.0) * (twice ? 9 : 8));
-  if (twice) TRY(solve_lattice(flow, SOLUTE_COARSE, r, &progress, 1, &done, state));
-  TRY(solve_lattice(flow, SOLUTE_FINE, r, &progress, 8, &done, state));
+  for (int l = 0; l < lattices; l++) all += weight[l] * (r->count + 1);
+  progress_start(&progress, "closure", NULL, all);
+  for (int l = lattices - 1; l >= 0; l--)
+    TRY(solve_lattice(flow, l, r, &progress, weight[l], &done, state));
   r->by_closure = true;
   for (int i = 0; i < r->count; i++)
-    take(flow, r->peclet[i] * flow->spacing[0] / r->length, &fine[i + 1],
-         twice ? &coarse[i + 1] : NULL, &r->closure[i]);
-  take(flow, 0.0, &fine[0], twice ? &coarse[0] : NULL, &still);
+    take(flow, state, i + 1, r->peclet[i], lattices, r, &r->closure[i]);
+  take(flow, state, 0, 0, lattices, r, &still);
   r->tortuosity = 1 / still.value.longitudinal;
   r->formation = r->tortuosity / flow->porosity;
   r->formation_error = still.value.longitudinal_error;

@@ -11,8 +11,9 @@
 #include "sphsolve/solute/result.h"
 #include "sphsolve/solute/sample_size.h"
 
-/* The flow's own cells, and those taken two by two by two. */
-enum { SOLUTE_FINE, SOLUTE_COARSE, SOLUTE_LATTICES };
+/* The flow's own cells, those taken two by two by two, and those once more (for the order of the
+ * closure problem alone). */
+enum { SOLUTE_FINE, SOLUTE_COARSE, SOLUTE_COARSEST, SOLUTE_LATTICES };
 
 /* What one lattice gave for one Peclet number. */
 struct solute_solved {
