@@ -49,12 +49,8 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
 /* stokes_soil_at, which is `last` where the site beside is of the same kind. */
 static const struct stokes_soil_site *soil_beside(const struct stokes_operator *op, size_t site,
                                                   size_t *known, struct stokes_soil_site *last) {
-  const struct lattice *l = op->lattice;
-  const uint8_t *enclosed = op->soil->enclosed;
-  if (l->micro_porosity[site] != l->micro_porosity[*known] ||
-      l->micro_permeability[site] != l->micro_permeability[*known] ||
-      (enclosed && enclosed[site] != enclosed[*known])) {
-    *last = stokes_soil_at(op->soil, l, site);
+  if (!stokes_soil_alike(op->soil, op->lattice, site, *known)) {
+    *last = stokes_soil_at(op->soil, op->lattice, site);
     *known = site;
   }
   return last;
@@ -71,10 +67,10 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
   sums->pore_sum += offset->viscous * mobility;
   if (!own->soil && other->soil)
     sums->surface += offset->viscous * stokes_soil_parabola(other->slip);
+  const double jump = (other->relative - own->relative) / (other->relative + own->relative);
   for (int a = 0; a < stencil->axis_count; a++) {
     const double g = offset->gradient[stencil->axes[a]];
     sums->pore_gradient[a] += g * mobility;
-    const double jump = (other->relative - own->relative) / (other->relative + own->relative);
     sums->towards[a] += g * jump;
     if (offset->step[0] * offset->step[0] + offset->step[1] * offset->step[1] +
             offset->step[2] * offset->step[2] ==
@@ -198,7 +194,20 @@ static void store(struct stokes_operator *op, size_t n, const struct site_sums *
   }
 }
 
-/* For each site of a row, whether all its neighbours are pore sites. `line` [nx + 2 reach]. */
+/* Clears `inner` [nx] where a site of the row that begins at `row` is not soil as the one `step`
+ * along the row at `other` is, or not pore as that. */
+static void clear_unlike(const struct stokes_operator *op, size_t row, size_t other, int step,
+                         uint8_t *inner) {
+  const long nx = (long)op->grid->size[0];
+  for (long i = 0; i < nx; i++) {
+    if (!inner[i]) continue;
+    const long x = (i + step + nx) % nx; /* FIXME */
+    inner[i] = stokes_soil_alike(op->soil, op->lattice, row + (size_t)i, other + (size_t)x);
+  }
+}
+
+/* For each site of a row, whether all its neighbours are pore sites; where there is soil, whether
+ * they are what the site itself is. `line` [nx + 2 reach]. */
 static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *line,
                        uint8_t *inner) {
   const struct stokes_stencil *stencil = op->stencil;
@@ -211,8 +220,6 @@ static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *li
         stokes_grid_row(grid, row % grid->size[1], row / grid->size[1], step[1], step[2]);
     uint8_t *at = line + STOKES_REACH;
     for (size_t i = 0; i < nx; i++) at[i] = (uint8_t)stokes_grid_is_active(grid, other, i);
-    for (size_t i = 0; op->soil && i < nx; i++)
-      at[i] &= !stokes_soil_is(op->soil, op->lattice, other * nx + i);
     for (size_t i = 0; i < STOKES_REACH; i++) {
       at[nx + i] = at[i % nx];
       at[-1 - (long)i] = at[nx - 1 - i % nx];
@@ -223,6 +230,7 @@ static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *li
          o++) {
       const uint8_t *shifted = at + stencil->offsets[o].step[0];
       for (size_t i = 0; i < nx; i++) inner[i] &= shifted[i];
+      if (op->soil) clear_unlike(op, row * nx, other * nx, stencil->offsets[o].step[0], inner);
     }
   }
 }
@@ -242,11 +250,20 @@ static enum status build_sites(struct stokes_operator *op) {
     uint8_t *inner = lines + (size_t)omp_get_thread_num() * length, *line = inner + nx;
     if (n == grid->row_start[row + 1]) continue;
     find_inner(op, row, line, inner);
+    struct site_sums alike = {0}; /* of the row's last site with soil as its own all around */
+    size_t known = SIZE_MAX;      /* that site */
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
+      const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
       struct site_sums sums = whole;
-      if (!inner[i] || (op->soil && stokes_soil_is(op->soil, op->lattice, row * nx + i)))
-        sum_site(op, (const size_t[3]){i, row % grid->size[1], row / grid->size[1]}, &sums);
+      if (!inner[i]) {
+        sum_site(op, at, &sums);
+      } else if (op->soil && stokes_soil_is(op->soil, op->lattice, row * nx + i)) {
+        if (known == SIZE_MAX || !stokes_soil_alike(op->soil, op->lattice, known, row * nx + i))
+          sum_site(op, at, &alike);
+        known = row * nx + i;
+        sums = alike;
+      }
       store(op, n++, &sums);
     }
   }

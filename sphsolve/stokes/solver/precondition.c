@@ -214,9 +214,10 @@ static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
   for (size_t i = 0; i < pc->op->n; i++) p[i] -= mean;
 }
 
-/* The Schur complement over distances shorter than a pore: r itself; beside soil, along whose
- * surface pores slip, it is less stiff. Of 1, 2, 3 and 5 times r 2 takes the fewest iterations over
- * all of k_micro/dx^2 = 1e-6 to 0.01 in packings (docs/notes/2026-11-23-micropores.md). */
+/* Over distances shorter than a pore the Schur complement is of order one, in soil of order M, its
+ * mobility over a pore's (effects/soil_drag.h): of waves as short as a few sites the wide gradient
+ * and the stabilisation leave a twentieth of Darcy's law there. So r itself is added without soil,
+ * and this times r / M with it (docs/notes/2026-11-23-micropores.md). */
 #define LOCAL_SOIL 2.0f
 
 /* p = S~^-1 r: a two-grid cycle of Darcy's law, a sweep of Jacobi before and after the coarse
@@ -225,7 +226,6 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
                            float *p) {
   struct stokes_operator *op = pc->op;
   struct stokes_multigrid_level *coarse = &pc->pressure.levels[0];
-  const float local = op->soil ? LOCAL_SOIL : 1.0f;
   stokes_darcy_begin(op, op->soil ? pc->darcy : pc->kappa);
   stokes_darcy_start(op, r, p);
   stokes_darcy_residual(op, r, p, left);
@@ -233,8 +233,14 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
   stokes_multigrid_cycle(&pc->pressure, 2);
   prolong_packed(pc, coarse, false, p);
   stokes_darcy_smooth(op, r, p);
+  if (op->soil) { /* also of a rank without sites */
+    const float *relative = op->soil->relative;
 #pragma omp parallel for simd schedule(static)
-  for (size_t i = 0; i < op->n; i++) p[i] += local * r[i];
+    for (size_t i = 0; i < op->n; i++) p[i] += LOCAL_SOIL * r[i] / relative[i];
+    return;
+  }
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < op->n; i++) p[i] += r[i];
 }
 
 /* y = A~^-1 x for one velocity component: coarse correction, then sweeps of Jacobi. */

@@ -67,6 +67,14 @@ static inline double stokes_soil_weight(const double a[STOKES_SOIL_SUMS],
 /* Whether a site is soil, or a pore that leads nowhere else. */
 bool stokes_soil_is(const struct stokes_soil *soil, const struct lattice *lattice, size_t site);
 
+/* Whether two sites are pores both, or soil of one kind. */
+static inline bool stokes_soil_alike(const struct stokes_soil *soil, const struct lattice *lattice,
+                                     size_t a, size_t b) {
+  return lattice->micro_porosity[a] == lattice->micro_porosity[b] &&
+         lattice->micro_permeability[a] == lattice->micro_permeability[b] &&
+         (soil->enclosed == NULL || soil->enclosed[a] == soil->enclosed[b]);
+}
+
 /* *soil is NULL where the lattice has none. `driving` (m/s^2): pores that lead through the box
  * along it are not enclosed; `unit`: m a spacing. Free with stokes_soil_free. */
 enum status stokes_soil_build(const struct lattice *lattice, const struct stokes_grid *grid,
