@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/solver/rows.h"
 
 /* Iterations until k is within e of its limit, the same for lattices of any size:
@@ -20,20 +19,10 @@
 #define SECONDS_SITE 30e-9
 #define SECONDS_FLUID 165e-9
 #define SECONDS_BUILD 1e-6
-/* Where a third of the sites is soil with pores below them, so many times the iterations at
- * k_micro = 0.01 dx^2, and so many more for each decade less; and the time of each, and to begin. In
- * packings of 60 and 120 sites a side they were 1.0 to 1.5 times at 0.01, 1.6 to 3.6 at 1e-4, 1.8 to
- * 4.3 at 1e-6. */
-#define SOIL_ITERATIONS 1.0
-#define SOIL_DECADE 0.4
+/* An iteration, and to begin, take so many times as long where sites are soil with pores below
+ * them. Iterations are as many: in packings of 60 and 120 sites a side with a third of it 0.7
+ * to 1.4 times those with the soil closed, for k_micro/dx^2 from 1e-8 to 1. */
 #define SOIL_SECONDS 1.3
-
-double stokes_soil_iterations(const struct lattice *l) {
-  const double most = lattice_soil_most(l);
-  const double voxel = cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
-  if (!(most > 0.0)) return 1.0;
-  return SOIL_ITERATIONS + SOIL_DECADE * fmax(log10(0.01 * voxel * voxel / most), 0.0);
-}
 
 double stokes_soil_seconds(const struct lattice *l) {
   return l->micro_porosity != NULL ? SOIL_SECONDS : 1.0;
@@ -56,7 +45,7 @@ double stokes_solver_seconds(const struct pore_shape *pores, const struct lattic
                              double refined, const struct stokes_goal *goal,
                              enum wall_scheme wall) {
   const double more = pow(refined, l->dimensions);
-  return stokes_soil_seconds(l) *
-         stokes_seconds(stokes_soil_iterations(l) * stokes_iterations(pores, goal, wall),
-                        more * (double)l->count, more * (double)l->fluid_count);
+  return stokes_soil_seconds(l) * stokes_seconds(stokes_iterations(pores, goal, wall),
+                                                 more * (double)l->count,
+                                                 more * (double)l->fluid_count);
 }

@@ -8,8 +8,7 @@
 /* Of GMRES, until the goal is reached. */
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,
                          enum wall_scheme wall);
-/* What soil with pores below the sites makes of iterations, and of seconds: times; 1 without. */
-double stokes_soil_iterations(const struct lattice *lattice);
+/* What soil with pores below the sites makes of seconds: times; 1 without. */
 double stokes_soil_seconds(const struct lattice *lattice);
 /* Processor seconds of so many iterations and what goes before, predicted. */
 double stokes_seconds(double iterations, double sites, double fluid);

@@ -54,7 +54,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
                           : plan->bytes_wall;
   const enum wall_scheme wall = plan->context.scene->stokes.wall;
   const struct stokes_goal goal = stokes_goal_of(plan->context.scene);
-  plan->steps = round(stokes_soil_iterations(l) * stokes_iterations(&plan->shape, &goal, wall));
+  plan->steps = round(stokes_iterations(&plan->shape, &goal, wall));
   const double curve = 1.0 + plan->context.scene->micro.factor_count;
   plan->seconds = (curve * stokes_solver_seconds(&plan->shape, l, 1.0, &goal, wall) +
                    cascade_seconds(plan->context.scene, plan, false)) /

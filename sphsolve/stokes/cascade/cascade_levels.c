@@ -174,8 +174,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     if (i == 1 && *scene->model_path) solves += 2.0;
     if ((i == 2 || i == 3) && scanned) solves += 1.0;
     const double own = solves * stokes_soil_seconds(base) *
-                       stokes_seconds(stokes_soil_iterations(base) * ITERATIONS_WARM, half * sites,
-                                      half * phi * sites);
+                       stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
     if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal);
     const struct error_forecast e =

@@ -1,7 +1,7 @@
 /* How k answers to soil with pores below the sites, from a solution that is there:
  *   d ln k / d ln k_micro  without another solve: the system is its own adjoint (state.c), so that
  *     the flux of the solution at hand, corrected by the residual that it leaves where the
- *     permeability of all soil is a little more and a little less, is right to the second order
+ *     permeability of all soil is a little more, is right to the second order
  *     (Pierce, Giles 2000, SIAM Review 42). In words: of the power of the force, what drag takes;
  *   the fraction of the flux through soil: the sum of the superficial velocity over its sites;
  *   k over k_micro: a solve each, that starts where the one beside it has ended. */

@@ -194,16 +194,15 @@ static void store(struct stokes_operator *op, size_t n, const struct site_sums *
   }
 }
 
-/* Clears `inner` [nx] where a site of the row that begins at `row` is not soil as the one `step`
- * along the row at `other` is, or not pore as that. */
+/* Clears `inner` [nx] where a site of the row that begins at `row` is not what the one `step` along
+ * the row at `other` is: pore, or soil of its kind. */
 static void clear_unlike(const struct stokes_operator *op, size_t row, size_t other, int step,
                          uint8_t *inner) {
   const long nx = (long)op->grid->size[0];
-  for (long i = 0; i < nx; i++) {
-    if (!inner[i]) continue;
-    const long x = (i + step + nx) % nx; /* FIXME */
-    inner[i] = stokes_soil_alike(op->soil, op->lattice, row + (size_t)i, other + (size_t)x);
-  }
+  long x = step % nx < 0 ? step % nx + nx : step % nx;
+  for (long i = 0; i < nx; i++, x = x + 1 < nx ? x + 1 : 0)
+    if (inner[i] && !stokes_soil_alike(op->soil, op->lattice, row + (size_t)i, other + (size_t)x))
+      inner[i] = 0;
 }
 
 /* For each site of a row, whether all its neighbours are pore sites; where there is soil, whether

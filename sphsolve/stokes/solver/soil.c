@@ -13,25 +13,39 @@
 #define ENCLOSED 500.0
 #define ENCLOSED_BELOW 2e-3
 #define ENCLOSED_POROSITY 0.999
-/* Those that touch pores which lead through over an edge or a corner have links to them, through
- * which nothing must flow: they are soil of its own permeability. With ENCLOSED times that the
- * solve takes four times the iterations, as the preconditioner has links over faces alone. */
-enum { ENCLOSED_PORE = 1, ENCLOSED_BESIDE };
+/* Those that touch pores over an edge or a corner alone have links to them that the preconditioner,
+ * which knows faces, has not: they are soil of its own permeability. With ENCLOSED times that the
+ * solve takes four times the iterations. */
+enum { ENCLOSED_PORE = 1, ENCLOSED_TOUCHING };
 
 bool stokes_soil_is(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   return (s->enclosed && s->enclosed[site]) || lattice_is_soil(l, site);
 }
 
-/* Whether pores that lead through touch a site over an edge or a corner. */
-static bool touches_flow(const struct lattice *l, const uint8_t *flowing, size_t site) {
-  const long size[3] = {(long)l->size[0], (long)l->size[1], (long)l->size[2]};
-  const long x = (long)site % size[0], y = (long)site / size[0] % size[1],
-             z = (long)site / size[0] / size[1];
+/* Whether a pore touches others over an edge or a corner alone: no path over faces joins them among
+ * its 26 neighbours. */
+static bool touches(const struct lattice *l, const uint8_t *kind, size_t site) {
+  const size_t *size = l->size;
+  const size_t at[3] = {site % size[0], site / size[0] % size[1], site / size[0] / size[1]};
+  static const int step[3] = {1, 3, 9};
+  bool pore[27], joined[27] = {[13] = true};
   for (int n = 0; n < 27; n++) {
-    const long i = (x + n % 3 - 1 + size[0]) % size[0], j = (y + n / 3 % 3 - 1 + size[1]) % size[1],
-               k = (z + n / 9 - 1 + size[2]) % size[2];
-    if (flowing[(k * size[1] + j) * size[0] + i] == PERCOLATION_FLOWS) return true;
+    const size_t off[3] = {(size_t)(n % 3), (size_t)(n / 3 % 3), (size_t)(n / 9)};
+    size_t i[3];
+    for (int a = 0; a < 3; a++) i[a] = (at[a] + off[a] + size[a] - 1) % size[a];
+    pore[n] = kind[(i[2] * size[1] + i[1]) * size[0] + i[0]] == SITE_FLUID;
   }
+  for (bool more = true; more;) {
+    more = false;
+    for (int n = 0; n < 27; n++)
+      for (int a = 0; a < 3 && pore[n] && !joined[n]; a++) {
+        const int along = n / step[a] % 3;
+        joined[n] = (along > 0 && joined[n - step[a]]) || (along < 2 && joined[n + step[a]]);
+        more = more || joined[n];
+      }
+  }
+  for (int n = 0; n < 27; n++)
+    if (pore[n] && !joined[n]) return true;
   return false;
 }
 
@@ -52,8 +66,17 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
     pores.kind[i] = lattice_is_soil(l, i) ? SITE_WALL : l->kind[i];
   TRY(percolation_find(&pores, driving, false, flowing, &flows));
   for (size_t i = 0; i < l->count; i++)
-    if (pores.kind[i] == SITE_FLUID && flowing[i] != PERCOLATION_FLOWS)
-      s->enclosed[i] = touches_flow(l, flowing, i) ? ENCLOSED_BESIDE : ENCLOSED_PORE;
+    s->enclosed[i] = pores.kind[i] == SITE_FLUID && flowing[i] != PERCOLATION_FLOWS;
+  for (bool more = true; more;) { /* what is soil now may have joined others */
+    more = false;
+    for (size_t i = 0; i < l->count; i++) {
+      if (s->enclosed[i] != ENCLOSED_PORE || !touches(l, pores.kind, i)) continue;
+      s->enclosed[i] = ENCLOSED_TOUCHING;
+      more = true;
+    }
+    for (size_t i = 0; more && i < l->count; i++)
+      if (s->enclosed[i] == ENCLOSED_TOUCHING) pores.kind[i] = SITE_WALL;
+  }
 cleanup:
   memory_free(&pores.kind);
   memory_free(&flowing);
@@ -64,7 +87,7 @@ cleanup:
 static double permeability_at(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   const int enclosed = s->enclosed ? s->enclosed[site] : 0;
   if (enclosed == ENCLOSED_PORE) return s->enclosed_permeability;
-  if (enclosed == ENCLOSED_BESIDE) return s->enclosed_permeability / ENCLOSED;
+  if (enclosed == ENCLOSED_TOUCHING) return s->enclosed_permeability / ENCLOSED;
   return (double)l->micro_permeability[site] / (s->unit * s->unit);
 }
 

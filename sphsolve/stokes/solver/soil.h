@@ -26,8 +26,9 @@ struct stokes_weights {
 struct stokes_soil {
   double unit; /* m */
   /* [sites] Pores that lead nowhere but through soil, which alone limits the flow through them.
-   * They are taken as soil of ENCLOSED times the largest permeability of soil: the error is that
-   * small part of the resistance. NULL: there are none, or the operator is assembled. */
+   * They are taken as soil of ENCLOSED times the largest permeability of soil (1), or of that
+   * permeability (2): the error is that small part of the resistance. NULL: there are none, or the
+   * operator is assembled. */
   uint8_t *enclosed;
   double enclosed_permeability; /* spacing^2 */
   double pivot;                 /* mobility of the second column over a pore's; 0: there are two */
