@@ -171,7 +171,7 @@ assert abs(dark["micro"]["soil_peak"] - 150) < 2 and dark["micro"]["low"] < 150 
 assert dark["micro"]["low_uncertainty"] > 0 and abs(dark["micro_voxels"] / small["micro_voxels"] - 1) < .02
 assert abs(met["void_ratio_original"] / 1.3 - 1) < .005 and met["micro"]["threshold_uncertainty"] > 0 and met["micro"]["shift"] < 0
 run = json.load(open("run.json"))
-wanted = run["micro"]["dlnk_dlnk_micro"] * math.hypot(small["micro"]["ln_permeability_uncertainty"], math.log(2))
+wanted = 1.15 * run["micro"]["dlnk_dlnk_micro"] * math.hypot(small["micro"]["ln_permeability_uncertainty"], math.log(2))
 assert abs(run["error"]["micro"] / wanted - 1) < 1e-6, (run["error"]["micro"], wanted)
 assert run["error"]["threshold"] > 0
 END
@@ -360,7 +360,7 @@ k = [p["k"] for p in m["curve"]]
 assert k == sorted(k) and k[1] == run["k"]
 between = math.log(k[2] / k[0]) / math.log(1.1 / .9)
 assert abs(m["dlnk_dlnk_micro"] / between - 1) < .15, (m["dlnk_dlnk_micro"], between)
-assert abs(run["error"]["micro"] / (m["dlnk_dlnk_micro"] * math.log(2)) - 1) < 1e-6
+assert abs(run["error"]["micro"] / (1.15 * m["dlnk_dlnk_micro"] * math.log(2)) - 1) < 1e-6
 assert run["error"]["total"] > run["error"]["micro"] and run["error"]["dlnk_dlnk_micro"] == m["dlnk_dlnk_micro"]
 image = h5py.File("both-run-image.hdf")["VTKHDF/PointData"]
 v, n, power = image["velocity"][()][..., 2], image["micro_porosity"][()], image["micro_power"][()]
