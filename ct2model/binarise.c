@@ -107,11 +107,13 @@ static void advise_denoising(struct pipeline *pipeline, char *text, size_t size)
              100.0 * (1.0 - effect.surface));
 }
 
-static void warn_of_contrast(struct pipeline *pipeline) {
+static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
   const struct grey_phases *phases = &pipeline->phases;
   char advice[100];
   bool unimodal = phases->valley_depth > 0.9;
-  if (!unimodal && (!(phases->contrast_to_noise < 5.0) || pipeline->restoring)) return;
+  /* A peak at the threshold is of edges: a contrast from there to the next says nothing. */
+  const bool low = phases->contrast_to_noise < 5.0 && !near_peak;
+  if (!unimodal && (!low || pipeline->restoring)) return;
   advise_denoising(pipeline, advice, sizeof advice);
   if (unimodal)
     log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
@@ -143,12 +145,15 @@ static void warn_if_fragile(struct pipeline *pipeline) {
   if (phases->levels <= 2) return;
   double threshold = pipeline->threshold_original, e = pipeline->void_ratio_original;
   double contrast = phases->grain_peak - phases->pore_peak;
-  warn_of_contrast(pipeline);
   warn_of_sharpness(&pipeline->scanner);
-  double position = (threshold - phases->pore_peak) / contrast;
-  if (position < 0.15 || position > 0.85)
+  const double position = (threshold - phases->pore_peak) / contrast;
+  const bool near_peak = position < 0.15 || position > 0.85;
+  warn_of_contrast(pipeline, near_peak);
+  if (near_peak)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
-                "check the void ratio and the region (--crop auto leaves a container out)",
+                "pores or grains are so narrow that blur leaves them no grey of their own, or the "
+                "void ratio or the region is not the specimen's (--crop auto leaves a container "
+                "out)",
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
   /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */

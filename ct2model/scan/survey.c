@@ -7,6 +7,8 @@
 #include "common/memory.h"
 
 enum { SLICES = 8, SMOOTH = 8, BINS = 4096 };
+/* Within fewer pixels of the axis a few grains look like rings and like beam hardening. */
+enum { RADII_LEAST = 48 };
 static const double ENOUGH = 1e6; /* pixels that tell the trend; a correction takes them all */
 
 /* Where the slice lies: pixel x, y of the region is at radius |(x, y) + shift|. */
@@ -289,6 +291,7 @@ enum status survey_take(const struct region *region, double porosity, bool all,
   TRY(region_read(region, numbers, survey->count, survey->sample));
   TRY(survey_phases(region, porosity, survey));
   if (!(survey->phases.contrast_to_noise > 0.0)) goto cleanup; /* segmented or of one grey */
+  if (frame.radii < RADII_LEAST) goto cleanup;
   TRY(survey_trend(&frame, survey));
   if (!isnan(survey->beam)) TRY(survey_rings(&frame, survey));
 cleanup:
