@@ -97,28 +97,35 @@ static struct solute_dispersion limit_of(const struct solute_flow *flow,
   return limit;
 }
 
-/* The limit of the lattices, and its error; of what was solved as number `i`, on so many. */
+static double part(const struct solute_solved *solved, int across) {
+  if (solved == NULL) return NAN;
+  return across ? solved->value.transverse : solved->value.longitudinal;
+}
+
+/* The limit of the lattices, and its error; of what was solved as number `i`, on so many. The
+ * error is what the two finest differ by, and no less than a quarter of what the next two do: two
+ * lattices may meet by chance. */
 static void take(const struct solute_flow *flow, const struct solute_state *state, int i,
                  double peclet, int lattices, const struct solute_result *r,
                  struct solute_closed *out) {
-  const struct solute_solved *fine = &state->solved[SOLUTE_FINE][i],
-                             *coarse = lattices > 1 ? &state->solved[SOLUTE_COARSE][i] : NULL;
   const bool order = lattices > 2 && shows_order(flow, r, peclet);
+  const struct solute_solved *fine = &state->solved[SOLUTE_FINE][i],
+                             *coarse = lattices > 1 ? &state->solved[SOLUTE_COARSE][i] : NULL,
+                             *coarsest = order ? &state->solved[SOLUTE_COARSEST][i] : NULL;
   const double cell_peclet = peclet * flow->spacing[0] / r->length;
-  const struct solute_dispersion limit =
-      coarse == NULL ? fine->value
-                     : limit_of(flow, &fine->value, &coarse->value,
-                                order ? &state->solved[SOLUTE_COARSEST][i].value : NULL);
+  const struct solute_dispersion limit = coarse == NULL
+                                             ? fine->value
+                                             : limit_of(flow, &fine->value, &coarse->value,
+                                                        coarsest != NULL ? &coarsest->value : NULL);
   memcpy(out->tensor, limit.tensor, sizeof out->tensor);
   const double value[2] = {limit.longitudinal, limit.transverse};
-  const double ours[2] = {fine->value.longitudinal, fine->value.transverse};
   double error[2];
   for (int t = 0; t < 2; t++) {
-    const double other = coarse == NULL ? NAN
-                         : t            ? coarse->value.transverse
-                                        : coarse->value.longitudinal;
+    double change = part(fine, t) - part(coarse, t);
+    if (coarsest != NULL)
+      change = fmax(fabs(change), 0.25 * fabs(part(coarse, t) - part(coarsest, t)));
     out->resolution[t] =
-        share(ours[t] - other, value[t]) * (cell_peclet > SOLUTE_CELL_PECLET ? LAYERS_SHARE : 1.0);
+        share(change, value[t]) * (cell_peclet > SOLUTE_CELL_PECLET ? LAYERS_SHARE : 1.0);
     /* Of what the flow adds to conduction, as much as the projection changed the flow. */
     out->projection[t] = flow->correction * fmin(1, share(fmax(value[t] - 1, 0), value[t]));
     out->solver = fine->value.residual;

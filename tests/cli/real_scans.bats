@@ -81,3 +81,35 @@ END
   sed -n 's/.*--crop auto: --crop //p' log-0.2 > box
   /usr/bin/python3 "$BATS_TEST_DIRNAME/round_view.py" "$slice"
 }
+
+@test "berea: how a solute spreads in a corner of it, against the Peclet number" {
+  python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"
+  ct2model build berea.tif --segmented 0 --voxel-size 5.345um --crop 0,0,0,64,64,64 --mirror none -o berea.hdf --quiet
+  cat > flow.cfg <<'END'
+scene  = { name = "berea"; };
+model  = { file = "berea.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force  = { body_acceleration = ["9.80665 m/s^2", "0", "0"]; };
+END
+  cat > solute.cfg <<'END'
+scene  = { name = "berea, solute"; };
+flow   = { file = "flow.hdf"; };
+solute = { peclet = [0.1, 1.0, 10.0]; };
+END
+  sphsolve run flow.cfg -o flow --quiet
+  sphsolve run solute.cfg -o solute --json > solute.json
+  python3 - <<'END'
+import json
+found = json.load(open("solute.json"))
+print(found)
+rest = 1 / found["tortuosity"]
+low, middle, high = found["longitudinal"]
+# Sandstones of a porosity of 0.18: F of 15 to 45 (Archie 1942, F = porosity^-m with m of 1.6 to 2.2).
+assert 15 < found["formation_factor"] < 45
+assert rest < low < middle < high and low < 1.3 * rest and high > 10 * middle
+# An error that is stated is no chance meeting of two lattices.
+assert all(error > 0.005 for error in found["longitudinal_error"] + found["transverse_error"])
+# Two grains wide: of another sample it may differ by half, and that is said.
+assert all(0.2 < share < 2 for share in found["longitudinal_sample"])
+END
+}
