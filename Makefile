@@ -18,7 +18,7 @@ say = $(if $(filter 1,$(V)),,@printf '  %-8s %s\n' $(1) $(2))
 CC = gcc
 CXX = g++
 OPT ?= -O3 -g
-WARN = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
+WARN = -Werror=implicit-function-declaration -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
 WARNXX = -Wall -Wextra -Wshadow
 SANITIZE ?=
 # Errno and traps of libm are never looked at; values stay exactly IEEE (no fast-math), and no
