@@ -191,7 +191,7 @@ cleanup:
   return status;
 }
 
-double lattice_void_ratio(const struct lattice *l) {
+double lattice_void_ratio(const struct lattice *l, double moved) {
   double pores = 0.0;
   const double h = cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
   /* Planes are added up in their order, whatever the threads. */
@@ -201,7 +201,7 @@ double lattice_void_ratio(const struct lattice *l) {
     const float *distance = l->wall_distance + k * plane;
     double sum = 0.0;
     for (size_t s = 0; s < plane; s++) {
-      const double share = 0.5 + (double)distance[s] / h;
+      const double share = 0.5 + ((double)distance[s] + moved) / h;
       sum += share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share;
     }
 #pragma omp ordered

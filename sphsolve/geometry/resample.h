@@ -30,7 +30,8 @@ void lattice_mirror_distances(struct lattice *lattice);
  * more in size afterwards; and how many of each kind there are. */
 void lattice_take_kinds(struct lattice *lattice, float offset, float least);
 
-/* Pore volume over grain volume, sites on the surface counted in part. */
-double lattice_void_ratio(const struct lattice *lattice);
+/* Pore volume over grain volume, sites on the surface counted in part; with all walls `moved` (m)
+ * into the grains. */
+double lattice_void_ratio(const struct lattice *lattice, double moved);
 
 #endif

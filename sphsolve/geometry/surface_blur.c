@@ -13,7 +13,9 @@
 #define READ_NO_MORE 3.0
 /* In spacings: a narrower blur is not resolved by the fractions of sites. */
 #define NARROWEST 0.9
-enum { TAPS_MOST = 64 };
+enum { TAPS_MOST = 64, MATCH_ROUNDS = 16 };
+/* Relative error of the matched void ratio; k moves by some three times as much. */
+#define MATCHED 1e-5
 
 static double spacing_of(const struct lattice *l) {
   return cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
@@ -54,13 +56,12 @@ static void blur(const struct lattice *l, double deviation, float *image, float 
   }
 }
 
-/* The t with share = Phi(t), 0 < share < 1: Newton's method on a first guess good to 5e-4 (Hastings
- * 1955, sheet 67). */
+/* The t with share = Phi(t), 0 < share < 1, to 1e-6: one step of Newton's method from a first guess
+ * that is good to 5e-4 (Hastings 1955, sheet 67). */
 static double normal_quantile(double share) {
   const double p = fmin(share, 1.0 - share), w = sqrt(-2.0 * log(p));
   double t = (2.30753 + 0.27061 * w) / (1.0 + w * (0.99229 + 0.04481 * w)) - w;
-  for (int i = 0; i < 2; i++)
-    t -= (0.5 * erfc(-t / sqrt(2.0)) - p) * sqrt(2.0 * M_PI) * exp(0.5 * t * t);
+  t -= (0.5 * erfc(-t / sqrt(2.0)) - p) * sqrt(2.0 * M_PI) * exp(0.5 * t * t);
   return share < 0.5 ? t : -t;
 }
 
@@ -74,16 +75,28 @@ static double distance_of(double share, double width, double old) {
   return part * t * width + (1.0 - part) * far;
 }
 
-/* Moves the walls so far that the void ratio is `wanted`. */
+/* Moves the walls so far that the void ratio is `wanted`: false position, as halved at an end that
+ * stays (Dowell, Jarratt 1971, "Illinois"), until k does not see the difference. */
 static void match_void_ratio(struct lattice *l, double wanted, double most) {
   double low = -most, high = most, moved = 0.0;
-  for (int round = 0; round < 16; round++) {
-    const float shift = (float)(0.5 * (low + high) - moved);
-    moved += (double)shift;
-#pragma omp parallel for schedule(static)
-    for (size_t s = 0; s < l->count; s++) l->wall_distance[s] += shift;
-    *(lattice_void_ratio(l) < wanted ? &low : &high) = moved;
+  double at_low = lattice_void_ratio(l, low) - wanted, at_high = lattice_void_ratio(l, high) - wanted;
+  int stays = 0;
+  for (int round = 0; round < MATCH_ROUNDS && high > low; round++) {
+    moved = at_high > at_low ? (low * at_high - high * at_low) / (at_high - at_low) : low;
+    const double at = lattice_void_ratio(l, moved) - wanted;
+    if (fabs(at) <= MATCHED * wanted) break;
+    if (at < 0.0) {
+      low = moved, at_low = at;
+      if (stays > 0) at_high *= 0.5;
+      stays = 1;
+    } else {
+      high = moved, at_high = at;
+      if (stays < 0) at_low *= 0.5;
+      stays = -1;
+    }
   }
+#pragma omp parallel for schedule(static)
+  for (size_t s = 0; s < l->count; s++) l->wall_distance[s] += (float)moved;
 }
 
 static enum status blur_walls(struct lattice *out, double deviation) {
@@ -97,7 +110,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));
   for (size_t s = 0; s < out->count; s++)
     image[s] = fminf(fmaxf(0.5f + out->wall_distance[s] / (float)h, 0.0f), 1.0f);
-  const double wanted = lattice_void_ratio(out);
+  const double wanted = lattice_void_ratio(out, 0.0);
   blur(out, deviation, image, work);
 #pragma omp parallel for schedule(static)
   for (size_t s = 0; s < out->count; s++)

@@ -71,7 +71,7 @@ static void test_balls(void **state) {
                 large, small, small - large, wanted);
   assert_true(small > 0.0 && large < 0.0);
   assert_true(fabs((small - large) / wanted - 1.0) < 0.1);
-  assert_true(fabs(lattice_void_ratio(&blurred) / lattice_void_ratio(&balls) - 1.0) < 1e-3);
+  assert_true(fabs(lattice_void_ratio(&blurred, 0.0) / lattice_void_ratio(&balls, 0.0) - 1.0) < 1e-3);
   assert_int_equal(blurred.fluid_count + blurred.wall_count, balls.count);
   lattice_free(&blurred);
   lattice_free(&balls);

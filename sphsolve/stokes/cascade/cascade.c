@@ -192,9 +192,10 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
     c->model_parts = true;
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
   }
-  /* On a finer lattice than the parts before, which resolves throats; in an open cascade, which
-   * begins with coarse ones, once more. */
-  if (u->level_count == 3 - (c->fixed > 0) || (c->fixed == 0 && u->level_count == 4))
+  /* On a finer lattice than the parts before, which resolves throats: of an open cascade, which
+   * begins with coarse ones, the fourth. One with a time to keep takes the third as well, as it may
+   * be its last. */
+  if (u->level_count == (c->fixed > 0 ? 2 : 4) || (u->level_count == 3 && isfinite(c->seconds)))
     TRY(cascade_add_scan_part(c, lattice, k, from));
   estimate(c);
 cleanup:
@@ -209,10 +210,19 @@ enum status cascade_add(struct cascade *c, const struct lattice *lattice, double
 
 enum status cascade_finish(struct cascade *c) {
   enum status status = STATUS_OK;
+  const struct uncertainty *u = &c->uncertainty;
+  struct lattice last = {0};
+  bool own = true;
+  if (c->fixed == 0 && u->level_count == 3 && !isfinite(c->seconds)) {
+    const struct error_level *level = &u->levels[u->level_count - 1];
+    TRY(cascade_lattice(c, level->spacing, &last, &own));
+    TRY(cascade_add_scan_part(c, &last, level->permeability, &c->coarse));
+  }
   if (c->uncertainty.level_count > 1 && cascade_sides_wait(c)) TRY(cascade_add_sides(c));
   if (c->uncertainty.level_count == 2 && clock_seconds() - c->started > c->seconds)
     log_info("a k with its error takes no less: two lattices, and what else moves k");
 cleanup:
+  if (!own) lattice_free(&last);
   return status;
 }
 

@@ -48,8 +48,8 @@ struct stokes_goal cascade_goal(const struct cascade *cascade);
  * solver is only looked at. */
 enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,
                         const struct stokes_solver *solver, double seconds);
-/* After the last lattice: the part of the sides, where a time was asked for. It takes as long as
- * several coarse lattices, and they come first. */
+/* After the last lattice: the part of the sides, where a time was asked for, as it takes as long as
+ * several coarse lattices, and they come first; the scan's, where the third was the last. */
 enum status cascade_finish(struct cascade *cascade);
 /* Keeps the solution of a solver, which is emptied, for the next to start from. */
 void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);

@@ -117,7 +117,7 @@ enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lat
   if (!*c->scene->model_path) return STATUS_OK;
   TRY(lattice_resample(lattice, spacing, SURFACE_STEP * spacing, &moved));
   TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &more));
-  const double change = lattice_void_ratio(&moved) - lattice_void_ratio(lattice);
+  const double change = lattice_void_ratio(&moved, 0.0) - lattice_void_ratio(lattice, 0.0);
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
   add_calibration(c->scene->model_path, &c->uncertainty);
   lattice_free(&moved);
