@@ -76,8 +76,8 @@ cleanup:
 }
 
 /* What the scanner did, and the edge response it is read from. */
-static enum status write_scanner(struct h5_file *file, const struct scanner *scanner,
-                                 bool removed) {
+static enum status write_scanner(struct h5_file *file, const struct scanner *scanner, bool removed,
+                                 size_t averaged) {
   enum status status = STATUS_OK;
   const size_t bins = EDGE_BINS;
   double distance[EDGE_BINS], response[EDGE_BINS];
@@ -94,6 +94,7 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
   TRY(write_number(file, "/scanner", "noise_correlation", scanner->noise_correlation));
   TRY(write_number(file, "/scanner", "resolution", scanner->resolution));
   TRY(write_number(file, "/scanner", "removed", removed ? 1.0 : 0.0));
+  if (removed) TRY(write_number(file, "/scanner", "averaged", (double)averaged));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:
@@ -208,7 +209,8 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
-  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed));
+  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed,
+                    pipeline->restored.scan.step));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
   file = NULL; /* commit frees it */

@@ -370,6 +370,11 @@ static enum status restore(struct pipeline *pipeline) {
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
+  if (pipeline->restored.scan.step > 1)
+    log_warning(
+        "the scan has too many voxels for its blur to be taken out of each: it is taken out "
+        "of means of %zu a side, and k is the less certain; --crop",
+        pipeline->restored.scan.step);
   TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   TRY(volume_threshold(pipeline->volume, &mirroring, e / (1.0 + e), &pipeline->solid_threshold));

@@ -33,7 +33,7 @@ enum { ROUNDS = 30, LEVELS = 255 };
 
 /* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
  * voxels are averaged as far as the blur allows. */
-static const double WORKED = 9e6, HELD = 1.5e9, FULL = 14e6;
+static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 
@@ -220,18 +220,16 @@ static void slab_restore(struct slab *slab) {
 
 /* ---- slabs of a region ---- */
 
-/* Work voxels a side: averaged, where the region is large, as far as the blur still spans nine
- * tenths of one. */
-static size_t choose_step(const struct region *region, double blur) {
+size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
   double voxels = 1.0, largest = 0.0;
   for (int d = 0; d < 3; d++) {
-    voxels *= (double)region->size[d];
-    largest = fmax(largest, region->voxel[d]);
+    voxels *= (double)size[d];
+    largest = fmax(largest, voxel[d]);
   }
   size_t step = 1;
   for (size_t s = 2; s <= 4 && voxels / pow((double)step, 3.0) > FULL; s++) {
     bool fits = blur >= 0.9 * (double)s * largest;
-    for (int d = 0; d < 3; d++) fits &= region->size[d] % s == 0;
+    for (int d = 0; d < 3; d++) fits &= size[d] % s == 0;
     if (fits) step = s;
   }
   return step;
@@ -295,7 +293,7 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   enum status status = STATUS_OK;
   struct slab slab = {0};
   struct progress progress;
-  const size_t step = choose_step(region, width);
+  const size_t step = restore_step(region->size, region->voxel, width);
   const double contrast = scanner->grain - scanner->pore;
   double voxels = 1.0, volume = 1.0, least = INFINITY;
   *restored = (struct coarse){.step = step, .unit = 1.0 / LEVELS};

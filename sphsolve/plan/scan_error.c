@@ -56,7 +56,8 @@ bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
                             .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
                             .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
                             .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
-                            .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0};
+                            .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
+                            .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
   bool known = scan->blur > 0.0 && scan->blur_error > 0.0 && scan->resolution > 0.0 && ratio > 0.0;
   if (!known) known = assume(file, scan);
   h5_close(file);
@@ -68,13 +69,14 @@ double scan_deviation(const struct scan_quality *scan) {
 }
 
 /* Where labels are all that is left, the steps between voxels and what smooths them widen pores by
- * about twice the change. A scan whose blur was left in is off by about the change itself. Where it
- * was taken out, a share of it is left, beside what the uncertainty of the blur makes (its variance
+ * about twice the change. A scan whose blur was left in is off by about the change itself, and so is
+ * one too large for its blur to be taken out of every voxel. Where it was taken out, a share of it is left, beside what the uncertainty of the blur makes (its variance
  * twice, for 95 %), and walls are rough by a length that the noise power has. */
 double scan_error(const struct scan_quality *scan, double change, double width) {
   if (scan->labels) return LABELS * (1.0 + GROWTH * fabs(change)) * fabs(change);
   const double blur = 4.0 * scan->blur_error / scan->blur;
-  const double share = scan->removed ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
+  const bool sharp = scan->removed && !scan->averaged;
+  const double share = sharp ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
   return hypot(VOXELS, hypot(share * change, ROUGH * cbrt(scan->noise_power) / width));
 }
 

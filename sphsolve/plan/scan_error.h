@@ -13,6 +13,7 @@ struct scan_quality {
   bool labels;             /* segmented before: `resolution` alone is known */
   bool assumed;            /* the scan told none of them */
   bool removed;            /* the model's surface is that of the scan without its blur */
+  bool averaged;           /* which was taken out of means of several voxels */
 };
 
 /* False where the model's file knows of no scan, or there is no file. Where the scanner could not
