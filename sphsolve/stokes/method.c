@@ -358,8 +358,10 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   result->pair_interactions = job.pairs;
   if (job.solving > 0.0) result->pair_interactions_per_second = job.pairs / job.solving;
   if (result->reynolds > 1.0)
-    log_warning("%s: Re = %.2g, but method stokes leaves inertia out; run method = \"wcsph\"",
-                scene->path, result->reynolds);
+    log_warning("%s: Re = %.2g, but method stokes leaves inertia out; %s", scene->path,
+                result->reynolds,
+                lattice->micro_porosity != NULL ? "lower the hydraulic gradient"
+                                                : "run method = \"wcsph\"");
   recorder_count_traffic(recorder);
   /* Who interrupts waits: the checkpoint has the solution, and --resume leaves the snapshot. */
   if (status == STATUS_OK)
@@ -378,11 +380,18 @@ cleanup:
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   const bool soil = context->lattice != NULL && context->lattice->micro_porosity != NULL;
   if (!(context->has_wall || soil) || context->scene->steady_tolerance == 0 ||
-      context->has_moving_wall || !(context->reynolds < REYNOLDS_CREEPING))
+      context->has_moving_wall)
     return false;
-  snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
-           context->reynolds, REYNOLDS_CREEPING);
-  return true;
+  const bool creeps = context->reynolds < REYNOLDS_CREEPING;
+  if (creeps)
+    snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
+             context->reynolds, REYNOLDS_CREEPING);
+  else if (soil)
+    snprintf(why, EFFECT_WHY,
+             "no other method takes the model's soil; Re about %.2g is not below %g, and inertia is "
+             "left out",
+             context->reynolds, REYNOLDS_CREEPING);
+  return creeps || soil;
 }
 
 static enum wall_scheme wall(const struct scene *scene) {

@@ -225,9 +225,13 @@ write("soil.hdf", .35 * soil, 1e-12 * soil)
 write("one.hdf", .35 * soil, 0 * soil)
 write("wide.hdf", .35 * soil, 1e-9 * soil)
 write("grain.hdf", .35 * soil, 1e-12 * soil, (x == 20).astype("u1"))
+write("walled.hdf", .35 * soil, 1e-12 * soil, (x < 4).astype("u1"))
 END
   sphsolve run soil.cfg -o soil-run --json > soil.json
   sphsolve explain soil.cfg | grep -q "stokes_soil_drag"
+  # Fast water too: no other method takes the soil.
+  sphsolve explain soil.cfg --set model.file=walled.hdf --set 'force.body_acceleration=["0","0","-1e6 m/s^2"]' > fast
+  grep -q "^method *stokes: no other method takes the model's soil; Re about .*inertia is left out" fast
   /usr/bin/python3 - <<'END'
 import json, math
 k, n, h, s = .01, .35, 8, 4
