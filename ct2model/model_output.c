@@ -209,8 +209,7 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
-  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed,
-                    pipeline->restored.scan.step));
+  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed, pipeline->averaged));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
   file = NULL; /* commit frees it */

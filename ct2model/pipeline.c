@@ -370,7 +370,8 @@ static enum status restore(struct pipeline *pipeline) {
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
-  if (pipeline->restored.scan.step > 1)
+  pipeline->averaged = pipeline->restored.scan.step;
+  if (pipeline->averaged > 1)
     log_warning(
         "the scan has too many voxels for its blur to be taken out of each: it is taken out "
         "of means of %zu a side, and k is the less certain; --crop",

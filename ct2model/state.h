@@ -58,7 +58,8 @@ struct pipeline {
   struct coarse coarse;         /* likewise, of a build; until the walls are measured */
   struct restored restored;     /* the scan without blur and noise */
   bool restoring;               /* whether that is tried */
-  bool blur_removed;            /* and whether it was done */
+  bool blur_removed;            /* and whether it was done, */
+  size_t averaged;              /* out of means of so many voxels a side; 1: of every voxel */
   struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
   double solid_threshold;                           /* of `volume`, which may be restored */
