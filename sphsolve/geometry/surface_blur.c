@@ -14,7 +14,7 @@
 /* In spacings: a narrower blur is not resolved by the fractions of sites. */
 #define NARROWEST 0.9
 enum { TAPS_MOST = 64, MATCH_ROUNDS = 16 };
-/* Relative error of the matched void ratio; k moves by some three times as much. */
+/* Relative error of the matched porosity; k moves by some five times as much. */
 #define MATCHED 1e-5
 
 static double spacing_of(const struct lattice *l) {
@@ -75,24 +75,29 @@ static double distance_of(double share, double width, double old) {
   return part * t * width + (1.0 - part) * far;
 }
 
-/* Moves the walls so far that the void ratio is `wanted`: false position, as halved at an end that
- * stays (Dowell, Jarratt 1971, "Illinois"), until k does not see the difference. */
-static void match_void_ratio(struct lattice *l, double wanted, double most) {
+/* Of the volume, with all walls `moved` (m) into the grains; 1 where these are gone. */
+static double porosity_of(const struct lattice *l, double moved) {
+  return 1.0 - 1.0 / (1.0 + lattice_void_ratio(l, moved));
+}
+
+/* Moves the walls so far, `most` (m) at most, that the porosity is `wanted`: false position, where
+ * the value of an end that stays twice is halved ("Illinois": Dowell, Jarratt 1971). */
+static void match_porosity(struct lattice *l, double wanted, double most) {
   double low = -most, high = most, moved = 0.0;
-  double at_low = lattice_void_ratio(l, low) - wanted, at_high = lattice_void_ratio(l, high) - wanted;
-  int stays = 0;
-  for (int round = 0; round < MATCH_ROUNDS && high > low; round++) {
-    moved = at_high > at_low ? (low * at_high - high * at_low) / (at_high - at_low) : low;
-    const double at = lattice_void_ratio(l, moved) - wanted;
-    if (fabs(at) <= MATCHED * wanted) break;
-    if (at < 0.0) {
-      low = moved, at_low = at;
-      if (stays > 0) at_high *= 0.5;
-      stays = 1;
+  double below = porosity_of(l, low) - wanted, above = porosity_of(l, high) - wanted;
+  int stayed = 0; /* the low end -1, the high one 1 */
+  for (int round = 0; round < MATCH_ROUNDS && above > below; round++) {
+    moved = (low * above - high * below) / (above - below);
+    const double off = porosity_of(l, moved) - wanted;
+    if (fabs(off) <= MATCHED * wanted) break;
+    if (off < 0.0) {
+      low = moved, below = off;
+      if (stayed == 1) above *= 0.5;
+      stayed = 1;
     } else {
-      high = moved, at_high = at;
-      if (stays < 0) at_low *= 0.5;
-      stays = -1;
+      high = moved, above = off;
+      if (stayed == -1) below *= 0.5;
+      stayed = -1;
     }
   }
 #pragma omp parallel for schedule(static)
@@ -110,14 +115,14 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));
   for (size_t s = 0; s < out->count; s++)
     image[s] = fminf(fmaxf(0.5f + out->wall_distance[s] / (float)h, 0.0f), 1.0f);
-  const double wanted = lattice_void_ratio(out, 0.0);
+  const double wanted = porosity_of(out, 0.0);
   blur(out, deviation, image, work);
 #pragma omp parallel for schedule(static)
   for (size_t s = 0; s < out->count; s++)
     out->wall_distance[s] =
         (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
   if (mirrored) lattice_mirror_distances(out);
-  match_void_ratio(out, wanted, width);
+  match_porosity(out, wanted, width);
   lattice_take_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
   memory_free(&image);

@@ -71,10 +71,28 @@ static void test_balls(void **state) {
                 large, small, small - large, wanted);
   assert_true(small > 0.0 && large < 0.0);
   assert_true(fabs((small - large) / wanted - 1.0) < 0.1);
-  assert_true(fabs(lattice_void_ratio(&blurred, 0.0) / lattice_void_ratio(&balls, 0.0) - 1.0) < 1e-3);
+  assert_true(fabs(lattice_void_ratio(&blurred, 0.0) / lattice_void_ratio(&balls, 0.0) - 1.0) <
+              1e-3);
   assert_int_equal(blurred.fluid_count + blurred.wall_count, balls.count);
   lattice_free(&blurred);
   lattice_free(&balls);
+}
+
+/* Walls so thin that they are gone where all move by the width of the blur. */
+static double sheets(const double at[3]) {
+  return fabs(at[0] - 32.3) - 0.6;
+}
+
+static void test_sheets(void **state) {
+  (void)state;
+  struct lattice walls = lattice_of(sheets), blurred;
+  double scale;
+  assert_int_equal(lattice_blur(&walls, 3.0 * H, &walls, &scale, &blurred), STATUS_OK);
+  for (size_t s = 0; s < blurred.count; s++) assert_true(isfinite(blurred.wall_distance[s]));
+  assert_true(fabs(lattice_void_ratio(&blurred, 0.0) / lattice_void_ratio(&walls, 0.0) - 1.0) <
+              0.2);
+  lattice_free(&blurred);
+  lattice_free(&walls);
 }
 
 static void test_slits(void **state) {
@@ -112,6 +130,6 @@ static void test_level(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_slits),
-                                     cmocka_unit_test(test_level)};
+                                     cmocka_unit_test(test_sheets), cmocka_unit_test(test_level)};
   return cmocka_run_group_tests_name("surface_blur", tests, NULL, NULL);
 }
