@@ -1,13 +1,16 @@
 #include "common/interrupt.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "common/log.h"
+#include "common/ranks.h"
 
 static volatile sig_atomic_t requested;
+static atomic_long questions; /* of a test: until the one that is answered with yes */
 static char said[256];
 
 static void on_signal(int number) {
@@ -37,5 +40,21 @@ void interrupt_start(const char *doing) {
 }
 
 bool interrupt_requested(void) {
+  if (atomic_load_explicit(&questions, memory_order_relaxed) > 0 &&
+      atomic_fetch_sub(&questions, 1) == 1)
+    requested = 1;
   return requested != 0;
+}
+
+bool interrupt_alone(void) {
+  return ranks_count() == 1 && interrupt_requested();
+}
+
+enum status interrupt_look(void) {
+  return interrupt_alone() ? FAIL(STATUS_INTERRUPTED, "interrupted") : STATUS_OK;
+}
+
+long interrupt_after(long n) {
+  requested = 0;
+  return atomic_exchange(&questions, n);
 }

@@ -57,6 +57,15 @@ static size_t *block_size(void *data) {
   return (size_t *)(void *)((char *)data - HEADER);
 }
 
+/* Where the memory begins in a block of 2 HEADER more bytes, its header written. */
+static void *place(char *start, size_t bytes) {
+  char *data = start + (2 * HEADER - (size_t)start % HEADER);
+  block_size(data)[0] = bytes;
+  block_size(data)[1] = (size_t)(data - HEADER - start);
+  block_size(data)[2] = 0;
+  return data;
+}
+
 enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what) {
   void *data;
   size_t bytes, with_header, held;
@@ -66,7 +75,6 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
       __builtin_add_overflow(bytes, (size_t)(2 * HEADER), &with_header))
     return FAIL(STATUS_RUN, "memory for %s: %zu x %zu bytes is more than can be addressed", what,
                 count, size);
-  with_header = with_header / HEADER * HEADER;
   bool over_limit;
   if (!reserve(bytes, &over_limit, &held)) {
     if (over_limit)
@@ -76,15 +84,13 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
                   what, (double)bytes / 1e6, (double)held / 1e6, (double)limit / 1e6);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
   }
-  char *block = aligned_alloc(HEADER, with_header);
-  if (block == NULL) {
+  /* Large blocks are new pages, which are empty, and come into being where they are first used. */
+  char *start = calloc(with_header, 1);
+  if (start == NULL) {
     release(bytes);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
   }
-  data = block + HEADER;
-  memset(data, 0, bytes);
-  block_size(data)[0] = bytes;
-  block_size(data)[1] = block_size(data)[2] = 0;
+  data = place(start, bytes);
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
 }
@@ -127,10 +133,7 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what,
                 (double)(used * size) / 1e6);
   }
-  data = start + (2 * HEADER - (size_t)start % HEADER);
-  block_size(data)[0] = used * size;
-  block_size(data)[1] = (size_t)(data - HEADER - start);
-  block_size(data)[2] = 0;
+  data = place(start, used * size);
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
 }

@@ -8,6 +8,7 @@
 #include <omp.h>
 #endif
 
+#include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/options.h"
@@ -181,6 +182,8 @@ static enum status run_scene(const struct options *options, struct job *job, con
   const bool cascade = job->plan.goal.error > 0 || job->plan.goal.seconds > 0;
   if (status == STATUS_OK && result->k > 0 && !cascade && result->error.level_count < 2)
     status = finish_error(job, result);
+  if (status == STATUS_INTERRUPTED && strcmp(result->status, "interrupted") != 0)
+    error_context(status, "k is found and kept, but not the error of its lattice");
   if (status == STATUS_OK && result->k > 0 && isnan(result->error.steadiness))
     log_warning("k: whether the flow has settled is not known, and not in its error: let "
                 "scene.end_time be longer");
@@ -255,6 +258,8 @@ static enum status run_tensor(const struct options *options, struct job *job, co
     if (options_given(options, "resume"))
       found = tensor_read_column(&job->scene, &job->lattice, wanted, path, axis, tensor);
     log_info("direction %c%s", "xyz"[axis], found ? ": its record is there already" : "");
+    /* Between two directions nothing else looks for a signal, and the next begins without one. */
+    TRY(interrupt_look());
     if (!found || turn == 3) TRY(run_scene(options, job, path, tensor, axis, result));
   }
 cleanup:

@@ -3,9 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/node_memory.h"
 #include "common/ranks.h"
+
+/* Sites between two looks for a signal. */
+#define LOOK_EVERY 65536
 
 /* A flood through the fluid that remembers how often it has gone around the box. Where it meets
  * itself with another count there is a path around, which flows if its closing vector has a
@@ -37,6 +41,7 @@ static bool flood_pore(struct flood *flood, size_t seed, size_t *count) {
   flood->label[seed] = 1;
   memset(flood->turns[seed], 0, sizeof flood->turns[seed]);
   while (head < tail && (flood->whole || !flows)) {
+    if (head % LOOK_EVERY == 0 && interrupt_alone()) break;
     const size_t site = flood->queue[head++];
     const size_t at[3] = {site % l->size[0], site / l->size[0] % l->size[1],
                           site / (l->size[0] * l->size[1])};
@@ -92,6 +97,7 @@ enum status percolation_find(const struct lattice *lattice, const double driving
     for (size_t q = 0; q < count && flood.whole; q++)
       flood.label[flood.queue[q]] = PERCOLATION_FLOWS;
   }
+  status = interrupt_look();
 cleanup:
   memory_free(&own);
   memory_free(&flood.turns);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/soil.h"
@@ -112,9 +113,11 @@ static enum status resample_distances(const struct lattice *fine, struct lattice
   TRY(memory_allocate(&planes, n[0] * n[1] * m[2], sizeof *planes, "a lattice"));
   find_taps(n[2], fine->spacing[2], m[2], out->spacing[2], taps);
   resample_axis(fine->wall_distance, n[2], n[0] * n[1], taps, m[2], 1, planes);
+  TRY(interrupt_look());
   TRY(memory_allocate(&rows, n[0] * m[1] * m[2], sizeof *rows, "a lattice"));
   find_taps(n[1], fine->spacing[1], m[1], out->spacing[1], taps);
   resample_axis(planes, n[1], n[0], taps, m[1], m[2], rows);
+  TRY(interrupt_look());
   memory_free(&planes);
   find_taps(n[0], fine->spacing[0], m[0], out->spacing[0], taps);
   resample_axis(rows, n[0], 1, taps, m[0], m[1] * m[2], out->wall_distance);
@@ -181,6 +184,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   if (fine->region)
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
   TRY(resample_distances(fine, out));
+  TRY(interrupt_look());
   if (mirrored) lattice_mirror_distances(out);
   lattice_take_kinds(out, (float)offset, (float)(1e-3 * spacing));
   if (fine->region) copy_regions(fine, out);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 
@@ -45,7 +46,7 @@ static void blur(const struct lattice *l, double deviation, float *image, float 
     const size_t n = l->size[a], wanted = (size_t)ceil(REACH * sigma);
     const size_t reach = wanted < TAPS_MOST ? wanted : TAPS_MOST;
     double sum = 0.0;
-    if (n == 1) continue;
+    if (n == 1 || interrupt_alone()) continue;
     for (size_t t = 0; t <= 2 * reach; t++)
       sum += exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0));
     for (size_t t = 0; t <= 2 * reach; t++)
@@ -86,7 +87,7 @@ static void match_porosity(struct lattice *l, double wanted, double most) {
   double low = -most, high = most, moved = 0.0;
   double below = porosity_of(l, low) - wanted, above = porosity_of(l, high) - wanted;
   int stayed = 0; /* the low end -1, the high one 1 */
-  for (int round = 0; round < MATCH_ROUNDS && above > below; round++) {
+  for (int round = 0; round < MATCH_ROUNDS && above > below && !interrupt_alone(); round++) {
     moved = (low * above - high * below) / (above - below);
     const double off = porosity_of(l, moved) - wanted;
     if (fabs(off) <= MATCHED * wanted) break;
@@ -117,12 +118,14 @@ static enum status blur_walls(struct lattice *out, double deviation) {
     image[s] = fminf(fmaxf(0.5f + out->wall_distance[s] / (float)h, 0.0f), 1.0f);
   const double wanted = porosity_of(out, 0.0);
   blur(out, deviation, image, work);
+  TRY(interrupt_look());
 #pragma omp parallel for schedule(static)
   for (size_t s = 0; s < out->count; s++)
     out->wall_distance[s] =
         (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
   if (mirrored) lattice_mirror_distances(out);
   match_porosity(out, wanted, width);
+  TRY(interrupt_look());
   lattice_take_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
   memory_free(&image);

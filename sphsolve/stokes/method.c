@@ -31,6 +31,7 @@ struct stokes_job {
   bool own;                   /* it is the run's own, not to be freed */
   struct h5_file *checkpoint; /* to go on from; NULL: none, or read */
   long iterations;            /* of the lattices before */
+  bool kept;                  /* a checkpoint was written after the signal */
   double diameter;            /* of its pores, m */
   double darcy[3], reynolds, solving, pairs;
 };
@@ -75,14 +76,17 @@ struct progress_state {
   int stalled;
 };
 
-#define CHECKPOINT_NUMBERS 12
+#define CHECKPOINT_NUMBERS 15
 
+/* Of a solve that goes on, or, where the solver's residual is gone, of the last one that is done. */
 static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
                                     const struct progress_state *state) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   size_t count = CHECKPOINT_NUMBERS, n = s->grid.active;
   char name[32];
+  const bool solved = s->residual == NULL;
+  const struct conservation *balance = &job->result->conservation;
   const double numbers[CHECKPOINT_NUMBERS] = {s->mean[0],
                                               s->mean[1],
                                               s->mean[2],
@@ -94,16 +98,20 @@ static enum status write_checkpoint(struct stokes_job *job, const struct stokes_
                                               state->best,
                                               state->stalled,
                                               (double)s->iterations,
-                                              (double)job->iterations};
+                                              (double)(job->iterations - solved * s->iterations),
+                                              balance->flux_open,
+                                              balance->force_open,
+                                              balance->power_open};
   TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
     TRY(h5_write_rows(file, name, H5_F64, 1, &n, s->x + c * n, false));
+    if (solved) continue;
     snprintf(name, sizeof name, "/state/residual%zu", c);
     TRY(h5_write_rows(file, name, H5_F32, 1, &n, s->residual + c * n, false));
   }
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
-  TRY(cascade_write(&job->cascade, file));
+  TRY(cascade_write(&job->cascade, solved, file));
   status = recorder_checkpoint_commit(job->recorder, file); /* takes the file over */
   file = NULL;
 cleanup:
@@ -111,9 +119,9 @@ cleanup:
   return status;
 }
 
-/* The solve that job->checkpoint holds, which is closed. */
+/* The solve that job->checkpoint holds, which is closed. *solved: it is done. */
 static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver *s,
-                                   struct progress_state *state) {
+                                   struct progress_state *state, bool *solved) {
   enum status status = STATUS_OK;
   struct h5_file *file = job->checkpoint;
   double *x = NULL, *numbers = NULL;
@@ -131,11 +139,13 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
              "%s: is of a run on other lattices; go on with the --error, --time or lattice.spacing "
              "that it had, or remove it to start anew",
              h5_path(file));
+  *solved = !h5_exists(file, "/state/residual0");
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
     TRY(h5_read_rows(file, name, H5_F64, 1, s->grid.active_all, s->grid.offset, &length, &x));
     if (length > 0) memcpy(s->x + c * length, x, length * sizeof *x);
     memory_free(&x);
+    if (*solved) continue;
     snprintf(name, sizeof name, "/state/residual%zu", c);
     TRY(h5_read_rows(file, name, H5_F32, 1, s->grid.active_all, s->grid.offset, &length,
                      &residual));
@@ -148,6 +158,10 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
   *state = (struct progress_state){numbers[8], (int)numbers[9]};
   s->iterations = (long)numbers[10];
   job->iterations = (long)numbers[11];
+  struct conservation *balance = &job->result->conservation;
+  balance->steady = *solved;
+  balance->flux_open = numbers[12], balance->force_open = numbers[13];
+  balance->power_open = numbers[14];
 cleanup:
   memory_free(&x);
   memory_free(&residual);
@@ -157,27 +171,24 @@ cleanup:
   return status;
 }
 
-static bool stop_requested(void *system) {
-  (void)system;
-  return interrupt_requested();
-}
-
-/* Rounds until converged, interrupted or stuck. */
-static enum status solve(struct stokes_job *job, struct stokes_solver *s) {
+/* Rounds until converged, interrupted or stuck. *solved: it was, in the run that left the
+ * checkpoint, and the balance is known. */
+static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *solved) {
   enum status status = STATUS_OK;
   const struct stokes_goal goal = cascade_goal(&job->cascade);
   struct progress_state state = {.best = INFINITY};
-  if (ranks_count() == 1) s->krylov.stop = stop_requested;
+  *solved = false;
   if (job->checkpoint != NULL) {
-    TRY(read_checkpoint(job, s, &state));
+    TRY(read_checkpoint(job, s, &state, solved));
     scale_darcy(job, s);
+    if (*solved) return STATUS_OK;
   } else {
     TRY(write_row(job, s));
   }
   while (!stokes_solver_converged(s, &goal)) {
     if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state));
     if (recorder_interrupted(job->recorder)) {
-      job->result->status = "interrupted";
+      job->kept = true;
       return FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
                   s->residual_now);
     }
@@ -241,24 +252,28 @@ static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s)
 }
 
 /* One lattice of the cascade, from its sites to its k. The solver's solution is kept by the
- * cascade, also of an interrupted one. */
+ * cascade, also of an interrupted solve; of interrupted work before it the last one stays. */
 static enum status solve_level(struct stokes_job *job, double spacing) {
   enum status status = STATUS_OK;
   struct cascade *c = &job->cascade;
   struct stokes_solver s = {0};
+  struct lattice next = {0};
+  bool own, solved, built = false;
   const double started = clock_processor_seconds();
+  TRY(cascade_lattice(c, spacing, &next, &own));
   if (!job->own) lattice_free(&job->lattice);
-  job->lattice = (struct lattice){0};
-  TRY(cascade_lattice(c, spacing, &job->lattice, &job->own));
+  job->lattice = next;
+  job->own = own;
   job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
+  built = true;
   if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
                 job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
-    status = solve(job, &s);
+    status = solve(job, &s, &solved);
     /* Of an interrupted solve too, whose own error is then the one to report. */
-    if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+    if ((status == STATUS_OK && !solved) || status == STATUS_INTERRUPTED) {
       const enum status balanced = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = balanced;
     }
@@ -269,7 +284,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   TRY(cascade_add(c, &job->lattice, spacing, &s, clock_processor_seconds() - started));
   report_level(c);
 cleanup:
-  if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+  if (built && (status == STATUS_OK || status == STATUS_INTERRUPTED)) {
     job->iterations += s.iterations;
     job->pairs += (double)s.iterations * (double)s.grid.active_all * (double)s.stencil.offset_count;
     recorder_set_fact(job->recorder, "residual", s.residual_now);
@@ -308,6 +323,22 @@ static void set_result(struct stokes_job *job) {
   result->reynolds *= scale;
 }
 
+/* After a signal that came beside a solve: a checkpoint from which the last lattice that is solved
+ * is taken up, as it was. */
+static enum status keep_solved(struct stokes_job *job) {
+  const struct stokes_solver *s = &job->cascade.coarse;
+  const struct progress_state none = {.best = INFINITY};
+  error_clear();
+  /* Not read yet, the checkpoint that the run began with stands. */
+  if (job->checkpoint != NULL) return FAIL(STATUS_INTERRUPTED, "interrupted; go on with --resume");
+  if (s->grid.active_all == 0)
+    return FAIL(STATUS_INTERRUPTED, "interrupted in the set-up: there is nothing to go on from");
+  const enum status status = write_checkpoint(job, s, &none);
+  if (status != STATUS_OK) return status;
+  return FAIL(STATUS_INTERRUPTED, "interrupted after %d lattice%s; go on with --resume",
+              job->cascade.tried, job->cascade.tried == 1 ? "" : "s");
+}
+
 /* What soil does to k. */
 static enum status add_micropores(struct stokes_job *job) {
   struct run_result *result = job->result;
@@ -318,7 +349,7 @@ static enum status add_micropores(struct stokes_job *job) {
     log_warning("%s: no soil with pores below the voxel lies on a path along the force: it carries "
                 "nothing, and k is that of the pores alone",
                 job->scene->path);
-  return soil_response_curve(&job->cascade, &job->lattice, result->k, stop_requested, m);
+  return soil_response_curve(&job->cascade, &job->lattice, result->k, m);
 }
 
 static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
@@ -337,7 +368,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     status = solve_level(&job, spacing);
   if (status == STATUS_OK) status = cascade_finish(&job.cascade);
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
-  const bool blocked = job.cascade.coarse.grid.active_all == 0;
+  const bool solved = job.cascade.coarse.grid.active_all > 0;
+  const bool blocked = status == STATUS_OK && !solved;
   if (blocked)
     log_warning("%s: no pore%s leads through the model along the force: k is 0; resolve the "
                 "throats with smaller voxels, or look at the %s",
@@ -351,8 +383,9 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     log_verbose("the last lattice closes %zu throats of the model's and opens %zu", throats.closed,
                 throats.opened);
   }
-  set_result(&job);
+  if (solved || blocked) set_result(&job);
   if (status == STATUS_OK) status = add_micropores(&job);
+  if (status == STATUS_INTERRUPTED && !job.kept) status = keep_solved(&job);
   if (status == STATUS_INTERRUPTED) result->status = "interrupted";
   result->steps = job.iterations;
   result->pair_interactions = job.pairs;

@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
@@ -189,6 +190,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
                             s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));
+  TRY(interrupt_look());
   TRY(memory_allocate(&s->x, length, sizeof *s->x, "velocity and pressure"));
   const int basis =
       stokes_solver_basis((double)lattice->count, (double)active, s->operator.soil != NULL);
@@ -198,6 +200,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   s->krylov.apply = apply;
   s->krylov.precondition = precondition;
   s->residual_now = INFINITY;
+  TRY(interrupt_look());
   stokes_solver_measure(s, true);
 cleanup:
   omp_set_num_threads(threads);

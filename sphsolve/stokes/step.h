@@ -14,7 +14,7 @@ struct stokes_goal {
 struct stokes_goal stokes_goal_of(const struct scene *scene);
 
 /* One round, a Krylov cycle until the residual is a quarter or the basis full; mean, divergence and
- * change are those after it. False where krylov.stop gave it up: nothing has changed then. */
+ * change are those after it. False where a signal has come: nothing has changed then. */
 bool stokes_solver_round(struct stokes_solver *solver);
 /* How far the mean is from where it converges to, relative, from the last rounds. */
 double stokes_solver_mean_error(const struct stokes_solver *solver);

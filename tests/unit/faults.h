@@ -122,7 +122,7 @@ static void faults_all(program run, const char *before, const char *command,
   print_message("# %s: %ld %ss, %ld of them fatal\n", command, n - 2, what, refused);
 }
 
-static void faults_both(program run, const char *before, const char *command) {
+__attribute__((unused)) static void faults_both(program run, const char *before, const char *command) {
   faults_all(run, before, command, memory_fail_after, "allocation");
   faults_all(run, before, command, output_fail_after, "write");
 }

@@ -182,6 +182,7 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
   enum status status = STATUS_OK;
   struct uncertainty *u = &c->uncertainty;
   c->tried++;
+  c->counted = u->level_count;
   if (!(k > 0.0)) return STATUS_OK;
   u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
                                                      .permeability = k,
@@ -189,8 +190,8 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
                                                      .seconds = seconds,
                                                      .iterations = from->iterations};
   if (!c->model_parts && u->level_count == 2) {
-    c->model_parts = true;
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
+    c->model_parts = true;
   }
   /* On a finer lattice than the parts before, which resolves throats: of an open cascade, which
    * begins with coarse ones, the fourth. One with a time to keep takes the third as well, as it may
@@ -293,15 +294,16 @@ cleanup:
 #define CASCADE_NUMBERS 13
 #define LEVEL_NUMBERS 5
 
-enum status cascade_write(const struct cascade *c, struct h5_file *file) {
+enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *file) {
   const struct uncertainty *u = &c->uncertainty;
+  const int levels = solved ? c->counted : u->level_count;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
-      c->tried,       u->level_count, c->model_parts, u->slope_void_ratio,
+      c->tried - solved, levels,     c->model_parts, u->slope_void_ratio,
       u->void_ratio,  u->threshold,   u->model,       u->slope_threshold,
       u->sides,       u->slope_blur,  u->scan,        u->sides_closed,
       u->blur_assumed};
   size_t count = CASCADE_NUMBERS;
-  for (int i = 0; i < u->level_count; i++) {
+  for (int i = 0; i < levels; i++) {
     const struct error_level *l = &u->levels[i];
     numbers[count++] = l->spacing;
     numbers[count++] = l->permeability;

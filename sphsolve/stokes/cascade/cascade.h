@@ -20,6 +20,7 @@ struct cascade {
   double started;              /* clock, s */
   int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
   int tried;                   /* lattices so far, those without a flow included */
+  int counted;                 /* levels of the estimate before the last of them */
   const char *ended;           /* why it ends short of what was wanted, in words; NULL */
   bool model_parts;            /* the parts by void ratio and model voxels are found */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
@@ -53,8 +54,9 @@ enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, 
 enum status cascade_finish(struct cascade *cascade);
 /* Keeps the solution of a solver, which is emptied, for the next to start from. */
 void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);
-/* To and from a checkpoint. */
-enum status cascade_write(const struct cascade *cascade, struct h5_file *file);
+/* To and from a checkpoint. `solved`: it holds the solution of the last lattice added, which is the
+ * next one for who reads it; else of one that is not added yet. */
+enum status cascade_write(const struct cascade *cascade, bool solved, struct h5_file *file);
 enum status cascade_read(struct cascade *cascade, struct h5_file *file);
 /* What the next lattice will take, s of processor time. */
 double cascade_next_seconds(const struct cascade *cascade);

@@ -58,14 +58,16 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
     status = stokes_solver_run(&s, goal);
     if (status == STATUS_OK) *k = cascade_permeability(&s);
   }
-  if (status != STATUS_OK && status != STATUS_INTERRUPTED)
+  if (status != STATUS_OK && status != STATUS_INTERRUPTED) {
     log_warning("a part of the error of k is not known: %s", error_message());
-  error_clear();
+    error_clear();
+    status = STATUS_OK;
+  }
   if (keep && *k > 0.0)
     cascade_keep(c, &s);
   else
     stokes_solver_free(&s);
-  return STATUS_OK;
+  return status;
 }
 
 /* The error of the void ratio, from the model's file, times the slope d ln k / de found here. */

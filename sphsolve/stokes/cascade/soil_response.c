@@ -97,8 +97,8 @@ void soil_response_describe(const struct lattice *l, struct micropores *m) {
 
 /* One point of the curve, from the solution of another; `s` is its own afterwards, stripped. */
 static enum status solve_point(const struct cascade *c, const struct lattice *lattice,
-                               const struct stokes_solver *from, bool (*stop)(void *),
-                               struct micropores_point *point, struct stokes_solver *s) {
+                               const struct stokes_solver *from, struct micropores_point *point,
+                               struct stokes_solver *s) {
   enum status status = STATUS_OK;
   struct lattice scaled;
   const struct stokes_goal goal = cascade_goal(c);
@@ -107,7 +107,6 @@ static enum status solve_point(const struct cascade *c, const struct lattice *la
   TRY(cascade_build(c, &scaled, c->plan->context.method->wall(c->scene), s));
   memcpy(s->x, from->x, n * sizeof *s->x);
   stokes_solver_restart(s);
-  if (ranks_count() == 1) s->krylov.stop = stop;
   TRY(stokes_solver_run(s, &goal));
   point->k = along_force(s) * s->stencil.unit * s->stencil.unit;
   TRY(soil_response_measure(s, &scaled, point));
@@ -117,7 +116,7 @@ cleanup:
 }
 
 enum status soil_response_curve(const struct cascade *c, const struct lattice *lattice, double k,
-                                bool (*stop)(void *), struct micropores *m) {
+                                struct micropores *m) {
   enum status status = STATUS_OK;
   const double own = along_force(&c->coarse) * c->coarse.stencil.unit * c->coarse.stencil.unit;
   const int count = c->scene->micro.factor_count;
@@ -133,7 +132,7 @@ enum status soil_response_curve(const struct cascade *c, const struct lattice *l
       struct micropores_point point = {.factor = c->scene->micro.factors[up ? i : count - 1 - i]};
       if (point.factor == 1.0 || (point.factor > 1.0) != up) continue;
       stokes_solver_free(to);
-      status = solve_point(c, lattice, from, stop, &point, to);
+      status = solve_point(c, lattice, from, &point, to);
       if (status == STATUS_OK) {
         point.k *= k / own;
         micropores_add(m, &point);

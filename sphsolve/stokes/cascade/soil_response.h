@@ -31,6 +31,6 @@ void soil_response_describe(const struct lattice *lattice, struct micropores *mi
  * solution kept. k is that of each over the last lattice's own, times `k`. A solve that fails
  * leaves its point out, with a warning. */
 enum status soil_response_curve(const struct cascade *cascade, const struct lattice *lattice,
-                                double k, bool (*stop)(void *), struct micropores *micropores);
+                                double k, struct micropores *micropores);
 
 #endif

@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 
 void stokes_solver_strip(struct stokes_solver *s) {
@@ -63,7 +64,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
       coarse->acceleration * coarse->stencil.unit / (fine->acceleration * fine->stencil.unit);
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    if (grid->row_start[row] == grid->row_start[row + 1]) continue;
+    if (grid->row_start[row] == grid->row_start[row + 1] || interrupt_alone()) continue;
     float *own = rows + 4 * block * (size_t)omp_get_thread_num(), share[3];
     size_t j[2], k[2], i[2], n = grid->row_start[row];
     const double y = ((double)(row % grid->size[1]) + 0.5) * ratio[1] - 0.5;
@@ -93,6 +94,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
       n++;
     }
   }
+  TRY(interrupt_look());
   stokes_solver_restart(fine);
 cleanup:
   memory_free(&rows);

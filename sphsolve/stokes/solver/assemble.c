@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 #include "sphsolve/stokes/effects/wall_subvoxel.h"
@@ -247,7 +248,7 @@ static enum status build_sites(struct stokes_operator *op) {
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
     uint8_t *inner = lines + (size_t)omp_get_thread_num() * length, *line = inner + nx;
-    if (n == grid->row_start[row + 1]) continue;
+    if (n == grid->row_start[row + 1] || interrupt_alone()) continue;
     find_inner(op, row, line, inner);
     struct site_sums alike = {0}; /* of the row's last site with soil as its own all around */
     size_t known = SIZE_MAX;      /* that site */
@@ -266,6 +267,7 @@ static enum status build_sites(struct stokes_operator *op) {
       store(op, n++, &sums);
     }
   }
+  status = interrupt_look();
 cleanup:
   memory_free(&lines);
   return status;
@@ -354,10 +356,11 @@ static enum status build_edges(struct stokes_operator *op) {
   start = op->edge_start;
 #pragma omp parallel for schedule(dynamic, 16)
   for (size_t row = begin; row < end; row++)
-    for (size_t i = 0; i < nx; i++) {
+    for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
       if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i)) start[row + 1]++;
     }
+  TRY(interrupt_look());
   for (size_t row = 0; row < grid->rows; row++) start[row + 1] += start[row];
   const size_t count = start[grid->rows];
   TRY(memory_allocate(&op->edges, count, sizeof *op->edges, "edges of the pores"));
@@ -366,6 +369,7 @@ static enum status build_edges(struct stokes_operator *op) {
 #pragma omp parallel for schedule(dynamic, 16)
   for (size_t row = begin; row < end; row++) {
     size_t n = 0, e = start[row];
+    if (interrupt_alone()) continue;
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
@@ -376,6 +380,7 @@ static enum status build_edges(struct stokes_operator *op) {
       n++;
     }
   }
+  status = interrupt_look();
 cleanup:
   return status;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/ranks.h"
 
@@ -18,7 +19,7 @@ enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_kryl
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
   k->alone = false;
-  k->basis = NULL, k->work = NULL, k->partial = NULL, k->stop = NULL;
+  k->basis = NULL, k->work = NULL, k->partial = NULL;
   TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
                       "Krylov basis"));
   TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
@@ -90,9 +91,10 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
   g[0] = start;
   int n = 0;
   while (n < k->basis_max && !(*reached <= reduction)) {
-    if (k->stop != NULL && k->stop(k->system)) return 0;
+    if (interrupt_alone()) return 0;
     float *w = k->basis + (size_t)(n + 1) * k->length;
     k->precondition(k->system, k->basis + (size_t)n * k->length, w, k->work);
+    if (interrupt_alone()) return 0;
     k->apply(k->system, k->work, w);
     if (n == 0) scale(k, unit, w);
     for (int i = 0; i <= n; i++) {
@@ -116,7 +118,7 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     n++;
     *reached = fabs(g[n]) / start;
   }
-  if (n == 0) return 0;
+  if (n == 0 || interrupt_alone()) return 0;
   /* What is left: g[n] times the last unit vector, turned back by the rotations. */
   double left[BASIS_MAX + 1] = {0.0};
   left[n] = g[n];

@@ -18,18 +18,17 @@ struct stokes_krylov {
   void *system;
   void (*apply)(void *system, const float *x, float *y);                     /* y = K x */
   void (*precondition)(void *system, const float *x, float *work, float *y); /* y = M^-1 x */
-  bool (*stop)(void *system); /* asked before each iteration; true gives the correction up */
 };
 
-/* Room for vectors of `length` floats; apply, precondition and stop are the caller's to set. Free
+/* Room for vectors of `length` floats; apply and precondition are the caller's to set. Free
  * with stokes_krylov_free. */
 enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *krylov);
 void stokes_krylov_free(struct stokes_krylov *krylov);
 
 /* x += correction with K correction ~ residual, until the residual has shrunk by `reduction` or
  * the basis is full. The residual is the first vector of the basis, and becomes what is left of it.
- * Returns the iterations; *reached the shrinkage. 0 iterations: given up, x and the residual are
- * what they were. */
+ * Returns the iterations; *reached the shrinkage. 0 iterations: given up as a signal has come
+ * (common/interrupt), x and the residual are what they were. */
 int stokes_krylov_correct(struct stokes_krylov *krylov, double reduction, double *x,
                           double *reached);
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/solver/darcy.h"
@@ -38,6 +39,7 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
   }
   rho = start = ranks_sum(rho);
   for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
+    TRY(interrupt_look());
     stokes_operator_apply_viscous(op, -1, d, Ad);
     const float alpha = (float)(rho / dot(n, d, Ad));
     double next = 0.0;
@@ -112,7 +114,7 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
 }
 
 /* Couplings between neighbouring blocks from the faces between active sites. */
-static void fill_levels(struct stokes_preconditioner *pc) {
+static enum status fill_levels(struct stokes_preconditioner *pc) {
   struct stokes_operator *op = pc->op;
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], *size = grid->size;
@@ -136,7 +138,7 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   restrict_packed(pc, pc->kappa, false, v, v->mass);
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % size[1], k = row / size[1];
-    for (size_t i = 0; i < nx; i++) {
+    for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
       const float here = kappa[row * grid->stride + i];
       if (here == 0.0f) continue;
       const size_t at[3] = {i, j, k};
@@ -168,6 +170,7 @@ static void fill_levels(struct stokes_preconditioner *pc) {
   }
   stokes_multigrid_coarsen(&pc->velocity);
   stokes_multigrid_coarsen(&pc->pressure);
+  return interrupt_look();
 }
 
 enum status stokes_preconditioner_build(struct stokes_operator *op,
@@ -184,7 +187,7 @@ enum status stokes_preconditioner_build(struct stokes_operator *op,
   const int shared = STOKES_SHARED_LEVELS - 1;
   TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->velocity));
   TRY(stokes_multigrid_build(coarse, &op->grid->slabs, shared, &pc->pressure));
-  fill_levels(pc);
+  TRY(fill_levels(pc));
   return STATUS_OK;
 cleanup:
   stokes_preconditioner_free(pc);

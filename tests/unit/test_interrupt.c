@@ -1,0 +1,149 @@
+/* Ctrl-C in every stage of a run: sphsolve is told to stop at its n-th look for a signal, for n all
+ * through the run, and what --resume makes of what was left is, bit for bit, the run that was never
+ * stopped. No clock decides here. */
+#include "faults.h"
+
+#include <math.h>
+
+#include "common/interrupt.h"
+#include "common/model_file.h"
+
+int sphsolve_main(int argc, char **argv);
+#define main sphsolve_main
+#include "sphsolve/sphsolve.c"
+#undef main
+
+enum { N = 14, STOPS = 12 };
+#define SPACING 1e-5
+#define MANY 100000000L
+
+static double periodic(double x) {
+  return x - N * round(x / N);
+}
+
+/* Two spheres in a periodic box, as of a scan with a blur, so that all parts of the error are
+ * solved for. */
+static void write_spheres(void) {
+  static float distance[N * N * N];
+  static uint8_t solid[N * N * N];
+  const double centre[2][3] = {{3.7, 4.3, 3.5}, {10.8, 9.9, 10.2}}, radius[2] = {4.4, 3.6};
+  for (size_t i = 0; i < N * N * N; i++) {
+    const double x[3] = {(double)(i % N), (double)(i / N % N), (double)(i / N / N)};
+    double least = INFINITY;
+    for (int s = 0; s < 2; s++) {
+      double square = 0.0;
+      for (int a = 0; a < 3; a++) square += pow(periodic(x[a] - centre[s][a]), 2.0);
+      least = fmin(least, sqrt(square) - radius[s]);
+    }
+    distance[i] = (float)(SPACING * least);
+    solid[i] = least <= 0.0;
+  }
+  const struct voxel_model model = {.size = {N, N, N},
+                                    .spacing = {SPACING, SPACING, SPACING},
+                                    .periodic = {true, true, true},
+                                    .solid = solid,
+                                    .wall_distance = distance};
+  static const char *const names[] = {"contrast_to_noise", "noise_correlation", "blur",
+                                      "blur_uncertainty",  "resolution",        "removed"};
+  const double values[] = {5.0, 0.5 * SPACING, SPACING, 0.1 * SPACING, SPACING, 1.0};
+  struct h5_file *file;
+  assert_int_equal(h5_create("model.hdf", &file), STATUS_OK);
+  assert_int_equal(model_write(file, &model), STATUS_OK);
+  assert_int_equal(h5_write_attribute_text(file, "/model", "sides", "periodic"), STATUS_OK);
+  assert_int_equal(h5_make_group(file, "/scanner"), STATUS_OK);
+  for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+    assert_int_equal(h5_write_attribute(file, "/scanner", names[i], H5_F64, 1, &values[i]),
+                     STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  FILE *scene = fopen("scene.cfg", "w");
+  fputs("scene = { method = \"stokes\"; };\nmodel = { file = \"model.hdf\"; };\n"
+        "fluids = ( { density = \"1000 kg/m^3\"; viscosity = \"1e-3 Pa s\"; } );\n"
+        "force = { body_acceleration = [\"0\", \"0\", \"-9.8 m/s^2\"]; };\n",
+        scene);
+  fclose(scene);
+}
+
+/* What a run found: numbers of its record, and a sum of all velocities with weights. */
+enum { NUMBERS = 10 };
+struct found {
+  double of[NUMBERS], balance[2], flow;
+};
+
+static struct found read_found(void) {
+  static const char *const names[NUMBERS] = {"k",        "k_low",      "k_high",     "k_finest",
+                                             "k_solver_error", "reynolds", "residual", "divergence",
+                                             "iterations", "sites_solved"};
+  struct found found = {.flow = 0.0};
+  struct h5_file *file;
+  float *velocity = NULL;
+  size_t dims[4];
+  assert_int_equal(h5_open("out.hdf", &file), STATUS_OK);
+  for (int i = 0; i < NUMBERS; i++) found.of[i] = h5_attribute_or_nan(file, "/run", names[i]);
+  found.balance[0] = h5_attribute_or_nan(file, "/run/ledger", "flux_open");
+  found.balance[1] = h5_attribute_or_nan(file, "/run/ledger", "force_open");
+  h5_close(file);
+  assert_int_equal(h5_open("out-image.hdf", &file), STATUS_OK);
+  assert_int_equal(h5_read(file, "/VTKHDF/PointData/velocity", H5_F32, 4, dims, &velocity),
+                   STATUS_OK);
+  h5_close(file);
+  for (size_t i = 0; i < dims[0] * dims[1] * dims[2] * dims[3]; i++)
+    found.flow += (double)velocity[i] * (double)(1 + i % 7);
+  memory_free(&velocity);
+  return found;
+}
+
+/* The run's looks for a signal. */
+static long run_whole(const char *command, int code) {
+  interrupt_after(MANY);
+  assert_int_equal(faults_run(sphsolve_main, command), code);
+  return MANY - interrupt_after(0);
+}
+
+static void stop_everywhere(const char *options) {
+  char start[200], resume[220];
+  snprintf(start, sizeof start, "sphsolve run scene.cfg -o out --threads 1 --quiet %s", options);
+  snprintf(resume, sizeof resume, "%s --resume", start);
+  faults_clear();
+  const long looks = run_whole(start, 0);
+  const struct found whole = read_found();
+  for (int i = 0; i < NUMBERS; i++) assert_true(isfinite(whole.of[i]));
+  assert_true(isfinite(whole.balance[0]) && isfinite(whole.balance[1]));
+  for (int i = 0; i < STOPS; i++) {
+    const long n = 1 + (looks - 1) * i / (STOPS - 1);
+    faults_clear();
+    const size_t held = memory_in_use();
+    interrupt_after(n);
+    assert_int_equal(faults_run(sphsolve_main, start), 130);
+    interrupt_after(0);
+    assert_int_equal(memory_in_use(), held);
+    faults_check_files(".", "look", n);
+    const long left = run_whole(resume, 0);
+    /* Coarser lattices are not solved again, only the last one is set up anew. */
+    if (n > looks * 9 / 10 && left > looks / 2) fail_msg("look %ld of %ld: %ld after it", n, looks, left);
+    const struct found again = read_found();
+    if (memcmp(&whole, &again, sizeof whole) != 0)
+      fail_msg("look %ld of %ld: k is %.17g, not %.17g", n, looks, again.of[0], whole.of[0]);
+  }
+  print_message("# %s: %ld looks\n", start, looks);
+}
+
+static void test_cascade(void **state) {
+  (void)state;
+  stop_everywhere("--error 1%");
+}
+static void test_fixed_lattices(void **state) {
+  (void)state;
+  stop_everywhere("");
+}
+
+static int start_folder(void **state) {
+  const int failed = faults_start(state);
+  if (!failed) write_spheres();
+  return failed;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cascade),
+                                     cmocka_unit_test(test_fixed_lattices)};
+  return cmocka_run_group_tests(tests, start_folder, faults_end);
+}
