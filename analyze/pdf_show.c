@@ -196,8 +196,10 @@ static void write_references(const json_t *json, FILE *stream) {
   json_array_foreach(json_object_get(json, "references"), r, reference) {
     const json_t *density = json_object_get(reference, "density");
     fprintf(stream, "$reference%zu << EOD\n", r);
-    json_array_foreach(json_object_get(reference, "normalised_velocity"), i, x) fprintf(
-        stream, "%.6g %.8g\n", json_number_value(x), json_number_value(json_array_get(density, i)));
+    json_array_foreach(json_object_get(reference, "normalised_velocity"), i, x) {
+      fprintf(stream, "%.6g %.8g\n", json_number_value(x),
+              json_number_value(json_array_get(density, i)));
+    }
     fputs("EOD\n", stream);
   }
 }
