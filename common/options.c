@@ -306,7 +306,7 @@ static enum status check_operands(const struct options *options) {
   const struct option_command *command = options->command;
   const char *program = options->table->program;
   const size_t n = options->operand_count;
-  if (n < (size_t)command->operands_min)
+  if (n < (size_t)command->operands_min) // NOLINT: the command is known here
     return FAIL(STATUS_USAGE, "%s: too few arguments; usage: %s %s %s", command->name, program,
                 command->name, command->synopsis);
   if (command->operands_max >= 0 && n > (size_t)command->operands_max)
@@ -364,6 +364,7 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     if (options->given_count == VALUE_MAX)
       TRY_FAIL(STATUS_USAGE, "more than %d options", VALUE_MAX);
     /* A value that may be left out stands behind a space too, where it cannot be a file's name. */
+    // NOLINTNEXTLINE: no entry is refused above
     if (entry->metavar != NULL && entry->metavar[0] == '[' && optarg == NULL)
       optarg = optind < count && is_number_or_pairs(words[optind]) ? words[optind++] : "";
     if (strcmp(entry->name, "output") == 0 && optarg != NULL && strcmp(optarg, "-") == 0)

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* memmem */
+#define _GNU_SOURCE /* memmem */ // NOLINT: the name is the library's
 #include "common/output_guard.h"
 
 #include <ctype.h>

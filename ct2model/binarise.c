@@ -361,6 +361,7 @@ static double model_surface(const struct voxel_model *model) {
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
   for (size_t line = 0; line < n[1] * n[2]; line++)
     for (size_t x = 0; x < n[0]; x++) {
+      // NOLINTNEXTLINE: there is a line
       const size_t at[3] = {x, line % n[1], line / n[1]}, i = line * n[0] + x;
       for (int a = 0; a < 3; a++) {
         const size_t next = at[a] + 1 < n[a] ? i + step[a] : i - (n[a] - 1) * step[a];

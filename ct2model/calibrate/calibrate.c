@@ -246,7 +246,7 @@ static void count_digits(const float *volume, const struct mirroring *mirroring,
 #pragma omp for schedule(static)
     for (size_t row = 0; row < ny * mirroring->size[2]; row++) {
       const unsigned often = mirroring_count(mirroring, 1, row % ny) * // NOLINT: there is a row
-                             mirroring_count(mirroring, 2, row / ny);
+                             mirroring_count(mirroring, 2, row / ny);  // NOLINT: there is a row
       for (size_t x = 0; x < nx; x++) {
         const uint32_t k = key_of(volume[row * nx + x]);
         const unsigned count = often * mirroring_count(mirroring, 0, x);

@@ -37,6 +37,7 @@ static double wall_length(const float *slices, size_t count, const size_t size[2
   const size_t nx = size[0], ny = size[1];
   uint64_t length = 0;
   for (size_t row = 0; row < count * ny; row++) {
+    // NOLINTNEXTLINE: there is a row
     const float *at = slices + row * nx, *slice = slices + row / ny * nx * ny;
     const size_t y = row % ny;
     for (size_t x = 0; x < nx; x++) {

@@ -12,7 +12,7 @@
  * 21 to 1e-3 and 31 to 1e-4; times STRAIGHT between straight walls, times ADAMI with those walls.
  * The error of k goes with the square of the residual. */
 #define ITERATIONS_DECADE 9.5
-#define ITERATIONS_FIRST -7.0
+#define ITERATIONS_FIRST (-7.0)
 #define STRAIGHT 0.5
 #define ADAMI 1.8
 /* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */

@@ -68,6 +68,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
     float *own = rows + 4 * block * (size_t)omp_get_thread_num(), share[3];
     size_t j[2], k[2], i[2], n = grid->row_start[row];
     const double y = ((double)(row % grid->size[1]) + 0.5) * ratio[1] - 0.5;
+    // NOLINTNEXTLINE: whole rows
     const double z = ((double)(row / grid->size[1]) + 0.5) * ratio[2] - 0.5;
     find_pair(y, from->size[1], j, &share[1]);
     find_pair(z, from->size[2], k, &share[2]);
