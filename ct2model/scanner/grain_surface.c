@@ -1,0 +1,86 @@
+#include "ct2model/scanner/grain_surface.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "common/variants.h"
+#include "ct2model/scanner/grains.h"
+
+/* |grad u| is sqrt(|grad u|^2 + ROUNDING^2). */
+#define ROUNDING 0.1F
+
+/* Rows beside one, which is taken again where there are none. */
+struct rows {
+  const float *y_next, *y_last, *z_next, *z_last;
+};
+
+/* weight = cost / |grad u|, forward differences; at a contact u falls to 0 on both sides. */
+TARGETS static void find_weights(const float *restrict u, const struct rows *near,
+                                 const uint8_t *restrict contact, const float inverse[3],
+                                 float cost, size_t n, float *restrict weight) {
+  const float *restrict y_next = near->y_next, *restrict z_next = near->z_next;
+  for (size_t x = 0; x < n; x++) {
+    const unsigned c = contact[x];
+    const float next = x + 1 < n ? u[x + 1] : u[x];
+    const float dx = (c & GRAINS_NEXT(0) ? 0.0F : next) - u[x];
+    const float dy = (c & GRAINS_NEXT(1) ? 0.0F : y_next[x]) - u[x];
+    const float dz = (c & GRAINS_NEXT(2) ? 0.0F : z_next[x]) - u[x];
+    const float ex = c & GRAINS_LAST(0) ? u[x] : 0.0F;
+    const float ey = c & GRAINS_LAST(1) ? u[x] : 0.0F;
+    const float ez = c & GRAINS_LAST(2) ? u[x] : 0.0F;
+    weight[x] = cost / sqrtf((dx * dx + ex * ex) * inverse[0] + (dy * dy + ey * ey) * inverse[1] +
+                             (dz * dz + ez * ez) * inverse[2] + ROUNDING * ROUNDING);
+  }
+}
+
+/* downhill += the divergence of weight grad u. */
+TARGETS static void add_pull(const float *restrict u, const struct rows *near,
+                             const uint8_t *restrict contact, const float *restrict weight,
+                             const float *restrict weight_y, const float *restrict weight_z,
+                             const float inverse[3], size_t n, float *restrict downhill) {
+  const float *restrict y_next = near->y_next, *restrict y_last = near->y_last;
+  const float *restrict z_next = near->z_next, *restrict z_last = near->z_last;
+  for (size_t x = 0; x < n; x++) {
+    const unsigned c = contact[x];
+    const float w = weight[x];
+    const float up = w * ((c & GRAINS_NEXT(1) ? 0.0F : y_next[x]) - u[x]);
+    const float down = c & GRAINS_LAST(1) ? w * u[x] : weight_y[x] * (u[x] - y_last[x]);
+    const float above = w * ((c & GRAINS_NEXT(2) ? 0.0F : z_next[x]) - u[x]);
+    const float below = c & GRAINS_LAST(2) ? w * u[x] : weight_z[x] * (u[x] - z_last[x]);
+    downhill[x] += inverse[1] * (up - down) + inverse[2] * (above - below);
+  }
+  for (size_t x = 0; x + 1 < n; x++) {
+    const bool apart = contact[x] & GRAINS_NEXT(0);
+    const float here = inverse[0] * weight[x] * ((apart ? 0.0F : u[x + 1]) - u[x]);
+    downhill[x] += here;
+    downhill[x + 1] -= apart ? inverse[0] * weight[x + 1] * u[x + 1] : here;
+  }
+}
+
+double grain_surface_stiffness(const struct grain_surface *surface) {
+  return 12.0 * surface->cost / (double)ROUNDING;
+}
+
+void grain_surface_pull(const struct grain_surface *surface, const float *share, float *work,
+                        float *downhill) {
+  const size_t nx = surface->size[0], ny = surface->size[1], nz = surface->size[2];
+  float inverse[3];
+  for (int d = 0; d < 3; d++) inverse[d] = (float)(1.0 / pow(surface->stretch[d], 2.0));
+#pragma omp parallel
+  for (int part = 0; part < 2; part++) {
+#pragma omp for schedule(static)
+    for (size_t row = 0; row < ny * nz; row++) {
+      const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
+      const float *at = share + row * nx;
+      float *weight = work + row * nx;
+      const struct rows near = {y + 1 < ny ? at + nx : at, y > 0 ? at - nx : at,
+                                z + 1 < nz ? at + ny * nx : at, z > 0 ? at - ny * nx : at};
+      const uint8_t *contact = surface->contacts + row * nx;
+      if (part == 0)
+        find_weights(at, &near, contact, inverse, (float)surface->cost, nx, weight);
+      else
+        add_pull(at, &near, contact, weight, y > 0 ? weight - nx : weight,
+                 z > 0 ? weight - ny * nx : weight, inverse, nx, downhill + row * nx);
+    }
+  }
+}

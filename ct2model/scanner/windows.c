@@ -1,0 +1,186 @@
+#include "ct2model/scanner/windows.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scanner/edge_response.h"
+#include "ct2model/scanner/gaussian.h"
+
+enum { SIDE = 96, DEPTH = 40 };
+
+static size_t window_voxels(const struct window *window) {
+  return window->size[0] * window->size[1] * window->size[2];
+}
+
+void windows_end(struct windows *all) {
+  for (size_t i = 0; i < all->count; i++) {
+    memory_free(&all->window[i].grey);
+    memory_free(&all->window[i].smooth);
+    memory_free(&all->window[i].distance);
+    memory_free(&all->window[i].work);
+  }
+  all->count = 0;
+}
+
+static enum status window_start(struct window *window) {
+  enum status status = STATUS_OK;
+  const size_t n = window_voxels(window);
+  window->grey = window->smooth = window->distance = window->work = NULL;
+  TRY(memory_allocate(&window->grey, n, sizeof(float), "a window of the scan"));
+  TRY(memory_allocate(&window->smooth, n, sizeof(float), "a window of the scan"));
+  TRY(memory_allocate(&window->distance, n, sizeof(float), "a window of the scan"));
+  TRY(memory_allocate(&window->work, n, sizeof(float), "a window of the scan"));
+cleanup:
+  return status;
+}
+
+static enum status window_read(const struct region *region, struct window *window) {
+  enum status status = STATUS_OK;
+  const size_t plane = region->size[0] * region->size[1];
+  const size_t nx = window->size[0], ny = window->size[1];
+  float *slice = NULL;
+  TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
+  for (size_t z = 0; z < window->size[2]; z++) {
+    const size_t number = window->first[2] + z;
+    TRY(region_read(region, &number, 1, slice));
+    for (size_t y = 0; y < ny; y++)
+      memcpy(window->grey + (z * ny + y) * nx,
+             slice + (window->first[1] + y) * region->size[0] + window->first[0],
+             nx * sizeof *slice);
+  }
+cleanup:
+  memory_free(&slice);
+  return status;
+}
+
+enum status windows_read(const struct region *region, const struct grey_phases *phases,
+                         struct windows *all) {
+  enum status status = STATUS_OK;
+  const double contrast = phases->grain_peak - phases->pore_peak;
+  *all = (struct windows){.region = region, .pore = phases->pore_peak, .grain = phases->grain_peak};
+  all->unit = fmin(region->voxel[0], fmin(region->voxel[1], region->voxel[2]));
+  for (int d = 0; d < 3; d++) all->stretch[d] = region->voxel[d] / all->unit;
+  /* No more than would see all of the region twice. */
+  double times = 1.0;
+  for (int d = 0; d < 3; d++)
+    times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? SIDE : DEPTH));
+  const size_t wanted = times > 1.0 ? (size_t)fmin(fmax(ceil(2.0 * times), 3.0), WINDOWS) : 1;
+  for (size_t i = 0; i < wanted; i++) {
+    struct window *window = &all->window[i];
+    const size_t last = wanted - 1, spread = i * (WINDOWS - 1) / (last > 0 ? last : 1);
+    const size_t part[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
+    size_t n = 1;
+    all->count++;
+    for (int d = 0; d < 3; d++) {
+      const size_t most = d < 2 ? SIDE : DEPTH, whole = region->size[d];
+      window->size[d] = whole < most ? whole : most;
+      window->first[d] = wanted > 1 ? (whole - window->size[d]) * part[d] / (WINDOWS - 1) : 0;
+      if (window->first[d] + window->size[d] > whole) window->first[d] = whole - window->size[d];
+      n *= window->size[d];
+    }
+    TRY(window_start(window));
+    TRY(window_read(region, window));
+    for (size_t v = 0; v < n; v++)
+      window->grey[v] = (float)(((double)window->grey[v] - all->pore) / contrast);
+  }
+cleanup:
+  return status;
+}
+
+/* Smoothing that leaves noise of a tenth of the contrast, so that surfaces are found where they are
+ * and not where noise is; noise correlated over 0.7 voxels is taken for granted. A voxel at least:
+ * a distance from the voxel's own grey would know of its noise, and edges look sharper. */
+static double choose_smoothing(double noise_ratio) {
+  static const double TRIED[] = {1.0, 1.4, 2.0};
+  for (size_t i = 0; i + 1 < sizeof TRIED / sizeof *TRIED; i++)
+    if (pow(0.49 / (0.49 + TRIED[i] * TRIED[i]), 0.75) / noise_ratio < 0.1) return TRIED[i];
+  return 2.0;
+}
+
+enum status windows_find_surfaces(struct windows *all, double contrast_to_noise) {
+  enum status status = STATUS_OK;
+  const double smoothing = choose_smoothing(contrast_to_noise);
+  const double sigma[3] = {smoothing / all->stretch[0], smoothing / all->stretch[1],
+                           smoothing / all->stretch[2]};
+  for (size_t i = 0; i < all->count; i++) {
+    struct window *w = &all->window[i];
+    gaussian_filter(w->grey, w->size, sigma, w->work, w->smooth);
+    if (w->size[2] < 2 || w->size[0] < 8 || w->size[1] < 8) { /* no volume to find surfaces in */
+      for (size_t v = 0; v < window_voxels(w); v++) w->distance[v] = 0.0f;
+      continue;
+    }
+    TRY(edge_distances(w->smooth, w->size, all->stretch, EDGE_REACH + 2.0, w->distance));
+  }
+cleanup:
+  return status;
+}
+
+/* Beyond a window's sides there may be a surface: no voxel is known to lie deeper than the side is
+ * far, within a quarter of the window. */
+static void bound_depth(const struct window *w, const double stretch[3]) {
+  for (size_t i = 0; i < w->size[0] * w->size[1] * w->size[2]; i++) {
+    const size_t at[3] = {i % w->size[0], i / w->size[0] % w->size[1], i / w->size[0] / w->size[1]};
+    for (int d = 0; d < 3; d++) {
+      const size_t last = w->size[d] - 1, side = at[d] < last - at[d] ? at[d] : last - at[d];
+      const float most = (float)(((double)side + 0.5) * stretch[d]);
+      if (4 * side < last && fabsf(w->distance[i]) > most)
+        w->distance[i] = copysignf(most, w->distance[i]);
+    }
+  }
+}
+
+void windows_bound_depth(struct windows *all) {
+  for (size_t i = 0; i < all->count; i++) bound_depth(&all->window[i], all->stretch);
+}
+
+/* Nearly normal, of variance 1: four uniform numbers (Steele, Lea and Flood 2014, SplitMix64). */
+static float deviate(uint64_t n) {
+  double sum = -2.0;
+  for (uint64_t k = 1; k <= 4; k++) {
+    uint64_t z = (4 * n + k) * 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    sum += (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+  return (float)(sum * 1.7320508075688772);
+}
+
+static void add_noise(struct window *w, const double stretch[3], double noise, double length,
+                      uint64_t first) {
+  const size_t n = window_voxels(w);
+  double sigma[3], square = 0.0;
+  for (int d = 0; d < 3; d++) sigma[d] = length / stretch[d];
+  for (size_t v = 0; v < n; v++) w->smooth[v] = deviate(first + v);
+  gaussian_filter(w->smooth, w->size, sigma, w->work, w->smooth);
+  for (size_t v = 0; v < n; v++) square += (double)w->smooth[v] * (double)w->smooth[v];
+  const float scale = (float)(noise / sqrt(square / (double)n));
+  for (size_t v = 0; v < n; v++) w->grey[v] += scale * w->smooth[v];
+}
+
+enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
+                            double length, struct windows *made) {
+  enum status status = STATUS_OK;
+  double sigma[3], weight[3];
+  *made = *scan;
+  made->count = 0;
+  made->pore = 0.0;
+  made->grain = 1.0;
+  for (int d = 0; d < 3; d++) {
+    sigma[d] = blur / scan->stretch[d];
+    weight[d] = fringe * sigma[d] * sigma[d];
+  }
+  for (size_t i = 0; i < scan->count; i++) {
+    const float *smooth = scan->window[i].smooth;
+    struct window *w = &made->window[made->count++];
+    TRY(window_start(w));
+    for (size_t v = 0; v < window_voxels(w); v++) w->smooth[v] = smooth[v] > 0.5F ? 1.0F : 0.0F;
+    gaussian_filter(w->smooth, w->size, sigma, w->work, w->smooth);
+    laplacian_subtract(w->smooth, w->size, weight, w->grey);
+    add_noise(w, scan->stretch, noise, length, i * (uint64_t)SIDE * SIDE * DEPTH);
+  }
+cleanup:
+  return status;
+}

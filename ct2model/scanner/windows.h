@@ -1,0 +1,39 @@
+/* Windows of a scan, in which its scanner is measured; and the same windows of a scan that is made
+ * up, whose scanner is known. */
+#ifndef TOSUI_CT2MODEL_SCANNER_WINDOWS_H
+#define TOSUI_CT2MODEL_SCANNER_WINDOWS_H
+
+#include "ct2model/scan/region.h"
+
+struct grey_phases;
+
+enum { WINDOWS = 6 };
+
+/* One window of the scan, greys 0 in the pore and 1 in the grain. */
+struct window {
+  size_t first[3], size[3];
+  float *grey, *smooth, *distance, *work;
+};
+
+struct windows {
+  const struct region *region;
+  double stretch[3], unit, pore, grain;
+  size_t count;
+  struct window window[WINDOWS];
+};
+
+/* From corner to corner of the region. Free with windows_end, on failure too. */
+enum status windows_read(const struct region *region, const struct grey_phases *phases,
+                         struct windows *windows);
+void windows_end(struct windows *windows);
+/* The greys smoothed as their noise asks for, and the distances to where they are 1/2. */
+enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise);
+/* No voxel is known to lie deeper than the window's side is far. */
+void windows_bound_depth(struct windows *windows);
+/* The grains of `scan`, as its smoothed greys show them, under a scanner of that blur, noise and
+ * length of the noise's correlation (voxels, of the contrast, voxels). The same noise at every
+ * call. Free with windows_end, on failure too. */
+enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
+                            double length, struct windows *made);
+
+#endif

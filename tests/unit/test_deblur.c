@@ -1,0 +1,124 @@
+/* Grains told apart at their contacts, and a scan without its blur and noise: the wedge between two
+ * balls that touch keeps its pore. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "common/memory.h"
+#include "ct2model/scanner/deblur.h"
+#include "ct2model/scanner/gaussian.h"
+#include "ct2model/scanner/grains.h"
+
+enum { NX = 64, NY = 40, NZ = 40, N = NX * NY * NZ, FINER = 4 };
+static const size_t SIZE[3] = {NX, NY, NZ};
+static const double CUBES[3] = {1.0, 1.0, 1.0};
+#define MIDDLE 32.3
+#define RADIUS 13.0
+
+static double ball(const double at[3], double x, double longer) {
+  return hypot((at[0] - x) / longer, hypot(at[1] - 20.2, at[2] - 19.9)) - RADIUS;
+}
+
+static double touching(const double at[3]) {
+  return fmin(ball(at, MIDDLE - RADIUS, 1.0), ball(at, MIDDLE + RADIUS, 1.0));
+}
+
+static double long_grain(const double at[3]) {
+  return ball(at, MIDDLE, 2.0);
+}
+
+static void draw(double (*distance)(const double at[3]), float *share) {
+  for (size_t i = 0; i < N; i++) {
+    int inside = 0;
+    for (int k = 0; k < FINER * FINER * FINER; k++) {
+      const double at[3] = {(double)(i % NX) + ((double)(k % FINER) + 0.5) / FINER,
+                            (double)(i / NX % NY) + ((double)(k / FINER % FINER) + 0.5) / FINER,
+                            (double)(i / NX / NY) + ((double)(k / FINER / FINER) + 0.5) / FINER};
+      inside += distance(at) < 0.0;
+    }
+    share[i] = (float)inside / (FINER * FINER * FINER);
+  }
+}
+
+static float *floats(void) {
+  float *out = NULL;
+  assert_int_equal(memory_allocate(&out, N, sizeof *out, "test"), STATUS_OK);
+  return out;
+}
+
+static void test_grains(void **state) {
+  (void)state;
+  float *share = floats();
+  uint8_t *contacts = NULL;
+  size_t next = 0, last = 0;
+  assert_int_equal(memory_allocate(&contacts, N, 1, "test"), STATUS_OK);
+  draw(touching, share);
+  assert_int_equal(grains_find(share, SIZE, CUBES, contacts), STATUS_OK);
+  for (size_t i = 0; i < N; i++) {
+    if (!contacts[i]) continue;
+    assert_true(fabs((double)(i % NX) + 0.5 - MIDDLE) < 1.6);
+    next += (contacts[i] & GRAINS_NEXT(0)) != 0;
+    last += (contacts[i] & GRAINS_LAST(0)) != 0;
+  }
+  assert_true(next > 50);
+  assert_int_equal(next, last);
+  draw(long_grain, share); /* twice as long as wide, and one */
+  assert_int_equal(grains_find(share, SIZE, CUBES, contacts), STATUS_OK);
+  for (size_t i = 0; i < N; i++) assert_int_equal(contacts[i], 0);
+  memset(share, 0, N * sizeof *share); /* no grain at all */
+  assert_int_equal(grains_find(share, SIZE, CUBES, contacts), STATUS_OK);
+  for (size_t i = 0; i < N; i++) assert_int_equal(contacts[i], 0);
+  memory_free(&share);
+  memory_free(&contacts);
+}
+
+/* Pore within `radius` of the axis and two voxels of the contact, voxels. */
+static double wedge(const float *share, double radius) {
+  double sum = 0.0;
+  for (size_t i = 0; i < N; i++)
+    if (fabs((double)(i % NX) + 0.5 - MIDDLE) < 2.0 &&
+        hypot((double)(i / NX % NY) + 0.5 - 20.2, (double)(i / NX / NY) + 0.5 - 19.9) < radius)
+      sum += share[i] < 0.5F;
+  return sum;
+}
+
+static void test_wedge(void **state) {
+  (void)state;
+  float *truth = floats(), *work = floats();
+  const double blur = 1.6, fringe = 0.4;
+  const struct deblur_scanner scanner = {
+      .blur = {blur, blur, blur}, .fringe = fringe, .power = 0.02, .stretch = {1.0, 1.0, 1.0}};
+  const double sigma[3] = {blur, blur, blur};
+  const double weight[3] = {fringe * blur * blur, fringe * blur * blur, fringe * blur * blur};
+  struct deblur deblur;
+  assert_int_equal(deblur_start(N, &scanner, &deblur), STATUS_OK);
+  memcpy(deblur.size, SIZE, sizeof SIZE);
+  draw(touching, truth);
+  gaussian_filter(truth, SIZE, sigma, work, deblur.share);
+  laplacian_subtract(deblur.share, SIZE, weight, deblur.grey);
+  const double seen = wedge(deblur.grey, 5.0), wanted = wedge(truth, 5.0);
+  assert_int_equal(deblur_run(&deblur), STATUS_OK);
+  double off = 0.0;
+  for (size_t i = 0; i < N; i++) {
+    assert_true(deblur.share[i] > -1e-3F && deblur.share[i] < 1.001F);
+    off += (double)(deblur.share[i] - truth[i]);
+  }
+  const double found = wedge(deblur.share, 5.0), area = 8.0 * 3.14159 * RADIUS * RADIUS;
+  print_message("wedge: %g seen, %g without blur, %g true; walls %.3f voxels off\n", seen, found,
+                wanted, off / area);
+  assert_true(seen < 0.5 * wanted);
+  assert_true(fabs(found / wanted - 1.0) < 0.1);
+  assert_true(fabs(off / area) < 0.02);
+  deblur_end(&deblur);
+  memory_free(&truth);
+  memory_free(&work);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_grains), cmocka_unit_test(test_wedge)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
