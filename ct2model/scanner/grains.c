@@ -5,12 +5,17 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/gaussian.h"
 
 /* Two parts of a grain meet where it is nearly as thick as they are, two grains at a neck. */
 static const float MERGE = 0.7F;
-/* Voxels: pores further from grains are nobody's; deeper than that all depths are alike; levels
- * that a voxel of depth is told apart in. */
-enum { BESIDE = 6, DEEPEST = 250, FINE = 8, LEVELS = (DEEPEST + BESIDE) * FINE + 1, NOBODY = 0 };
+/* Voxels: pores further from grains are nobody's; deeper than that all depths are alike. STEPS a
+ * voxel of depth: levels are of 24 bits, sorted by half of them at a time. */
+enum { BESIDE = 6, DEEPEST = 250, STEPS = 65536, HALF = 12, DIGITS = 1 << HALF, NOBODY = 0 };
+/* Voxels that depths are smoothed over. Distances between voxels take few values, and a flood must
+ * settle which of two equal voxels is the deeper one: by the order of the scan, if by nothing else,
+ * and then parts depend on how the scan lies. Smoothed, hardly any two are equal. */
+static const double SMOOTHED = 1.0;
 static const float FAR_AWAY = 1e12F;
 
 /* Squared distances along one line, given those across: the lower envelope of parabolas
@@ -116,11 +121,12 @@ static enum status flood_voxel(struct flood *flood, size_t voxel) {
   return STATUS_OK;
 }
 
-/* Signed depths of voxels. */
+/* Signed depths of voxels, smoothed. */
 static enum status find_depths(const float *share, const double stretch[3], struct flood *flood) {
   enum status status = STATUS_OK;
   const size_t n = flood->step[2] * flood->size[2];
   float *outside = NULL;
+  double sigma[3];
   TRY(memory_allocate(&outside, n, sizeof *outside, "distances in grains"));
   for (size_t i = 0; i < n; i++) {
     flood->depth[i] = share[i] > 0.5F ? FAR_AWAY : 0.0F;
@@ -130,36 +136,45 @@ static enum status find_depths(const float *share, const double stretch[3], stru
   TRY(squared_distances(outside, flood->size, stretch));
   for (size_t i = 0; i < n; i++) {
     const bool grain = share[i] > 0.5F;
-    flood->depth[i] = grain ? sqrtf(flood->depth[i]) - 0.5F : 0.5F - sqrtf(outside[i]);
+    flood->depth[i] = fmaxf(
+        fminf(grain ? sqrtf(flood->depth[i]) - 0.5F : 0.5F - sqrtf(outside[i]), DEEPEST), -DEEPEST);
   }
+  for (int d = 0; d < 3; d++) sigma[d] = SMOOTHED / stretch[d];
+  gaussian_filter(flood->depth, flood->size, sigma, outside, flood->depth);
 cleanup:
   memory_free(&outside);
   return status;
 }
 
 /* 0 the deepest. */
-static size_t level_of(float depth) {
-  return (size_t)((DEEPEST - fminf(depth, DEEPEST)) * FINE);
+static uint32_t level_of(float depth) {
+  return (uint32_t)((DEEPEST - fminf(depth, DEEPEST)) * STEPS);
 }
 
-/* Deepest first, those of one level in the order of the scan. */
+/* Voxels sorted by half the bits of their level, those of one in the order of `in` (radix sort). */
+static void sort_half(const float *depth, const uint32_t *in, size_t count, int shift,
+                      uint32_t *out) {
+  size_t start[DIGITS + 1] = {0};
+  for (size_t i = 0; i < count; i++) start[(level_of(depth[in[i]]) >> shift) % DIGITS + 1]++;
+  for (size_t l = 1; l <= DIGITS; l++) start[l] += start[l - 1];
+  for (size_t i = 0; i < count; i++)
+    out[start[(level_of(depth[in[i]]) >> shift) % DIGITS]++] = in[i];
+}
+
+/* Deepest first. */
 static enum status flood_all(struct flood *flood) {
   enum status status = STATUS_OK;
   const size_t n = flood->step[2] * flood->size[2];
-  size_t *start = NULL;
   uint32_t *order = NULL;
-  TRY(memory_allocate(&start, LEVELS + 1, sizeof *start, "grains"));
+  size_t count = 0;
   TRY(memory_allocate(&order, n, sizeof *order, "grains"));
-  memset(start, 0, (LEVELS + 1) * sizeof *start);
   for (size_t i = 0; i < n; i++)
-    if (flood->depth[i] > -BESIDE) start[level_of(flood->depth[i]) + 1]++;
-  for (size_t l = 1; l <= LEVELS; l++) start[l] += start[l - 1];
-  const size_t count = start[LEVELS];
-  for (size_t i = 0; i < n; i++)
-    if (flood->depth[i] > -BESIDE) order[start[level_of(flood->depth[i])]++] = (uint32_t)i;
+    if (flood->depth[i] > -BESIDE) order[count++] = (uint32_t)i;
+  sort_half(flood->depth, order, count, 0, flood->part);
+  sort_half(flood->depth, flood->part, count, HALF, order);
+  memset(flood->part, 0, n * sizeof *flood->part);
   for (size_t i = 0; i < count; i++) TRY(flood_voxel(flood, order[i]));
 cleanup:
-  memory_free(&start);
   memory_free(&order);
   return status;
 }
@@ -189,7 +204,6 @@ enum status grains_find(const float *share, const size_t size[3], const double s
   const size_t n = flood.step[2] * size[2];
   TRY(memory_allocate(&flood.depth, n, sizeof *flood.depth, "grains"));
   TRY(memory_allocate(&flood.part, n, sizeof *flood.part, "grains"));
-  memset(flood.part, 0, n * sizeof *flood.part);
   TRY(find_depths(share, stretch, &flood));
   TRY(flood_all(&flood));
   mark_contacts(&flood, contacts);

@@ -107,13 +107,18 @@ cleanup:
   return status;
 }
 
-/* Many voxels of a restored scan have the threshold's own level; which of them are grain their
- * neighbours along the row decide, by less than half a level. */
-static void read_row(const uint8_t *levels, size_t n, float *row) {
-  static const float TIE = 1.0f / 1100.0f;
-  for (size_t x = 0; x < n; x++) {
-    const int left = levels[x > 0 ? x - 1 : x], right = levels[x + 1 < n ? x + 1 : x];
-    row[x] = (float)levels[x] + TIE * (float)(left + right - 2 * (int)levels[x]);
+/* Many voxels of a restored scan have the threshold's own level; which of them are grain their six
+ * neighbours decide, by less than half a level. */
+static void read_row(const struct coarse *scan, size_t y, size_t z, float *row) {
+  static const float TIE = 1.0F / 3300.0F;
+  const size_t nx = scan->size[0], ny = scan->size[1], plane = nx * ny;
+  const uint8_t *at = scan->levels + z * plane + y * nx;
+  const uint8_t *y_last = y > 0 ? at - nx : at, *y_next = y + 1 < ny ? at + nx : at;
+  const uint8_t *z_last = z > 0 ? at - plane : at, *z_next = z + 1 < scan->size[2] ? at + plane : at;
+  for (size_t x = 0; x < nx; x++) {
+    const int near = at[x > 0 ? x - 1 : x] + at[x + 1 < nx ? x + 1 : x] + y_last[x] + y_next[x] +
+                     z_last[x] + z_next[x];
+    row[x] = (float)at[x] + TIE * (float)(near - 6 * (int)at[x]);
   }
 }
 
@@ -130,12 +135,11 @@ enum status restored_resample(const struct restored *restored, enum filter filte
     const size_t n = in[2] - z < BATCH ? in[2] - z : BATCH;
 #pragma omp parallel for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
-      const uint8_t *slice = restored->scan.levels + (z + i) * nx * in[1];
       float *row = rows + i * nx;
       struct reduction reduction;
       resampler_begin(&resampler, i, &reduction);
       for (size_t y = 0; y < in[1]; y++) {
-        read_row(slice + y * nx, nx, row);
+        read_row(&restored->scan, y, z + i, row);
         reduction_add(&reduction, row);
       }
     }
