@@ -25,7 +25,7 @@
  * (edge_fit_transfer), its square in the likelihood; surface costs as much more. SURFACE and the
  * rounds were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
  * noise (docs/notes/2026-11-23-scanner.md). */
-static const double SURFACE = 0.09, AVERAGE = 1.0 / 12.0;
+static const double SURFACE = 0.13, AVERAGE = 1.0 / 12.0;
 /* Rounds before grains are told apart, and after. */
 enum { ROUNDS_FIRST = 10, ROUNDS = 30 };
 

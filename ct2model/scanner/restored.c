@@ -114,7 +114,8 @@ static void read_row(const struct coarse *scan, size_t y, size_t z, float *row) 
   const size_t nx = scan->size[0], ny = scan->size[1], plane = nx * ny;
   const uint8_t *at = scan->levels + z * plane + y * nx;
   const uint8_t *y_last = y > 0 ? at - nx : at, *y_next = y + 1 < ny ? at + nx : at;
-  const uint8_t *z_last = z > 0 ? at - plane : at, *z_next = z + 1 < scan->size[2] ? at + plane : at;
+  const uint8_t *z_last = z > 0 ? at - plane : at,
+                *z_next = z + 1 < scan->size[2] ? at + plane : at;
   for (size_t x = 0; x < nx; x++) {
     const int near = at[x > 0 ? x - 1 : x] + at[x + 1 < nx ? x + 1 : x] + y_last[x] + y_next[x] +
                      z_last[x] + z_next[x];

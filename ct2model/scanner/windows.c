@@ -100,7 +100,7 @@ static double choose_smoothing(double noise_ratio) {
   return 2.0;
 }
 
-enum status windows_find_surfaces(struct windows *all, double contrast_to_noise) {
+enum status windows_find_surfaces(struct windows *all, double contrast_to_noise, double reach) {
   enum status status = STATUS_OK;
   const double smoothing = choose_smoothing(contrast_to_noise);
   const double sigma[3] = {smoothing / all->stretch[0], smoothing / all->stretch[1],
@@ -112,7 +112,8 @@ enum status windows_find_surfaces(struct windows *all, double contrast_to_noise)
       for (size_t v = 0; v < window_voxels(w); v++) w->distance[v] = 0.0f;
       continue;
     }
-    TRY(edge_distances(w->smooth, w->size, all->stretch, EDGE_REACH + 2.0, w->distance));
+    /* Beyond the reach one voxel more has a slope, and one more its neighbour across. */
+    TRY(edge_distances(w->smooth, w->size, all->stretch, reach + 2.0, w->distance));
   }
 cleanup:
   return status;

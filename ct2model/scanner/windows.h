@@ -26,8 +26,9 @@ struct windows {
 enum status windows_read(const struct region *region, const struct grey_phases *phases,
                          struct windows *windows);
 void windows_end(struct windows *windows);
-/* The greys smoothed as their noise asks for, and the distances to where they are 1/2. */
-enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise);
+/* The greys smoothed as their noise asks for, and the distances to where they are 1/2, as
+ * edge_response_add wants them for that `reach` and all below. */
+enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double reach);
 /* No voxel is known to lie deeper than the window's side is far. */
 void windows_bound_depth(struct windows *windows);
 /* The grains of `scan`, as its smoothed greys show them, under a scanner of that blur, noise and

@@ -76,6 +76,76 @@ static void test_grains(void **state) {
   memory_free(&contacts);
 }
 
+/* Balls of 4 to 8 voxels at random in a cube of SIDE, many of them touching. */
+enum { SIDE = 40, CUBE = SIDE * SIDE * SIDE, BALLS = 40 };
+
+static void draw_pack(float *share) {
+  uint32_t seed = 7;
+  memset(share, 0, CUBE * sizeof *share);
+  for (int ball = 0; ball < BALLS; ball++) {
+    double drawn[4];
+    for (int k = 0; k < 4; k++)
+      drawn[k] = (double)(seed = seed * 1664525U + 1013904223U) / 4294967296.0;
+    for (size_t i = 0; i < CUBE; i++) {
+      const double dx = (double)(i % SIDE) - SIDE * drawn[0],
+                   dz = (double)(i / SIDE / SIDE) - SIDE * drawn[2];
+      const double dy = (double)(i / SIDE % SIDE) - SIDE * drawn[1];
+      if (sqrt(dx * dx + dy * dy + dz * dz) < 4.0 + 4.0 * drawn[3]) share[i] = 1.0F;
+    }
+  }
+}
+
+static unsigned turned_bits(unsigned bits) { /* x to y, y to z, z to x */
+  unsigned out = 0;
+  for (int d = 0; d < 3; d++) {
+    out |= bits & GRAINS_NEXT(d) ? GRAINS_NEXT((d + 1) % 3) : 0;
+    out |= bits & GRAINS_LAST(d) ? GRAINS_LAST((d + 1) % 3) : 0;
+  }
+  return out;
+}
+
+static unsigned mirrored_bits(unsigned bits) { /* along x */
+  return (bits & ~(GRAINS_NEXT(0) | GRAINS_LAST(0))) |
+         (bits & GRAINS_NEXT(0) ? GRAINS_LAST(0) : 0) |
+         (bits & GRAINS_LAST(0) ? GRAINS_NEXT(0) : 0);
+}
+
+/* The grains of a scan that lies another way are the same. */
+static void test_turned(void **state) {
+  (void)state;
+  static const size_t cube[3] = {SIDE, SIDE, SIDE};
+  float *share = floats(), *other = floats();
+  uint8_t *contacts = NULL, *its = NULL;
+  assert_int_equal(memory_allocate(&contacts, CUBE, 1, "test"), STATUS_OK);
+  assert_int_equal(memory_allocate(&its, CUBE, 1, "test"), STATUS_OK);
+  draw_pack(share);
+  assert_int_equal(grains_find(share, cube, CUBES, contacts), STATUS_OK);
+  for (int mirror = 0; mirror < 2; mirror++) {
+    size_t found = 0, wrong = 0;
+    for (int fill = 1; fill >= 0; fill--) {
+      for (size_t i = 0; i < CUBE; i++) {
+        const size_t x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
+        const size_t there = mirror ? i - x + (SIDE - 1 - x) : (y * SIDE + x) * SIDE + z;
+        if (fill) {
+          other[there] = share[i];
+          continue;
+        }
+        found += contacts[i] != 0;
+        wrong += its[there] != (mirror ? mirrored_bits(contacts[i]) : turned_bits(contacts[i]));
+      }
+      if (fill) assert_int_equal(grains_find(other, cube, CUBES, its), STATUS_OK);
+    }
+    print_message("%zu voxels at contacts, %zu of them elsewhere in the %s scan\n", found, wrong,
+                  mirror ? "mirrored" : "turned");
+    assert_true(found > 500);
+    assert_int_equal(wrong, 0);
+  }
+  memory_free(&share);
+  memory_free(&other);
+  memory_free(&contacts);
+  memory_free(&its);
+}
+
 /* Pore within `radius` of the axis and two voxels of the contact, voxels. */
 static double wedge(const float *share, double radius) {
   double sum = 0.0;
@@ -119,6 +189,7 @@ static void test_wedge(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_grains), cmocka_unit_test(test_wedge)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_grains), cmocka_unit_test(test_turned),
+                                     cmocka_unit_test(test_wedge)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
