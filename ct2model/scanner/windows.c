@@ -174,10 +174,11 @@ enum status windows_make_up(const struct windows *scan, double blur, double frin
     weight[d] = fringe * sigma[d] * sigma[d];
   }
   for (size_t i = 0; i < scan->count; i++) {
-    const float *smooth = scan->window[i].smooth;
+    const float *distance = scan->window[i].distance;
     struct window *w = &made->window[made->count++];
     TRY(window_start(w));
-    for (size_t v = 0; v < window_voxels(w); v++) w->smooth[v] = smooth[v] > 0.5F ? 1.0F : 0.0F;
+    for (size_t v = 0; v < window_voxels(w); v++)
+      w->smooth[v] = fminf(fmaxf(0.5F - distance[v], 0.0F), 1.0F);
     gaussian_filter(w->smooth, w->size, sigma, w->work, w->smooth);
     laplacian_subtract(w->smooth, w->size, weight, w->grey);
     add_noise(w, scan->stretch, noise, length, i * (uint64_t)SIDE * SIDE * DEPTH);
