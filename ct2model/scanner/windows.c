@@ -173,7 +173,7 @@ enum status windows_make_up(const struct windows *scan, double blur, double frin
     sigma[d] = blur / scan->stretch[d];
     weight[d] = fringe * sigma[d] * sigma[d];
   }
-  for (size_t i = 0; i < scan->count; i++) {
+  for (size_t i = 0; i < scan->count; i += scan->count > WINDOWS / 2 ? 2 : 1) {
     const float *distance = scan->window[i].distance;
     struct window *w = &made->window[made->count++];
     TRY(window_start(w));

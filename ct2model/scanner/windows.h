@@ -31,10 +31,10 @@ void windows_end(struct windows *windows);
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double reach);
 /* No voxel is known to lie deeper than the window's side is far. */
 void windows_bound_depth(struct windows *windows);
-/* The grains of `scan`, as its distances show them (a voxel's share of grain is 1/2 less its
- * distance, within 0 and 1), under a scanner of that blur, noise and length of the noise's
- * correlation (voxels, of the contrast, voxels). The same noise at every call. Free with
- * windows_end, on failure too. */
+/* Up to three of the windows with the grains of `scan`, as its distances show them (a voxel's share
+ * of grain is 1/2 less its distance, within 0 and 1), under a scanner of that blur, noise and
+ * length of the noise's correlation (voxels, of the contrast, voxels). The same noise at every
+ * call. Free with windows_end, on failure too. */
 enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
                             double length, struct windows *made);
 
