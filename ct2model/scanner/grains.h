@@ -14,9 +14,9 @@
 
 /* contacts[z][y][x]: the bits above. A voxel is grain where share[z][y][x] is above 1/2, and pores
  * within some voxels belong to the grain beside them. The watershed of the distance to the other
- * phase (Beucher and Lantuejoul 1979), in voxels times `stretch`, from the deepest voxels on; parts
- * that meet at more than 0.7 of the lesser one's depth are one grain. The same on any number of
- * threads. */
+ * phase (Beucher and Lantuejoul 1979), in voxels times `stretch` and smoothed over one, from the
+ * deepest voxels on; parts that meet at more than 0.7 of the lesser one's depth are one grain. The
+ * same on any number of threads, and for a scan that is turned or mirrored. */
 enum status grains_find(const float *share, const size_t size[3], const double stretch[3],
                         uint8_t *contacts);
 
