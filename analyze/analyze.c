@@ -14,6 +14,7 @@
 #include "analyze/report/page_verdict.h"
 #include "analyze/product.h"
 #include "analyze/run_file.h"
+#include "analyze/solute_flow.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -193,6 +194,7 @@ static enum status report_command(const struct options *options, const struct ru
                   sizeof path));
   TRY(output_allow(path));
   TRY(find_solutes(options, &solutes, &solute_count));
+  TRY(solute_flow_check(solutes, solute_count, runs, n, options_given(options, "mix")));
   TRY(put_finest_first(runs, n, &ordered));
   TRY(page_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {

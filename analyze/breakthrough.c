@@ -250,13 +250,13 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
   for (size_t i = 0; i < n; i++)
     if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
-  fputs("set multiplot layout 1,2 margins 0.115,0.98,0.19,0.97 spacing 0.145,0\n"
+  fputs("set multiplot layout 1,2 margins 0.115,0.98,0.3,0.97 spacing 0.145,0\n"
         "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
-        "set logscale x\nset yrange [0:1]\nset key top left reverse Left samplen 1\n",
+        "set logscale x\nset yrange [0:1]\nset key at screen 0.5,0.04 center bottom horizontal samplen 1\n",
         stream);
   write_curves(list, n, false, stream);
   fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
-        "set format y '10^{%T}'\nset key top right\n",
+        "set format y '10^{%T}'\nunset key\n",
         stream);
   write_curves(list, n, true, stream);
   fputs("unset multiplot\n", stream);

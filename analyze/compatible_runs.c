@@ -17,7 +17,7 @@ bool compatible_runs_same_body(const struct run *a, const struct run *b, int *ax
   return true;
 }
 
-static bool one_model(const struct run *a, const struct run *b, bool levels) {
+bool compatible_runs_same_model(const struct run *a, const struct run *b, bool levels) {
   int axis;
   if (a->identity == b->identity) return true;
   return levels && fabs(a->spacing[0] / b->spacing[0] - 1) > 1e-4 &&
@@ -31,7 +31,7 @@ static size_t number_models(const struct run *runs, size_t n, bool levels, size_
     for (model[i] = 0; model[i] < models; model[i]++) {
       bool fits = true;
       for (size_t j = 0; j < i; j++)
-        fits = fits && (model[j] != model[i] || one_model(&runs[j], &runs[i], levels));
+        fits = fits && (model[j] != model[i] || compatible_runs_same_model(&runs[j], &runs[i], levels));
       if (fits) break;
     }
     if (model[i] == models) models++;

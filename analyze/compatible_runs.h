@@ -14,4 +14,7 @@ enum status compatible_runs_check(const struct run *runs, size_t n, bool levels,
  * it does not. */
 bool compatible_runs_same_body(const struct run *a, const struct run *b, int *axis);
 
+/* Whether a and b are of one model; with `levels`, as above. */
+bool compatible_runs_same_model(const struct run *a, const struct run *b, bool levels);
+
 #endif

@@ -38,6 +38,7 @@ struct solute_run {
   struct curve best, way[WAYS];
   double length, diffusion, porosity, speed, formation, formation_error, tortuosity, grain_size;
   double formation_sample, correlation[2]; /* NAN in files from before they were */
+  bool mirrored; /* along the flow */
 };
 
 bool dispersion_is(const char *path) {
@@ -109,6 +110,7 @@ static enum status read_run(const char *path, struct solute_run *run) {
     TRY(h5_read_attribute(file, "/solute", "correlation_length", H5_F64, 2, run->correlation));
   run->tortuosity = h5_attribute_or_nan(file, "/solute", "tortuosity");
   run->grain_size = h5_attribute_or_nan(file, "/solute", "grain_size");
+  run->mirrored = h5_attribute_or_nan(file, "/solute", "mirrored") > 0;
 cleanup:
   h5_close(file);
   return status;
@@ -218,6 +220,7 @@ static void write_json(const struct solute_run *runs, size_t n, json_t *json) {
     json_put_number(object, "grain_size_m", run->grain_size);
     json_put_number(object, "diffusion_m2_per_s", run->diffusion);
     json_put_number(object, "porosity", run->porosity);
+    json_object_set_new(object, "mirrored", json_boolean(run->mirrored));
     json_put_number(object, "mean_velocity_m_per_s", run->speed);
     json_put_number(object, "formation_factor", run->formation);
     json_put_number(object, "formation_factor_error", run->formation_error);
@@ -261,12 +264,13 @@ static void write_parts(const struct solute_run *run, FILE *stream) {
       if (!run->way[w].there || own[p] == NULL) continue;
       fprintf(stream, "  error of D_L by %s, %s:", way_names[w], part_words[p]);
       for (size_t i = 0; i < run->count; i++) {
+        fputc(' ', stream);
         if (isfinite(own[p][i]))
-          fprintf(stream, " %.2g", 100 * own[p][i]);
+          write_percent(stream, own[p][i]);
         else
-          fputs(" ?", stream);
+          fputc('?', stream);
       }
-      fputs(" %\n", stream);
+      fputc('\n', stream);
     }
 }
 
@@ -296,6 +300,11 @@ static void write_summary(const struct solute_run *runs, size_t n, FILE *stream)
       fputc('\n', stream);
     }
     write_parts(run, stream);
+    if (run->mirrored)
+      fputs("  the sample is its own mirror image along the flow, which brings every streamline\n"
+            "  back to its place: above Pe of some 10, D_L is more than the soil's; take a flow\n"
+            "  along an axis that is not mirrored\n",
+            stream);
     fputc('\n', stream);
   }
 }
@@ -334,7 +343,7 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
     if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
   fprintf(stream, "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
                   "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
-                  "set samples 300\nset key top left reverse Left spacing 1.3\n");
+                  "set samples 300\nset key outside below center vertical maxrows 4 reverse Left height 1\n");
   if (still != NULL) write_beds(still, stream);
   fputs("plot ", stream);
   if (still != NULL)
@@ -400,6 +409,6 @@ const struct analysis dispersion_analysis = {
     .heading = "Dispersion of a solute",
     .contents = "Dispersion",
     .caption = "How fast a solute spreads along and across the flow, over the molecular diffusion "
-               "coefficient, against the Peclet number; with the curve of beds of beads and sand.",
+               "coefficient, against the Peclet number.",
     .applies = applies,
     .analyze = analyze};

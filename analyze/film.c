@@ -79,7 +79,7 @@ static void write_frame(const struct film *f, size_t frame, FILE *stream) {
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES ? f->frames - FRAMES : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 2,3 margins 0.07,0.985,0.17,0.94 spacing 0.075,0.17\n"
+  fputs("set multiplot layout 3,2 margins 0.13,0.98,0.11,0.95 spacing 0.14,0.12\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);
@@ -90,8 +90,8 @@ static void write_plot(const struct film *f, FILE *stream) {
             "[%.5g:%.5g]\n%s%splot $frame%zu using 1:2:3 with image\n",
             f->time[k], 1e3 * low[0], 1e3 * (low[0] + (double)f->columns * width[0]), 1e3 * low[1],
             1e3 * (low[1] + (double)f->rows * width[1]),
-            k - first >= 3 ? "set xlabel 'along the flow (mm)'\n" : "unset xlabel\n",
-            (k - first) % 3 == 0 ? "set ylabel 'across (mm)'\n" : "unset ylabel\n", k);
+            k - first >= FRAMES - 2 ? "set xlabel 'along the flow (mm)'\n" : "unset xlabel\n",
+            (k - first) % 2 == 0 ? "set ylabel 'across (mm)'\n" : "unset ylabel\n", k);
   }
   fputs("unset multiplot\n", stream);
 }
@@ -150,7 +150,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   json_object_set_new(product->json, "frames", list);
   if (film.frames > 0) {
     write_plot(&film, product->plot.stream);
-    product->width = 1000, product->height = 500;
+    product->width = 560, product->height = 600; /* letters for a telephone's width */
   }
 cleanup:
   free_film(&film);

@@ -59,8 +59,10 @@ static void write_head(struct page *page) {
   write_asset(out, ASSET_STYLE, "<style>", "</style>\n");
   fputs("</head><body>\n<header><h1>", out);
   html_text(out, page->subject.runs[0].title);
-  fprintf(out, "</h1><p>%zu run%s</p></header>\n<main>\n", page->subject.n,
-          page->subject.n > 1 ? "s" : "");
+  fprintf(out, "</h1><p>%zu run%s", page->subject.n, page->subject.n > 1 ? "s" : "");
+  if (page->subject.solute_count > 0)
+    fprintf(out, " of flow, %zu of a solute in it", page->subject.solute_count);
+  fputs("</p></header>\n<main>\n", out);
 }
 
 static void write_foot(struct page *page) {
@@ -96,7 +98,8 @@ static void write_contents(const struct page *page, bool budget) {
   fputs("</nav>\n", out);
 }
 
-static void write_methods(struct page *page) {
+static enum status write_methods(struct page *page) {
+  enum status status = STATUS_OK;
   const json_t *converge = page_found(page, &converge_analysis);
   const json_t *result = json_array_get(json_object_get(page->data, "verdict"), 0), *series;
   const char *from = json_string_value(
@@ -112,8 +115,10 @@ static void write_methods(struct page *page) {
   for (i = 0; i < page->subject.n; i++)
     facts.averaged |= strcmp(page->subject.runs[i].method, "stokes") != 0;
   fputs("<section id=\"methods\"><h2>Methods</h2>\n", page->out);
-  page_methods(page->subject.runs, page->subject.n, &page->model, &facts, page->out);
+  TRY(page_methods(&page->subject, &page->model, &facts, page->out));
   fputs("</section>\n", page->out);
+cleanup:
+  return status;
 }
 
 static enum status write_body(struct page *page) {
@@ -145,7 +150,7 @@ static enum status write_body(struct page *page) {
     TRY(page_calibration(out, calibration, &page->model));
   }
   fputs("</section>\n", out);
-  write_methods(page);
+  TRY(write_methods(page));
   fputs("<section id=\"effects\"><h2>Effects and time</h2>\n", out);
   TRY(page_effects(&page->subject.runs[0], out));
   fputs("</section>\n", out);
@@ -157,7 +162,10 @@ static enum status write_body(struct page *page) {
     fputs("</details></section>\n", out);
   }
   fputs("<section id=\"provenance\"><h2>Provenance</h2>\n", out);
-  for (size_t i = 0; i < page->subject.n; i++) TRY(page_provenance(&page->subject.runs[i], out));
+  for (size_t i = 0; i < page->subject.n; i++)
+    TRY(page_provenance(page->subject.runs[i].name, page->subject.runs[i].path, out));
+  for (size_t i = 0; i < page->subject.solute_count; i++)
+    TRY(page_provenance("solute", page->subject.solutes[i], out));
   fputs("</section>\n", out);
   write_foot(page);
   TRY(write_data(page));

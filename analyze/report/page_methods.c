@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/report/page_html.h"
+#include "common/hdf5_file.h"
 #include "common/kernel.h"
 #include "common/provenance.h"
 
@@ -42,6 +43,10 @@ static const struct reference references[] = {
     {"hoeting",
      "Hoeting JA, Madigan D, Raftery AE, Volinsky CT (1999). Bayesian model averaging: a "
      "tutorial. Stat. Sci. 14, 382-417."},
+    {"brenner", "Brenner H (1980). Dispersion resulting from flow through spatially periodic "
+                "porous media. Phil. Trans. R. Soc. Lond. A 297, 81-133."},
+    {"bijeljic", "Bijeljic B, Muggeridge AH, Blunt MJ (2004). Pore-scale modeling of longitudinal "
+                 "dispersion. Water Resour. Res. 40, W11501."},
 };
 enum { REFERENCES = sizeof references / sizeof *references };
 struct cited {
@@ -190,10 +195,40 @@ static void write_result(const struct run *run, const struct methods_facts *fact
   if (facts->lattices && run->levels.count > 1) write_lattices(run, cited, stream);
 }
 
-void page_methods(const struct run *runs, size_t n, const struct page_model *model,
-                  const struct methods_facts *facts, FILE *stream) {
+/* By which of the two ways the solutes' coefficients were found. */
+static enum status write_solutes(const struct subject *subject, struct cited *cited, FILE *stream) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  bool closure = false, walk = false;
+  if (subject->solute_count == 0) return STATUS_OK;
+  for (size_t i = 0; i < subject->solute_count; i++) {
+    TRY(h5_open(subject->solutes[i], &file));
+    closure |= h5_exists(file, "/solute/closure");
+    walk |= h5_exists(file, "/solute/walk");
+    h5_close(file);
+    file = NULL;
+  }
+  fputs("How a solute disperses in the flow was found ", stream);
+  if (closure) {
+    fputs("from the closure problem of its transport", stream);
+    cite(stream, "brenner", cited);
+    fputs(" on finite volumes", stream);
+  }
+  if (walk) {
+    fputs(closure ? ", and by random walks" : "by random walks", stream);
+    cite(stream, "bijeljic", cited);
+  }
+  fputs(". ", stream);
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+enum status page_methods(const struct subject *subject, const struct page_model *model,
+                         const struct methods_facts *facts, FILE *stream) {
+  enum status status = STATUS_OK;
   struct cited cited = {0};
-  const struct run *run = &runs[0];
+  const struct run *run = &subject->runs[0];
   fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
   cite(stream, "tosui", &cited);
   fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g &micro;m",
@@ -203,11 +238,15 @@ void page_methods(const struct run *runs, size_t n, const struct page_model *mod
           run->density, run->viscosity);
   write_solver(run, &cited, stream);
   write_walls(run, model, &cited, stream);
-  if (n > 1)
-    fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ", n);
+  if (subject->n > 1)
+    fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ",
+            subject->n);
   write_result(run, facts, &cited, stream);
+  TRY(write_solutes(subject, &cited, stream));
   fputs("</p>\n<ol class=\"references\">\n", stream);
   for (size_t i = 0; i < cited.count; i++)
     fprintf(stream, "<li>%s</li>\n", references[cited.reference[i]].text);
   fputs("</ol>\n", stream);
+cleanup:
+  return status;
 }

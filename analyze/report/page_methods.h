@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
+#include "analyze/analysis.h"
 #include "analyze/report/page_model.h"
-#include "analyze/run_file.h"
 
 /* What the page holds that the paragraph may speak of. */
 struct methods_facts {
@@ -19,7 +19,7 @@ struct methods_facts {
 };
 
 /* HTML: the paragraph, and the list of the references it has used. */
-void page_methods(const struct run *runs, size_t n, const struct page_model *model,
-                  const struct methods_facts *facts, FILE *stream);
+enum status page_methods(const struct subject *subject, const struct page_model *model,
+                         const struct methods_facts *facts, FILE *stream);
 
 #endif

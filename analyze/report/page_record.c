@@ -140,16 +140,16 @@ cleanup:
   return status;
 }
 
-enum status page_provenance(const struct run *run, FILE *stream) {
+enum status page_provenance(const char *name, const char *path, FILE *stream) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   struct texts files = {0}, hashes = {0};
   char *scene = NULL;
-  TRY(h5_open(run->path, &file));
+  TRY(h5_open(path, &file));
   fputs("<details><summary>", stream);
-  html_text(stream, run->name);
+  html_text(stream, name);
   fputs(" <span class=\"path\">", stream);
-  html_text(stream, run->path);
+  html_text(stream, path);
   fputs("</span></summary>\n<div class=\"wide\"><table class=\"facts\"><tbody>\n", stream);
   if (h5_exists(file, "/provenance")) {
     TRY(attribute_rows(file, "/provenance", stream));

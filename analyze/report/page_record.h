@@ -10,7 +10,8 @@
 
 /* Tables of effects and timings of one run. */
 enum status page_effects(const struct run *run, FILE *stream);
-/* Everything needed to repeat one run: every number of /run, the scene, versions, hashes. */
-enum status page_provenance(const struct run *run, FILE *stream);
+/* Everything needed to repeat one run, of flow or of a solute: every number of /run, the scene,
+ * versions, hashes. */
+enum status page_provenance(const char *name, const char *path, FILE *stream);
 
 #endif

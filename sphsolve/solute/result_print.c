@@ -98,7 +98,7 @@ static void print_value(double value, double error) {
 
 static void print_sample(double error) {
   if (isfinite(error))
-    printf("  %6.2g", 100 * error);
+    printf("  %6.*f", 100 * error >= 10 ? 0 : 100 * error >= 1 ? 1 : 2, 100 * error);
   else
     printf("  %6s", "?");
 }

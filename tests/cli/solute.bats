@@ -207,3 +207,34 @@ P
   run -3 --separate-stderr analyze dispersion slit.hdf
   [[ $stderr == *"no solute in it"* ]]
 }
+
+@test "report puts a solute beside its own flow alone, and tells where it is from" {
+  sphsolve run slit.cfg -o wider --set 'scene.name="wider"' --set 'regions.[1].box=["0","0","0.1 mm","0.3 mm"]' > /dev/null
+  run -3 --separate-stderr analyze report wider.hdf carried.hdf -o other.html
+  [ "${#stderr_lines[@]}" -eq 1 ]
+  [[ $stderr == *"carried.hdf: carried by the flow of slit.hdf, another model (slit) than the runs' (wider)"* ]]
+  [ ! -e other.html ]
+  analyze report wider.hdf carried.hdf -o other.html --mix > /dev/null 2>&1
+  # its flow moved: none of the runs, and not to be found
+  mkdir -p moved
+  cp carried.hdf moved/
+  run -3 --separate-stderr analyze report wider.hdf moved/carried.hdf -o other.html
+  [[ $stderr == *"another model"* ]] # found by the name it had
+  mv slit.hdf elsewhere.hdf
+  run --separate-stderr analyze report wider.hdf moved/carried.hdf -o moved.html
+  analyze report elsewhere.hdf moved/carried.hdf -o right.html > /dev/null
+  mv elsewhere.hdf slit.hdf
+  [ "$status" -eq 3 ]
+  [[ $stderr == *"none of the runs"* ]]
+  grep -q "<p>1 run of flow, 1 of a solute in it</p>" right.html
+  grep -q "Brenner H (1980)" right.html
+  grep -q 'class="path">moved/carried.hdf' right.html
+  # one sample and its mirror image: what the solver warns of stands beside the curve
+  analyze dispersion carried.hdf > plain.txt
+  run grep -c "its own mirror image" plain.txt
+  [ "$output" -eq "$(sphsolve run carried.cfg -o again --force 2>&1 > /dev/null | grep -c "its own mirror image")" ]
+  /usr/bin/python3 -c 'import h5py; h5py.File("carried.hdf", "a")["solute"].attrs["mirrored"] = 1'
+  analyze dispersion carried.hdf | grep -q "its own mirror image along the flow"
+  analyze report slit.hdf carried.hdf -o mirrored.html > /dev/null
+  grep -q "its own mirror image along the flow" mirrored.html
+}
