@@ -59,6 +59,7 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
   size_t count = model_site_count(model);
   const double slack = 1e-5 * (high - low); /* of sums that round */
   for (size_t i = 0; i < count; i++) {
+    if ((*values)[i] >= low && (*values)[i] <= high) continue;
     if (!((*values)[i] >= low - slack && (*values)[i] <= high + slack))
       TRY_FAIL(STATUS_INPUT, "%s: %s holds %g at x=%zu y=%zu z=%zu; %g to %g is possible",
                h5_path(file), name, (double)(*values)[i], i % model->size[0],

@@ -1,6 +1,7 @@
 #include "ct2model/scanner/gaussian.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "common/variants.h"
@@ -21,72 +22,89 @@ static int weights_of(double sigma, float weight[GAUSSIAN_MOST + 1]) {
   return reach;
 }
 
-TARGETS static void scale_row(const float *restrict in, float w, size_t n, float *restrict out) {
-  for (size_t x = 0; x < n; x++) out[x] = w * in[x];
-}
-
-TARGETS static void add_rows(const float *restrict a, const float *restrict b, float w, size_t n,
-                             float *restrict out) {
-  for (size_t x = 0; x < n; x++) out[x] += w * (a[x] + b[x]);
-}
-
-/* Along x, in two parts: voxels whose taps all lie in the row, and those at its ends. */
-static void filter_row(const float *in, const float *weight, int reach, size_t n, float *out) {
-  const size_t r = (size_t)reach;
-  scale_row(in, weight[0], n, out);
-  for (int k = 1; k <= reach; k++) {
-    if (n > 2 * r) add_rows(in + r - (size_t)k, in + r + (size_t)k, weight[k], n - 2 * r, out + r);
-    for (size_t x = 0; x < n; x++) {
-      if (n > 2 * r && x == r) x = n - r;
-      out[x] += weight[k] * (in[reflect((long)x - k, n)] + in[reflect((long)x + k, n)]);
+/* out = weight[0] rows[0] + sum over k of weight[k] (rows[-k] + rows[k]), n of each. What a run of
+ * voxels adds up to stays in registers. */
+typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
+enum { WIDE = 16, RUN = 4 * WIDE };
+#define AT(row, x) (*(const lanes *)((row) + (x)))
+TARGETS static void weigh_rows(const float *const *rows, const float *restrict weight, int reach,
+                               size_t n, float *restrict out) {
+  size_t x = 0;
+  for (; x + RUN <= n; x += RUN) {
+    const float *own = rows[0] + x, w = weight[0];
+    lanes s = w * AT(own, 0), t = w * AT(own, WIDE), u = w * AT(own, 2 * WIDE),
+          v = w * AT(own, 3 * WIDE);
+    for (int k = 1; k <= reach; k++) {
+      const float *a = rows[-k] + x, *b = rows[k] + x, f = weight[k];
+      s += f * (AT(a, 0) + AT(b, 0));
+      t += f * (AT(a, WIDE) + AT(b, WIDE));
+      u += f * (AT(a, 2 * WIDE) + AT(b, 2 * WIDE));
+      v += f * (AT(a, 3 * WIDE) + AT(b, 3 * WIDE));
     }
+    lanes *to = (lanes *)(out + x);
+    to[0] = s, to[1] = t, to[2] = u, to[3] = v;
+  }
+  for (; x < n; x++) {
+    float sum = weight[0] * rows[0][x];
+    for (int k = 1; k <= reach; k++) sum += weight[k] * (rows[-k][x] + rows[k][x]);
+    out[x] = sum;
   }
 }
 
+/* Along x: in pieces, each copied with what is beside it, by reflection at the row's ends. */
+enum { PIECE = 8 * RUN };
+static void filter_row(const float *in, const float *weight, int reach, size_t n, float *out) {
+  const float *shifted[2 * GAUSSIAN_MOST + 1];
+  float line[PIECE + 2 * GAUSSIAN_MOST];
+  for (int k = 0; k <= 2 * reach; k++) shifted[k] = line + k;
+  for (size_t x = 0; x < n; x += PIECE) {
+    const size_t piece = n - x < PIECE ? n - x : PIECE, all = piece + 2 * (size_t)reach;
+    for (size_t i = 0; i < all; i++) {
+      const long at = (long)(x + i) - reach;
+      line[i] = in[at >= 0 && at < (long)n ? (size_t)at : reflect(at, n)];
+    }
+    weigh_rows(shifted + reach, weight, reach, piece, out + x);
+  }
+}
+
+/* Rows that follow each other along the axis are summed in turn: most of the next one's are still
+ * in the cache then. */
 static void filter_axis(const float *in, const size_t size[3], int axis, double sigma, float *out) {
   float weight[GAUSSIAN_MOST + 1];
   const int reach = weights_of(sigma, weight);
-  const size_t nx = size[0], ny = size[1], nz = size[2];
+  const size_t nx = size[0], ny = size[1], nz = size[2], along = axis == 2 ? nz : ny;
 #pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < ny * nz; row++) {
-    const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
-    const float *from = in + row * nx;
-    float *to = out + row * nx;
+  for (size_t n = 0; n < ny * nz; n++) {
+    const size_t at = n % along, beside = n / along; // NOLINT: a volume has a row
+    const size_t first = axis == 2 ? beside : beside * ny, step = axis == 2 ? ny : 1;
+    const float *rows[2 * GAUSSIAN_MOST + 1];
+    float *to = out + (first + at * step) * nx;
     if (axis == 0) {
-      filter_row(from, weight, reach, nx, to);
+      filter_row(in + (first + at * step) * nx, weight, reach, nx, to);
       continue;
     }
-    scale_row(from, weight[0], nx, to);
-    for (int k = 1; k <= reach; k++) {
-      const size_t a =
-          axis == 1 ? z * ny + reflect((long)y - k, ny) : reflect((long)z - k, nz) * ny + y;
-      const size_t b =
-          axis == 1 ? z * ny + reflect((long)y + k, ny) : reflect((long)z + k, nz) * ny + y;
-      add_rows(in + a * nx, in + b * nx, weight[k], nx, to);
-    }
+    for (int k = -reach; k <= reach; k++)
+      rows[reach + k] = in + (first + reflect((long)at + k, along) * step) * nx;
+    weigh_rows(rows + reach, weight, reach, nx, to);
   }
 }
 
 void gaussian_filter(const float *in, const size_t size[3], const double sigma[3], float *work,
                      float *out) {
   const size_t bytes = size[0] * size[1] * size[2] * sizeof *in;
+  const float *from = in;
   int axes[3], n = 0;
   for (int a = 0; a < 3; a++)
     if (sigma[a] >= 0.1 && size[a] > 1) axes[n++] = a;
-  if (n == 0 && in != out) memcpy(out, in, bytes);
-  if (n == 0) return;
-  if (n == 2) { /* in -> work -> out */
-    filter_axis(in, size, axes[0], sigma[axes[0]], work);
-    filter_axis(work, size, axes[1], sigma[axes[1]], out);
-    return;
+  /* From one to the other, so that the last one ends in `out` where the first need not begin there;
+   * else it is moved. */
+  bool into_work = n % 2 == 0 || in == out;
+  for (int i = 0; i < n; i++, into_work = !into_work) {
+    float *to = into_work ? work : out;
+    filter_axis(from, size, axes[i], sigma[axes[i]], to);
+    from = to;
   }
-  /* in -> out -> work (-> out), or in -> work -> out where there is one axis or both are one. */
-  filter_axis(in, size, axes[0], sigma[axes[0]], work);
-  if (n == 3) {
-    filter_axis(work, size, axes[1], sigma[axes[1]], out);
-    filter_axis(out, size, axes[2], sigma[axes[2]], work);
-  }
-  memcpy(out, work, bytes);
+  if (from != out) memcpy(out, from, bytes);
 }
 
 TARGETS static void sharpen_row(const float *restrict in, const float *restrict y_last,

@@ -100,7 +100,9 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
                     "wall distances"));
   TRY(planes_of(lattice->size, &start));
   const size_t plane = lattice->size[0] * lattice->size[1];
-  for (size_t k = start[ranks_own()] / plane; k < start[ranks_own() + 1] / plane; k++)
+  const size_t first = start[ranks_own()] / plane, last = start[ranks_own() + 1] / plane;
+#pragma omp parallel for schedule(static)
+  for (size_t k = first; k < last; k++)
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++) {
         size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
