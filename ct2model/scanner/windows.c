@@ -175,7 +175,9 @@ enum status windows_make_up(const struct windows *scan, double blur, double frin
   }
   for (size_t i = 0; i < scan->count; i += scan->count > WINDOWS / 2 ? 2 : 1) {
     const float *distance = scan->window[i].distance;
-    struct window *w = &made->window[made->count++];
+    struct window *w = &made->window[made->count];
+    *w = scan->window[i];
+    made->count++;
     TRY(window_start(w));
     for (size_t v = 0; v < window_voxels(w); v++)
       w->smooth[v] = fminf(fmaxf(0.5F - distance[v], 0.0F), 1.0F);
