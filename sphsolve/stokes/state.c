@@ -201,7 +201,9 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   s->krylov.precondition = precondition;
   s->residual_now = INFINITY;
   TRY(interrupt_look());
-  stokes_solver_measure(s, true);
+  find_residual(s);
+  TRY(interrupt_look());
+  stokes_solver_measure(s, false);
 cleanup:
   omp_set_num_threads(threads);
   if (status != STATUS_OK) stokes_solver_free(s);

@@ -168,8 +168,8 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
       }
     }
   }
-  stokes_multigrid_coarsen(&pc->velocity);
-  stokes_multigrid_coarsen(&pc->pressure);
+  if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->velocity);
+  if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->pressure);
   return interrupt_look();
 }
 
