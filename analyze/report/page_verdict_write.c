@@ -163,13 +163,23 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   double least = json_number_or_nan(json_object_get(seepage, "exit"), "factor_of_safety");
   json_array_foreach(json_object_get(seepage, "heave"), i, prism) least =
       fmin(least, json_number_or_nan(prism, "factor_of_safety")); /* NAN: the other */
-  const double flow = json_number_or_nan(seepage, "flow_m2_per_s");
-  const int power = flow > 0.0 ? (int)floor(log10(flow)) : 0;
+  const json_t *through = json_object_get(seepage, "through");
+  const double flow = through != NULL ? json_number_or_nan(through, "flux_m2_per_s")
+                                      : json_number_or_nan(seepage, "flow_m2_per_s");
+  const double error = through != NULL ? json_number_or_nan(through, "error95")
+                                       : json_number_or_nan(seepage, "flow_error95_m2_per_s");
+  fputs("<p class=\"k\">", out);
+  quantity(out, flow, error / flow, "m&sup2;/s");
+  fputs(" <span class=\"interval\">through the soil, ", out);
+  if (through != NULL) {
+    fputs("at the plane ", out);
+    write_string(through, "plane", out);
+  } else {
+    fputs("by the flow net", out);
+  }
   fprintf(out,
-          "<p class=\"k\">%.4g &times; 10<sup>%s%d</sup> m&sup2;/s <span "
-          "class=\"interval\">through the soil</span></p>\n<p class=\"verdict\">For each "
-          "metre along y; the head falls by %.3g&nbsp;m in it",
-          flow / pow(10.0, power), power < 0 ? "&minus;" : "", abs(power),
+          "</span></p>\n<p class=\"verdict\">For each metre along y; the head falls by "
+          "%.3g&nbsp;m in it",
           json_number_or_nan(seepage, "head_drop_m"));
   if (isfinite(least))
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
@@ -186,8 +196,8 @@ void verdict_write(const json_t *results, const json_t *seepage, const struct te
     return;
   }
   if (result == NULL) {
-    fputs("<p>No steady flow through all of the body is driven in every run, so there is no "
-          "permeability.</p>"
+    fputs("<p>No permeability is given: it takes a steady flow that a force or a difference of head "
+          "drives through the whole body.</p>"
           "</article></section>\n",
           out);
     return;

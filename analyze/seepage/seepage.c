@@ -8,30 +8,84 @@
 #include "common/json_number.h"
 #include "common/statistics.h"
 
-/* Mean of a column over the second half of the time and its standard error. */
+/* What a series that still goes one way leaves open: the means of its quarters all rise or all
+ * fall, by more than chance. From the middle to the end it goes half of its way on, and as much again
+ * as the whole way is taken to be still to come. 0: no drift. */
+static double drift_of(const double *values, size_t n, double error) {
+  double quarter[4] = {0};
+  const size_t each = n / 4;
+  if (each == 0) return 0;
+  for (int q = 0; q < 4; q++) {
+    for (size_t i = 0; i < each; i++) quarter[q] += values[(size_t)q * each + i];
+    quarter[q] /= (double)each;
+  }
+  const double a = quarter[1] - quarter[0], b = quarter[2] - quarter[1], c = quarter[3] - quarter[2];
+  if (!(a * b > 0 && b * c > 0)) return 0;
+  const double way = fabs(a + b + c) * 4 / 3;
+  return way > 2 * error ? 1.5 * way : 0;
+}
+
+/* Mean of a column over the second half of the time, its standard error and its drift. */
 static void late_mean(const struct run *run, const struct history_column *column, double *mean,
-                      double *error) {
+                      double *error, double *drift) {
   const struct history_column *time = run_column(run, "time", 1);
   size_t first = 0;
-  *mean = *error = NAN;
+  *mean = *error = *drift = NAN;
   if (time == NULL || column->rows == 0) return;
   while (first + 1 < column->rows && time->values[first] < 0.5 * time->values[time->rows - 1])
     first++;
   batch_means(column->values + first, column->rows - first, mean, error);
+  *drift = drift_of(column->values + first, column->rows - first, *error);
 }
 
-/* The error of a plane's flux with what the balance of mass leaves open; a word where that is not
+/* The error of a plane's flux with what the balance of mass and a drift leave open; a word where that is not
  * known. */
 static double add_balance(const struct seepage *s, const char *plane, double mean, double error,
-                          json_t *entry, const char **note) {
+                          double drift, json_t *entry, const char **note) {
   bool in_water;
   const double balance = plane_balance(s->run, &s->field, plane, mean, &in_water);
   json_put_number(entry, "balance_error", balance);
-  json_put_number(entry, "error95", isfinite(balance) ? hypot(error, balance) : NAN);
-  if (isfinite(balance)) return hypot(error, balance);
+  json_put_number(entry, "error95", isfinite(balance) ? hypot(error, balance) + drift : NAN);
+  if (isfinite(balance)) return hypot(error, balance) + drift;
   *note = in_water ? ", of the mean over time alone: in free water it may be 20 % off"
                    : ", of the mean over time alone";
-  return error;
+  return error + drift;
+}
+
+/* The planes wholly in soil whose flux and its error are known: the one that is known best among those
+ * that measure the most. */
+static const char *find_through(const json_t *fluxes, double *flux, double *error) {
+  const char *best = NULL, *name;
+  const json_t *entry;
+  double most = 0, least = 0;
+  json_object_foreach((json_t *)fluxes, name, entry) {
+    const double half = json_number_or_nan(entry, "error95");
+    const double value = fabs(json_number_or_nan(entry, "mean"));
+    if (!(half < value)) continue;
+    if (best != NULL && !(value - half > most + least) && !(value + half >= most - least && half < least))
+      continue;
+    best = name, most = value, least = half;
+  }
+  *flux = most, *error = least;
+  return best;
+}
+
+/* What flows through the soil: by a plane where one says, and then the flow net is off by as much as
+ * it differs from that; else by the flow net. */
+static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FILE *summary) {
+  double flux, error;
+  const char *plane = find_through(fluxes, &flux, &error);
+  if (plane != NULL) {
+    s->flow_error = hypot(s->flow_error, hypot(s->flow - flux, error));
+    json_object_set_new(json, "through",
+                        json_pack("{s:s,s:o,s:o}", "plane", plane, "flux_m2_per_s",
+                                  json_number(flux), "error95", json_number(error)));
+  }
+  json_put_number(json, "flow_m2_per_s", s->flow);
+  json_put_number(json, "flow_error95_m2_per_s", s->flow_error);
+  json_put_number(json, "head_drop_m", s->drop);
+  fprintf(summary, "flow net   %.4g +- %.2g m^2/s through soil, head falls by %.4g m in it\n",
+          s->flow, s->flow_error, s->drop);
 }
 
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
@@ -40,18 +94,20 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
   const struct run *run = s->run;
   for (size_t c = 0; c < run->column_count; c++) {
     const struct history_column *column = &run->columns[c];
-    double mean, error;
+    double mean, error, drift;
     if (strncmp(column->name, prefix, strlen(prefix)) != 0 || column->components != 1) continue;
-    late_mean(run, column, &mean, &error);
-    mean *= scale, error *= scale;
+    late_mean(run, column, &mean, &error, &drift);
+    if (isnan(mean)) continue; /* a gauge that has no level */
+    mean *= scale, error *= scale, drift *= scale;
     json_t *entry = json_object();
     json_put_number(entry, "mean", mean);
     json_put_number(entry, "standard_error", error);
+    json_put_number(entry, "drift_error", drift);
     json_object_set_new(json, column->name + strlen(prefix), entry);
-    double half = 2 * error;
+    double half = 2 * error + drift;
     const char *note = "";
     if (!strcmp(word, "flux"))
-      half = add_balance(s, column->name + strlen(prefix), mean, half, entry, &note);
+      half = add_balance(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
     fprintf(summary, "%-10s %s: %.4g +- %.2g %s%s\n", word, column->name + strlen(prefix), mean,
             half, unit, note);
   }
@@ -176,10 +232,7 @@ static enum status analyze(const struct subject *subject, const struct options *
           s->field.to, s->field.snapshots, s->field.snapshots == 1 ? "" : "s");
   show_columns(s, "flux_", "flux", 1 / s->field.thickness, "m^2/s (m^3/s for each m along y)",
                fluxes, summary);
-  json_put_number(json, "flow_m2_per_s", s->flow);
-  json_put_number(json, "head_drop_m", s->drop);
-  fprintf(summary, "flow net   %.4g m^2/s through soil, head falls by %.4g m in it\n", s->flow,
-          s->drop);
+  show_flow(s, fluxes, json, summary);
   show_columns(s, "head_", "head", 1, "m", heads, summary);
   show_columns(s, "level_", "level", 1, "m", levels, summary);
   show_exit(s, json, summary);

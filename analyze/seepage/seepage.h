@@ -38,6 +38,7 @@ struct seepage {
   double grain_density;
   double *psi; /* m^2/s, at corners */
   double flow; /* m^2/s: most of psi between two places in soil */
+  double flow_error; /* of it, 95 %: by what psi misses the velocities, and where the surface is */
   double drop; /* m: of head in the soil */
   double low;  /* m: least head in soil */
   struct seepage_exit exit;

@@ -97,8 +97,25 @@ bool isph_has_head(const struct isph *s) {
 #define LEVEL_KERNEL_SUM 0.6
 #define LEVEL_REACH 0.75 /* a gauge between two columns sees both */
 
+/* Whether the point so high over the gauge lies at the underside of a wall, or in one. */
+static bool is_covered(const struct isph *s, const double point[3], const double up[3],
+                       double height) {
+  double at = 0, x[3];
+  for (int a = 0; a < 3; a++) at += point[a] * up[a];
+  for (int a = 0; a < 3; a++) x[a] = point[a] + (height + s->spacing - at) * up[a];
+  for (size_t b = 0; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *box = &s->wall_boxes[b];
+    bool in = true;
+    for (int a = 0; a < 3; a++)
+      in = in && ((s->dimensions == 2 && a == 1) || (x[a] >= box->low[a] && x[a] <= box->high[a]));
+    if (in && !box->tank) return true;
+  }
+  return false;
+}
+
 /* Height of the highest water above or below the gauge, against gravity: half a particle above the
- * outermost within LEVEL_REACH of its size of the line through it. NAN where there is none. */
+ * outermost within LEVEL_REACH of its size of the line through it. NAN where there is none, and
+ * where the water ends at the underside of a wall. */
 static double level_at(const struct isph *s, const double point[3], const double up[3]) {
   double most = -INFINITY;
 #pragma omp parallel for schedule(static) reduction(max : most)
@@ -116,7 +133,7 @@ static double level_at(const struct isph *s, const double point[3], const double
       most = fmax(most, height + 0.5 * size);
     }
   most = ranks_max(most);
-  return isfinite(most) ? most : NAN;
+  return isfinite(most) && !is_covered(s, point, up, most) ? most : NAN;
 }
 
 size_t isph_read_gauge(const struct isph *s, const double point[3], double *number) {

@@ -138,8 +138,27 @@ static enum status check_moving_soil(const struct effect_context *context) {
   return STATUS_OK;
 }
 
+/* Without an end the run ends when its flow is steady. Water with a surface is never quite still,
+ * and what nothing drives has no velocity that could settle. */
+static enum status check_end(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  bool driven = false;
+  if (isfinite(scene->end_time)) return STATUS_OK;
+  for (size_t r = 0; r < scene->region_count; r++)
+    driven = driven || scene->regions[r].type == REGION_INFLOW;
+  for (int a = 0; a < 3; a++) driven = driven || (scene->periodic[a] && scene->driving[a] != 0);
+  if (driven && !context->has_surface) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s: scene.end_time is missing, like end_time = \"10 s\": %s, so no steady flow "
+              "would end the run",
+              scene->path,
+              context->has_surface ? "water with a surface keeps moving a little"
+                                   : "nothing drives water through the domain");
+}
+
 enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
+  TRY(check_end(context));
   TRY(check_walls(context));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));
