@@ -77,6 +77,7 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "method", json_text(h->run->method));
   json_object_set_new(object, "status", json_text(h->run->status));
   json_object_set_new(object, "rows", json_integer((json_int_t)h->rows));
+  json_object_set_new(object, "dimensions", json_integer(h->run->dimensions));
   json_object_set_new(object, "stationary", json_boolean(h->stationary));
   json_object_set_new(object, h->stationary ? "iterations" : "end_time_s",
                       json_number(h->times[h->rows - 1]));

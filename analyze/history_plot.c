@@ -47,6 +47,27 @@ static bool spans_decades(const struct history_column *column) {
   return low > 0.0 && high > 1e3 * low;
 }
 
+/* Whether a component says something: y is none of a 2-D scene, and a level where there is none is
+ * no number. */
+static bool says(const struct run *run, const struct history_column *column, size_t d) {
+  if (column == NULL || (column->components > 1 && d == 1 && run->dimensions == 2)) return false;
+  for (size_t r = 0; r < column->rows; r++)
+    if (isfinite(column->values[r * (size_t)column->components + d])) return true;
+  return false;
+}
+
+/* A panel of its own: what scenes and methods add. The works of the energy budget are a table
+ * (/run/ledger), twenty panels of which would hide the gauges. */
+static bool has_panel(const struct run_history *table, size_t n, size_t column_of_first) {
+  const struct history_column *model = &table[0].run->columns[column_of_first];
+  if (history_is_standard(model->name) || strncmp(model->name, "work_", 5) == 0) return false;
+  for (size_t i = 0; i < n; i++)
+    for (size_t d = 0; d < (size_t)model->components; d++)
+      if (says(table[i].run, run_column(table[i].run, model->name, model->components), d))
+        return true;
+  return false;
+}
+
 static void plot_extra(FILE *stream, const struct run_history *table, size_t n, double time_scale,
                        const char *time_label, size_t column_of_first) {
   const struct history_column *model = &table[0].run->columns[column_of_first];
@@ -70,8 +91,9 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   start_panel(stream, time_label, label);
   bool first = true;
   for (size_t i = 0; i < n; i++) {
-    if (run_column(table[i].run, model->name, model->components) == NULL) continue;
+    const struct history_column *column = run_column(table[i].run, model->name, model->components);
     for (size_t d = 0; d < components; d++) {
+      if (!says(table[i].run, column, d)) continue;
       fprintf(stream, "%s$c%zu_%zu_%zu with lines linewidth 1.8 dashtype %zu ", first ? "" : ", ",
               column_of_first, d, i, d + 1);
       fprintf(stream, "linecolor rgb '%s'", plot_colours[i % PLOT_COLOURS]);
@@ -79,12 +101,6 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
     }
   }
   fputs("\nunset logscale y\nset format y\n", stream);
-}
-
-/* A panel of its own: what scenes and methods add. The works of the energy budget are a table
- * (/run/ledger), twenty panels of which would hide the gauges. */
-static bool has_panel(const struct history_column *column) {
-  return !history_is_standard(column->name) && strncmp(column->name, "work_", 5) != 0;
 }
 
 void history_plot(const struct run_history *table, size_t n, struct product *product) {
@@ -98,7 +114,7 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     any_peak = any_peak || fabs(table[i].density_peak - 1.0) > 1e-9; /* false for NAN */
   }
   for (size_t c = 0; c < table[0].run->column_count; c++)
-    extras += has_panel(&table[0].run->columns[c]);
+    extras += has_panel(table, n, c);
   panels += (size_t)any_density + (size_t)any_peak + extras;
   size_t across = panels > 1 ? 2 : 1, down = (panels + across - 1) / across;
   bool iterations = table[0].stationary;
@@ -143,7 +159,7 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     fputs("\nset yrange [*:*]\n", stream);
   }
   for (size_t c = 0; c < table[0].run->column_count; c++)
-    if (has_panel(&table[0].run->columns[c]))
+    if (has_panel(table, n, c))
       plot_extra(stream, table, n, time_scale, time_label, c);
   fputs("unset multiplot\n", stream);
 }

@@ -142,9 +142,11 @@
       // The works of the energy budget stand in its table.
       Object.keys(runs[0].columns).filter(name => !name.startsWith('work_')).forEach(name => {
         const column = runs[0].columns[name], list = [];
-        runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d) => list.push({
+        runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d, all) => (
+          all.length > 1 && d === 1 && r.dimensions === 2) || values.every(v => v === null) || list.push({
           name: r.name + (r.columns[name].series.length > 1 ? ' ' + 'xyz'[d] : ''),
           points: series(r, values, v => v)})));
+        if (list.length === 0) return; // a level where there is none
         const all = [].concat.apply([], list.map(s => s.points.map(p => p[1]))).filter(v => v !== null);
         const least = Math.min.apply(null, all), most = Math.max.apply(null, all);
         const words = name.replace(/_/g, ' '), title = words[0].toUpperCase() + words.slice(1);

@@ -260,7 +260,7 @@ cleanup:
 
 /* Nothing is left to go on with; a run that its end time or budget ended can be given more. */
 static bool run_is_over(const struct run_result *result) {
-  static const char *const over[] = {"steady", "converged", "blocked"};
+  static const char *const over[] = {"steady", "converged", "blocked", "budget"};
   for (size_t i = 0; i < sizeof over / sizeof *over; i++)
     if (!strcmp(result->status, over[i])) return true;
   return false;

@@ -94,6 +94,28 @@ END
   within "$(last head_a)" 0.3 2e-3
   within "$(last head_b)" 0.2 2e-3
   run ! grep -q level_a still/history.csv
+  # Under a wall that the water reaches there is none either; beside it there is.
+  sphsolve run "$TANK" --set 'scene.end_time="0.1 s"' --set 'isph.dt="auto"' -o still --quiet --set 'regions=({ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; },
+    { type = "wall"; box = ["0.08 m", "0.1 m", "0.12 m", "0.3 m"]; })' \
+    --set 'gauges=({ name = "under"; at = ["0.1 m", "0.05 m"]; }, { name = "beside"; at = ["0.05 m", "0.05 m"]; })' > still.txt
+  analyze history still.hdf -o still
+  within "$(last level_beside)" 0.2 1e-2
+  [[ "$(last level_under)" = nan || -z "$(last level_under)" ]]
+  # The plot has no panel for a level that is none, and no line for y in two dimensions.
+  run ! grep -q "level under" still/history.gp
+  grep -q "level beside" still/history.gp
+  grep -A1 "front low" still/history.gp | grep -q "_0_0 with"
+  run ! grep -q "_1_0 with" still/history.gp
+}
+
+@test "a run that nothing would end asks for end_time" {
+  sed 's/end_time *= *"[^"]*";//' "$TANK" > endless.cfg
+  run ! grep -q end_time endless.cfg
+  for command in "explain endless.cfg" "run endless.cfg -o endless"; do
+    run -3 --separate-stderr timeout 20 sphsolve $command
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr == *"scene.end_time is missing, like "*"water with a surface"* ]]
+  done
 }
 
 @test "the +- of a plane's flux holds the exact flux, in free water, too" {
@@ -266,9 +288,29 @@ run = json.load(open("dupuit.json"))
 exact = 1e-2 * (1.0**2 - 0.4**2) / 2 # k (h1^2 - h2^2) / 2 L (Charny 1951)
 assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] / exact - 1) < 0.03, run["fluxes_m2_per_s"]
 assert abs(run["flow_m2_per_s"] / exact - 1) < 0.04, run["flow_m2_per_s"]
+assert abs(run["flow_m2_per_s"] - exact) < run["flow_error95_m2_per_s"] < 0.15 * exact, run["flow_error95_m2_per_s"]
+mid = run["fluxes_m2_per_s"]["mid"]
+assert run["through"] == {"plane": "mid", "flux_m2_per_s": mid["mean"], "error95": mid["error95"]}, run["through"]
 line = dict(zip(run["phreatic_line"]["x_m"], run["phreatic_line"]["level_m"]))
 for x, level in line.items():
     if 0.55 < x < 1.4: # above Dupuit's parabola, as a face of seepage makes it, and below the water before the dam
         assert (1 - 0.84 * (x - 0.5)) ** 0.5 - 0.02 < level < 1.01, (x, level)
+END
+  # What the page begins with is the plane's, with its error.
+  analyze report dupuit.hdf -o dupuit.html > /dev/null
+  grep -q '<p class="k"><span class="quantity">(4.[0-9]* &plusmn; .*through the soil, at the plane mid<' dupuit.html
+  # A flux that still falls, by 5 % over the half that is averaged: the +- reaches the value that it falls to.
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+with h5py.File("dupuit.hdf", "a") as file:
+    t = file["history/time"][()]
+    file["history/flux_mid"][()] = 0.05 * 4.2e-3 * (1 + 0.5 * np.exp(-2 * t / t[-1]))
+END
+  analyze seepage dupuit.hdf --json > falls.json
+  /usr/bin/python3 - <<'END'
+import json
+mid = json.load(open("falls.json"))["fluxes_m2_per_s"]["mid"]
+assert mid["mean"] - 4.2e-3 > 2 * mid["standard_error"], mid
+assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.2e-3), mid
 END
 }
