@@ -149,6 +149,8 @@ def _load_snapshot(path, file):
 def load(path):
     """A model, a run or a snapshot, by what the file holds."""
     path = os.fspath(path)
+    if os.path.isdir(path):
+        raise TosuiError(f"{path}: a folder; name a file in it")
     try:
         with h5py.File(path, "r") as file:
             for name, read in (("model/solid", _load_model), ("run", _load_run), ("VTKHDF/Points", _load_snapshot)):
@@ -273,7 +275,10 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
     common = ["--threads", threads] if threads else []
     with tempfile.TemporaryDirectory(prefix="tosui-") as own:
         at = os.fspath(folder) if folder is not None else own
-        os.makedirs(at, exist_ok=True)
+        try:
+            os.makedirs(at, exist_ok=True)
+        except OSError as error:
+            raise TosuiError(f"folder {at}: {error.strerror}") from None
         np.save(os.path.join(at, "image.npy"), np.ascontiguousarray(image))
         with open(os.path.join(at, "scene.cfg"), "w") as scene:
             scene.write(_SCENE.format(density=density, viscosity=viscosity))

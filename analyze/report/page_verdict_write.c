@@ -196,8 +196,8 @@ void verdict_write(const json_t *results, const json_t *seepage, const struct te
     return;
   }
   if (result == NULL) {
-    fputs("<p>No permeability is given: it takes a steady flow that a force or a difference of head "
-          "drives through the whole body.</p>"
+    fputs("<p>Nothing drives a steady flow through the whole body, so there is no permeability to "
+          "give.</p>"
           "</article></section>\n",
           out);
     return;

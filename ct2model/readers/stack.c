@@ -151,6 +151,40 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
+/* Whether two names differ in their digits alone. */
+static bool is_named_alike(const char *a, const char *b) {
+  for (a = base_name(a), b = base_name(b);; a++, b++) {
+    while (isdigit((unsigned char)*a)) a++;
+    while (isdigit((unsigned char)*b)) b++;
+    if (*a != *b) return false;
+    if (*a == '\0') return true;
+  }
+}
+
+/* Masks or another scan among the slices: the fewer of one name beside the more of another. False
+ * where all are named alike, or nearly each its own way. */
+static bool warn_of_other_names(const struct name_list *list) {
+  const char *own = list->names[0], *other = NULL;
+  size_t owns = 0, others = 0;
+  for (size_t i = 0; i < list->count; i++) {
+    if (is_named_alike(list->names[i], own)) {
+      owns++;
+    } else {
+      if (other == NULL) other = list->names[i];
+      others += is_named_alike(list->names[i], other);
+    }
+  }
+  if (other == NULL || owns + others < list->count) return false;
+  if (others > owns) {
+    const char *name = own;
+    own = other, other = name, others = owns;
+  }
+  log_warning("%zu of %zu files are named as %s, not as %s: if they are masks or of another scan, "
+              "name the slices alone, with a * for their numbers",
+              others, list->count, base_name(other), base_name(own));
+  return true;
+}
+
 /* Gaps are a warning. A uniform stride is none, as some scanners number every second slice; a
  * larger one may be of slices left out, which lie farther apart than pixels. */
 static void warn_of_gaps(const struct name_list *list) {
@@ -244,7 +278,7 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   memset(stack, 0, sizeof *stack);
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
-  warn_of_gaps(&list);
+  if (!warn_of_other_names(&list)) warn_of_gaps(&list);
   warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);

@@ -33,6 +33,8 @@ bool lattice_is_mirrored(const struct lattice *l) {
   return true;
 }
 
+#define SITES_MOST 1099511627776.0 /* 2^40 */
+
 static enum status find_target(const struct lattice *fine, double spacing, bool mirrored,
                                struct target *t) {
   t->count = 1;
@@ -52,7 +54,7 @@ static enum status find_target(const struct lattice *fine, double spacing, bool 
       t->copies[a] = m;
       t->spacing[a] = (double)m * length / whole;
     }
-    if (!size_multiply(t->count, t->size[a], &t->count) || t->count > (size_t)1 << 40)
+    if (!size_multiply(t->count, t->size[a], &t->count) || (double)t->count > SITES_MOST)
       return FAIL(STATUS_INPUT, "lattice.spacing: %g m makes too many sites", spacing);
   }
   return STATUS_OK;
@@ -216,6 +218,7 @@ double lattice_void_ratio(const struct lattice *l, double moved) {
 
 enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice) {
   struct lattice wanted = {0};
+  double sites = 1;
   if (!isfinite(scene->lattice_spacing)) return STATUS_OK;
   for (int a = 0; a < 3; a++) {
     const double length = (double)lattice->size[a] * lattice->spacing[a];
@@ -224,7 +227,13 @@ enum status lattice_take_spacing(const struct scene *scene, struct lattice *latt
                          "%g m is no lattice for a model that is %g m long in %c; voxels of it are "
                          "%g m",
                          scene->lattice_spacing, length, 'x' + a, lattice->spacing[a]);
+    sites *= fmax(1, length / scene->lattice_spacing);
   }
+  if (sites > SITES_MOST)
+    return scene_error(scene, AT_LATTICE,
+                       "%g m makes too many sites (%.1g); the model's voxels are %g m, and finer "
+                       "sites tell nothing new",
+                       scene->lattice_spacing, sites, lattice->spacing[0]);
   const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
   struct throats throats;

@@ -113,7 +113,7 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   }
   printf("scene      %s (%s)\n", scene->name, scene->path);
   printf("method     solute: the scene names a flow that is solved already\n");
-  printf("flow       %s: %d x %d x %d cells of %.4g m, porosity %.4f, U = %.3g m/s\n",
+  printf("flow       %s: %d x %d x %d cells of %.4g m, porosity %.4f, U about %.2g m/s\n",
          scene->flow_path, flow.n[0], flow.n[1], flow.n[2], spacing, flow.porosity, flow.speed);
   printf("length     %.4g m%s, of Pe = U length / D\n", length,
          isnan(given) ? " (6 grain volume / grain surface)" : "");

@@ -537,6 +537,31 @@ P
   near "$otsu" 173 3
 }
 
+@test "info names what lies among the slices, and tells of colour what build does" {
+  /usr/bin/python3 - <<'END'
+import os, struct, zlib
+
+def png(path, pixel):  # 8 x 8
+    chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 2 * (len(pixel) == 3), 0, 0, 0))
+                   + chunk(b"IDAT", zlib.compress(8 * (b"\0" + 8 * pixel))) + chunk(b"IEND", b""))
+
+os.makedirs("among", exist_ok=True)
+for i in range(5):
+    png(f"among/slice_{i:02d}.png", bytes([10 * i]))
+    if i < 3:
+        png(f"among/mask_{i:02d}.png", bytes([255 * (i % 2)]))
+png("colour.png", bytes([10, 200, 30]))
+END
+  run_ct info among
+  [ "$status" -eq 0 ]
+  [ "${#stderr_lines[@]}" -eq 1 ]
+  [[ $stderr == *"3 of 8 files are named as mask_00.png, not as slice_00.png: if they are masks"* ]]
+  run_ct info colour.png
+  [[ $stderr == *"stored in colour; build takes it only where it is grey"* ]]
+}
+
 @test "levels: coarser models of the same scan in one command" {
   cd "$WORK"
   run_ct build spheres.raw $RAW --void-ratio 3.96 --mirror none --levels 3 -o lv.hdf --json

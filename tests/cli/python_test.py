@@ -77,6 +77,10 @@ class Module(unittest.TestCase):
             with self.assertRaises(tosui.TosuiError) as caught:
                 tosui.load(path)
             self.assertIn(said, str(caught.exception))
+        with self.assertRaisesRegex(tosui.TosuiError, "a folder; name a file in it"):
+            tosui.load(self.folder.name)
+        with self.assertRaisesRegex(tosui.TosuiError, "File exists"):
+            tosui.permeability(self.grain, "5 um", pore=False, folder=os.path.join(self.folder.name, "run.hdf"))
         with self.assertWarnsRegex(UserWarning, "name pore=True"), self.assertRaises(tosui.TosuiError):
             tosui.permeability(self.grain, 5.0)  # False or True, that is not said
         with self.assertRaises(tosui.TosuiError) as caught:

@@ -116,6 +116,15 @@ END
   [[ "$stderr" == *"lattices.ckpt.hdf: is of a run on other lattices; go on with the --error"* ]]
 }
 
+@test "stokes: a run that an asked error ends leaves no checkpoint, whether it was reached or not" {
+  sphsolve run s06.cfg --set model.file=32.hdf --set scene.method=stokes --error 0.001% --set checkpoint.interval="1 ms" \
+    -o asked --json --quiet > asked.json
+  grep -q '"status": "budget"' asked.json
+  run ! compgen -G "asked.ckpt*"
+  run -3 --separate-stderr sphsolve explain s06.cfg --set model.file=32.hdf --set scene.method=stokes --set lattice.spacing='"1 nm"'
+  [[ "$stderr" == *": lattice.spacing: 1e-09 m makes too many sites ("*"the model's voxels are "* ]]
+}
+
 @test "a file of another's under a checkpoint's name is not written over" {
   echo mine > other.ckpt.1.hdf
   run --separate-stderr resumable_start stokes other
