@@ -113,8 +113,7 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     any_density = any_density || table[i].density.bins > 0;
     any_peak = any_peak || fabs(table[i].density_peak - 1.0) > 1e-9; /* false for NAN */
   }
-  for (size_t c = 0; c < table[0].run->column_count; c++)
-    extras += has_panel(table, n, c);
+  for (size_t c = 0; c < table[0].run->column_count; c++) extras += has_panel(table, n, c);
   panels += (size_t)any_density + (size_t)any_peak + extras;
   size_t across = panels > 1 ? 2 : 1, down = (panels + across - 1) / across;
   bool iterations = table[0].stationary;
@@ -159,7 +158,6 @@ void history_plot(const struct run_history *table, size_t n, struct product *pro
     fputs("\nset yrange [*:*]\n", stream);
   }
   for (size_t c = 0; c < table[0].run->column_count; c++)
-    if (has_panel(table, n, c))
-      plot_extra(stream, table, n, time_scale, time_label, c);
+    if (has_panel(table, n, c)) plot_extra(stream, table, n, time_scale, time_label, c);
   fputs("unset multiplot\n", stream);
 }

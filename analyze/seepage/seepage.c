@@ -9,8 +9,8 @@
 #include "common/statistics.h"
 
 /* What a series that still goes one way leaves open: the means of its quarters all rise or all
- * fall, by more than chance. From the middle to the end it goes half of its way on, and as much again
- * as the whole way is taken to be still to come. 0: no drift. */
+ * fall, by more than chance. From the middle to the end it goes half of its way on, and as much
+ * again as the whole way is taken to be still to come. 0: no drift. */
 static double drift_of(const double *values, size_t n, double error) {
   double quarter[4] = {0};
   const size_t each = n / 4;
@@ -19,7 +19,8 @@ static double drift_of(const double *values, size_t n, double error) {
     for (size_t i = 0; i < each; i++) quarter[q] += values[(size_t)q * each + i];
     quarter[q] /= (double)each;
   }
-  const double a = quarter[1] - quarter[0], b = quarter[2] - quarter[1], c = quarter[3] - quarter[2];
+  const double a = quarter[1] - quarter[0], b = quarter[2] - quarter[1],
+               c = quarter[3] - quarter[2];
   if (!(a * b > 0 && b * c > 0)) return 0;
   const double way = fabs(a + b + c) * 4 / 3;
   return way > 2 * error ? 1.5 * way : 0;
@@ -38,8 +39,8 @@ static void late_mean(const struct run *run, const struct history_column *column
   *drift = drift_of(column->values + first, column->rows - first, *error);
 }
 
-/* The error of a plane's flux with what the balance of mass and a drift leave open; a word where that is not
- * known. */
+/* The error of a plane's flux with what the balance of mass and a drift leave open; a word where
+ * that is not known. */
 static double add_balance(const struct seepage *s, const char *plane, double mean, double error,
                           double drift, json_t *entry, const char **note) {
   bool in_water;
@@ -52,8 +53,8 @@ static double add_balance(const struct seepage *s, const char *plane, double mea
   return error + drift;
 }
 
-/* The planes wholly in soil whose flux and its error are known: the one that is known best among those
- * that measure the most. */
+/* The planes wholly in soil whose flux and its error are known: the one that is known best among
+ * those that measure the most. */
 static const char *find_through(const json_t *fluxes, double *flux, double *error) {
   const char *best = NULL, *name;
   const json_t *entry;
@@ -62,7 +63,8 @@ static const char *find_through(const json_t *fluxes, double *flux, double *erro
     const double half = json_number_or_nan(entry, "error95");
     const double value = fabs(json_number_or_nan(entry, "mean"));
     if (!(half < value)) continue;
-    if (best != NULL && !(value - half > most + least) && !(value + half >= most - least && half < least))
+    if (best != NULL && !(value - half > most + least) &&
+        !(value + half >= most - least && half < least))
       continue;
     best = name, most = value, least = half;
   }
@@ -70,8 +72,8 @@ static const char *find_through(const json_t *fluxes, double *flux, double *erro
   return best;
 }
 
-/* What flows through the soil: by a plane where one says, and then the flow net is off by as much as
- * it differs from that; else by the flow net. */
+/* What flows through the soil: by a plane where one says, and then the flow net is off by as much
+ * as it differs from that; else by the flow net. */
 static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FILE *summary) {
   double flux, error;
   const char *plane = find_through(fluxes, &flux, &error);

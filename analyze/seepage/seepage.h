@@ -36,11 +36,11 @@ struct seepage {
   const struct run *run;
   struct head_field field;
   double grain_density;
-  double *psi; /* m^2/s, at corners */
-  double flow; /* m^2/s: most of psi between two places in soil */
+  double *psi;       /* m^2/s, at corners */
+  double flow;       /* m^2/s: most of psi between two places in soil */
   double flow_error; /* of it, 95 %: by what psi misses the velocities, and where the surface is */
-  double drop; /* m: of head in the soil */
-  double low;  /* m: least head in soil */
+  double drop;       /* m: of head in the soil */
+  double low;        /* m: least head in soil */
   struct seepage_exit exit;
   size_t prism_count, load_count;
   struct seepage_prism *prisms; /* two for each region at most */

@@ -160,8 +160,8 @@ static void find_ranges(struct seepage *s) {
 }
 
 /* Row (axis 1) or column (0) n of cells: what flows through those of soil by their velocities less
- * what does by psi at their corners; 0 where free water is among them. `surface`: the flux of half a
- * cell where the water ends in soil, as the surface may lie there or here. */
+ * what does by psi at their corners; 0 where free water is among them. `surface`: the flux of half
+ * a cell where the water ends in soil, as the surface may lie there or here. */
 static double missed(const struct seepage *s, int axis, size_t n, double *surface) {
   const struct head_field *f = &s->field;
   const size_t along = axis == 0 ? f->nz : f->nx, corners = f->nx + 1;
@@ -177,7 +177,8 @@ static double missed(const struct seepage *s, int axis, size_t n, double *surfac
                                   : 0.5 * (p[0] + p[corners] - p[1] - p[corners + 1]);
     if (isnan(step)) continue;
     sum += length * f->velocity[axis][c] - step;
-    if (axis == 0 && k + 1 < f->nz && isnan(f->head[c + f->nx]) && f->wall[c + f->nx] == REGION_NONE)
+    if (axis == 0 && k + 1 < f->nz && isnan(f->head[c + f->nx]) &&
+        f->wall[c + f->nx] == REGION_NONE)
       *surface = 0.5 * fabs(length * f->velocity[axis][c]);
   }
   return sum;
@@ -197,7 +198,8 @@ static double net_error(const struct seepage *s) {
       squares += misses * misses, count++;
       most = fmax(most, surface);
     }
-  return count > 0 ? hypot(2 * sqrt(squares / (double)count / fmax(1, (double)count / ALIKE)), most) : NAN;
+  return count > 0 ? hypot(2 * sqrt(squares / (double)count / fmax(1, (double)count / ALIKE)), most)
+                   : NAN;
 }
 
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *s) {

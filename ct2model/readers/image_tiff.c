@@ -263,7 +263,8 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   image->plain = true;
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
-    snprintf(image->note, sizeof image->note, "stored in colour; build takes it only where it is grey");
+    snprintf(image->note, sizeof image->note,
+             "stored in colour; build takes it only where it is grey");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_resolution(tiff, description, image);
   TRY(tiff_refuse_hyperstack(path, description));

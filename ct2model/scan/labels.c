@@ -332,10 +332,11 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
   if (labels->porosity <= 0.0 || labels->porosity >= 1.0)
     TRY_FAIL(STATUS_INPUT, "%s: by --%s all of the region is %s", region->stack->files[0].path,
              labels->count > 0 ? "segmented" : "micro",
-             labels->porosity <= 0.0      ? "grain"
-             : labels->micro.kind != NULL ? "pore or soil: a model's surface is that between grain and "
-                                            "the rest, and there is none without grain"
-                                          : "pore");
+             labels->porosity <= 0.0 ? "grain"
+             : labels->micro.kind != NULL
+                 ? "pore or soil: a model's surface is that between grain and "
+                   "the rest, and there is none without grain"
+                 : "pore");
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
   TRY(smooth(grain, region->size, reflect, labels->smooth));
   TRY(measure_volume(grain, LABEL_GREY, region->size, reflect, &volume));

@@ -121,9 +121,10 @@ static double flow_length(const struct solute_flow *flow) {
 
 void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
                          const struct solute_result *r, const char *prefix) {
-  printf("flow       %s: U = %.4g m/s in pores of porosity %.4f, of cells that neither gain nor lose "
-         "water\n",
-         scene->flow_path, flow->speed, flow->porosity);
+  printf(
+      "flow       %s: U = %.4g m/s in pores of porosity %.4f, of cells that neither gain nor lose "
+      "water\n",
+      scene->flow_path, flow->speed, flow->porosity);
   if (isfinite(r->formation))
     printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
            100 * r->formation_error, 1 / r->tortuosity);
