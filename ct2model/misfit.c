@@ -36,7 +36,7 @@ static const char *reason(const struct pipeline *pipeline) {
 
 void misfit_warn(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
-  const double e = pipeline->model.void_ratio, measured = request->void_ratio;
+  const double e = pipeline_void_ratio(pipeline), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
   const double most = request->roi.kind != ROI_NONE ? OFF_MOST_ELSEWHERE : OFF_MOST;
   if (pipeline->labels.on && !request->fill_islands) return; /* told with the labels */

@@ -18,6 +18,7 @@
 #include "ct2model/scan.h"
 #include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
+#include "ct2model/wall_level.h"
 
 /* ---- region: crop, voxel size ---- */
 
@@ -244,13 +245,10 @@ cleanup:
   return status;
 }
 
-static struct wall_request wall_request_of(const struct pipeline *pipeline) {
-  const struct grey_histogram *histogram = &pipeline->histogram;
-  const double contrast = pipeline->phases.grain_peak - pipeline->phases.pore_peak;
+static struct wall_request wall_request_of(const struct pipeline *pipeline, double threshold,
+                                           double contrast) {
   struct wall_request request = {
-      .threshold = pipeline->threshold_original,
-      .contrast = contrast > 0.0 ? contrast : histogram->width * (double)histogram->bins,
-      .mirror = pipeline->request->mirror};
+      .threshold = threshold, .contrast = contrast, .mirror = pipeline->request->mirror};
   memcpy(request.size, pipeline->size, sizeof request.size);
   return request;
 }
@@ -258,7 +256,8 @@ static struct wall_request wall_request_of(const struct pipeline *pipeline) {
 /* The surface of the sample, which is not needed any more. */
 static enum status measure_surface(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  const struct wall_request request = wall_request_of(pipeline);
+  const struct wall_request request = wall_request_of(pipeline, pipeline->threshold_original,
+                                                      pipeline_contrast(pipeline));
   if (pipeline->sample.count > 0)
     TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
                                &pipeline->quality.surface_error));
@@ -267,48 +266,20 @@ cleanup:
   return status;
 }
 
-/* The threshold among the coarse levels: that of the same void ratio, or the same grey where one is
- * given or only labels are there. False where levels were cut off around it. */
-static bool coarse_threshold(const struct pipeline *pipeline, double *threshold) {
-  const struct coarse *coarse = &pipeline->coarse;
-  if (coarse->step == 1) return false;
-  *threshold = (pipeline->threshold_original - coarse->low) / coarse->unit;
-  const bool inside = *threshold > 1.0 && *threshold < (double)coarse->histogram.bins - 2.0;
-  if (pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2)
-    *threshold = grey_histogram_quantile(
-        &coarse->histogram,
-        grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original));
-  return inside;
-}
-
-/* Distances, fractions and surface of the walls, on the scan averaged where there is one. */
-static enum status measure_walls(struct pipeline *pipeline, struct wall_request *request,
-                                 struct wall_result *walls) {
+/* Distances, fractions and surface of the walls. */
+static enum status measure_walls(struct pipeline *pipeline, struct wall_result *result) {
   enum status status = STATUS_OK;
-  const struct coarse *coarse = &pipeline->coarse;
+  const struct wall_level *walls = &pipeline->walls;
   struct quality *quality = &pipeline->quality;
-  double volume = 1.0, threshold;
+  struct wall_request request = wall_request_of(pipeline, walls->threshold, walls->contrast);
+  double volume = 1.0;
   for (int d = 0; d < 3; d++)
     volume *= (double)pipeline->region.size[d] * pipeline->region.voxel[d];
-  if (pipeline->restored.scan.levels != NULL) {
-    const struct region region = restored_region(&pipeline->restored, &pipeline->region);
-    const size_t step = pipeline->restored.scan.step;
-    request->threshold = pipeline->restored.threshold;
-    request->contrast = 1.0 / pipeline->restored.scan.unit;
-    TRY(wall_measure(&region, request, walls));
-    pipeline->specks = walls->specks * step * step * step;
-    quality->surface_original = walls->surface_area / volume;
-    quality->surface_error = NAN;
-  } else if (coarse_threshold(pipeline, &threshold)) {
-    const struct region region = coarse_region(coarse, &pipeline->region);
-    request->threshold = threshold;
-    request->contrast /= coarse->unit;
-    TRY(wall_measure(&region, request, walls));
-    pipeline->specks = walls->specks * coarse->step * coarse->step * coarse->step;
-  } else {
-    TRY(wall_measure(&pipeline->region, request, walls));
-    pipeline->specks = walls->specks;
-    quality->surface_original = walls->surface_area / volume;
+  request.distances = true;
+  TRY(wall_measure(&walls->region, &request, result));
+  pipeline->specks = result->specks * walls->step * walls->step * walls->step;
+  if (!walls->averaged) {
+    quality->surface_original = result->surface_area / volume;
     quality->surface_error = NAN;
   }
 cleanup:
@@ -320,9 +291,7 @@ cleanup:
 static enum status find_walls(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct wall_result walls = {0};
-  struct wall_request request = wall_request_of(pipeline);
-  request.distances = true;
-  TRY(measure_walls(pipeline, &request, &walls));
+  TRY(measure_walls(pipeline, &walls));
   struct voxel_model *model = &pipeline->model;
   model->wall_distance = walls.distance;
   model->grain_fraction = walls.grain_fraction;
@@ -416,6 +385,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
                                      .dark_grains = request->dark_grains};
   if (!labels) TRY(sweep_table_make(&swept, &pipeline->table));
   if (pipeline->restoring) TRY(restore(pipeline));
+  if (distances) TRY(wall_level_find(pipeline));
   if (pipeline->resampled) TRY(make_solid(pipeline));
   if (distances) {
     TRY(find_walls(pipeline));

@@ -241,7 +241,7 @@ static void print_model(const struct pipeline *pipeline) {
   if (pipeline->request->sides != SIDES_PERIODIC)
     printf(pipeline->request->sides == SIDES_CLOSED ? ", sides closed" : ", sides mirrored");
   printf("\nvoid ratio        %.4f", model->void_ratio);
-  if (pipeline_walls_are_labels(pipeline))
+  if (pipeline_walls_enclose(pipeline))
     printf(" by voxels; %.4f within the walls", pipeline_void_ratio(pipeline));
   if (!isnan(pipeline->request->void_ratio))
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,

@@ -16,15 +16,22 @@ double pipeline_grey(const struct pipeline *pipeline, double internal) {
   return internal * pipeline->grey_scale * (negated ? -1.0 : 1.0);
 }
 
-bool pipeline_walls_are_labels(const struct pipeline *pipeline) {
-  return pipeline->labels.on && pipeline->labels.micro.kind == NULL &&
-         !pipeline->request->fill_islands &&
+bool pipeline_walls_enclose(const struct pipeline *pipeline) {
+  return (pipeline->labels.on || isfinite(pipeline->walls.void_ratio)) &&
+         pipeline->labels.micro.kind == NULL && !pipeline->request->fill_islands &&
          memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
 }
 
 double pipeline_void_ratio(const struct pipeline *pipeline) {
   const double n = pipeline->labels.model_porosity;
-  return pipeline_walls_are_labels(pipeline) ? n / (1.0 - n) : pipeline->model.void_ratio;
+  if (!pipeline_walls_enclose(pipeline)) return pipeline->model.void_ratio;
+  return pipeline->labels.on ? n / (1.0 - n) : pipeline->walls.void_ratio;
+}
+
+double pipeline_contrast(const struct pipeline *pipeline) {
+  const struct grey_histogram *histogram = &pipeline->histogram;
+  const double contrast = pipeline->phases.grain_peak - pipeline->phases.pore_peak;
+  return contrast > 0.0 ? contrast : histogram->width * (double)histogram->bins;
 }
 
 double pipeline_threshold_error(const struct pipeline *pipeline) {

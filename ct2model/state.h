@@ -29,6 +29,15 @@ struct quality {
   double surface_error; /* standard error of surface_original where windows stand for the whole */
 };
 
+/* What the walls are measured on. */
+struct wall_level {
+  struct region region;       /* the scan, restored or averaged where it is */
+  double threshold, contrast; /* of its greys */
+  size_t step;                /* voxels of the scan a side of one of its */
+  bool averaged;              /* for that alone: its surface is not the scan's */
+  double void_ratio;          /* within the walls; NAN: of labels, or not asked for */
+};
+
 /* Greys inside are region.scale times stored ones; pipeline_grey gives what is reported. */
 struct pipeline {
   const struct request *request;
@@ -60,6 +69,7 @@ struct pipeline {
   bool restoring;               /* whether that is tried */
   bool blur_removed;            /* and whether it was done, */
   size_t averaged;              /* out of means of so many voxels a side; 1: of every voxel */
+  struct wall_level walls;
   struct sweep_table table;
   double threshold_original, threshold;             /* full resolution; model */
   double solid_threshold;                           /* of `volume`, which may be restored */
@@ -81,11 +91,14 @@ struct mirroring pipeline_mirroring(const struct pipeline *pipeline);
 
 /* A grey of the region, as it is reported: of the scan as stored. */
 double pipeline_grey(const struct pipeline *pipeline, double internal);
-/* Whether the model's walls are those of labels on their own voxels, which enclose the labels'
- * volume while the voxels' centres, counted, do not quite. */
-bool pipeline_walls_are_labels(const struct pipeline *pipeline);
-/* The void ratio that the model's walls leave: of its voxels, or of such labels. */
+/* Whether what the model's walls enclose is known: on the scan's own voxels, whose centres,
+ * counted, do not quite tell it. */
+bool pipeline_walls_enclose(const struct pipeline *pipeline);
+/* The void ratio that the model's walls leave: within them where that is known, or of its voxels.
+ */
 double pipeline_void_ratio(const struct pipeline *pipeline);
+/* Grain less pore, greys of the region; of one peak, all that its greys span. */
+double pipeline_contrast(const struct pipeline *pipeline);
 /* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
 double pipeline_threshold_error(const struct pipeline *pipeline);
 

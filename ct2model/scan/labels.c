@@ -7,8 +7,9 @@
 
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scan/enclosed.h"
 
-enum { REACH = 2, TAPS = 2 * REACH + 1, SUB = 3 };
+enum { REACH = 2, TAPS = 2 * REACH + 1 };
 
 enum status labels_parse(const char *text, struct label_rules *rules) {
   *rules = (struct label_rules){.given = true};
@@ -231,57 +232,6 @@ static enum status smooth(const uint8_t *grain, const size_t size[3], const bool
   return status;
 }
 
-/* The volume under each grey of the trilinear field between voxel centres, which is what walls are
- * found on: SUB^3 samples a voxel. */
-static enum status measure_volume(const uint8_t *field, double unit, const size_t size[3],
-                                  const bool reflect[3], struct grey_histogram *histogram) {
-  enum status status = STATUS_OK;
-  const size_t nx = size[0], ny = size[1], nz = size[2];
-  uint64_t counts[256] = {0};
-#pragma omp parallel for schedule(static) reduction(+ : counts)
-  for (size_t line = 0; line < ny * nz; line++) {
-    const size_t y = line % ny, z = line / ny; // NOLINT: a region has a row
-    const uint8_t *rows[4];
-    for (int c = 0; c < 4; c++)
-      rows[c] = field + ((c / 2 ? z : beyond(z, -1, nz, reflect[2])) * ny +
-                         (c % 2 ? y : beyond(y, -1, ny, reflect[1]))) *
-                            nx;
-    /* A cell from one centre to the next occurs twice where it is mirrored, that on a face once. */
-    const uint64_t twice = (reflect[1] && y > 0 ? 2u : 1u) * (reflect[2] && z > 0 ? 2u : 1u);
-    for (size_t x = 0; x < nx; x++) {
-      const size_t last = beyond(x, -1, nx, reflect[0]);
-      const uint64_t weight = twice * (reflect[0] && x > 0 ? 2u : 1u);
-      double corner[8];
-      bool same = true;
-      for (int c = 0; c < 8; c++) {
-        corner[c] = (double)rows[c / 2][c % 2 ? x : last];
-        same = same && corner[c] == corner[0];
-      }
-      if (same) {
-        counts[(size_t)(unit * corner[0] + 0.5)] += weight * SUB * SUB * SUB;
-        continue;
-      }
-      for (int s = 0; s < SUB * SUB * SUB; s++) {
-        const double u = (s % SUB + 0.5) / SUB, v = (s / SUB % SUB + 0.5) / SUB,
-                     w = (s / SUB / SUB + 0.5) / SUB; // NOLINT: whole parts are meant
-        double edge[4];
-        for (int c = 0; c < 4; c++)
-          edge[c] = corner[2 * c] + u * (corner[2 * c + 1] - corner[2 * c]);
-        const double near = edge[0] + v * (edge[1] - edge[0]),
-                     far = edge[2] + v * (edge[3] - edge[2]);
-        counts[(size_t)(unit * (near + w * (far - near)) + 0.5)] += weight;
-      }
-    }
-  }
-  TRY(grey_histogram_start(-0.5, 1.0, 256, histogram));
-  for (size_t b = 0; b < 256; b++) {
-    histogram->counts[b] = counts[b];
-    histogram->total += counts[b];
-  }
-cleanup:
-  return status;
-}
-
 /* Two values are two labels; which is pore is a convention, and said. */
 static enum status find_labels(const struct region *region, const struct label_rules *rules,
                                bool dark, struct labels *labels) {
@@ -339,14 +289,17 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
                  : "pore");
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
   TRY(smooth(grain, region->size, reflect, labels->smooth));
-  TRY(measure_volume(grain, LABEL_GREY, region->size, reflect, &volume));
-  labels->sharp_porosity = grey_histogram_porosity(&volume, 0.5 * LABEL_GREY);
+  struct region walls = *region;
+  walls.held_type = PIXEL_U8;
+  walls.scale = 1.0;
+  walls.held = grain;
+  TRY(enclosed_measure(&walls, reflect, 0.0, 1.0, &volume));
+  labels->sharp_porosity = grey_histogram_porosity(&volume, 0.5);
   grey_histogram_end(&volume);
-  TRY(measure_volume(labels->smooth, 1.0, region->size, reflect, &volume));
+  walls.held = labels->smooth;
+  TRY(enclosed_measure(&walls, reflect, 0.0, LABEL_GREY, &volume));
   labels->threshold = grey_histogram_quantile(&volume, labels->model_porosity);
-  region->held = labels->smooth;
-  region->held_type = PIXEL_U8;
-  region->scale = 1.0;
+  *region = walls;
 cleanup:
   grey_histogram_end(&volume);
   return status;

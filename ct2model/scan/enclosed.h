@@ -1,0 +1,19 @@
+/* How much volume walls enclose: that of the surfaces of equal grey between voxel centres, to
+ * fractions of a voxel. Counted voxels do not tell it: where walls lie along planes of voxels, all
+ * of a plane have about one grey, and between two such greys any threshold counts the same. */
+#ifndef TOSUI_CT2MODEL_SCAN_ENCLOSED_H
+#define TOSUI_CT2MODEL_SCAN_ENCLOSED_H
+
+#include <stdbool.h>
+
+#include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scan/region.h"
+
+/* The share of the region's volume under each grey from `low` to `high`, of the trilinear field
+ * between the centres of its voxels; what lies beyond is counted in the end bins. `reflect`: axes
+ * that are mirrored about the first face and the last centre; the others are periodic. The same for
+ * any number of threads. Free with grey_histogram_end. */
+enum status enclosed_measure(const struct region *region, const bool reflect[3], double low,
+                             double high, struct grey_histogram *histogram);
+
+#endif

@@ -1,0 +1,64 @@
+#!/usr/bin/env bats
+# Slits and ducts whose walls are flat, between voxels or along them, as scans blurred by them and as labels: k beside the
+# exact one.
+
+load programs
+setup_file() {
+  programs_setup
+  # Greys: shares of a box between voxels, blurred and noisy, and repeated along the walls.
+  /usr/bin/python3 - <<'END'
+import math, random
+random.seed(4)
+def share(edges, n, blur):  # of pore in voxels 0 .. n - 1, blurred; periodic
+    step = lambda x: .5 * (1 + math.erf(x / (blur * 2 ** .5)))
+    mean = lambda x, e: sum(step(x + (s + .5) / 20 - e) for s in range(20)) / 20
+    return [sum(mean(x + i * n, edges[0]) - mean(x + i * n, edges[1]) for i in (-1, 0, 1)) for x in range(n)]
+def write(name, n, nz, pore, noise):
+    open(name, "wb").write(bytes(min(max(round(180 - 120 * pore(x, y) + random.gauss(0, noise)), 0), 255)
+                                 for z in range(nz) for y in range(n) for x in range(n)))
+wide = share((6.2, 31.65), 48, 1)
+write("slit.raw", 48, 24, lambda x, y: wide[x], 12)
+duct = share((8.3, 16.7), 24, .5)
+write("duct.raw", 24, 48, lambda x, y: duct[x] * duct[y], 8)
+n = 40  # a slit of 14.14 voxels at 45 degrees
+open("turned.raw", "wb").write(bytes(int((x + z) % n >= n / 2) for z in range(n) for y in range(8) for x in range(n)))
+END
+  cat > s.cfg <<'END'
+scene = { name = "flat"; method = "stokes"; };
+model = { file = "s.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+}
+
+# flat NAME SIZE OPTIONS...: builds it and runs it
+flat() {
+  ct2model build "$1.raw" --raw "$2:u8" --voxel-size 10um --mirror none --json --quiet -o s.hdf "${@:3}" > "$1-model.json"
+  sphsolve run s.cfg -o "$1-run" --json --force > "$1.json"
+}
+# held NAME K MOST: k (voxels^2) lies within what is stated, and within MOST of itself
+held() {
+  K=$2 MOST=$3 NAME=$1 /usr/bin/python3 - <<'END'
+import json, os
+run, exact = json.load(open(os.environ["NAME"] + ".json")), float(os.environ["K"]) * 1e-10
+off = run["intrinsic_permeability"] / exact - 1
+print(off, run["error"])
+assert abs(off) < float(os.environ["MOST"]), off
+assert abs(off) < run["error"]["total"] * (1 + off), (off, run["error"])
+END
+}
+
+@test "a slit between voxels: walls enclose the void ratio, and k holds the exact one" {
+  flat slit 48x48x24 --void-ratio "$(awk 'BEGIN { print 25.45 / (48 - 25.45) }')"
+  held slit "$(awk 'BEGIN { print 25.45^3 / 12 / 48 }')" 0.025
+}
+
+@test "a duct between voxels: k holds the exact one" {
+  flat duct 24x24x48 --void-ratio "$(awk 'BEGIN { print 8.4^2 / (24^2 - 8.4^2) }')"
+  held duct "$(awk 'BEGIN { print 0.0351443 * 8.4^4 / 24^2 }')" 0.04 # White 2006, eq. 3-48
+}
+
+@test "labels at 45 degrees: the wall lies where the labels change" {
+  flat turned 40x8x40 --segmented 0
+  held turned "$(awk 'BEGIN { print 200 / 12 * 0.5 * 0.5 }')" 0.005
+}
