@@ -256,8 +256,8 @@ static struct wall_request wall_request_of(const struct pipeline *pipeline, doub
 /* The surface of the sample, which is not needed any more. */
 static enum status measure_surface(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  const struct wall_request request = wall_request_of(pipeline, pipeline->threshold_original,
-                                                      pipeline_contrast(pipeline));
+  const struct wall_request request =
+      wall_request_of(pipeline, pipeline->threshold_original, pipeline_contrast(pipeline));
   if (pipeline->sample.count > 0)
     TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
                                &pipeline->quality.surface_error));
@@ -335,8 +335,9 @@ static enum status restore(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const double e = pipeline->void_ratio_original;
   const size_t *size = pipeline->size;
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
   TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e,
-                    &pipeline->restored));
+                    mirroring.mirrored, &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
   pipeline->averaged = pipeline->restored.scan.step;
@@ -346,7 +347,6 @@ static enum status restore(struct pipeline *pipeline) {
         "of means of %zu a side, and k is the less certain; --crop",
         pipeline->restored.scan.step);
   TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
-  const struct mirroring mirroring = pipeline_mirroring(pipeline);
   TRY(volume_threshold(pipeline->volume, &mirroring, e / (1.0 + e), &pipeline->solid_threshold));
 cleanup:
   return status;

@@ -19,41 +19,23 @@ static bool coarse_threshold(const struct pipeline *pipeline, double *threshold)
   return inside;
 }
 
-/* Moves the threshold, by half the contrast at most, to where the walls enclose `porosity`; where
- * none does, it stays. Either way porosity becomes that enclosed. */
-static enum status match(const struct pipeline *pipeline, struct wall_level *walls,
-                         double *porosity) {
-  enum status status = STATUS_OK;
-  const struct mirroring mirroring = pipeline_mirroring(pipeline);
-  const double low = walls->threshold - 0.5 * walls->contrast,
-               high = walls->threshold + 0.5 * walls->contrast;
-  struct grey_histogram volume = {0};
-  TRY(enclosed_measure(&walls->region, mirroring.mirrored, low, high, &volume));
-  const double met = grey_histogram_quantile(&volume, *porosity);
-  if (met > low + volume.width && met < high - volume.width) walls->threshold = met;
-  *porosity = grey_histogram_porosity(&volume, walls->threshold);
-cleanup:
-  grey_histogram_end(&volume);
-  return status;
-}
-
 enum status wall_level_find(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct wall_level *walls = &pipeline->walls;
   const bool restored = pipeline->restored.scan.levels != NULL;
-  const bool free = pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2;
+  const bool matched = pipeline->request->rule == THRESHOLD_AUTO && pipeline->phases.levels > 2;
   double porosity = pipeline->void_ratio_original / (1.0 + pipeline->void_ratio_original);
-  *walls = (struct wall_level){
-      .region = pipeline->region,
-      .threshold = pipeline->threshold_original,
-      .contrast = pipeline_contrast(pipeline),
-      .step = 1,
-      .void_ratio = NAN};
+  *walls = (struct wall_level){.region = pipeline->region,
+                               .threshold = pipeline->threshold_original,
+                               .contrast = pipeline_contrast(pipeline),
+                               .step = 1,
+                               .void_ratio = NAN};
   if (restored) {
     walls->region = restored_region(&pipeline->restored, &pipeline->region);
     walls->step = pipeline->restored.scan.step;
     walls->threshold = pipeline->restored.threshold;
     walls->contrast = 1.0 / pipeline->restored.scan.unit;
+    walls->void_ratio = pipeline->restored.void_ratio;
   } else if (coarse_threshold(pipeline, &walls->threshold)) {
     walls->region = coarse_region(&pipeline->coarse, &pipeline->region);
     walls->step = pipeline->coarse.step;
@@ -62,9 +44,13 @@ enum status wall_level_find(struct pipeline *pipeline) {
   } else {
     walls->threshold = pipeline->threshold_original;
   }
-  if (pipeline->labels.on || !(restored || free)) return STATUS_OK;
-  TRY(match(pipeline, walls, &porosity));
-  walls->void_ratio = porosity / (1.0 - porosity);
+  if (pipeline->labels.on || !(restored || matched)) return STATUS_OK;
+  if (!restored) {
+    const struct mirroring mirroring = pipeline_mirroring(pipeline);
+    TRY(enclosed_match(&walls->region, mirroring.mirrored, walls->contrast, &walls->threshold,
+                       &porosity));
+    walls->void_ratio = porosity / (1.0 - porosity);
+  }
   if (memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) != 0) goto cleanup;
   /* The voxels as they are have the phase that the walls give them. */
   pipeline->solid_threshold = walls->threshold;

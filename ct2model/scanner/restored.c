@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/scan/enclosed.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
@@ -14,7 +15,7 @@ enum { BATCH = 32 };
 
 /* Levels of 255 between which the surface must lie: beyond, the void ratio asks for more or less
  * grain than there are edges. */
-static const double LEAST = 10.0, MOST = 245.0;
+static const double LEAST = 10.0, MOST = 245.0, LEVELS = 255.0;
 
 /* Slices that are looked at for specks at a time, and beside them: a speck is no longer. */
 enum { CHUNK = 64, BESIDE = 12 };
@@ -83,7 +84,7 @@ struct region restored_region(const struct restored *restored, const struct regi
 }
 
 enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
-                          double void_ratio, struct restored *restored) {
+                          double void_ratio, const bool reflect[3], struct restored *restored) {
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
   TRY(restore_run(region, scanner, blur, scan));
@@ -101,8 +102,14 @@ enum status restored_take(const struct region *region, const struct scanner *sca
     restored_end(restored);
     return STATUS_OK;
   }
+  const struct region levels = restored_region(restored, region);
+  const double porosity = void_ratio / (1.0 + void_ratio);
+  double met = porosity;
+  TRY(enclosed_match(&levels, reflect, LEVELS, &restored->threshold, &met));
   TRY(drop_specks(region, scanner, restored->threshold, scan));
-  restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
+  met = porosity;
+  TRY(enclosed_match(&levels, reflect, LEVELS, &restored->threshold, &met));
+  restored->void_ratio = met / (1.0 - met);
 cleanup:
   return status;
 }

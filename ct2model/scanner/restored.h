@@ -11,13 +11,15 @@
 
 struct restored {
   struct coarse scan; /* no levels: the scan is left as it is */
-  double threshold;   /* the level that gives the void ratio */
+  double threshold;   /* the level at which walls enclose the void ratio */
+  double void_ratio;  /* that they do enclose */
 };
 
 /* Takes `blur` (m) out. No levels come back, with a warning, where the edges of the scan do not
- * allow that void ratio or memory would not hold it. Free with restored_end. */
+ * allow that void ratio or memory would not hold it. `reflect`: axes that will be mirrored. Free
+ * with restored_end. */
 enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
-                          double void_ratio, struct restored *restored);
+                          double void_ratio, const bool reflect[3], struct restored *restored);
 void restored_end(struct restored *restored);
 /* As a region of levels. */
 struct region restored_region(const struct restored *restored, const struct region *region);

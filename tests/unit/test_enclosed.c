@@ -62,8 +62,7 @@ static void test_what_is_mirrored_counts_twice(void **state) {
 static void check_turned(size_t p, size_t q, double grey) {
   struct region region = held(NULL, PIXEL_U8);
   struct labels labels = {.on = true};
-  for (size_t i = 0; i < COUNT; i++)
-    grain[i] = (p * (i % NX) + q * (i / (NX * NY))) % NX >= NX / 2;
+  for (size_t i = 0; i < COUNT; i++) grain[i] = (p * (i % NX) + q * (i / (NX * NY))) % NX >= NX / 2;
   labels.porosity = 0.5;
   assert_int_equal(labels_smooth(&region, grain, periodic, &labels), STATUS_OK);
   assert_true(fabs(labels.threshold - 0.5 * LABEL_GREY) < grey);
