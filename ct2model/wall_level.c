@@ -19,6 +19,15 @@ static bool coarse_threshold(const struct pipeline *pipeline, double *threshold)
   return inside;
 }
 
+static bool on_own_voxels(const struct pipeline *pipeline) {
+  return memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
+}
+
+void wall_level_reflect(const struct pipeline *pipeline, bool reflect[3]) {
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
+  for (int d = 0; d < 3; d++) reflect[d] = !on_own_voxels(pipeline) || mirroring.mirrored[d];
+}
+
 enum status wall_level_find(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct wall_level *walls = &pipeline->walls;
@@ -46,12 +55,12 @@ enum status wall_level_find(struct pipeline *pipeline) {
   }
   if (pipeline->labels.on || !(restored || matched)) return STATUS_OK;
   if (!restored) {
-    const struct mirroring mirroring = pipeline_mirroring(pipeline);
-    TRY(enclosed_match(&walls->region, mirroring.mirrored, walls->contrast, &walls->threshold,
-                       &porosity));
+    bool reflect[3];
+    wall_level_reflect(pipeline, reflect);
+    TRY(enclosed_match(&walls->region, reflect, walls->contrast, &walls->threshold, &porosity));
     walls->void_ratio = porosity / (1.0 - porosity);
   }
-  if (memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) != 0) goto cleanup;
+  if (!on_own_voxels(pipeline)) goto cleanup;
   /* The voxels as they are have the phase that the walls give them. */
   pipeline->solid_threshold = walls->threshold;
   if (!restored) pipeline->threshold = walls->threshold;
