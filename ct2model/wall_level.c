@@ -19,6 +19,16 @@ static bool coarse_threshold(const struct pipeline *pipeline, double *threshold)
   return inside;
 }
 
+/* A threshold nearer to a phase's own grey, in contrasts, lies in its noise: counted voxels are all
+ * there is. */
+#define BESIDE_PEAK 0.15
+
+static double in_greys_of(const struct pipeline *pipeline, const struct wall_level *walls,
+                          double grey) {
+  const struct coarse *coarse = &pipeline->coarse;
+  return walls->averaged ? (grey - coarse->low) / coarse->unit : grey;
+}
+
 static bool on_own_voxels(const struct pipeline *pipeline) {
   return memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
 }
@@ -55,9 +65,13 @@ enum status wall_level_find(struct pipeline *pipeline) {
   }
   if (pipeline->labels.on || !(restored || matched)) return STATUS_OK;
   if (!restored) {
+    const double pore = in_greys_of(pipeline, walls, pipeline->phases.pore_peak);
+    const double low = pore + BESIDE_PEAK * walls->contrast,
+                 high = pore + (1.0 - BESIDE_PEAK) * walls->contrast;
+    if (!(walls->threshold > low && walls->threshold < high)) return STATUS_OK;
     bool reflect[3];
     wall_level_reflect(pipeline, reflect);
-    TRY(enclosed_match(&walls->region, reflect, walls->contrast, &walls->threshold, &porosity));
+    TRY(enclosed_match(&walls->region, reflect, low, high, &walls->threshold, &porosity));
     walls->void_ratio = porosity / (1.0 - porosity);
   }
   if (!on_own_voxels(pipeline)) goto cleanup;

@@ -144,10 +144,9 @@ cleanup:
   return status;
 }
 
-enum status enclosed_match(const struct region *region, const bool reflect[3], double contrast,
-                           double *threshold, double *porosity) {
+enum status enclosed_match(const struct region *region, const bool reflect[3], double low,
+                           double high, double *threshold, double *porosity) {
   enum status status = STATUS_OK;
-  const double low = *threshold - 0.5 * contrast, high = *threshold + 0.5 * contrast;
   struct grey_histogram volume = {0};
   TRY(enclosed_measure(region, reflect, low, high, &volume));
   const double met = grey_histogram_quantile(&volume, *porosity);

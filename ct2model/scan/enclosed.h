@@ -16,9 +16,10 @@
 enum status enclosed_measure(const struct region *region, const bool reflect[3], double low,
                              double high, struct grey_histogram *histogram);
 
-/* Moves *threshold, by half of `contrast` at most, to where walls enclose *porosity; where none do,
- * it stays. Either way *porosity becomes what they enclose. */
-enum status enclosed_match(const struct region *region, const bool reflect[3], double contrast,
-                           double *threshold, double *porosity);
+/* Moves *threshold, which lies between the greys `low` and `high`, to where walls enclose
+ * *porosity; where none between these do, it stays. Either way *porosity becomes what they enclose.
+ */
+enum status enclosed_match(const struct region *region, const bool reflect[3], double low,
+                           double high, double *threshold, double *porosity);
 
 #endif

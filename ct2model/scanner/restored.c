@@ -15,7 +15,7 @@ enum { BATCH = 32 };
 
 /* Levels of 255 between which the surface must lie: beyond, the void ratio asks for more or less
  * grain than there are edges. */
-static const double LEAST = 10.0, MOST = 245.0, LEVELS = 255.0;
+static const double LEAST = 10.0, MOST = 245.0;
 
 /* Slices that are looked at for specks at a time, and beside them: a speck is no longer. */
 enum { CHUNK = 64, BESIDE = 12 };
@@ -105,10 +105,10 @@ enum status restored_take(const struct region *region, const struct scanner *sca
   const struct region levels = restored_region(restored, region);
   const double porosity = void_ratio / (1.0 + void_ratio);
   double met = porosity;
-  TRY(enclosed_match(&levels, reflect, LEVELS, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, reflect, LEAST, MOST, &restored->threshold, &met));
   TRY(drop_specks(region, scanner, restored->threshold, scan));
   met = porosity;
-  TRY(enclosed_match(&levels, reflect, LEVELS, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, reflect, LEAST, MOST, &restored->threshold, &met));
   restored->void_ratio = met / (1.0 - met);
 cleanup:
   return status;
