@@ -158,7 +158,7 @@ static enum status project(struct solute_flow *f) {
         for (int a = 0; a < 3; a++)
           source[at] -= (double)c->flux[a][at + c->stride[a]] - (double)c->flux[a][at];
       }
-  TRY(solute_solver_solve(&solver, source, PROJECTED, potential, &iterations, &reached));
+  TRY(solute_solver_solve(&solver, source, PROJECTED, PROJECTED, potential, &iterations, &reached));
   solute_cells_wrap_exact(c, potential);
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)

@@ -35,8 +35,10 @@ void solute_solver_set(struct solute_solver *solver, double s);
 
 /* Improves b ([cells[0].size]) until the residual is `tolerance` of the source. Both have mean 0
  * afterwards as the problem has in each connected pore. Returns the iterations and what was
- * reached; a failure (STATUS_NUMERIC) is where it stops getting better above `tolerance`. */
+ * reached; a failure (STATUS_NUMERIC) is where it stops getting better above `stalled`, which is
+ * `tolerance` at least. */
 enum status solute_solver_solve(struct solute_solver *solver, const double *source,
-                                double tolerance, double *b, int *iterations, double *reached);
+                                double tolerance, double stalled, double *b, int *iterations,
+                                double *reached);
 
 #endif
