@@ -336,9 +336,8 @@ static enum status restore(struct pipeline *pipeline) {
   const double e = pipeline->void_ratio_original;
   const size_t *size = pipeline->size;
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
-  bool reflect[3];
-  wall_level_reflect(pipeline, reflect);
-  TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, reflect,
+  const struct enclosed_sides sides = wall_level_sides(pipeline);
+  TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;

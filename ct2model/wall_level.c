@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "ct2model/scan/enclosed.h"
-
 /* The threshold among the coarse levels: that of the same void ratio, or the same grey where one is
  * given or only labels are there. False where levels were cut off around it. */
 static bool coarse_threshold(const struct pipeline *pipeline, double *threshold) {
@@ -33,9 +31,11 @@ static bool on_own_voxels(const struct pipeline *pipeline) {
   return memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
 }
 
-void wall_level_reflect(const struct pipeline *pipeline, bool reflect[3]) {
+struct enclosed_sides wall_level_sides(const struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
-  for (int d = 0; d < 3; d++) reflect[d] = !on_own_voxels(pipeline) || mirroring.mirrored[d];
+  struct enclosed_sides sides = {.faces = !on_own_voxels(pipeline)};
+  for (int d = 0; d < 3; d++) sides.reflect[d] = sides.faces || mirroring.mirrored[d];
+  return sides;
 }
 
 enum status wall_level_find(struct pipeline *pipeline) {
@@ -69,9 +69,8 @@ enum status wall_level_find(struct pipeline *pipeline) {
     const double low = pore + BESIDE_PEAK * walls->contrast,
                  high = pore + (1.0 - BESIDE_PEAK) * walls->contrast;
     if (!(walls->threshold > low && walls->threshold < high)) return STATUS_OK;
-    bool reflect[3];
-    wall_level_reflect(pipeline, reflect);
-    TRY(enclosed_match(&walls->region, reflect, low, high, &walls->threshold, &porosity));
+    const struct enclosed_sides sides = wall_level_sides(pipeline);
+    TRY(enclosed_match(&walls->region, &sides, low, high, &walls->threshold, &porosity));
     walls->void_ratio = porosity / (1.0 - porosity);
   }
   if (!on_own_voxels(pipeline)) goto cleanup;

@@ -3,11 +3,12 @@
 #ifndef TOSUI_CT2MODEL_WALL_LEVEL_H
 #define TOSUI_CT2MODEL_WALL_LEVEL_H
 
+#include "ct2model/scan/enclosed.h"
 #include "ct2model/state.h"
 
-/* Axes along which the volume is mirrored that walls enclose: as in the model where it has the
- * scan's own voxels; else all, so that walls do not depend on which axis the model mirrors. */
-void wall_level_reflect(const struct pipeline *pipeline, bool reflect[3]);
+/* The volume that the walls enclose: as it is mirrored in a model of the scan's own voxels; else
+ * the region's, so that walls do not depend on which axis the model mirrors. */
+struct enclosed_sides wall_level_sides(const struct pipeline *pipeline);
 
 /* Fills pipeline->walls, after the threshold and the restored scan are known. A threshold that the
  * user gave stays what it is, but on a restored scan, which has other greys. */

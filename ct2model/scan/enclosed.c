@@ -76,41 +76,55 @@ static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
   }
 }
 
-/* The cells between two rows of one slice and two of the next, of which `last` is the row before.
- * A cell that is mirrored occurs twice, that on a face once. */
-static void add_row(struct counts *counts, const float *const rows[4], size_t nx, bool reflect,
-                    int64_t weight, double low, double scale) {
-  for (size_t x = 0; x < nx; x++) {
-    const size_t before = x > 0 ? x - 1 : reflect ? 0 : nx - 1;
+/* Cell i of an axis lies between centres i - 1 and i. Where the axis is mirrored, the first is the
+ * half voxel before the first centre and its image, and the others occur twice; the half voxel
+ * after the last centre is a cell more where that is no mirror plane. */
+static size_t cells_of(size_t n, const struct enclosed_sides *sides, int axis) {
+  return n + (sides->reflect[axis] && sides->faces);
+}
+static size_t before(size_t cell, size_t n, bool reflect) {
+  return cell > 0 ? cell - 1 : reflect ? 0 : n - 1;
+}
+static size_t after(size_t cell, size_t n) {
+  return cell < n ? cell : n - 1;
+}
+static int64_t weigh(int64_t weight, size_t cell, size_t n, bool reflect) {
+  return reflect && cell > 0 && cell < n ? 2 * weight : weight;
+}
+
+/* The cells between two rows of one slice and two of the next. */
+static void add_row(struct counts *counts, const float *const rows[4], size_t nx,
+                    const struct enclosed_sides *sides, int64_t weight, double low, double scale) {
+  for (size_t x = 0; x < cells_of(nx, sides, 0); x++) {
     double corner[8];
     for (int i = 0; i < 4; i++) {
-      corner[2 * i] = ((double)rows[i][before] - low) * scale;
-      corner[2 * i + 1] = ((double)rows[i][x] - low) * scale;
+      corner[2 * i] = ((double)rows[i][before(x, nx, sides->reflect[0])] - low) * scale;
+      corner[2 * i + 1] = ((double)rows[i][after(x, nx)] - low) * scale;
     }
-    add_cell(counts, corner, reflect && x > 0 ? 2 * weight : weight);
+    add_cell(counts, corner, weigh(weight, x, nx, sides->reflect[0]));
   }
 }
 
-static void add_slice(struct counts *counts, const float *last, const float *slice,
-                      const size_t size[3], const bool reflect[3], int64_t weight, double low,
-                      double scale) {
+static void add_slices(struct counts *counts, const float *last, const float *slice,
+                       const size_t size[3], const struct enclosed_sides *sides, int64_t weight,
+                       double low, double scale) {
   const size_t nx = size[0], ny = size[1];
 #pragma omp parallel for schedule(static)
-  for (size_t y = 0; y < ny; y++) {
-    const size_t before = y > 0 ? y - 1 : reflect[1] ? 0 : ny - 1;
-    const float *const rows[4] = {last + before * nx, last + y * nx, slice + before * nx,
-                                  slice + y * nx};
-    add_row(&counts[omp_get_thread_num()], rows, nx, reflect[0],
-            reflect[1] && y > 0 ? 2 * weight : weight, low, scale);
+  for (size_t y = 0; y < cells_of(ny, sides, 1); y++) {
+    const size_t here = after(y, ny) * nx, there = before(y, ny, sides->reflect[1]) * nx;
+    const float *const rows[4] = {last + there, last + here, slice + there, slice + here};
+    add_row(&counts[omp_get_thread_num()], rows, nx, sides, weigh(weight, y, ny, sides->reflect[1]),
+            low, scale);
   }
 }
 
-enum status enclosed_measure(const struct region *region, const bool reflect[3], double low,
-                             double high, struct grey_histogram *histogram) {
+enum status enclosed_measure(const struct region *region, const struct enclosed_sides *sides,
+                             double low, double high, struct grey_histogram *histogram) {
   enum status status = STATUS_OK;
   const size_t plane = region->size[0] * region->size[1], nz = region->size[2];
   const size_t batch = region_batch(region), threads = (size_t)omp_get_max_threads();
   const size_t end = nz - 1;
+  const double scale = BINS / (high - low);
   float *slices = NULL; /* the last slice of the batch before, then the batch */
   size_t numbers[64];
   struct counts *counts = NULL;
@@ -118,16 +132,18 @@ enum status enclosed_measure(const struct region *region, const bool reflect[3],
   TRY(grey_histogram_start(low, (high - low) / BINS, BINS, histogram));
   TRY(memory_allocate(&counts, threads, sizeof *counts, "volumes by grey"));
   TRY(memory_allocate(&slices, (batch + 1) * plane, sizeof *slices, "slices"));
-  TRY(region_read(region, reflect[2] ? &(size_t){0} : &end, 1, slices));
+  TRY(region_read(region, sides->reflect[2] ? &(size_t){0} : &end, 1, slices));
   for (size_t z = 0; z < nz; z += batch) {
     const size_t n = nz - z < batch ? nz - z : batch;
     for (size_t i = 0; i < n; i++) numbers[i] = z + i;
     TRY(region_read(region, numbers, n, slices + plane));
     for (size_t i = 0; i < n; i++)
-      add_slice(counts, slices + i * plane, slices + (i + 1) * plane, region->size, reflect,
-                reflect[2] && z + i > 0 ? 2 * WEIGHT : WEIGHT, low, BINS / (high - low));
+      add_slices(counts, slices + i * plane, slices + (i + 1) * plane, region->size, sides,
+                 weigh(WEIGHT, z + i, nz, sides->reflect[2]), low, scale);
     memcpy(slices, slices + n * plane, plane * sizeof *slices);
   }
+  if (cells_of(nz, sides, 2) > nz)
+    add_slices(counts, slices, slices, region->size, sides, WEIGHT, low, scale);
   for (size_t b = 0; b < BINS; b++) {
     int64_t point = 0;
     for (size_t t = 0; t < threads; t++) {
@@ -144,11 +160,11 @@ cleanup:
   return status;
 }
 
-enum status enclosed_match(const struct region *region, const bool reflect[3], double low,
-                           double high, double *threshold, double *porosity) {
+enum status enclosed_match(const struct region *region, const struct enclosed_sides *sides,
+                           double low, double high, double *threshold, double *porosity) {
   enum status status = STATUS_OK;
   struct grey_histogram volume = {0};
-  TRY(enclosed_measure(region, reflect, low, high, &volume));
+  TRY(enclosed_measure(region, sides, low, high, &volume));
   const double met = grey_histogram_quantile(&volume, *porosity);
   if (met > low + volume.width && met < high - volume.width) *threshold = met;
   *porosity = grey_histogram_porosity(&volume, *threshold);

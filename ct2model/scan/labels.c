@@ -290,14 +290,15 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
   TRY(smooth(grain, region->size, reflect, labels->smooth));
   struct region walls = *region;
+  const struct enclosed_sides sides = {.reflect = {reflect[0], reflect[1], reflect[2]}};
   walls.held_type = PIXEL_U8;
   walls.scale = 1.0;
   walls.held = grain;
-  TRY(enclosed_measure(&walls, reflect, 0.0, 1.0, &volume));
+  TRY(enclosed_measure(&walls, &sides, 0.0, 1.0, &volume));
   labels->sharp_porosity = grey_histogram_porosity(&volume, 0.5);
   grey_histogram_end(&volume);
   walls.held = labels->smooth;
-  TRY(enclosed_measure(&walls, reflect, 0.0, LABEL_GREY, &volume));
+  TRY(enclosed_measure(&walls, &sides, 0.0, LABEL_GREY, &volume));
   labels->threshold = grey_histogram_quantile(&volume, labels->model_porosity);
   *region = walls;
 cleanup:

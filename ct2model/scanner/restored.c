@@ -6,7 +6,6 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
-#include "ct2model/scan/enclosed.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
@@ -84,7 +83,8 @@ struct region restored_region(const struct restored *restored, const struct regi
 }
 
 enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
-                          double void_ratio, const bool reflect[3], struct restored *restored) {
+                          double void_ratio, const struct enclosed_sides *sides,
+                          struct restored *restored) {
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
   TRY(restore_run(region, scanner, blur, scan));
@@ -105,10 +105,10 @@ enum status restored_take(const struct region *region, const struct scanner *sca
   const struct region levels = restored_region(restored, region);
   const double porosity = void_ratio / (1.0 + void_ratio);
   double met = porosity;
-  TRY(enclosed_match(&levels, reflect, LEAST, MOST, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, sides, LEAST, MOST, &restored->threshold, &met));
   TRY(drop_specks(region, scanner, restored->threshold, scan));
   met = porosity;
-  TRY(enclosed_match(&levels, reflect, LEAST, MOST, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, sides, LEAST, MOST, &restored->threshold, &met));
   restored->void_ratio = met / (1.0 - met);
 cleanup:
   return status;

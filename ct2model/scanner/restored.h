@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "ct2model/resample/resample.h"
+#include "ct2model/scan/enclosed.h"
 #include "ct2model/scanner/scanner.h"
 #include "ct2model/surface/coarse.h"
 
@@ -19,7 +20,8 @@ struct restored {
  * allow that void ratio or memory would not hold it. `reflect`: axes that will be mirrored. Free
  * with restored_end. */
 enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
-                          double void_ratio, const bool reflect[3], struct restored *restored);
+                          double void_ratio, const struct enclosed_sides *sides,
+                          struct restored *restored);
 void restored_end(struct restored *restored);
 /* As a region of levels. */
 struct region restored_region(const struct restored *restored, const struct region *region);

@@ -14,7 +14,8 @@
 enum { NX = 20, NY = 12, NZ = 20, COUNT = NX * NY * NZ };
 static float greys[COUNT];
 static uint8_t grain[COUNT];
-static const bool periodic[3] = {false, false, false};
+static const bool plain[3];
+static const struct enclosed_sides periodic;
 
 static struct region held(const void *values, enum pixel_type type) {
   static const struct stack stack = {.size = {NX, NY, NZ}};
@@ -35,7 +36,7 @@ static void test_a_slit_between_voxels(void **state) {
                          0.0f, 0.0f, 0.2f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
   for (size_t i = 0; i < COUNT; i++) greys[i] = row[i % NX];
   const struct region region = held(greys, PIXEL_F32);
-  assert_int_equal(enclosed_measure(&region, periodic, 0.1, 0.9, &volume), STATUS_OK);
+  assert_int_equal(enclosed_measure(&region, &periodic, 0.1, 0.9, &volume), STATUS_OK);
   for (double grey = 0.25; grey < 0.6; grey += 0.05) {
     const double from = 6.5 + (0.6 - grey) / 0.6, to = 12.5 + (grey - 0.2) / 0.8;
     const double share = (to - from) / NX;
@@ -45,16 +46,21 @@ static void test_a_slit_between_voxels(void **state) {
   grey_histogram_end(&volume);
 }
 
-/* Mirrored about the first face and the last centre: n voxels become 2 n - 1. */
+/* Mirrored about the first face and the last centre n voxels become 2 n - 1; with faces they stay
+ * n.
+ */
 static void test_what_is_mirrored_counts_twice(void **state) {
   (void)state;
-  struct grey_histogram volume = {0};
   for (size_t i = 0; i < COUNT; i++) greys[i] = i / (NX * NY) < 5 ? 0.0f : 1.0f;
   const struct region region = held(greys, PIXEL_F32);
-  const bool reflect[3] = {false, false, true};
-  assert_int_equal(enclosed_measure(&region, reflect, 0.0, 1.0, &volume), STATUS_OK);
-  assert_true(fabs(grey_histogram_porosity(&volume, 0.5) - 10.0 / (2 * NZ - 1)) < 1e-3);
-  grey_histogram_end(&volume);
+  for (int faces = 0; faces < 2; faces++) {
+    struct grey_histogram volume = {0};
+    const struct enclosed_sides sides = {.reflect = {true, false, true}, .faces = faces != 0};
+    const double share = faces ? 5.0 / NZ : 10.0 / (2 * NZ - 1);
+    assert_int_equal(enclosed_measure(&region, &sides, 0.0, 1.0, &volume), STATUS_OK);
+    assert_true(fabs(grey_histogram_porosity(&volume, 0.5) - share) < 1e-3);
+    grey_histogram_end(&volume);
+  }
 }
 
 /* Labels of a slit at p : q to the axes; its walls are those of its complement, turned round, so
@@ -64,7 +70,7 @@ static void check_turned(size_t p, size_t q, double grey) {
   struct labels labels = {.on = true};
   for (size_t i = 0; i < COUNT; i++) grain[i] = (p * (i % NX) + q * (i / (NX * NY))) % NX >= NX / 2;
   labels.porosity = 0.5;
-  assert_int_equal(labels_smooth(&region, grain, periodic, &labels), STATUS_OK);
+  assert_int_equal(labels_smooth(&region, grain, plain, &labels), STATUS_OK);
   assert_true(fabs(labels.threshold - 0.5 * LABEL_GREY) < grey);
   labels_end(&labels);
 }
