@@ -209,6 +209,8 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
       sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
       if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
+      if (s->on.links)
+        add_force(sums, BUDGET_PROJECTION, m * inertia / s->drag_factor[i], s->linked[i], u);
       if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
         budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
       budget_sides(s, chunk, i, m * dt / s->density, u, sums);

@@ -89,12 +89,13 @@ static void turn(double q, double *across, double *along) {
 void isph_soil_mix_split(const struct isph_soil_mix *m, double smoothing, struct soil_point *soil) {
   const double w = m->sum.value;
   double tensor[6];
-  soil->along_a = soil->a, soil->along_b = soil->b;
+  soil->along_a = soil->a, soil->along_b = soil->b, soil->plane = 1;
   memset(soil->normal, 0, sizeof soil->normal);
   if (!(w > 0) || !(m->most > m->least * (1 + 1e-9))) return;
   find_tensor(m, smoothing, tensor);
   const double q = principal(tensor, soil->normal);
   if (!(tensor[0] + tensor[3] + tensor[5] > 0)) return;
+  soil->plane = q;
   soil->along_a = w * w / m->linear;
   soil->along_b = w * w * w / (m->forchheimer * m->forchheimer);
   turn(q, &soil->a, &soil->along_a);
@@ -114,7 +115,10 @@ static double along(const double moment[6], const double n[3]) {
  * neighbour counts by k_ij, but the gradient is exact for what is linear. */
 void isph_edge_close(const struct isph_edge *edge, double gradient[3]) {
   double n[3], across = 0;
-  const double *g = edge->normal, size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
+  double g[3];
+  for (int a = 0; a < 3; a++) g[a] = edge->normal[a] - mean * edge->middle[a];
+  const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   if (!(size > 0)) return;
   for (int a = 0; a < 3; a++) n[a] = g[a] / size, across += n[a] * edge->flux[a];
   const double share = along(edge->weighted, n) / along(edge->even, n);

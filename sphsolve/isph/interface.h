@@ -32,14 +32,17 @@ void isph_soil_mix_split(const struct isph_soil_mix *mix, double smoothing,
 /* The gradient of the pressure at a particle whose neighbours have other mobilities. */
 struct isph_edge {
   double normal[3], flux[3], even[6], weighted[6];
+  double level, weight, middle[3]; /* sums of w ln k_ij, w, w r */
 };
-/* A neighbour j of i: weight V_j slope, fall of q = P - rho f.x from i to j, r from j to i. */
-static inline void isph_edge_add(struct isph_edge *edge, double ki, double kj, double weight,
-                                 double fall, const double r[3]) {
-  const double more = weight * 2 * kj / (ki + kj); /* isph_mobility_between over k_i */
-  const double steep = ki == kj ? 0 : weight * log(ki / kj);
+/* A neighbour of i, kij the mobility between over that of i: weight V_j slope, fall of q = P - rho
+ * f.x from i to j, r from j to i. */
+static inline void isph_edge_add(struct isph_edge *edge, double kij, double weight, double fall,
+                                 const double r[3]) {
+  const double more = weight * kij, steep = kij == 1 ? 0 : weight * log(kij);
+  edge->level += steep, edge->weight += weight;
   for (int a = 0, k = 0; a < 3; a++) {
-    edge->normal[a] += steep * r[a], edge->flux[a] += more * fall * r[a];
+    edge->normal[a] += steep * r[a], edge->middle[a] += weight * r[a];
+    edge->flux[a] += more * fall * r[a];
     for (int b = a; b < 3; b++, k++)
       edge->even[k] += weight * r[a] * r[b], edge->weighted[k] += more * r[a] * r[b];
   }

@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
@@ -90,6 +91,10 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_factor, n, sizeof *s->drag_factor, what));
     TRY(memory_resize(&s->moment_defect, n, sizeof *s->moment_defect, what));
     if (s->on.interfaces) TRY(memory_resize(&s->interface, n, sizeof *s->interface, what));
+    if (s->on.links) {
+      TRY(memory_resize(&s->ground, n, sizeof *s->ground, what));
+      TRY(memory_resize(&s->linked, n, sizeof *s->linked, what));
+    }
     if (s->on.moving_soil) {
       TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
       TRY(memory_resize(&s->porosity_rate, n, sizeof *s->porosity_rate, what));
@@ -151,6 +156,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->scene = scene;
   s->on = *switches;
   s->on.interfaces = isph_soils_differ(scene);
+  s->on.links = isph_links_wanted(scene, switches->surface) && s->on.soil;
   s->relaxation_factor = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
@@ -203,6 +209,8 @@ void isph_free(struct isph *s) {
   for (size_t c = 0; c < s->chunk_capacity; c++) {
     memory_free(&s->chunks[c].pair);
     memory_free(&s->chunks[c].slope);
+    memory_free(&s->chunks[c].mobility);
+    memory_free(&s->chunks[c].way);
     memory_free(&s->chunks[c].matrix);
     memory_free(&s->chunks[c].wall);
     memory_free(&s->chunks[c].wall_slope);
@@ -221,6 +229,8 @@ void isph_free(struct isph *s) {
                     &s->drag_b,
                     &s->drag_factor,
                     &s->interface,
+                    &s->ground,
+                    &s->linked,
                     &s->soil_velocity,
                     &s->porosity_rate,
                     &s->kernel_sum,

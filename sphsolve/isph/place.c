@@ -276,8 +276,9 @@ static enum status count_free(struct isph *s, const struct site *site, void *con
   return STATUS_OK;
 }
 
-static enum status find_mass_ratio(struct isph *s, const struct site *site, void *context) {
+static enum status find_room(struct isph *s, const struct site *site, void *context) {
   (void)context;
+  s->room += site->volume;
   s->mass_ratio = fmax(s->mass_ratio, site->porosity);
   return STATUS_OK;
 }
@@ -285,8 +286,9 @@ static enum status find_mass_ratio(struct isph *s, const struct site *site, void
 /* All particles have the mass of a site where the porosity is largest: of free water, unless soil
  * fills the domain. */
 enum status isph_choose_mass(struct isph *s, const struct lattice *lattice) {
+  s->room = 0;
   s->mass_ratio = s->on.soil && !s->on.surface ? 0 : 1;
-  enum status status = s->mass_ratio > 0 ? STATUS_OK : for_sites(s, lattice, find_mass_ratio, NULL);
+  enum status status = s->mass_ratio > 0 ? STATUS_OK : for_sites(s, lattice, find_room, NULL);
   if (!(s->mass_ratio > 0)) s->mass_ratio = 1;
   return status;
 }

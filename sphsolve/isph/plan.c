@@ -1,4 +1,5 @@
 /* What method isph will take: memory, steps, time, and the error of k. */
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
@@ -155,6 +156,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->bytes_fluid = 518 + 1.3 * neighbours * 12;
   if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
+  if (context->has_porous && isph_links_wanted(scene, context->has_surface))
+    plan->bytes_fluid += 28 + 1.3 * neighbours * 8;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

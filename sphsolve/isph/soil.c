@@ -1,6 +1,7 @@
 #include "sphsolve/isph/state.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/kernel.h"
 #include "sphsolve/isph/effects/porosity.h"
@@ -12,18 +13,19 @@
  * the limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
  * change with eps: an edge steeper than the spacing of the particles in the soil is one that their
  * sums do not resolve. One width for all soils, so that their fractions add up to 1 where they
- * touch. Boxes that touch a closed side go on beyond it, so that walls see no thinner soil. */
-
-struct box {
-  double low[3], high[3];
-};
+ * touch. Boxes that touch a closed side go on beyond it, so that walls see no thinner soil.
+ *
+ * Where links carry the flux across edges (isph/link.h), a particle's own drag acts along them
+ * alone. Smeared as wide as the porosity it would hold water back beside soil, so it is the mean
+ * over about a spacing: a kernel of half a spacing has the variance of such a mean. */
+#define DRAG_SMOOTHING 0.5
 
 /* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it
  * touches a closed side or fills a periodic axis. */
-static struct box box_of(const struct isph *s, size_t k, double ahead, const double x[3]) {
+struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]) {
   const struct region *region = &s->scene->regions[k];
   double near = 1e-6 * s->spacing;
-  struct box box;
+  struct isph_box box;
   for (int a = 0; a < 3; a++) {
     double low = region->box[a], high = region->box[a + 3],
            offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
@@ -48,9 +50,9 @@ static double smoothing_of(const struct isph *s) {
   return 0.25 * s->scene->isph.support_ratio * s->spacing * spread;
 }
 
-static struct isph_fraction fraction_of_box(const struct isph *s, const struct box *box,
-                                            const double x[3]) {
-  double h = smoothing_of(s), part[3], first[3], second[3];
+static struct isph_fraction fraction_of_box(const struct isph *s, const struct isph_box *box,
+                                            const double x[3], double h) {
+  double part[3], first[3], second[3];
   struct isph_fraction fraction = {.value = 1};
   for (int a = 0; a < 3; a++) {
     double from = x[a] - box->low[a], to = x[a] - box->high[a];
@@ -74,24 +76,24 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct b
 
 /* Fraction of that part of `box` which no soil from region `next` on takes: S(box) - S(box and
  * next). */
-static struct isph_fraction fraction_left(const struct isph *s, const struct box *box, size_t next,
-                                          double ahead, const double x[3]) {
+static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box, size_t next,
+                                          double ahead, const double x[3], double h) {
   for (; next < s->scene->region_count; next++) {
     if (s->scene->regions[next].type != REGION_POROUS) continue;
-    struct box both = box_of(s, next, ahead, x);
+    struct isph_box both = isph_soil_box(s, next, ahead, x);
     bool overlap = true;
     for (int a = 0; a < 3; a++) {
       both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
       overlap = overlap && both.low[a] < both.high[a];
     }
     if (overlap) {
-      struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x),
-                           taken = fraction_left(s, &both, next + 1, ahead, x);
+      struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x, h),
+                           taken = fraction_left(s, &both, next + 1, ahead, x, h);
       isph_fraction_add(&all, -1, &taken);
       return all;
     }
   }
-  return fraction_of_box(s, box, x);
+  return fraction_of_box(s, box, x, h);
 }
 
 /* M15 eqs. 9c and 9d without alpha nu / D50^2 and beta / D50. */
@@ -102,8 +104,19 @@ static double forchheimer_of(double eps) {
   return (1 - eps) / (eps * eps * eps);
 }
 
-void isph_soil_at(const struct isph *s, const double position[3], double ahead,
-                  struct soil_point *soil) {
+struct isph_material isph_material_of(const struct isph *s, const struct region *region) {
+  const double eps = region->porosity, d = region->grain_size;
+  const double scale = s->scene->isph.form == FORM_M15 ? eps : 1; /* 1/G */
+  return (struct isph_material){
+      .porosity = eps,
+      .inertia = scale * inertia_coefficient(eps) / eps,
+      .a = scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(eps),
+      .b = scale * region->beta / d * forchheimer_of(eps)};
+}
+
+/* All of it smoothed by a kernel of smoothing length h. */
+static void soil_smoothed(const struct isph *s, const double position[3], double ahead, double h,
+                          struct soil_point *soil) {
   const struct scene *scene = s->scene;
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
@@ -111,22 +124,19 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
-    struct box box = box_of(s, k, ahead, position);
-    if (fraction_of_box(s, &box, position).value <= 0) continue;
+    struct isph_box box = isph_soil_box(s, k, ahead, position);
+    if (fraction_of_box(s, &box, position, h).value <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    const struct isph_fraction left = fraction_left(s, &box, k + 1, ahead, position);
-    double w = left.value, d = region->grain_size;
-    double scale = over_eps ? region->porosity : 1; /* 1/G */
+    const struct isph_fraction left = fraction_left(s, &box, k + 1, ahead, position, h);
+    const double w = left.value;
     if (w <= 0) continue;
+    const struct isph_material own = isph_material_of(s, region);
     solid += w * (1 - region->porosity);
     share += w;
-    double linear =
-        scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(region->porosity);
-    double forchheimer = scale * region->beta / d * forchheimer_of(region->porosity);
-    a += w * linear;
-    b += w * forchheimer;
-    if (s->on.interfaces) isph_soil_mix_add(&mix, &left, linear, forchheimer);
-    inertia += w * scale * inertia_coefficient(region->porosity) / region->porosity;
+    a += w * own.a;
+    b += w * own.b;
+    if (s->on.interfaces) isph_soil_mix_add(&mix, &left, own.a, own.b);
+    inertia += w * own.inertia;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
     paper = fmin(paper, fmax(fmin(1, 2 - 2 * w), region->porosity)); /* M15 eq. 32 */
   }
@@ -145,8 +155,20 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
     soil->b = b * weight * scale * forchheimer_of(eps) / forchheimer_of(own);
     soil->inertia = inertia_coefficient(eps) / (over_eps ? 1 : eps);
   }
-  if (s->on.interfaces) isph_soil_mix_split(&mix, smoothing_of(s), soil);
+  if (s->on.interfaces) isph_soil_mix_split(&mix, h, soil);
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
+}
+
+void isph_soil_at(const struct isph *s, const double position[3], double ahead,
+                  struct soil_point *soil) {
+  struct soil_point near;
+  soil_smoothed(s, position, ahead, smoothing_of(s), soil);
+  if (!s->on.links) return;
+  soil_smoothed(s, position, ahead, DRAG_SMOOTHING * s->spacing, &near);
+  soil->a = near.a, soil->b = near.b;
+  if (!s->on.interfaces) return;
+  soil->along_a = near.along_a, soil->along_b = near.along_b, soil->plane = near.plane;
+  memcpy(soil->normal, near.normal, sizeof near.normal);
 }
 
 double isph_soil_minimum(const struct scene *scene) {

@@ -34,7 +34,7 @@
 
 /* What of the physics is on; each flag is an effect of the plan. */
 struct isph_switches {
-  bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces;
+  bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides;
   uint32_t budget; /* terms of the effects on */
@@ -84,6 +84,7 @@ struct isph_column {
 struct isph_interface {
   double normal[3];                             /* unit; 0 away from interfaces */
   double drag_a, drag_b, drag_factor, mobility; /* along it, as isph's own are across */
+  double plane;                                 /* 1, fading to 0 at corners */
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
@@ -100,6 +101,8 @@ struct isph_chunk {
   size_t pair_count, pair_capacity;
   uint32_t *pair; /* neighbour | image << PAIR_BITS */
   float *slope;   /* -W'(r)/r of the pair, normalised */
+  float *mobility; /* of the pair, and the porosity on its way: isph/link.h; NULL without links */
+  float *way;
   float *matrix;  /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
@@ -160,6 +163,8 @@ struct isph {
   double *porosity, *soil_fraction;  /* NULL without soil */
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
   struct isph_interface *interface;  /* NULL unless different soils are there */
+  int32_t *ground;                   /* isph/link.h; NULL without links */
+  double (*linked)[3];               /* what links change v* by, m/s; NULL without links */
   double (*soil_velocity)[3];        /* NULL unless soil moves */
   double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
@@ -212,6 +217,7 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
+  double room; /* for water at the start, in and out of soil: m^3, m^2 in 2-D */
   double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
@@ -275,12 +281,23 @@ struct soil_point {
   double inertia;            /* C_r / (eps G) */
   double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
   double normal[3];          /* of an interface between soils; 0 without */
-  double along_a, along_b;
+  double along_a, along_b, plane;
   double velocity[3];
 };
 /* At a place, where moving soil stands a time `ahead` from now. */
 void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil);
+/* What a soil is, away from its edges. */
+struct isph_material {
+  double porosity, inertia, a, b; /* as of struct soil_point */
+};
+struct isph_material isph_material_of(const struct isph *s, const struct region *region);
+/* Region k's box where moving soil stands a time `ahead` from now, the image nearest to x; without
+ * end where it touches a closed side or fills a periodic axis. */
+struct isph_box {
+  double low[3], high[3];
+};
+struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]);
 double isph_soil_minimum(const struct scene *scene);
 bool isph_soils_differ(const struct scene *scene);
 
@@ -330,11 +347,18 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
 /* Slows the water until its energy is at most `most`. */
 void isph_energy_limit_velocity(struct isph *s, double most);
 
-/* The mobility between two particles: across an edge resistances add. Water with a free surface
- * keeps the plain mean, and the gradient that is the divergence's adjoint: its energy may not rise.
- */
-static inline double isph_mobility_between(const struct isph *s, double a, double b) {
-  return s->on.surface ? 0.5 * (a + b) : 2 * a * b / (a + b);
+/* The mobility of pair p of particle i, to j: that of its way where there are links; at a corner of
+ * soils, where the mean is geometric, between that and the particles' own (isph/interface.c). Water
+ * with a free surface keeps the plain mean, and the gradient that is the divergence's adjoint: its
+ * energy may not rise. */
+static inline double isph_mobility_between(const struct isph *s, const struct isph_chunk *chunk,
+                                           size_t p, size_t i, size_t j) {
+  const double a = s->mobility[i], b = s->mobility[j];
+  if (s->on.surface) return 0.5 * (a + b);
+  if (!s->on.links) return 2 * a * b / (a + b);
+  const double way = (double)chunk->mobility[p];
+  const double plane = s->on.interfaces ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
+  return plane < 1 ? pow(way, plane) * pow(2 * a * b / (a + b), 1 - plane) : way;
 }
 
 /* Drag along over drag across. */

@@ -10,6 +10,7 @@
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
 
 #define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
@@ -34,7 +35,9 @@ static void update_volumes(struct isph *s) {
         memcpy(interface->normal, soil.normal, sizeof soil.normal);
         interface->drag_a = s->on.drag_linear ? soil.along_a : 0;
         interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
+        interface->plane = soil.plane;
       }
+      if (s->on.links) s->ground[i] = isph_ground(s, s->position[i]);
       if (s->on.moving_soil) {
         struct soil_point later;
         isph_soil_at(s, s->position[i], RATE_INTERVAL, &later);
@@ -113,7 +116,10 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double weight = s->volume[j] * (nu + s->eddy[j]) * (double)chunk->slope[p];
+    double both = nu + s->eddy[j];
+    if (s->on.links)
+      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->way[p];
+    double weight = s->volume[j] * both * (double)chunk->slope[p];
     for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - s->velocity[j][a]);
   }
   if (!s->on.no_slip) return;
@@ -139,12 +145,14 @@ static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
+    struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *v = s->velocity[i];
       double force[3] = {0}, t = dt, left = 1, own[3] = {0};
       struct isph_applied *applied = &s->applied[i];
+      struct isph_links links;
       memset(applied, 0, sizeof *applied);
+      if (s->on.links) isph_link(s, chunk, i, dt, &links);
       if (s->on.viscous) viscous(s, chunk, i, applied->viscous, applied->friction);
       if (s->on.soil) {
         double eps = s->porosity[i], b = s->drag_b[i];
@@ -173,6 +181,10 @@ static void predict(struct isph *s, double dt) {
       for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
       if (s->on.interfaces)
         isph_interface_turn(&s->interface[i], s->interface[i].drag_factor / left, to);
+      if (s->on.links) {
+        const double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
+        isph_link_predict(s, i, &links, u, t, to);
+      }
       for (int a = 0; a < 3; a++) to[a] += own[a];
     }
   }
@@ -199,12 +211,12 @@ static void correct(struct isph *s) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
-  const bool edges = s->on.soil && !s->on.surface;
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
+      const bool edges = s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface;
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       struct isph_edge edge = {.flux = {0}};
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
@@ -215,7 +227,7 @@ static void correct(struct isph *s) {
         double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
         add_drop(f, rho, weight, drop, r, reduced, own);
         if (edges)
-          isph_edge_add(&edge, k, s->mobility[j], weight,
+          isph_edge_add(&edge, isph_mobility_between(s, chunk, p, i, j) / k, weight,
                         drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
       }
       if (edges) isph_edge_close(&edge, reduced);

@@ -1,0 +1,129 @@
+#include "sphsolve/isph/link.h"
+
+#include <math.h>
+#include <string.h>
+
+bool isph_links_wanted(const struct scene *scene, bool has_surface) {
+  return !has_surface && !scene->isph.porosity_paper;
+}
+
+int32_t isph_ground(const struct isph *s, const double x[3]) {
+  int32_t ground = 0;
+  double clear = INFINITY; /* distance to the nearest face */
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    const struct isph_box box = isph_soil_box(s, k, 0, x);
+    double inside = INFINITY, square = 0;
+    for (int a = 0; a < 3; a++) {
+      const double gap = fmax(0, fmax(box.low[a] - x[a], x[a] - box.high[a]));
+      inside = fmin(inside, fmin(x[a] - box.low[a], box.high[a] - x[a]));
+      square += gap * gap;
+    }
+    /* A later soil takes the place of an earlier one. */
+    clear = inside > 0 ? inside : fmin(clear, sqrt(square));
+    if (inside > 0) ground = (int32_t)k + 1;
+  }
+  return clear > s->support_max ? ground : GROUND_MIXED;
+}
+
+static void add(const struct isph *s, const struct region *soil, double share,
+                struct isph_material *way) {
+  struct isph_material of = {.porosity = 1, .inertia = 1};
+  if (soil != NULL) of = isph_material_of(s, soil);
+  way->porosity += share * of.porosity;
+  way->inertia += share * of.inertia;
+  if (s->on.drag_linear) way->a += share * of.a;
+  if (s->on.drag_forchheimer) way->b += share * of.b;
+}
+
+/* The part from .. to of the way x + t step that lies in the box, t from 0 to 1. */
+static bool clip(const struct isph_box *box, const double x[3], const double step[3], double *from,
+                 double *to) {
+  for (int a = 0; a < 3; a++) {
+    const double low = box->low[a] - x[a], high = box->high[a] - x[a];
+    if (step[a] == 0) {
+      if (low > 0 || high <= 0) return false;
+      continue;
+    }
+    *from = fmax(*from, (step[a] > 0 ? low : high) / step[a]);
+    *to = fmin(*to, (step[a] > 0 ? high : low) / step[a]);
+  }
+  return *from < *to;
+}
+
+/* Adds what lies from .. to on the way from x, of the regions before `end`: the last one first, and
+ * the earlier ones, or water, on what it leaves. */
+static void walk(const struct isph *s, size_t end, const double x[3], const double step[3],
+                 double from, double to, struct isph_material *way) {
+  const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
+  for (size_t k = end; k-- > 0 && from < to;) {
+    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    const struct isph_box box = isph_soil_box(s, k, 0, middle);
+    double enters = from, leaves = to;
+    if (!clip(&box, x, step, &enters, &leaves)) continue;
+    add(s, &s->scene->regions[k], leaves - enters, way);
+    if (from < enters) walk(s, k, x, step, from, enters, way);
+    from = leaves;
+  }
+  if (from < to) add(s, NULL, to - from, way);
+}
+
+static double speed_of(const struct isph *s, size_t i) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
+    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
+  }
+  return sqrt(square);
+}
+
+void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
+               struct isph_links *links) {
+  const double *xi = s->position[i], own = speed_of(s, i);
+  double level = 0, whole = 0, middle[3] = {0};
+  memset(links, 0, sizeof *links);
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const size_t j = chunk->pair[p] & PAIR_MASK;
+    const int32_t ground = s->ground[i] != GROUND_MIXED ? s->ground[i] : s->ground[j];
+    struct isph_material way = {0};
+    double r[3];
+    isph_separation(s, xi, s->position, chunk->pair[p], r);
+    if (ground == GROUND_MIXED)
+      walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way);
+    else
+      add(s, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1, &way);
+    const double speed = way.b > 0 ? 0.5 * (own + speed_of(s, j)) : 0;
+    const double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
+    chunk->mobility[p] = (float)(1 / (s->density * resistance));
+    chunk->way[p] = (float)way.porosity;
+    if (s->ground[i] != GROUND_MIXED) continue;
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    const double carried = weight * (way.a + way.b * speed) / resistance;
+    const double steep = weight * log(resistance);
+    level += steep, whole += weight;
+    for (int a = 0, k = 0; a < 3; a++) {
+      links->normal[a] += steep * r[a], middle[a] += weight * r[a];
+      for (int b = a; b < 3; b++, k++) links->carried[k] += carried * r[a] * r[b];
+    }
+  }
+  for (int a = 0; a < 3 && whole > 0; a++) links->normal[a] -= level / whole * middle[a];
+}
+
+void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
+                       double t, double predicted[3]) {
+  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const double *n = links->normal, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  double carried = 0, across = 0;
+  memset(s->linked[i], 0, sizeof s->linked[i]);
+  if (s->ground[i] != GROUND_MIXED || !(square > 0)) return;
+  for (int a = 0; a < 3; a++) {
+    across += u[a] * n[a] / square;
+    for (int b = 0; b < 3; b++) carried += n[a] * links->carried[at[a][b]] * n[b] / square;
+  }
+  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed_of(s, i));
+  const double change = (fmin(1, fmax(0, 1 - carried)) - left) * across;
+  for (int a = 0; a < 3; a++) predicted[a] += s->linked[i][a] = change * n[a];
+  if (s->on.interfaces) /* as the budget takes it: over the drag across an interface */
+    isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
+                        s->linked[i]);
+}
