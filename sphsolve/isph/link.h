@@ -2,19 +2,20 @@
  * faces.
  *
  * A pair of particles far apart from an edge of soil has one mobility, or viscosity. At an edge
- * porosity and drag of a particle are smoothed, as its volume must be (isph/soil.c), and any mean of
- * the two particles' own leaves a resistance too much or too little at each edge, that of some
+ * porosity and drag of a particle are smoothed, as its volume must be (isph/soil.c), and any mean
+ * of the two particles' own leaves a resistance too much or too little at each edge, that of some
  * tenths of a particle. On the straight way from x_i to x_j, of which a part w_k lies in soil k,
  * resistances add:
  *   1/k_ij = rho (I_ij/dt + a_ij + 2 b_ij |v|),   I_ij = sum w_k I_k,  a_ij, b_ij alike,
  *   nu_ij = (nu + nu_T) / sum w_k eps_k            (stress is continuous across a face, not shear)
  * with k = B T / rho_w, B = 1/(1 + T (a + 2 b |v|)) as of a particle, I = C_r/(eps G) = dt/T. For
- * flow across plane layers of any thickness k_ij (q_i - q_j)/r is then the flux, whatever the places
- * of the particles: no error but that of sums over neighbours.
+ * flow across plane layers of any thickness k_ij (q_i - q_j)/r is then the flux, whatever the
+ * places of the particles: no error but that of sums over neighbours.
  *
  * A velocity v* across an edge has to leave for the pressure what the links carry, so it is
- *   v*_n = v_n (1 - sum_j V_j slope_ij (r.n)^2 [1 - rho k_ij (I_ij/dt + b_ij |v|)])
- * there: with the particle's own B in its place the flux depends on dt.
+ *   v*_n = v_n sum_j w_j rho k_ij (I_ij/dt + b_ij |v|) / sum_j w_j,   w_j = V_j slope_ij (r.n)^2
+ * there: with the particle's own B in its place velocities beside a face swing by a tenth, and the
+ * flux depends on dt.
  *
  * Without a free surface: under one the energy may not rise, which holds for the plain mean and the
  * divergence's adjoint alone. */
@@ -28,8 +29,9 @@
 
 /* At a particle near an edge. */
 struct isph_links {
-  double normal[3];  /* grad ln k, 1/m, of any length; 0 away from edges */
-  double carried[6]; /* sum V slope [1 - ...] r r, xx xy xz yy yz zz */
+  double normal[3];          /* grad ln k, 1/m, of any length; 0 away from edges */
+  double carried[6], all[6]; /* sums of V slope (1 - rho k (I/dt + b |v|)) r r, and of V slope r r;
+                             xx xy xz yy yz zz */
 };
 
 /* Whether soil of this scene has links. */

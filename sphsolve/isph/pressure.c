@@ -53,7 +53,8 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         double r[3], slope = chunk->slope[p];
         isph_separation(s, xi, s->position, entry, r);
         const double *vj = v[j];
-        float a = (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
+        float a =
+            (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
         chunk->matrix[p] = a;
         diagonal += (double)a;
         source += (double)a * rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);

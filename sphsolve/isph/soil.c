@@ -76,8 +76,8 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
 
 /* Fraction of that part of `box` which no soil from region `next` on takes: S(box) - S(box and
  * next). */
-static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box, size_t next,
-                                          double ahead, const double x[3], double h) {
+static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box,
+                                          size_t next, double ahead, const double x[3], double h) {
   for (; next < s->scene->region_count; next++) {
     if (s->scene->regions[next].type != REGION_POROUS) continue;
     struct isph_box both = isph_soil_box(s, next, ahead, x);
@@ -107,11 +107,11 @@ static double forchheimer_of(double eps) {
 struct isph_material isph_material_of(const struct isph *s, const struct region *region) {
   const double eps = region->porosity, d = region->grain_size;
   const double scale = s->scene->isph.form == FORM_M15 ? eps : 1; /* 1/G */
-  return (struct isph_material){
-      .porosity = eps,
-      .inertia = scale * inertia_coefficient(eps) / eps,
-      .a = scale * region->alpha * s->kinematic_viscosity / (d * d) * linear_of(eps),
-      .b = scale * region->beta / d * forchheimer_of(eps)};
+  return (struct isph_material){.porosity = eps,
+                                .inertia = scale * inertia_coefficient(eps) / eps,
+                                .a = scale * region->alpha * s->kinematic_viscosity / (d * d) *
+                                     linear_of(eps),
+                                .b = scale * region->beta / d * forchheimer_of(eps)};
 }
 
 /* All of it smoothed by a kernel of smoothing length h. */

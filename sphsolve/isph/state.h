@@ -99,11 +99,11 @@ struct isph_chunk {
   struct budget_sums budget; /* of the step */
   bool outer;                /* reads particles of other ranks */
   size_t pair_count, pair_capacity;
-  uint32_t *pair; /* neighbour | image << PAIR_BITS */
-  float *slope;   /* -W'(r)/r of the pair, normalised */
+  uint32_t *pair;  /* neighbour | image << PAIR_BITS */
+  float *slope;    /* -W'(r)/r of the pair, normalised */
   float *mobility; /* of the pair, and the porosity on its way: isph/link.h; NULL without links */
   float *way;
-  float *matrix;  /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
+  float *matrix; /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
   float *wall_slope;
@@ -217,7 +217,7 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
   double wall_volume;
-  double room; /* for water at the start, in and out of soil: m^3, m^2 in 2-D */
+  double room;       /* for water at the start, in and out of soil: m^3, m^2 in 2-D */
   double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;

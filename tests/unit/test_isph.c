@@ -114,6 +114,30 @@ static void saturated_soil_obeys_darcy(void **state) {
   finish(&run);
 }
 
+/* Through a layer two spacings thick as through its resistance, and as fast before it as behind
+ * (isph/link.h; by mobilities of smoothed soil 9 % too much). */
+static void a_thin_layer_resists_as_its_soil(void **state) {
+  (void)state;
+  struct run run;
+  double v[3], sum = 0;
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+        "domain = { size = [\"8 cm\", \"10 cm\"]; spacing = \"1 cm\"; periodic = [true, true]; };\n"
+        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"8 cm\", \"10 cm\"]; },\n"
+        "{ type = \"porous\"; box = [\"0\", \"4 cm\", \"8 cm\", \"6 cm\"]; porosity = 0.3; "
+        "grain_size = \"5 mm\"; } );\n"
+        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { dt = \"5 ms\"; };\n");
+  for (int k = 0; k < 200; k++) {
+    assert_int_equal(isph_advance(&run.s, 5e-3), STATUS_OK);
+    isph_darcy_velocity(&run.s, v);
+    if (k >= 100) sum -= 0.01 * v[2];
+  }
+  const double a = 1e-3 * .49 / (.027 * 25e-6), b = 1.1 * .7 / (.027 * 5e-3), f = 5 * 9.81;
+  const double exact = 2 * f / (a + sqrt(a * a + 4 * b * f));
+  assert_near(sum, exact, 0.03 * exact);
+  finish(&run);
+}
+
 /* Rows drawn out to twice their distance, as where water enters soil: the second moments of a pair
  * operator stay those of the lattice (without isph/moment.c .94 across the rows). */
 static void drawn_out_rows_count_in_full(void **state) {
@@ -432,6 +456,7 @@ int main(void) {
       cmocka_unit_test(rest_is_exact),
       cmocka_unit_test(soil_is_wet_where_water_is),
       cmocka_unit_test(saturated_soil_obeys_darcy),
+      cmocka_unit_test(a_thin_layer_resists_as_its_soil),
       cmocka_unit_test(drawn_out_rows_count_in_full),
       cmocka_unit_test(threads_agree),
       cmocka_unit_test(warm_start_saves),
