@@ -343,7 +343,7 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
     if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
   fprintf(stream, "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
                   "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
-                  "set samples 300\nset key outside below center vertical maxrows 4 reverse Left height 1\n");
+                  "set samples 300\nset key outside below center vertical maxcols 1 samplen 3 reverse Left height 1\n");
   if (still != NULL) write_beds(still, stream);
   fputs("plot ", stream);
   if (still != NULL)
