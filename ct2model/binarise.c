@@ -131,8 +131,8 @@ static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
 #define BLUR_LEAST 0.2
 
 static void warn_of_sharpness(const struct scanner *scanner) {
-  const double blur = scanner->blur / scanner->unit;
-  if (scanner->known && blur < BLUR_LEAST)
+  const double blur = scanner->blur / scanner->unit, error = scanner->blur_error / scanner->unit;
+  if (scanner->known && blur + 2.0 * error < BLUR_LEAST) /* 95 % sure */
     log_warning("the edges are sharper (%.2g voxels) than a voxel's average: the image was "
                 "sharpened, or made of labels; where its surface lies between voxels is lost, and "
                 "no part of k's error holds that: give the scan as it was, or the labels",
