@@ -71,7 +71,7 @@ double plane_balance(const struct run *run, const struct head_field *f, const ch
   }
   if (count < 3) return NAN;
   const double reference = sum / count;
-  /* Sections side by side are fits to the same particles: their mean is no surer than one. */
-  const double scatter = 2 * sqrt(fmax(0, squares / count - reference * reference));
+  const double scatter =
+      2 * sqrt(fmax(0, squares / count - reference * reference) / fmax(1, count / SECTIONS_ALIKE));
   return hypot(mean - reference, scatter);
 }

@@ -4,6 +4,10 @@
 
 #include "analyze/seepage/head_field.h"
 
+/* Sections that lie in the support of one kernel are fits to the same particles and err alike: about
+ * so many. */
+#define SECTIONS_ALIKE 5.0
+
 /* Of the plane of that name, whose flux is `mean` (m^2/s for each metre along y): in steady flow as
  * much goes through it as through the sections beside it that lie in soil alone, up to the next open
  * side. The difference to their mean, with the scatter of theirs (95 %); in free water particles are

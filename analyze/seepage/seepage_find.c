@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "analyze/seepage/flow_net.h"
+#include "analyze/seepage/plane_balance.h"
 #include "analyze/seepage/seepage.h"
 #include "common/memory.h"
 
@@ -184,9 +185,6 @@ static double missed(const struct seepage *s, int axis, size_t n, double *surfac
   return sum;
 }
 
-/* Sections that lie in the support of one kernel err alike: about so many. */
-#define ALIKE 5.0
-
 static double net_error(const struct seepage *s) {
   const struct head_field *f = &s->field;
   double squares = 0, most = 0, surface;
@@ -198,8 +196,10 @@ static double net_error(const struct seepage *s) {
       squares += misses * misses, count++;
       most = fmax(most, surface);
     }
-  return count > 0 ? hypot(2 * sqrt(squares / (double)count / fmax(1, (double)count / ALIKE)), most)
-                   : NAN;
+  return count > 0
+             ? hypot(2 * sqrt(squares / (double)count / fmax(1, (double)count / SECTIONS_ALIKE)),
+                     most)
+             : NAN;
 }
 
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *s) {

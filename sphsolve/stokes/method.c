@@ -78,14 +78,13 @@ struct progress_state {
 
 #define CHECKPOINT_NUMBERS 15
 
-/* Of a solve that goes on, or, where the solver's residual is gone, of the last one that is done. */
+/* Of a solve that goes on or, `solved`, of the last one that is done. */
 static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
-                                    const struct progress_state *state) {
+                                    const struct progress_state *state, bool solved) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   size_t count = CHECKPOINT_NUMBERS, n = s->grid.active;
   char name[32];
-  const bool solved = s->residual == NULL;
   const struct conservation *balance = &job->result->conservation;
   const double numbers[CHECKPOINT_NUMBERS] = {s->mean[0],
                                               s->mean[1],
@@ -186,7 +185,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
     TRY(write_row(job, s));
   }
   while (!stokes_solver_converged(s, &goal)) {
-    if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state));
+    if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state, false));
     if (recorder_interrupted(job->recorder)) {
       job->kept = true;
       return FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
@@ -333,7 +332,7 @@ static enum status keep_solved(struct stokes_job *job) {
   if (job->checkpoint != NULL) return FAIL(STATUS_INTERRUPTED, "interrupted; go on with --resume");
   if (s->grid.active_all == 0)
     return FAIL(STATUS_INTERRUPTED, "interrupted in the set-up: there is nothing to go on from");
-  const enum status status = write_checkpoint(job, s, &none);
+  const enum status status = write_checkpoint(job, s, &none, true);
   if (status != STATUS_OK) return status;
   return FAIL(STATUS_INTERRUPTED, "interrupted after %d lattice%s; go on with --resume",
               job->cascade.tried, job->cascade.tried == 1 ? "" : "s");
