@@ -155,6 +155,30 @@ static void budget_drag(const struct isph *s, size_t i, double scale, const doub
   add_force(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }
 
+/* Drag across an edge is that of the links (isph/link.h), not that of the particle's own place;
+ * what the two differ by is part of what the links' pressure does. */
+static void budget_links(const struct isph *s, size_t i, double m, double dt,
+                         const double before[3], const double u[3], struct budget_sums *sums) {
+  const struct isph_linked *linked = &s->linked[i];
+  const double *n = linked->normal, *v = s->velocity[i];
+  double moved[3] = {0}, own[3] = {0}, now = 0, old = 0, square = 0;
+  add_force(sums, BUDGET_PROJECTION, m * s->inertia[i] / s->drag_factor[i], linked->change, u);
+  if (n[0] == 0 && n[1] == 0 && n[2] == 0) return;
+  for (int a = 0; a < 3; a++) {
+    if (s->on.moving_soil) own[a] = s->porosity[i] * s->soil_velocity[i][a];
+    now += (v[a] - own[a]) * n[a], old += (before[a] - own[a]) * n[a];
+    square += (before[a] - own[a]) * (before[a] - own[a]);
+  }
+  const double linear = -(linked->drag_a - s->drag_a[i]) * now;
+  const double forchheimer = -(linked->drag_b - s->drag_b[i] * sqrt(square)) * (2 * now - old);
+  for (int a = 0; a < 3; a++) moved[a] = linear * n[a];
+  add_force(sums, BUDGET_DRAG_LINEAR, m * dt, moved, u);
+  add_force(sums, BUDGET_PROJECTION, -m * dt, moved, u);
+  for (int a = 0; a < 3; a++) moved[a] = forchheimer * n[a];
+  add_force(sums, BUDGET_DRAG_FORCHHEIMER, m * dt, moved, u);
+  add_force(sums, BUDGET_PROJECTION, -m * dt, moved, u);
+}
+
 /* The pairs' viscous force goes to what makes the larger part of nu + max(nu_T, nu_c). */
 static void budget_viscosity(const struct isph *s, size_t i, double scale, const double u[3],
                              struct budget_sums *sums) {
@@ -209,8 +233,7 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
       sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
       if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
       if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
-      if (s->on.links)
-        add_force(sums, BUDGET_PROJECTION, m * inertia / s->drag_factor[i], s->linked[i], u);
+      if (s->on.links) budget_links(s, i, m, dt, before, u, sums);
       if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
         budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
       budget_sides(s, chunk, i, m * dt / s->density, u, sums);

@@ -103,32 +103,44 @@ void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double 
     level += steep, whole += weight;
     for (int a = 0, k = 0; a < 3; a++) {
       links->normal[a] += steep * r[a], middle[a] += weight * r[a];
-      for (int b = a; b < 3; b++, k++)
-        links->carried[k] += carried * r[a] * r[b], links->all[k] += weight * r[a] * r[b];
+      for (int b = a; b < 3; b++, k++) {
+        const double moment = r[a] * r[b];
+        links->carried[k] += carried * moment, links->all[k] += weight * moment;
+        links->linear[k] += weight * way.a * moment;
+        links->forchheimer[k] += weight * way.b * speed * moment;
+      }
     }
   }
   for (int a = 0; a < 3 && whole > 0; a++) links->normal[a] -= level / whole * middle[a];
 }
 
+/* n.m.n */
+static double along(const double m[6], const double n[3]) {
+  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  double sum = 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) sum += n[a] * m[at[a][b]] * n[b];
+  return sum;
+}
+
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]) {
-  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   const double *n = links->normal, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  double carried = 0, all = 0, across = 0;
-  memset(s->linked[i], 0, sizeof s->linked[i]);
-  if (s->ground[i] != GROUND_MIXED || !(square > 0)) return;
+  const double all = along(links->all, n), carried = along(links->carried, n);
+  struct isph_linked *linked = &s->linked[i];
+  double across = 0;
+  memset(linked, 0, sizeof *linked);
+  if (s->ground[i] != GROUND_MIXED || !(square > 0) || !(all > 0)) return;
+  linked->drag_a = along(links->linear, n) / all;
+  linked->drag_b = along(links->forchheimer, n) / all;
   for (int a = 0; a < 3; a++) {
     across += u[a] * n[a] / square;
-    for (int b = 0; b < 3; b++) {
-      carried += n[a] * links->carried[at[a][b]] * n[b];
-      all += n[a] * links->all[at[a][b]] * n[b];
-    }
+    linked->normal[a] = n[a] / sqrt(square);
   }
-  if (!(all > 0)) return;
   const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed_of(s, i));
   const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
-  for (int a = 0; a < 3; a++) predicted[a] += s->linked[i][a] = change * n[a];
+  for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];
   if (s->on.interfaces) /* as the budget takes it: over the drag across an interface */
     isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
-                        s->linked[i]);
+                        linked->change);
 }

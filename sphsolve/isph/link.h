@@ -32,6 +32,7 @@ struct isph_links {
   double normal[3];          /* grad ln k, 1/m, of any length; 0 away from edges */
   double carried[6], all[6]; /* sums of V slope (1 - rho k (I/dt + b |v|)) r r, and of V slope r r;
                              xx xy xz yy yz zz */
+  double linear[6], forchheimer[6]; /* sums of V slope a r r, and of V slope b |v| r r */
 };
 
 /* Whether soil of this scene has links. */

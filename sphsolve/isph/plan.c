@@ -157,7 +157,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
-    plan->bytes_fluid += 28 + 1.3 * neighbours * 8;
+    plan->bytes_fluid += 4 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

@@ -87,6 +87,13 @@ struct isph_interface {
   double plane;                                 /* 1, fading to 0 at corners */
 };
 
+/* What links did to a particle near an edge of soil in a step: isph/link.h. */
+struct isph_linked {
+  double change[3];      /* of v*, m/s */
+  double normal[3];      /* unit; 0 away from edges */
+  double drag_a, drag_b; /* drag along the links: a and b |v|, 1/s */
+};
+
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
  * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
  * at open sides (m/s). */
@@ -164,7 +171,7 @@ struct isph {
   double *inertia, *drag_a, *drag_b; /* NULL without soil */
   struct isph_interface *interface;  /* NULL unless different soils are there */
   int32_t *ground;                   /* isph/link.h; NULL without links */
-  double (*linked)[3];               /* what links change v* by, m/s; NULL without links */
+  struct isph_linked *linked;        /* isph/link.h; NULL without links */
   double (*soil_velocity)[3];        /* NULL unless soil moves */
   double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
