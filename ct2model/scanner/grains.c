@@ -2,213 +2,280 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "common/memory.h"
-#include "ct2model/scanner/gaussian.h"
+#include "ct2model/scanner/grain_depth.h"
+
+/* A flood from the deepest voxels on: each voxel goes to the grain of its deepest neighbour that
+ * the flood has met before. So which neighbour that is, its way, each voxel knows by itself; ways
+ * lead to the deepest voxel of a part; and only where parts meet does the order of the flood
+ * matter, as parts that are one grain become one. */
 
 /* Two parts of a grain meet where it is nearly as thick as they are, two grains at a neck. */
 static const float MERGE = 0.7F;
-/* Voxels: pores further from grains are nobody's; deeper than that all depths are alike. STEPS a
- * voxel of depth: levels are of 24 bits, sorted by half of them at a time. */
-enum { BESIDE = 6, DEEPEST = 250, STEPS = 65536, HALF = 12, DIGITS = 1 << HALF, NOBODY = 0 };
-/* Voxels that depths are smoothed over. Distances between voxels take few values, and a flood must
- * settle which of two equal voxels is the deeper one: by the order of the scan, if by nothing else,
- * and then parts depend on how the scan lies. Smoothed, hardly any two are equal. */
-static const double SMOOTHED = 1.0;
-static const float FAR_AWAY = 1e12F;
-
-/* Squared distances along one line, given those across: the lower envelope of parabolas
- * (Felzenszwalb and Huttenlocher 2012). `place` and `from` hold the envelope, n of each. */
-static void line_distances(const float *in, size_t n, float step, float *out, size_t *place,
-                           float *from) {
-  const float square = step * step;
-  size_t last = 0;
-  place[0] = 0;
-  from[0] = -INFINITY;
-  for (size_t q = 1; q < n; q++) {
-    float meet = 0.0F;
-    for (;; last--) {
-      const size_t p = place[last];
-      meet = ((in[q] - in[p]) / square + (float)(q * q) - (float)(p * p)) / (2.0F * (float)(q - p));
-      if (meet > from[last] || last == 0) break;
-    }
-    place[++last] = q;
-    from[last] = meet;
-  }
-  for (size_t q = 0, at = 0; q < n; q++) {
-    while (at < last && from[at + 1] < (float)q) at++;
-    const float d = (float)q - (float)place[at];
-    out[q] = d * d * square + in[place[at]];
-  }
-}
-
-/* field: 0 where distances are from, FAR_AWAY elsewhere; then their squares. */
-static enum status squared_distances(float *field, const size_t size[3], const double stretch[3]) {
-  enum status status = STATUS_OK;
-  const size_t step[3] = {1, size[0], size[0] * size[1]}, n = step[2] * size[2];
-  size_t longest = 0, *place = NULL;
-  float *line = NULL;
-  for (int d = 0; d < 3; d++) longest = size[d] > longest ? size[d] : longest;
-  TRY(memory_allocate(&line, 3 * longest, sizeof *line, "distances in grains"));
-  TRY(memory_allocate(&place, longest, sizeof *place, "distances in grains"));
-  for (int d = 0; d < 3; d++) {
-    const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;
-    for (size_t l = 0; l < n / size[d]; l++) {
-      float *at = field + l % size[e] * step[e] + l / size[e] * step[f];
-      for (size_t i = 0; i < size[d]; i++) line[i] = at[i * step[d]];
-      line_distances(line, size[d], (float)stretch[d], line + longest, place, line + 2 * longest);
-      for (size_t i = 0; i < size[d]; i++) at[i * step[d]] = line[longest + i];
-    }
-  }
-cleanup:
-  memory_free(&line);
-  memory_free(&place);
-  return status;
-}
+/* Voxels: pores further from grains are nobody's. STEPS a voxel of depth: voxels of one level are
+ * met in the order of the scan. */
+enum { BESIDE = 6, STEPS = 65536, NOBODY = 0 };
+/* Neighbours: along axis d the one before is way 2 d, the next one is way 2 d + 1. A voxel may also
+ * be the deepest of a part, or nobody's. */
+enum { WAYS = 6, DEEPEST = 6, NONE = 7 };
+#define NEVER UINT32_MAX /* a level that the flood does not reach */
 
 struct flood {
   size_t size[3], step[3];
-  float *depth;            /* of voxels, voxels; below 0 in the pore */
-  uint32_t *part, *parent; /* of voxels, from 1 on; of parts, themselves where they are roots */
-  float *peak;             /* of parts: the largest depth */
+  const float *depth; /* of voxels, voxels; below 0 in the pore */
+  uint8_t *way;       /* of voxels */
+  uint32_t *part;     /* of voxels: first their levels, then their parts, from 1 on */
+  uint32_t *parent;   /* of parts, themselves where they are roots */
+  float *peak;        /* of parts: the largest depth */
   size_t parts;
 };
+
+/* 0 the deepest. */
+static uint32_t level_of(float depth) {
+  const float most = depth < (float)GRAIN_DEEPEST ? depth : (float)GRAIN_DEEPEST;
+  return depth > -BESIDE ? (uint32_t)(((float)GRAIN_DEEPEST - most) * (float)STEPS) : NEVER;
+}
+
+/* Whether a neighbour comes before a voxel of that level. */
+static bool is_earlier(uint32_t its_level, int way, uint32_t level) {
+  return way % 2 ? its_level < level : its_level <= level;
+}
+
+static bool has_neighbour(const struct flood *flood, const size_t at[3], int way) {
+  const int d = way / 2;
+  return way % 2 ? at[d] + 1 < flood->size[d] : at[d] > 0;
+}
+
+static size_t neighbour_of(const struct flood *flood, size_t voxel, int way) {
+  return way % 2 ? voxel + flood->step[way / 2] : voxel - flood->step[way / 2];
+}
+
+static void place_of(const struct flood *flood, size_t voxel, size_t at[3]) {
+  at[0] = voxel % flood->size[0];
+  at[1] = voxel / flood->size[0] % flood->size[1];
+  at[2] = voxel / flood->step[2];
+}
+
+/* The deepest earlier neighbour; those that are known as nobody's may be left out. */
+static uint8_t find_way(const struct flood *flood, size_t voxel, const size_t at[3],
+                        bool but_nobodys) {
+  const uint32_t level = flood->part[voxel];
+  float highest = -INFINITY;
+  uint8_t best = flood->depth[voxel] > 0.0F ? DEEPEST : NONE;
+  if (level == NEVER) return NONE;
+  for (int way = 0; way < WAYS; way++) {
+    if (!has_neighbour(flood, at, way)) continue;
+    const size_t other = neighbour_of(flood, voxel, way);
+    if (!is_earlier(flood->part[other], way, level)) continue;
+    if (but_nobodys && flood->way[other] == NONE) continue;
+    if (!(flood->depth[other] > highest)) continue;
+    highest = flood->depth[other];
+    best = (uint8_t)way;
+  }
+  return best;
+}
+
+static size_t find_ways(struct flood *flood) {
+  const size_t nx = flood->size[0], rows = flood->size[1] * flood->size[2];
+  size_t lonely = 0;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < nx * rows; i++) flood->part[i] = level_of(flood->depth[i]);
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : lonely)
+  for (size_t row = 0; row < rows; row++)
+    for (size_t x = 0; x < nx; x++) {
+      const size_t at[3] = {x, row % flood->size[1], row / flood->size[1]}, i = row * nx + x;
+      flood->way[i] = find_way(flood, i, at, false);
+      lonely += flood->way[i] == NONE && flood->part[i] != NEVER;
+    }
+  return lonely;
+}
+
+/* A pore's voxel without an earlier neighbour is nobody's, and with it those that have no others
+ * than such. There are few. */
+static enum status drop_lonely(struct flood *flood, size_t lonely) {
+  enum status status = STATUS_OK;
+  const size_t n = flood->step[2] * flood->size[2];
+  size_t *left = NULL, count = 0, room = lonely;
+  if (lonely == 0) return STATUS_OK;
+  TRY(memory_allocate(&left, room, sizeof *left, "grains"));
+  for (size_t i = 0; i < n; i++)
+    if (flood->way[i] == NONE && flood->part[i] != NEVER) left[count++] = i;
+  while (count > 0) {
+    const size_t voxel = left[--count];
+    size_t at[3], its[3];
+    place_of(flood, voxel, at);
+    for (int way = 0; way < WAYS; way++) {
+      if (!has_neighbour(flood, at, way)) continue;
+      const size_t other = neighbour_of(flood, voxel, way);
+      if (flood->way[other] != (way ^ 1)) continue; /* it does not come here */
+      place_of(flood, other, its);
+      flood->way[other] = find_way(flood, other, its, true);
+      if (flood->way[other] != NONE) continue;
+      if (count == room) TRY(memory_resize(&left, room *= 2, sizeof *left, "grains"));
+      left[count++] = other;
+    }
+  }
+cleanup:
+  memory_free(&left);
+  return status;
+}
+
+/* Numbers the parts and follows all ways. */
+static enum status follow_ways(struct flood *flood) {
+  enum status status = STATUS_OK;
+  const size_t nx = flood->size[0], rows = flood->size[1] * flood->size[2];
+  for (size_t i = 0; i < nx * rows; i++) flood->parts += flood->way[i] == DEEPEST;
+  TRY(memory_allocate(&flood->parent, flood->parts + 1, sizeof *flood->parent, "grains"));
+  TRY(memory_allocate(&flood->peak, flood->parts + 1, sizeof *flood->peak, "grains"));
+  for (size_t i = 0, part = 0; i < nx * rows; i++) {
+    if (flood->way[i] != DEEPEST) continue;
+    part++;
+    flood->parent[part] = flood->part[i] = (uint32_t)part;
+    flood->peak[part] = flood->depth[i];
+  }
+#pragma omp parallel for schedule(dynamic, 64)
+  for (size_t row = 0; row < rows; row++)
+    for (size_t i = row * nx; i < (row + 1) * nx; i++) {
+      if (flood->way[i] == DEEPEST) continue;
+      if (flood->way[i] == NONE) {
+        flood->part[i] = NOBODY;
+      } else if (flood->way[i] == 0) { /* the voxel before, of this row */
+        flood->part[i] = flood->part[i - 1];
+      } else {
+        size_t to = i;
+        while (flood->way[to] < WAYS) to = neighbour_of(flood, to, flood->way[to]);
+        flood->part[i] = flood->part[to];
+      }
+    }
+cleanup:
+  return status;
+}
+
+/* A voxel at which parts may become one. */
+struct meeting {
+  uint32_t level;
+  size_t voxel;
+};
+
+static int compare_meetings(const void *a, const void *b) {
+  const struct meeting *one = a, *other = b;
+  if (one->level != other->level) return one->level < other->level ? -1 : 1;
+  return one->voxel < other->voxel ? -1 : one->voxel > other->voxel;
+}
+
+/* Deep enough at least for the depths that the parts have by themselves: joined they are deeper. */
+static bool may_join(const struct flood *flood, size_t voxel, const size_t at[3]) {
+  const uint32_t part = flood->part[voxel];
+  const float depth = flood->depth[voxel];
+  for (int way = 0; way < WAYS; way++) {
+    if (!has_neighbour(flood, at, way)) continue;
+    const uint32_t other = flood->part[neighbour_of(flood, voxel, way)];
+    if (other != part && other != NOBODY &&
+        !(depth < MERGE * fminf(flood->peak[part], flood->peak[other])))
+      return true;
+  }
+  return false;
+}
+
+/* Into `out`, or only their number. */
+static size_t row_meetings(const struct flood *flood, size_t row, struct meeting *out) {
+  const size_t nx = flood->size[0];
+  size_t count = 0;
+  for (size_t x = 0; x < nx; x++) {
+    const size_t at[3] = {x, row % flood->size[1], row / flood->size[1]}, i = row * nx + x;
+    if (!(flood->depth[i] > 0.0F) || !may_join(flood, i, at)) continue;
+    if (out != NULL) out[count] = (struct meeting){level_of(flood->depth[i]), i};
+    count++;
+  }
+  return count;
+}
 
 static uint32_t root_of(uint32_t *parent, uint32_t part) {
   while (parent[part] != part) part = parent[part] = parent[parent[part]];
   return part;
 }
 
-static enum status add_part(struct flood *flood, size_t voxel) {
-  enum status status = STATUS_OK;
-  const size_t n = ++flood->parts;
-  if ((n & (n - 1)) == 0) { /* room for twice as many */
-    TRY(memory_resize(&flood->parent, 2 * n, sizeof *flood->parent, "grains"));
-    TRY(memory_resize(&flood->peak, 2 * n, sizeof *flood->peak, "grains"));
-  }
-  flood->parent[n] = (uint32_t)n;
-  flood->peak[n] = flood->depth[voxel];
-  flood->part[voxel] = (uint32_t)n;
-cleanup:
-  return status;
-}
-
-/* The voxel goes to the deepest of its neighbours; parts that are one grain become one. */
-static enum status flood_voxel(struct flood *flood, size_t voxel) {
-  uint32_t near[6];
-  size_t count = 0, best = 0;
-  float highest = -INFINITY;
-  for (int d = 0; d < 3; d++) {
-    const size_t at = voxel / flood->step[d] % flood->size[d];
-    for (int side = 0; side < 2; side++) {
-      if (side ? at + 1 == flood->size[d] : at == 0) continue;
-      const size_t other = side ? voxel + flood->step[d] : voxel - flood->step[d];
-      if (flood->part[other] == NOBODY) continue;
-      if (flood->depth[other] > highest) best = count;
-      highest = fmaxf(highest, flood->depth[other]);
-      near[count++] = root_of(flood->parent, flood->part[other]);
-    }
-  }
-  if (count == 0) return flood->depth[voxel] > 0.0F ? add_part(flood, voxel) : STATUS_OK;
-  flood->part[voxel] = near[best];
-  for (size_t i = 0; i < count; i++) {
-    const uint32_t a = root_of(flood->parent, near[best]), b = root_of(flood->parent, near[i]);
+/* Parts that are one grain become one, as the flood comes by. */
+static void join_at(struct flood *flood, const struct meeting *meeting) {
+  const size_t voxel = meeting->voxel;
+  size_t at[3];
+  place_of(flood, voxel, at);
+  for (int way = 0; way < WAYS; way++) {
+    if (!has_neighbour(flood, at, way)) continue;
+    const size_t other = neighbour_of(flood, voxel, way);
+    if (flood->part[other] == NOBODY ||
+        !is_earlier(level_of(flood->depth[other]), way, meeting->level))
+      continue;
+    const uint32_t a = root_of(flood->parent, flood->part[voxel]),
+                   b = root_of(flood->parent, flood->part[other]);
     if (a == b || flood->depth[voxel] < MERGE * fminf(flood->peak[a], flood->peak[b])) continue;
     const bool first = flood->peak[a] >= flood->peak[b];
     flood->parent[first ? b : a] = first ? a : b;
   }
-  return STATUS_OK;
 }
 
-/* Signed depths of voxels, smoothed. */
-static enum status find_depths(const float *share, const double stretch[3], struct flood *flood) {
+static enum status join_parts(struct flood *flood) {
   enum status status = STATUS_OK;
-  const size_t n = flood->step[2] * flood->size[2];
-  float *outside = NULL;
-  double sigma[3];
-  TRY(memory_allocate(&outside, n, sizeof *outside, "distances in grains"));
-  for (size_t i = 0; i < n; i++) {
-    flood->depth[i] = share[i] > 0.5F ? FAR_AWAY : 0.0F;
-    outside[i] = share[i] > 0.5F ? 0.0F : FAR_AWAY;
-  }
-  TRY(squared_distances(flood->depth, flood->size, stretch));
-  TRY(squared_distances(outside, flood->size, stretch));
-  for (size_t i = 0; i < n; i++) {
-    const bool grain = share[i] > 0.5F;
-    flood->depth[i] = fmaxf(
-        fminf(grain ? sqrtf(flood->depth[i]) - 0.5F : 0.5F - sqrtf(outside[i]), DEEPEST), -DEEPEST);
-  }
-  for (int d = 0; d < 3; d++) sigma[d] = SMOOTHED / stretch[d];
-  gaussian_filter(flood->depth, flood->size, sigma, outside, flood->depth);
+  const size_t nx = flood->size[0], rows = flood->size[1] * flood->size[2];
+  size_t *first = NULL;
+  struct meeting *meetings = NULL;
+  TRY(memory_allocate(&first, rows + 1, sizeof *first, "grains"));
+#pragma omp parallel for schedule(dynamic, 64)
+  for (size_t row = 0; row < rows; row++) first[row + 1] = row_meetings(flood, row, NULL);
+  for (size_t row = 0; row < rows; row++) first[row + 1] += first[row];
+  TRY(memory_allocate(&meetings, first[rows], sizeof *meetings, "grains"));
+#pragma omp parallel for schedule(dynamic, 64)
+  for (size_t row = 0; row < rows; row++) (void)row_meetings(flood, row, meetings + first[row]);
+  if (first[rows] > 0) qsort(meetings, first[rows], sizeof *meetings, compare_meetings);
+  for (size_t i = 0; i < first[rows]; i++) join_at(flood, &meetings[i]);
+  for (uint32_t part = 1; part <= flood->parts; part++)
+    flood->parent[part] = root_of(flood->parent, part);
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < nx * rows; i++) flood->part[i] = flood->parent[flood->part[i]];
 cleanup:
-  memory_free(&outside);
+  memory_free(&first);
+  memory_free(&meetings);
   return status;
 }
 
-/* 0 the deepest. */
-static uint32_t level_of(float depth) {
-  return (uint32_t)((DEEPEST - fminf(depth, DEEPEST)) * STEPS);
-}
-
-/* Voxels sorted by half the bits of their level, those of one in the order of `in` (radix sort). */
-static void sort_half(const float *depth, const uint32_t *in, size_t count, int shift,
-                      uint32_t *out) {
-  size_t start[DIGITS + 1] = {0};
-  for (size_t i = 0; i < count; i++) start[(level_of(depth[in[i]]) >> shift) % DIGITS + 1]++;
-  for (size_t l = 1; l <= DIGITS; l++) start[l] += start[l - 1];
-  for (size_t i = 0; i < count; i++)
-    out[start[(level_of(depth[in[i]]) >> shift) % DIGITS]++] = in[i];
-}
-
-/* Deepest first. */
-static enum status flood_all(struct flood *flood) {
-  enum status status = STATUS_OK;
-  const size_t n = flood->step[2] * flood->size[2];
-  uint32_t *order = NULL;
-  size_t count = 0;
-  TRY(memory_allocate(&order, n, sizeof *order, "grains"));
-  for (size_t i = 0; i < n; i++)
-    if (flood->depth[i] > -BESIDE) order[count++] = (uint32_t)i;
-  sort_half(flood->depth, order, count, 0, flood->part);
-  sort_half(flood->depth, flood->part, count, HALF, order);
-  memset(flood->part, 0, n * sizeof *flood->part);
-  for (size_t i = 0; i < count; i++) TRY(flood_voxel(flood, order[i]));
-cleanup:
-  memory_free(&order);
-  return status;
-}
-
-static void mark_contacts(struct flood *flood, uint8_t *contacts) {
-  const size_t n = flood->step[2] * flood->size[2];
-  memset(contacts, 0, n);
-  for (size_t i = 0; i < n; i++)
-    if (flood->part[i] != NOBODY) flood->part[i] = root_of(flood->parent, flood->part[i]);
-  for (size_t i = 0; i < n; i++) {
-    if (flood->part[i] == NOBODY) continue;
-    for (int d = 0; d < 3; d++) {
-      if (i / flood->step[d] % flood->size[d] + 1 == flood->size[d]) continue;
-      const size_t next = i + flood->step[d];
-      if (flood->part[next] == NOBODY || flood->part[next] == flood->part[i]) continue;
-      contacts[i] |= (uint8_t)GRAINS_NEXT(d);
-      contacts[next] |= (uint8_t)GRAINS_LAST(d);
+static void mark_contacts(const struct flood *flood, uint8_t *contacts) {
+  const size_t nx = flood->size[0], rows = flood->size[1] * flood->size[2];
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < rows; row++)
+    for (size_t x = 0; x < nx; x++) {
+      const size_t at[3] = {x, row % flood->size[1], row / flood->size[1]}, i = row * nx + x;
+      const uint32_t part = flood->part[i];
+      unsigned marks = 0;
+      for (int way = 0; way < WAYS && part != NOBODY; way++) {
+        if (!has_neighbour(flood, at, way)) continue;
+        const uint32_t other = flood->part[neighbour_of(flood, i, way)];
+        if (other != NOBODY && other != part)
+          marks |= way % 2 ? GRAINS_NEXT(way / 2) : GRAINS_LAST(way / 2);
+      }
+      contacts[i] = (uint8_t)marks;
     }
-  }
 }
 
 enum status grains_find(const float *share, const size_t size[3], const double stretch[3],
                         uint8_t *contacts) {
   enum status status = STATUS_OK;
   struct flood flood = {.size = {size[0], size[1], size[2]},
-                        .step = {1, size[0], size[0] * size[1]}};
+                        .step = {1, size[0], size[0] * size[1]},
+                        .way = contacts}; /* which are not known before ways are done with */
   const size_t n = flood.step[2] * size[2];
-  TRY(memory_allocate(&flood.depth, n, sizeof *flood.depth, "grains"));
+  float *depth = NULL;
+  TRY(memory_allocate(&depth, n, sizeof *depth, "grains"));
   TRY(memory_allocate(&flood.part, n, sizeof *flood.part, "grains"));
-  TRY(find_depths(share, stretch, &flood));
-  TRY(flood_all(&flood));
+  TRY(grain_depth_find(share, size, stretch, depth));
+  flood.depth = depth;
+  TRY(drop_lonely(&flood, find_ways(&flood)));
+  TRY(follow_ways(&flood));
+  TRY(join_parts(&flood));
   mark_contacts(&flood, contacts);
 cleanup:
-  memory_free(&flood.depth);
+  memory_free(&depth);
   memory_free(&flood.part);
   memory_free(&flood.parent);
   memory_free(&flood.peak);
