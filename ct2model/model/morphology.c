@@ -6,10 +6,6 @@
 #include "common/memory.h"
 #include "common/variants.h"
 
-static size_t wrap(size_t at, long step, size_t n) {
-  return (size_t)(((long)at + step) % (long)n + (long)n) % n;
-}
-
 static double touching_share(const struct voxel_model *model, size_t layers) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
   size_t pores = 0, touching = 0;
@@ -74,6 +70,29 @@ static double correlation_length(const struct voxel_model *model) {
  * wider. */
 static const float MISSED = 0.25f;
 
+/* The place `step` further on, less than one period away. */
+static size_t around(size_t at, long step, size_t n) {
+  const long to = (long)at + step;
+  return (size_t)(to < 0 ? to + (long)n : to >= (long)n ? to - (long)n : to);
+}
+
+/* Raises `count` bytes of a row to `value`; the row has `left` of them, and what lies behind it may
+ * be another thread's. */
+enum { TOGETHER = 16 };
+typedef uint8_t bytes __attribute__((vector_size(TOGETHER), aligned(1), may_alias));
+static inline void raise_bytes(uint8_t *row, size_t count, size_t left, uint8_t value) {
+  static const uint8_t FIRST[2 * TOGETHER] = {255, 255, 255, 255, 255, 255, 255, 255,
+                                              255, 255, 255, 255, 255, 255, 255, 255};
+  size_t i = 0;
+  for (; i < count && i + TOGETHER <= left; i += TOGETHER) {
+    const size_t n = count - i < TOGETHER ? count - i : TOGETHER;
+    const bytes raised = *(const bytes *)(FIRST + TOGETHER - n) & value, was = *(bytes *)(row + i);
+    const bytes lower = (bytes)(was < raised);
+    *(bytes *)(row + i) = (raised & lower) | (was & ~lower);
+  }
+  for (; i < count; i++) row[i] = row[i] < value ? value : row[i];
+}
+
 /* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel, where it lies
  * in the layers from `low` to `high` - 1; periodic. */
 static void paint_ball(const struct voxel_model *model, size_t site, float diameter, size_t low,
@@ -88,7 +107,7 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
     if (reach[d] > (long)n[d] / 2) reach[d] = (long)n[d] / 2;
   }
   for (long dz = -reach[2]; dz <= reach[2]; dz++) {
-    const size_t layer = wrap(at[2], dz, n[2]);
+    const size_t layer = around(at[2], dz, n[2]);
     if (layer < low || layer >= high) continue;
     for (long dy = -reach[1]; dy <= reach[1]; dy++) {
       double z = (double)dz * model->spacing[2] / unit, y = (double)dy * model->spacing[1] / unit;
@@ -96,11 +115,11 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
       if (left < 0.0) continue;
       long half = (long)sqrt(left);
       if (half > reach[0]) half = reach[0];
-      uint8_t *row = width + (layer * n[1] + wrap(at[1], dy, n[1])) * n[0];
-      for (long dx = -half; dx <= half; dx++) {
-        uint8_t *value = row + wrap(at[0], dx, n[0]);
-        if (*value < quarters) *value = quarters;
-      }
+      uint8_t *row = width + (layer * n[1] + around(at[1], dy, n[1])) * n[0];
+      const size_t first = around(at[0], -half, n[0]), count = 2 * (size_t)half + 1;
+      const size_t whole = count < n[0] - first ? count : n[0] - first; /* before the row's end */
+      raise_bytes(row + first, whole, n[0] - first, quarters);
+      raise_bytes(row, count - whole, n[0], quarters);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 
 /* A cell between eight centres is cut into SUB^3 parts, in each of which the grey is linear: an
  * eighth of a voxel moves what they enclose by under 0.1 % of the cells. */
@@ -15,10 +16,12 @@ static const int64_t WEIGHT = 1 << 20;
 /* Of a thread: what a bin holds more than the one before, and what it holds besides. */
 struct counts {
   int64_t step[BINS + 1], point[BINS];
+  float *extremes; /* of a row of cells: the least, then the most */
 };
 
 static size_t bin_of(double at) {
-  return (size_t)fmin(fmax(at, 0.0), BINS - 1);
+  const double above = at > 0.0 ? at : 0.0;
+  return (size_t)(above < BINS - 1 ? above : BINS - 1);
 }
 
 /* Greys from `low` to `high`, in bins, equally frequent. */
@@ -46,15 +49,6 @@ static void add_greys(struct counts *counts, double low, double high, int64_t we
  * field in a cube: by the length of its gradient, which is exact across a plane of voxels and has
  * the right variance at any other angle. */
 static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
-  double low = c[0], high = c[0];
-  for (int i = 1; i < 8; i++) {
-    low = fmin(low, c[i]);
-    high = fmax(high, c[i]);
-  }
-  if (high == low || high <= 0.0 || low >= BINS) {
-    counts->point[bin_of(low)] += weight * PARTS;
-    return;
-  }
   for (int part = 0; part < PARTS; part++) {
     const double u = (part % SUB + 0.5) / SUB, v = (part / SUB % SUB + 0.5) / SUB,
                  w = (part / SUB / SUB + 0.5) / SUB; // NOLINT: whole parts are meant
@@ -92,16 +86,40 @@ static int64_t weigh(int64_t weight, size_t cell, size_t n, bool reflect) {
   return reflect && cell > 0 && cell < n ? 2 * weight : weight;
 }
 
-/* The cells between two rows of one slice and two of the next. */
+/* The least and the most of four rows, voxel by voxel. */
+TARGETS static void find_extremes(const float *const rows[4], size_t n, float *restrict least,
+                                  float *restrict most) {
+  const float *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
+  for (size_t x = 0; x < n; x++) {
+    const float ab = a[x] < b[x] ? a[x] : b[x], cd = c[x] < d[x] ? c[x] : d[x];
+    const float ba = a[x] < b[x] ? b[x] : a[x], dc = c[x] < d[x] ? d[x] : c[x];
+    least[x] = ab < cd ? ab : cd;
+    most[x] = ba < dc ? dc : ba;
+  }
+}
+
+/* The cells between two rows of one slice and two of the next. Most lie in one phase: beyond the
+ * bins, or alike at all corners. */
 static void add_row(struct counts *counts, const float *const rows[4], size_t nx,
                     const struct enclosed_sides *sides, int64_t weight, double low, double scale) {
+  float *const least = counts->extremes, *const most = least + nx;
+  find_extremes(rows, nx, least, most);
   for (size_t x = 0; x < cells_of(nx, sides, 0); x++) {
+    const size_t there = before(x, nx, sides->reflect[0]), here = after(x, nx);
+    const int64_t its_weight = weigh(weight, x, nx, sides->reflect[0]);
+    const float less = least[there] < least[here] ? least[there] : least[here];
+    const float more = most[there] < most[here] ? most[here] : most[there];
+    const double from = ((double)less - low) * scale, to = ((double)more - low) * scale;
+    if (from == to || to <= 0.0 || from >= BINS) {
+      counts->point[bin_of(from)] += its_weight * PARTS;
+      continue;
+    }
     double corner[8];
     for (int i = 0; i < 4; i++) {
-      corner[2 * i] = ((double)rows[i][before(x, nx, sides->reflect[0])] - low) * scale;
-      corner[2 * i + 1] = ((double)rows[i][after(x, nx)] - low) * scale;
+      corner[2 * i] = ((double)rows[i][there] - low) * scale;
+      corner[2 * i + 1] = ((double)rows[i][here] - low) * scale;
     }
-    add_cell(counts, corner, weigh(weight, x, nx, sides->reflect[0]));
+    add_cell(counts, corner, its_weight);
   }
 }
 
@@ -131,6 +149,8 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
   int64_t level = 0;
   TRY(grey_histogram_start(low, (high - low) / BINS, BINS, histogram));
   TRY(memory_allocate(&counts, threads, sizeof *counts, "volumes by grey"));
+  for (size_t t = 0; t < threads; t++)
+    TRY(memory_allocate(&counts[t].extremes, 2 * region->size[0], sizeof(float), "a row of cells"));
   TRY(memory_allocate(&slices, (batch + 1) * plane, sizeof *slices, "slices"));
   TRY(region_read(region, sides->reflect[2] ? &(size_t){0} : &end, 1, slices));
   for (size_t z = 0; z < nz; z += batch) {
@@ -154,6 +174,7 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
     histogram->total += histogram->counts[b];
   }
 cleanup:
+  for (size_t t = 0; t < threads && counts != NULL; t++) memory_free(&counts[t].extremes);
   memory_free(&counts);
   memory_free(&slices);
   if (status != STATUS_OK) grey_histogram_end(histogram);

@@ -1,6 +1,7 @@
 #include "ct2model/surface/wall_distance.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "common/memory.h"
@@ -32,31 +33,45 @@ static double eikonal(double value[3], const double spacing[3]) {
 }
 
 static double least(const float *distance, size_t a, size_t b) {
-  return fmin(fabs((double)distance[a]), fabs((double)distance[b]));
+  const double one = fabs((double)distance[a]), other = fabs((double)distance[b]);
+  return one < other ? one : other;
+}
+
+/* What a voxel has from its neighbours; true where that is less. */
+static bool improve(float *distance, const size_t size[3], const double spacing[3], size_t x,
+                    size_t y, size_t z) {
+  const size_t nx = size[0], ny = size[1], nz = size[2], row = (z * ny + y) * nx;
+  double value[3] = {
+      least(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
+      least(distance, (z * ny + (y + 1) % ny) * nx + x, (z * ny + (y + ny - 1) % ny) * nx + x),
+      least(distance, ((z + 1) % nz * ny + y) * nx + x, ((z + nz - 1) % nz * ny + y) * nx + x)};
+  const float better = (float)eikonal(value, spacing);
+  if (!(better < distance[row + x] * 0.999999f)) return false;
+  distance[row + x] = better;
+  return true;
 }
 
 /* One pass over the open voxels in the direction of the three bits of `corner`; `open` is a bit
- * set. True if something changed. */
-static int sweep(float *distance, const unsigned char *open, const size_t size[3],
-                 const double spacing[3], unsigned corner) {
-  int changed = 0;
-  size_t nx = size[0], ny = size[1], nz = size[2];
+ * set, a few words a row. True if something changed. */
+enum { WORD = 64 };
+static size_t words_of(size_t nx) {
+  return (nx + WORD - 1) / WORD;
+}
+static bool sweep(float *distance, const uint64_t *open, const size_t size[3],
+                  const double spacing[3], unsigned corner) {
+  const size_t ny = size[1], nz = size[2], words = words_of(size[0]);
+  bool changed = false;
   for (size_t k = 0; k < nz; k++) {
-    size_t z = (corner & 4) != 0 ? nz - 1 - k : k;
+    const size_t z = (corner & 4) != 0 ? nz - 1 - k : k;
     for (size_t j = 0; j < ny; j++) {
-      size_t y = (corner & 2) != 0 ? ny - 1 - j : j, row = (z * ny + y) * nx;
-      for (size_t i = 0; i < nx; i++) {
-        size_t x = (corner & 1) != 0 ? nx - 1 - i : i;
-        if ((open[(row + x) / 8] >> (row + x) % 8 & 1) == 0) continue;
-        double value[3] = {least(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
-                           least(distance, (z * ny + (y + 1) % ny) * nx + x,
-                                 (z * ny + (y + ny - 1) % ny) * nx + x),
-                           least(distance, ((z + 1) % nz * ny + y) * nx + x,
-                                 ((z + nz - 1) % nz * ny + y) * nx + x)};
-        float better = (float)eikonal(value, spacing);
-        if (better < distance[row + x] * 0.999999f) {
-          distance[row + x] = better;
-          changed = 1;
+      const size_t y = (corner & 2) != 0 ? ny - 1 - j : j;
+      for (size_t i = 0; i < words; i++) {
+        const size_t w = (corner & 1) != 0 ? words - 1 - i : i;
+        for (uint64_t left = open[(z * ny + y) * words + w]; left != 0;) {
+          const int bit =
+              (corner & 1) != 0 ? WORD - 1 - __builtin_clzll(left) : __builtin_ctzll(left);
+          left &= ~((uint64_t)1 << bit);
+          changed |= improve(distance, size, spacing, w * WORD + (size_t)bit, y, z);
         }
       }
     }
@@ -66,25 +81,30 @@ static int sweep(float *distance, const unsigned char *open, const size_t size[3
 
 static enum status fill_open(float *distance, const size_t size[3], const double spacing[3]) {
   enum status status = STATUS_OK;
-  size_t sites = size[0] * size[1] * size[2], count = 0;
-  unsigned char *open = NULL;
-  TRY(memory_allocate(&open, (sites + 7) / 8, 1, "voxels far from a grain"));
-  for (size_t i = 0; i < sites; i++) {
-    if (isfinite(distance[i])) continue;
-    open[i / 8] |= (unsigned char)(1u << i % 8);
-    count++;
-  }
+  const size_t nx = size[0], rows = size[1] * size[2], sites = nx * rows, words = words_of(nx);
+  size_t count = 0;
+  uint64_t *open = NULL;
+  TRY(memory_allocate(&open, rows * words, sizeof *open, "voxels far from a grain"));
+#pragma omp parallel for schedule(static) reduction(+ : count)
+  for (size_t row = 0; row < rows; row++)
+    for (size_t x = 0; x < nx; x++) {
+      const bool is_open = !isfinite(distance[row * nx + x]);
+      open[row * words + x / WORD] |= (uint64_t)is_open << x % WORD;
+      count += is_open;
+    }
   if (count == sites) { /* no surface at all: farther than anything */
     double diagonal = 0.0;
     for (int d = 0; d < 3; d++) diagonal += pow((double)size[d] * spacing[d], 2.0);
     for (size_t i = 0; i < sites; i++) distance[i] = (float)sqrt(diagonal);
     count = 0;
   }
-  for (int round = 0, changed = count > 0; changed && round < 8; round++) {
-    changed = 0;
+  bool changed = count > 0;
+  for (int round = 0; changed && round < 8; round++) {
+    changed = false;
     for (unsigned corner = 0; corner < 8; corner++)
       changed |= sweep(distance, open, size, spacing, corner);
   }
+#pragma omp parallel for schedule(static)
   for (size_t i = 0; i < sites; i++) { /* pockets no sweep has reached */
     if (!isfinite(distance[i])) distance[i] = (float)((double)size[0] * spacing[0]);
   }
@@ -99,6 +119,7 @@ enum status wall_complete(float *distance, const unsigned char *solid, const siz
   const float floor_distance = (float)(0.01 * fmin(spacing[0], fmin(spacing[1], spacing[2])));
   size_t sites = size[0] * size[1] * size[2], count = 0;
   /* Signs first: far voxels take that of the model, near ones are compared with it. */
+#pragma omp parallel for schedule(static) reduction(+ : count)
   for (size_t i = 0; i < sites; i++) {
     if (!isfinite(distance[i])) continue;
     bool grain = distance[i] < 0.0f;
@@ -107,6 +128,7 @@ enum status wall_complete(float *distance, const unsigned char *solid, const siz
     distance[i] = solid[i] != 0 ? -floor_distance : floor_distance;
   }
   TRY(fill_open(distance, size, spacing));
+#pragma omp parallel for schedule(static)
   for (size_t i = 0; i < sites; i++) {
     if (solid[i] != 0) distance[i] = -fabsf(distance[i]);
   }
