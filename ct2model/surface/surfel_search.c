@@ -51,7 +51,7 @@ struct search {
   const struct surfels *surfels;
   double point[3], best;
   double cell[3]; /* the point in cells from the first one */
-  float stretch[3];
+  float stretch[4];
   size_t near; /* the block of the best */
 };
 
@@ -68,7 +68,7 @@ INLINE void look_at(struct search *search, size_t block, const size_t at[3]) {
   search->near = block;
 }
 
-/* No disc reaches farther from its cell; a little more than its radius for rounding. */
+/* No disc reaches farther from its block; a little more than its radius for rounding. */
 INLINE double bound_of(const struct search *search) {
   return search->best + SURFELS_RADIUS + 1e-3;
 }
@@ -79,22 +79,24 @@ INLINE double gap_of(double at, double low, double high, double stretch) {
   return gap > 0.0 ? gap * stretch : 0.0;
 }
 
-/* Square of the distance from a point, in cells from the block's first, to the box around the
- * crossed cells of a block. */
-INLINE double box_gap(uint64_t crossed, const double at[3], const double stretch[3]) {
-  /* For each axis whether a cell's place along it, 0 to BLOCK - 1, is crossed: every bit, every
-   * fourth, every sixteenth. */
-  const uint64_t yz = (crossed | crossed >> 1 | crossed >> 2 | crossed >> 3) & 0x1111111111111111u;
-  const uint64_t z = (yz | yz >> 4 | yz >> 8 | yz >> 12) & 0x0001000100010001u;
-  const uint64_t layers = crossed | crossed >> 32, layer = layers | layers >> 16;
-  const unsigned x = (unsigned)(layer | layer >> 4 | layer >> 8 | layer >> 12) & 15u;
-  const uint64_t rows = yz | yz >> 32;
-  const unsigned y = (unsigned)(rows | rows >> 16) & 0x1111u;
-  const double gx = gap_of(at[0], __builtin_ctz(x), 32 - __builtin_clz(x), stretch[0]);
-  const double gy = gap_of(at[1], __builtin_ctz(y) >> 2, 8 - (__builtin_clz(y) >> 2), stretch[1]);
-  const double gz =
-      gap_of(at[2], __builtin_ctzll(z) >> 4, 4 - (__builtin_clzll(z) >> 4), stretch[2]);
-  return gx * gx + gy * gy + gz * gz;
+/* Square of the distance from a point, in cells from one before the block's first, to its box. */
+INLINE float box_gap(const struct surfel_box *box, const float at[4], const float stretch[4]) {
+  float sum = 0.0f, gap[4];
+  for (int d = 0; d < 4; d++) {
+    const float below = (float)box->low[d] * (1.0f / SURFELS_PARTS) - at[d];
+    const float above = at[d] - (float)box->high[d] * (1.0f / SURFELS_PARTS);
+    const float out = below > above ? below : above;
+    gap[d] = (out > 0.0f ? out : 0.0f) * stretch[d];
+  }
+  for (int d = 0; d < 4; d++) sum += gap[d] * gap[d];
+  return sum;
+}
+
+/* A normal is rounded to three times 1/127, so that the height over a disc may come out by 0.68 %
+ * too small: no disc of a box so far away is nearer than the best. */
+INLINE float box_bound(const struct search *search) {
+  const double bound = 1.00695 * (search->best + 1e-3);
+  return (float)(bound * bound);
 }
 
 /* The blocks of a row from `low` to `high` in which a disc may be nearer. */
@@ -109,12 +111,11 @@ INLINE void look_along(struct search *search, long y, long z, long low, long hig
     for (; open != 0; open &= open - 1) {
       const long x = w * PHASE_WORD + __builtin_ctzll(open);
       const size_t block = row * surfels->blocks[0] + (size_t)x;
-      const double bound = bound_of(search);
-      const double inside[3] = {search->cell[0] - (double)(x * BLOCK),
-                                search->cell[1] - (double)(y * BLOCK),
-                                search->cell[2] - (double)(z * BLOCK)};
+      const float inside[4] = {(float)(search->cell[0] - (double)(x * BLOCK) + 1.0),
+                               (float)(search->cell[1] - (double)(y * BLOCK) + 1.0),
+                               (float)(search->cell[2] - (double)(z * BLOCK) + 1.0), 0.0f};
       if (block != search->near &&
-          box_gap(surfels->crossed[block], inside, surfels->stretch) <= bound * bound)
+          box_gap(&surfels->boxes[block], inside, search->stretch) <= box_bound(search))
         look_at(search, block, (size_t[3]){(size_t)x, (size_t)y, (size_t)z});
     }
   }

@@ -110,7 +110,7 @@ TARGETS static void gather_blocks(const uint64_t *rows, size_t words, size_t wor
 }
 
 /* The crossed cells of one row of blocks, and how many they are. */
-static void find_row(const uint64_t *bits, struct surfels *surfels, size_t row,
+static void find_row(const uint64_t *bits, struct surfels *surfels, uint64_t *crossed, size_t row,
                      struct scratch *scratch) {
   const size_t *size = surfels->size, *blocks = surfels->blocks, words = phase_words(size[0]);
   const size_t by = row % blocks[1], bz = row / blocks[1], each = PHASE_WORD / BLOCK;
@@ -125,7 +125,7 @@ static void find_row(const uint64_t *bits, struct surfels *surfels, size_t row,
     gather_blocks(scratch->crossed, words, w, some);
     for (size_t b = 0; b < each && w * each + b < blocks[0]; b++) {
       const size_t at = w * each + b, block = row * blocks[0] + at;
-      surfels->crossed[block] = some[b];
+      crossed[block] = some[b];
       surfels->first[block + 1] = (uint32_t)__builtin_popcountll(some[b]);
       surfels->occupied[row * surfels->words + at / PHASE_WORD] |= (uint64_t)(some[b] != 0)
                                                                    << at % PHASE_WORD;
@@ -145,13 +145,13 @@ struct cell_place {
   uint32_t first;
 };
 
-static void fill_block(const int16_t *field, struct surfels *surfels, const size_t at[3],
-                       const struct cell_place places[BITS], struct cells *cells) {
+static void fill_block(const int16_t *field, struct surfels *surfels, uint64_t crossed,
+                       const size_t at[3], const struct cell_place places[BITS],
+                       struct cells *cells) {
   const size_t *size = surfels->size, nx = size[0], plane = nx * size[1];
-  const size_t block = (at[2] * surfels->blocks[1] + at[1]) * surfels->blocks[0] + at[0];
   const int16_t *corner = field + at[2] * BLOCK * plane + at[1] * BLOCK * nx + at[0] * BLOCK;
   const bool inside = (at[0] + 1) * BLOCK < nx && (at[1] + 1) * BLOCK < size[1];
-  for (uint64_t open = surfels->crossed[block]; open != 0; open &= open - 1) {
+  for (uint64_t open = crossed; open != 0; open &= open - 1) {
     const struct cell_place *place = &places[__builtin_ctzll(open)];
     const int16_t *here = corner + place->offset, *next = here + nx;
     const size_t i = cells->n++;
@@ -176,8 +176,34 @@ static void fill_block(const int16_t *field, struct surfels *surfels, const size
   }
 }
 
-static void fill_row(const int16_t *field, struct surfels *surfels, size_t row,
-                     struct cells *cells) {
+/* Around n discs of a block, in which a disc reaches as far along an axis as it is turned away from
+ * it. */
+TARGETS static void enclose(const uint32_t *restrict places, const uint32_t *restrict normals,
+                            size_t n, const double stretch[3], struct surfel_box *box) {
+  for (int d = 0; d < 3; d++) {
+    const float radius = (float)(SURFELS_RADIUS / stretch[d]);
+    float low = BLOCK + 1.0f, high = -1.0f;
+    for (size_t i = 0; i < n; i++) {
+      const uint32_t place = places[i], normal = normals[i];
+      const float x = (float)((int)(normal << 24) >> 24), y = (float)((int)(normal << 16) >> 24),
+                  z = (float)((int)(normal << 8) >> 24),
+                  along = d == 0   ? x
+                          : d == 1 ? y
+                                   : z;
+      const float square = x * x + y * y + z * z, one = square > 0.0f ? square : 1.0f;
+      const float across = 1.0f - along * along / one;
+      const float reach = radius * sqrtf(across > 0.0f ? across : 0.0f);
+      const float at = (float)(int)(place >> 10 * d & 1023u) * (1.0f / 255.0f);
+      low = at - reach < low ? at - reach : low;
+      high = at + reach > high ? at + reach : high;
+    }
+    box->low[d] = (uint8_t)floorf((low + 1.0f) * SURFELS_PARTS);
+    box->high[d] = (uint8_t)ceilf((high + 1.0f) * SURFELS_PARTS);
+  }
+}
+
+static void fill_row(const int16_t *field, struct surfels *surfels, const uint64_t *crossed,
+                     size_t row, struct cells *cells) {
   struct cell_place places[BITS];
   const size_t *blocks = surfels->blocks;
   for (size_t i = 0; i < BITS; i++) {
@@ -189,8 +215,15 @@ static void fill_row(const int16_t *field, struct surfels *surfels, size_t row,
   cells->n = 0;
   cells->item = surfels->first[row * blocks[0]];
   for (size_t bx = 0; bx < blocks[0]; bx++)
-    fill_block(field, surfels, (size_t[3]){bx, row % blocks[1], row / blocks[1]}, places, cells);
+    fill_block(field, surfels, crossed[row * blocks[0] + bx],
+               (size_t[3]){bx, row % blocks[1], row / blocks[1]}, places, cells);
   if (cells->n > 0) flush_cells(cells, surfels);
+  for (size_t block = row * blocks[0]; block < (row + 1) * blocks[0]; block++) {
+    const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
+    if (end > first)
+      enclose(surfels->items + first, surfels->items + surfels->pitch + first, end - first,
+              surfels->stretch, &surfels->boxes[block]);
+  }
 }
 
 static enum status scratch_start(size_t words, size_t threads, struct scratch **scratch) {
@@ -216,6 +249,7 @@ enum status surfels_build(const int16_t *field, const uint64_t *bits, const size
                           const double stretch[3], struct surfels *surfels) {
   enum status status = STATUS_OK;
   struct scratch *scratch = NULL;
+  uint64_t *crossed = NULL; /* the cells of each block that hold a disc, a bit each */
   const size_t threads = (size_t)omp_get_max_threads();
   memset(surfels, 0, sizeof *surfels);
   memcpy(surfels->size, size, sizeof surfels->size);
@@ -223,13 +257,13 @@ enum status surfels_build(const int16_t *field, const uint64_t *bits, const size
   for (int d = 0; d < 3; d++) surfels->blocks[d] = (size[d] + BLOCK - 1) / BLOCK;
   const size_t rows = surfels->blocks[1] * surfels->blocks[2], blocks = rows * surfels->blocks[0];
   const size_t words = rows * (surfels->words = phase_words(surfels->blocks[0]));
-  TRY(memory_allocate(&surfels->crossed, blocks, sizeof *surfels->crossed, "surface blocks"));
+  TRY(memory_allocate(&crossed, blocks, sizeof *crossed, "surface blocks"));
   TRY(memory_allocate(&surfels->first, blocks + 1, sizeof *surfels->first, "surface blocks"));
   TRY(memory_allocate(&surfels->occupied, words, sizeof *surfels->occupied, "surface blocks"));
   TRY(scratch_start(phase_words(size[0]), threads, &scratch));
 #pragma omp parallel for schedule(dynamic)
   for (size_t row = 0; row < rows; row++)
-    find_row(bits, surfels, row, scratch + omp_get_thread_num());
+    find_row(bits, surfels, crossed, row, scratch + omp_get_thread_num());
   uint64_t total = 0;
   for (size_t b = 0; b <= blocks; b++) {
     total += surfels->first[b];
@@ -239,19 +273,21 @@ enum status surfels_build(const int16_t *field, const uint64_t *bits, const size
   surfels->count = (size_t)total;
   if (total == 0) goto cleanup;
   surfels->pitch = surfels->count + LANES;
+  TRY(memory_allocate(&surfels->boxes, blocks, sizeof *surfels->boxes, "surface blocks"));
   TRY(memory_allocate(&surfels->items, 2 * surfels->pitch, sizeof *surfels->items,
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
   for (size_t row = 0; row < rows; row++)
-    fill_row(field, surfels, row, &scratch[omp_get_thread_num()].cells);
+    fill_row(field, surfels, crossed, row, &scratch[omp_get_thread_num()].cells);
 cleanup:
+  memory_free(&crossed);
   scratch_end(threads, &scratch);
   if (status != STATUS_OK) surfels_end(surfels);
   return status;
 }
 
 void surfels_end(struct surfels *surfels) {
-  memory_free(&surfels->crossed);
+  memory_free(&surfels->boxes);
   memory_free(&surfels->first);
   memory_free(&surfels->items);
   memory_free(&surfels->occupied);

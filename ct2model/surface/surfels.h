@@ -17,14 +17,21 @@
 enum { SURFELS_BLOCK = 4, SURFELS_LANES = 16 };
 #define SURFELS_RADIUS 0.71 /* half the diagonal of a cell's face */
 
+/* What the discs of a block lie within, in parts of a cell from one cell before the block's first
+ * on; the fourth is 0. */
+enum { SURFELS_PARTS = 40 };
+struct surfel_box {
+  uint8_t low[4], high[4];
+};
+
 /* Lengths are in voxels times `stretch` (1 for cubic voxels); the centre of voxel i lies at
  * (i + 1/2) stretch. The field is periodic in x and y and open in z. */
 struct surfels {
   size_t size[3], blocks[3];
   double stretch[3];
-  uint64_t *crossed;  /* the cells of each block of 4x4x4 that hold a disc, a bit each */
-  uint32_t *first;    /* of each block, in items; blocks + 1 values */
-  uint64_t *occupied; /* blocks with a disc: a bit each, `words` a row */
+  struct surfel_box *boxes; /* of each block of 4x4x4 cells; any where it holds no disc */
+  uint32_t *first;          /* of each block, in items; blocks + 1 values */
+  uint64_t *occupied;       /* blocks with a disc: a bit each, `words` a row */
   size_t words;
   uint32_t *items; /* a word of each disc's place, then, `pitch` further, one of each's normal */
   size_t count, pitch;
