@@ -112,16 +112,23 @@ enum status edge_distances(const float *smooth, const size_t size[3], const doub
   }
   for (size_t row = 0; row < rows; row++) phase_row(field + row * nx, nx, bits + row * words);
   TRY(surfels_build(field, bits, size, stretch, &surfels));
-#pragma omp parallel for schedule(dynamic, 4)
-  for (size_t row = 0; row < rows; row++) {
-    size_t near = SURFELS_NOWHERE;
-    double best = limit;
-    for (size_t x = 0; x < nx; x++) {
-      const size_t at[3] = {x, row % size[1], row / size[1]};
-      double point[3];
-      for (int d = 0; d < 3; d++) point[d] = ((double)at[d] + 0.5) * stretch[d];
-      best = surfels_distance(&surfels, point, fmin(limit, 1.0001 * (best + stretch[0])), &near);
-      distance[row * nx + x] = (float)(field[row * nx + x] > 0 ? -best : best);
+  const size_t strips = (size[1] + SURFELS_SIDE - 1) / SURFELS_SIDE;
+  const double voxel[3] = {1.0, 1.0, 1.0};
+#pragma omp parallel for schedule(dynamic)
+  for (size_t strip = 0; strip < strips * size[2]; strip++) {
+    size_t near = SURFELS_NOWHERE, at[3] = {0, strip % strips * SURFELS_SIDE, strip / strips};
+    double last[SURFELS_SIDE] = {limit, limit, limit, limit};
+    for (; at[0] < nx; at[0] += SURFELS_SIDE) {
+      struct surfel_points points;
+      surfel_points_place(at, size, voxel, stretch, limit, &points);
+      surfels_distances(&surfels, &points, &near);
+      surfel_points_bound(stretch[0], limit, last, &points);
+      for (size_t p = 0; p < SURFELS_POINTS; p++) {
+        const size_t x = at[0] + p % SURFELS_SIDE, y = at[1] + p / SURFELS_SIDE;
+        const size_t i = (at[2] * size[1] + y) * nx + x;
+        if (x < nx && y < size[1])
+          distance[i] = (float)(field[i] > 0 ? -points.distance[p] : points.distance[p]);
+      }
     }
   }
 cleanup:

@@ -6,66 +6,104 @@
 #include "common/variants.h"
 #include "ct2model/surface/phase_bits.h"
 
-enum { BLOCK = SURFELS_BLOCK, LANES = SURFELS_LANES };
+enum { BLOCK = SURFELS_BLOCK, POINTS = SURFELS_POINTS, BITS = BLOCK * BLOCK * BLOCK };
 /* The search is one function for each instruction set. */
 #define INLINE __attribute__((always_inline)) static inline
 
-/* Squared distance to the nearest of n discs; `point` from the first cell's first corner. Squares
- * are compared by their bits, which for positive floats rise with the value. */
-INLINE float nearest_disc(const uint32_t *restrict places, const uint32_t *restrict normals, int n,
-                          const float point[3], const float stretch[3]) {
-  const float x0 = point[0], y0 = point[1], z0 = point[2], radius = (float)SURFELS_RADIUS;
-  const float sx = stretch[0] / 255.0f, sy = stretch[1] / 255.0f, sz = stretch[2] / 255.0f;
-  union {
-    float value;
-    int32_t bits;
-  } least = {INFINITY};
-  const int end = (n + LANES - 1) / LANES * LANES;
-  for (int i = 0; i < end; i++) {
-    const uint32_t place = places[i], normal = normals[i];
-    const float x = x0 - sx * (float)(int)(place & 1023u);
-    const float y = y0 - sy * (float)(int)(place >> 10 & 1023u);
-    const float z = z0 - sz * (float)(int)(place >> 20 & 1023u);
-    const float height =
-        (x * (float)((int)(normal << 24) >> 24) + y * (float)((int)(normal << 16) >> 24) +
-         z * (float)((int)(normal << 8) >> 24)) *
-        (1.0f / 127.0f);
-    const float aside = x * x + y * y + z * z - height * height;
-    const float over = sqrtf(aside > 0.0f ? aside : 0.0f) - radius;
-    const float beyond = over > 0.0f ? over : 0.0f;
-    union {
-      float value;
-      int32_t bits;
-    } square = {height * height + beyond * beyond};
-    /* Lanes behind the last are INT32_MAX, said without a condition: one would split the loop and
-     * leave half of the discs to its rest. */
-    /* cppcheck-suppress shiftTooManyBitsSigned ; gcc and clang shift the sign in, as above */
-    const int32_t bits = square.bits | (int32_t)((uint32_t)((n - 1 - i) >> 31) >> 1);
-    least.bits = bits < least.bits ? bits : least.bits;
-  }
-  return least.value;
-}
-
-/* The search for the disc nearest to a point. */
+/* The search for the discs nearest to some points beside each other, all at a time. */
 struct search {
   const struct surfels *surfels;
-  double point[3], best;
-  double cell[3]; /* the point in cells from the first one */
-  float stretch[4];
-  size_t near; /* the block of the best */
+  double point[3][POINTS];
+  double low[3], high[3];  /* the box around the points, in cells from the first one */
+  float beside[3][POINTS]; /* the points from its low corner, in cells */
+  float stretch[3];
+  float square[POINTS]; /* of the distances so far */
+  float bound[POINTS];  /* squares of distances from which on boxes are passed over */
+  double best;          /* the largest distance so far */
+  size_t near;          /* the block of the middle point's nearest disc so far */
+  size_t done;          /* a block that has been looked at */
 };
+
+/* A normal is rounded to three times 1/127, so that the height over a disc may come out by 0.68 %
+ * too small: no disc of a box so far away is nearer than the best. */
+INLINE void find_bounds(struct search *search) {
+  float most = 0.0f;
+#pragma omp simd reduction(max : most)
+  for (int p = 0; p < POINTS; p++) {
+    const float distance = sqrtf(search->square[p]), far = 1.00695f * (distance + 1e-3f);
+    search->bound[p] = far * far;
+    most = distance > most ? distance : most;
+  }
+  search->best = (double)most;
+}
+
+/* Squared distances of the points, from the first cell's first corner, to the nearest of n discs,
+ * where they are less than `square`. */
+INLINE void nearest_discs(const uint32_t *restrict places, const uint32_t *restrict normals, int n,
+                          float at[3][POINTS], const float stretch[3],
+                          float square[restrict POINTS]) {
+  const float radius = (float)SURFELS_RADIUS;
+  float disc[6][BITS];
+  for (int i = 0; i < n; i++) {
+    const uint32_t place = places[i], normal = normals[i];
+    disc[0][i] = stretch[0] / 255.0f * (float)(int)(place & 1023u);
+    disc[1][i] = stretch[1] / 255.0f * (float)(int)(place >> 10 & 1023u);
+    disc[2][i] = stretch[2] / 255.0f * (float)(int)(place >> 20 & 1023u);
+    disc[3][i] = (float)((int)(normal << 24) >> 24);
+    disc[4][i] = (float)((int)(normal << 16) >> 24);
+    disc[5][i] = (float)((int)(normal << 8) >> 24);
+  }
+  for (int i = 0; i < n; i++) {
+#pragma omp simd
+    for (int p = 0; p < POINTS; p++) {
+      const float x = at[0][p] - disc[0][i], y = at[1][p] - disc[1][i], z = at[2][p] - disc[2][i];
+      const float height = (x * disc[3][i] + y * disc[4][i] + z * disc[5][i]) * (1.0f / 127.0f);
+      const float aside = x * x + y * y + z * z - height * height;
+      const float over = sqrtf(aside > 0.0f ? aside : 0.0f) - radius;
+      const float beyond = over > 0.0f ? over : 0.0f;
+      const float its = height * height + beyond * beyond;
+      square[p] = its < square[p] ? its : square[p];
+    }
+  }
+}
 
 INLINE void look_at(struct search *search, size_t block, const size_t at[3]) {
   const struct surfels *surfels = search->surfels;
   const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
-  float local[3];
-  for (int d = 0; d < 3; d++)
-    local[d] = (float)(search->point[d] - ((double)(at[d] * BLOCK) + 0.5) * surfels->stretch[d]);
-  const float square = nearest_disc(surfels->items + first, surfels->items + surfels->pitch + first,
-                                    (int)(end - first), local, search->stretch);
-  if (!((double)square < search->best * search->best)) return;
-  search->best = sqrt((double)square);
-  search->near = block;
+  const float middle = search->square[SURFELS_MIDDLE];
+  float local[3][POINTS];
+  for (int d = 0; d < 3; d++) {
+    const double origin = ((double)(at[d] * BLOCK) + 0.5) * surfels->stretch[d];
+#pragma omp simd
+    for (int p = 0; p < POINTS; p++) local[d][p] = (float)(search->point[d][p] - origin);
+  }
+  nearest_discs(surfels->items + first, surfels->items + surfels->count + first, (int)(end - first),
+                local, search->stretch, search->square);
+  if (search->square[SURFELS_MIDDLE] < middle) search->near = block;
+  find_bounds(search);
+}
+
+/* Whether a disc of the block may be nearer to one of the points. */
+INLINE bool is_near(const struct search *search, size_t block, const size_t at[3]) {
+  const struct surfel_box *box = &search->surfels->boxes[block];
+  float gap[POINTS] = {0};
+  for (int d = 0; d < 3; d++) {
+    const double corner = (double)(at[d] * BLOCK) - 1.0 - search->low[d];
+    const float low = (float)(corner + (double)box->low[d] * (1.0 / SURFELS_PARTS));
+    const float high = (float)(corner + (double)box->high[d] * (1.0 / SURFELS_PARTS));
+    const float *restrict beside = search->beside[d];
+#pragma omp simd
+    for (int p = 0; p < POINTS; p++) {
+      const float below = low - beside[p], above = beside[p] - high;
+      const float out = below > above ? below : above;
+      const float length = (out > 0.0f ? out : 0.0f) * search->stretch[d];
+      gap[p] += length * length;
+    }
+  }
+  int near = 0;
+#pragma omp simd reduction(| : near)
+  for (int p = 0; p < POINTS; p++) near |= gap[p] <= search->bound[p];
+  return near != 0;
 }
 
 /* No disc reaches farther from its block; a little more than its radius for rounding. */
@@ -73,30 +111,12 @@ INLINE double bound_of(const struct search *search) {
   return search->best + SURFELS_RADIUS + 1e-3;
 }
 
-/* From `at`, in cells, to the interval low .. high. */
-INLINE double gap_of(double at, double low, double high, double stretch) {
-  const double below = low - at, above = at - high, gap = below > above ? below : above;
-  return gap > 0.0 ? gap * stretch : 0.0;
-}
-
-/* Square of the distance from a point, in cells from one before the block's first, to its box. */
-INLINE float box_gap(const struct surfel_box *box, const float at[4], const float stretch[4]) {
-  float sum = 0.0f, gap[4];
-  for (int d = 0; d < 4; d++) {
-    const float below = (float)box->low[d] * (1.0f / SURFELS_PARTS) - at[d];
-    const float above = at[d] - (float)box->high[d] * (1.0f / SURFELS_PARTS);
-    const float out = below > above ? below : above;
-    gap[d] = (out > 0.0f ? out : 0.0f) * stretch[d];
-  }
-  for (int d = 0; d < 4; d++) sum += gap[d] * gap[d];
-  return sum;
-}
-
-/* A normal is rounded to three times 1/127, so that the height over a disc may come out by 0.68 %
- * too small: no disc of a box so far away is nearer than the best. */
-INLINE float box_bound(const struct search *search) {
-  const double bound = 1.00695 * (search->best + 1e-3);
-  return (float)(bound * bound);
+/* From the box around the points, in cells, to a block along one axis. */
+INLINE double block_gap(const struct search *search, int axis, long block) {
+  const double start = (double)(block * BLOCK);
+  const double below = start - search->high[axis], above = search->low[axis] - start - BLOCK;
+  const double gap = below > above ? below : above;
+  return gap > 0.0 ? gap * search->surfels->stretch[axis] : 0.0;
 }
 
 /* The blocks of a row from `low` to `high` in which a disc may be nearer. */
@@ -109,23 +129,18 @@ INLINE void look_along(struct search *search, long y, long z, long low, long hig
     if (high < w * PHASE_WORD + PHASE_WORD - 1)
       open &= ~(~(uint64_t)0 << (high - w * PHASE_WORD + 1));
     for (; open != 0; open &= open - 1) {
-      const long x = w * PHASE_WORD + __builtin_ctzll(open);
-      const size_t block = row * surfels->blocks[0] + (size_t)x;
-      const float inside[4] = {(float)(search->cell[0] - (double)(x * BLOCK) + 1.0),
-                               (float)(search->cell[1] - (double)(y * BLOCK) + 1.0),
-                               (float)(search->cell[2] - (double)(z * BLOCK) + 1.0), 0.0f};
-      if (block != search->near &&
-          box_gap(&surfels->boxes[block], inside, search->stretch) <= box_bound(search))
-        look_at(search, block, (size_t[3]){(size_t)x, (size_t)y, (size_t)z});
+      const size_t x = (size_t)(w * PHASE_WORD + __builtin_ctzll(open));
+      const size_t block = row * surfels->blocks[0] + x, at[3] = {x, (size_t)y, (size_t)z};
+      if (block != search->done && is_near(search, block, at)) look_at(search, block, at);
     }
   }
 }
 
-/* First and last block along one axis that lie within `reach` cells of the point. */
+/* First and last block along one axis that lie within `reach` cells of the points. */
 INLINE void block_range(const struct search *search, int axis, double reach, long range[2]) {
   const long last = (long)search->surfels->blocks[axis] - 1;
-  range[0] = (long)floor((search->cell[axis] - reach) * (1.0 / BLOCK));
-  range[1] = (long)floor((search->cell[axis] + reach) * (1.0 / BLOCK));
+  range[0] = (long)floor((search->low[axis] - reach) * (1.0 / BLOCK));
+  range[1] = (long)floor((search->high[axis] + reach) * (1.0 / BLOCK));
   if (range[0] < 0) range[0] = 0;
   if (range[1] > last) range[1] = last;
 }
@@ -143,24 +158,30 @@ INLINE bool step_out(long home, const long range[2], long k, long *at) {
 }
 
 INLINE void search_blocks(struct search *search) {
-  const struct surfels *surfels = search->surfels;
-  const double *stretch = surfels->stretch;
+  const double *stretch = search->surfels->stretch;
   long ys[2], zs[2], xs[2], home[3], y, z;
   for (int d = 0; d < 3; d++) {
-    search->cell[d] = search->point[d] / stretch[d] - 0.5;
-    home[d] = (long)floor(search->cell[d] * (1.0 / BLOCK));
+    search->low[d] = INFINITY;
+    search->high[d] = -INFINITY;
+    for (int p = 0; p < POINTS; p++) {
+      const double cell = search->point[d][p] / stretch[d] - 0.5;
+      search->low[d] = cell < search->low[d] ? cell : search->low[d];
+      search->high[d] = cell > search->high[d] ? cell : search->high[d];
+    }
+#pragma omp simd
+    for (int p = 0; p < POINTS; p++)
+      search->beside[d][p] = (float)(search->point[d][p] / stretch[d] - 0.5 - search->low[d]);
+    home[d] = (long)floor(0.5 * (search->low[d] + search->high[d]) * (1.0 / BLOCK));
   }
   const double unit = 1.0 / stretch[0];
   block_range(search, 2, bound_of(search) / stretch[2], zs);
   block_range(search, 1, bound_of(search) / stretch[1], ys);
   if (zs[0] > zs[1] || ys[0] > ys[1]) return;
   for (long k = 0; step_out(home[2], zs, k, &z); k++) {
-    const double z0 = (double)(z * BLOCK);
-    const double gz = gap_of(search->cell[2], z0, z0 + BLOCK, stretch[2]);
+    const double gz = block_gap(search, 2, z);
     if (gz > bound_of(search)) continue;
     for (long j = 0; step_out(home[1], ys, j, &y); j++) {
-      const double y0 = (double)(y * BLOCK);
-      const double gy = gap_of(search->cell[1], y0, y0 + BLOCK, stretch[1]);
+      const double gy = block_gap(search, 1, y);
       const double bound = bound_of(search), left = bound * bound - gz * gz - gy * gy;
       if (left < 0.0) continue;
       block_range(search, 0, sqrt(left) * unit, xs);
@@ -169,39 +190,77 @@ INLINE void search_blocks(struct search *search) {
   }
 }
 
-TARGETS double surfels_distance(const struct surfels *surfels, const double point[3], double limit,
-                                size_t *near) {
-  const size_t *n = surfels->blocks;
-  const double *stretch = surfels->stretch;
-  if (surfels->count == 0) return limit;
-  struct search search = {.surfels = surfels,
-                          .point = {point[0], point[1], point[2]},
-                          .best = limit,
-                          .stretch = {(float)stretch[0], (float)stretch[1], (float)stretch[2]},
-                          .near = SURFELS_NOWHERE};
-  if (*near != SURFELS_NOWHERE)
-    look_at(&search, *near, (size_t[3]){*near % n[0], *near / n[0] % n[1], *near / n[0] / n[1]});
-  search_blocks(&search);
-  double period[2], low[2], high[2]; /* cells lie between 1/2 and size + 1/2 */
+/* The points' images one period further on, in x and y: those near enough. */
+INLINE void search_images(struct search *search, const struct surfel_points *points) {
+  const struct surfels *surfels = search->surfels;
+  double period[2], low[2], high[2], from[2], to[2]; /* cells lie between 1/2 and size + 1/2 */
   bool inside = true;
   for (int d = 0; d < 2; d++) {
-    period[d] = (double)surfels->size[d] * stretch[d];
-    low[d] = 0.5 * stretch[d];
+    const double stretch = surfels->stretch[d];
+    period[d] = (double)surfels->size[d] * stretch;
+    low[d] = 0.5 * stretch;
     high[d] = low[d] + period[d];
-    inside &= point[d] - low[d] > bound_of(&search) && high[d] - point[d] > bound_of(&search);
+    from[d] = (search->low[d] + 0.5) * stretch;
+    to[d] = (search->high[d] + 0.5) * stretch;
+    inside &= from[d] - low[d] > bound_of(search) && high[d] - to[d] > bound_of(search);
   }
   for (int i = 0; i < 9 && !inside; i++) {
-    const int ix = i % 3 - 1, iy = i / 3 - 1;
-    if (i == 4) continue;
-    search.point[0] = point[0] + ix * period[0];
-    search.point[1] = point[1] + iy * period[1];
+    const double shift[2] = {(i % 3 - 1) * period[0], (i / 3 - 1) * period[1]}; // NOLINT: whole
     double gap = 0.0;
+    if (i == 4) continue;
     for (int d = 0; d < 2; d++) {
-      double out = fmax(0.0, fmax(low[d] - search.point[d], search.point[d] - high[d]));
+      const double out = fmax(0.0, fmax(low[d] - to[d] - shift[d], from[d] + shift[d] - high[d]));
       gap += out * out;
+      for (int p = 0; p < POINTS; p++) search->point[d][p] = points->at[d][p] + shift[d];
     }
-    if (gap < bound_of(&search) * bound_of(&search)) search_blocks(&search);
+    if (gap < bound_of(search) * bound_of(search)) search_blocks(search);
+  }
+}
+
+TARGETS void surfels_distances(const struct surfels *surfels, struct surfel_points *points,
+                               size_t *near) {
+  const size_t *n = surfels->blocks;
+  double *distance = points->distance;
+  struct search search = {.surfels = surfels, .near = SURFELS_NOWHERE, .done = *near};
+  if (surfels->count > 0) {
+    for (int d = 0; d < 3; d++) {
+      search.stretch[d] = (float)surfels->stretch[d];
+      for (int p = 0; p < POINTS; p++) search.point[d][p] = points->at[d][p];
+    }
+    /* No less than the square, so that what is not nearer is seen not to be. */
+    for (int p = 0; p < POINTS; p++)
+      search.square[p] = (float)(distance[p] * distance[p]) * (1.0f + 2e-7f);
+    find_bounds(&search);
+    if (*near != SURFELS_NOWHERE)
+      look_at(&search, *near, (size_t[3]){*near % n[0], *near / n[0] % n[1], *near / n[0] / n[1]});
+    search_blocks(&search);
+    search.done = SURFELS_NOWHERE;
+    search_images(&search, points);
+    for (int p = 0; p < POINTS; p++) {
+      const double square = (double)search.square[p];
+      if (square < distance[p] * distance[p]) distance[p] = sqrt(square);
+    }
   }
   *near = search.near;
-  return search.best;
+}
+
+void surfel_points_place(const size_t at[3], const size_t size[2], const double factor[3],
+                         const double stretch[3], double limit, struct surfel_points *points) {
+  for (size_t p = 0; p < POINTS; p++) {
+    size_t place[3] = {at[0] + p % SURFELS_SIDE, at[1] + p / SURFELS_SIDE, at[2]};
+    for (int d = 0; d < 2; d++)
+      if (place[d] >= size[d]) place[d] = size[d] - 1;
+    for (int d = 0; d < 3; d++)
+      points->at[d][p] = ((double)place[d] + 0.5) * factor[d] * stretch[d];
+    points->distance[p] = limit;
+  }
+}
+
+void surfel_points_bound(double step, double limit, double last[SURFELS_SIDE],
+                         struct surfel_points *points) {
+  for (size_t p = 0; p < POINTS; p++) {
+    const double most = fmin(limit, 1.0001 * (last[p / SURFELS_SIDE] + step));
+    if (points->distance[p] > most) points->distance[p] = most;
+    last[p / SURFELS_SIDE] = points->distance[p];
+  }
 }

@@ -10,7 +10,7 @@
 #include "common/variants.h"
 #include "ct2model/surface/phase_bits.h"
 
-enum { BLOCK = SURFELS_BLOCK, LANES = SURFELS_LANES };
+enum { BLOCK = SURFELS_BLOCK };
 
 /* Cells that the surface crosses, many at a time. */
 enum { CELLS = 64, BITS = BLOCK * BLOCK * BLOCK };
@@ -71,7 +71,7 @@ static void flush_cells(struct cells *cells, struct surfels *surfels) {
   uint32_t places[CELLS], normals[CELLS];
   make_surfels(cells, stretch, places, normals);
   memcpy(surfels->items + cells->item, places, cells->n * sizeof *places);
-  memcpy(surfels->items + surfels->pitch + cells->item, normals, cells->n * sizeof *normals);
+  memcpy(surfels->items + surfels->count + cells->item, normals, cells->n * sizeof *normals);
   cells->item += (uint32_t)cells->n;
   cells->n = 0;
 }
@@ -221,7 +221,7 @@ static void fill_row(const int16_t *field, struct surfels *surfels, const uint64
   for (size_t block = row * blocks[0]; block < (row + 1) * blocks[0]; block++) {
     const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
     if (end > first)
-      enclose(surfels->items + first, surfels->items + surfels->pitch + first, end - first,
+      enclose(surfels->items + first, surfels->items + surfels->count + first, end - first,
               surfels->stretch, &surfels->boxes[block]);
   }
 }
@@ -272,9 +272,8 @@ enum status surfels_build(const int16_t *field, const uint64_t *bits, const size
   }
   surfels->count = (size_t)total;
   if (total == 0) goto cleanup;
-  surfels->pitch = surfels->count + LANES;
   TRY(memory_allocate(&surfels->boxes, blocks, sizeof *surfels->boxes, "surface blocks"));
-  TRY(memory_allocate(&surfels->items, 2 * surfels->pitch, sizeof *surfels->items,
+  TRY(memory_allocate(&surfels->items, 2 * surfels->count, sizeof *surfels->items,
                       "the grain surface"));
 #pragma omp parallel for schedule(dynamic)
   for (size_t row = 0; row < rows; row++)

@@ -13,8 +13,8 @@
 #include "common/error.h"
 
 /* A disc is two words: its place in the block, three times ten bits, to 1/255 of a cell, and its
- * normal, three times eight bits, to 1/127: errors under 0.006 voxels. Whole vectors are read. */
-enum { SURFELS_BLOCK = 4, SURFELS_LANES = 16 };
+ * normal, three times eight bits, to 1/127: errors under 0.006 voxels. */
+enum { SURFELS_BLOCK = 4 };
 #define SURFELS_RADIUS 0.71 /* half the diagonal of a cell's face */
 
 /* What the discs of a block lie within, in parts of a cell from one cell before the block's first
@@ -33,8 +33,8 @@ struct surfels {
   uint32_t *first;          /* of each block, in items; blocks + 1 values */
   uint64_t *occupied;       /* blocks with a disc: a bit each, `words` a row */
   size_t words;
-  uint32_t *items; /* a word of each disc's place, then, `pitch` further, one of each's normal */
-  size_t count, pitch;
+  uint32_t *items; /* a word of each disc's place, then one of each's normal */
+  size_t count;
 };
 
 /* From field[z][y][x], positive in the grain, and its bits[z][y][word] (phase_row). Free with
@@ -42,11 +42,25 @@ struct surfels {
 enum status surfels_build(const int16_t *field, const uint64_t *bits, const size_t size[3],
                           const double stretch[3], struct surfels *surfels);
 void surfels_end(struct surfels *surfels);
-/* Distance from `point` to the nearest disc, at most `limit`. Periodic images in x and y are
+/* Four by four points beside each other, row by row: those of a tile of a lattice. */
+enum { SURFELS_SIDE = 4, SURFELS_POINTS = SURFELS_SIDE * SURFELS_SIDE, SURFELS_MIDDLE = 6 };
+struct surfel_points {
+  double at[3][SURFELS_POINTS]; /* voxels times `stretch` */
+  double distance[SURFELS_POINTS];
+};
+
+/* The centres of the cells from `at` on of a lattice, `factor` voxels each; beyond its `size` the
+ * last ones are repeated. All distances are `limit`. */
+void surfel_points_place(const size_t at[3], const size_t size[2], const double factor[3],
+                         const double stretch[3], double limit, struct surfel_points *points);
+/* Each distance becomes that to the nearest disc, if that is less. Periodic images in x and y are
  * looked at; z is open. *near: the block to look at first (SURFELS_NOWHERE: none is better than
- * others) and then that of the nearest disc, if it is nearer than `limit`. */
+ * others) and then that of the disc nearest to the middle point, if it is nearer than before. */
 #define SURFELS_NOWHERE SIZE_MAX
-double surfels_distance(const struct surfels *surfels, const double point[3], double limit,
-                        size_t *near);
+void surfels_distances(const struct surfels *surfels, struct surfel_points *points, size_t *near);
+/* Along each row no distance is larger than a step more than the one before, and than `limit`: what
+ * the rounding of normals adds is cut off. `last`: of each row's point before; then of its last. */
+void surfel_points_bound(double step, double limit, double last[SURFELS_SIDE],
+                         struct surfel_points *points);
 
 #endif

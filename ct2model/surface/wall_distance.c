@@ -53,46 +53,56 @@ struct nearest {
   size_t piece, block;
 };
 
-static double piece_distance(const struct walk *walk, const double point[3], double best, size_t i,
-                             size_t *block) {
-  const struct piece *piece = &walk->pieces[i];
-  const double local[3] = {point[0], point[1], point[2] - (double)piece->first * walk->stretch[2]};
-  double low = 0.5 * walk->stretch[2];
-  double high = ((double)piece->surfels.size[2] - 0.5) * walk->stretch[2];
-  double gap = fmax(0.0, fmax(low - local[2], local[2] - high));
-  return gap < best + 1.0 ? surfels_distance(&piece->surfels, local, best, block) : best;
+static double largest(const struct surfel_points *points) {
+  double most = 0.0;
+  for (size_t p = 0; p < SURFELS_POINTS; p++)
+    most = points->distance[p] > most ? points->distance[p] : most;
+  return most;
 }
 
-static double pieces_distance(const struct walk *walk, const double point[3], double best,
-                              struct nearest *near) {
+/* The points lie in one layer, here and below. */
+static void piece_distances(const struct walk *walk, struct surfel_points *points, size_t i,
+                            size_t *block) {
+  const struct piece *piece = &walk->pieces[i];
+  struct surfel_points local = *points;
+  for (size_t p = 0; p < SURFELS_POINTS; p++)
+    local.at[2][p] = points->at[2][p] - (double)piece->first * walk->stretch[2];
+  double low = 0.5 * walk->stretch[2];
+  double high = ((double)piece->surfels.size[2] - 0.5) * walk->stretch[2];
+  double gap = fmax(0.0, fmax(low - local.at[2][0], local.at[2][0] - high));
+  if (!(gap < largest(points) + 1.0)) return;
+  surfels_distances(&piece->surfels, &local, block);
+  memcpy(points->distance, local.distance, sizeof points->distance);
+}
+
+static void pieces_distances(const struct walk *walk, struct surfel_points *points,
+                             struct nearest *near) {
   const struct nearest last = *near;
-  if (last.piece < walk->piece_count)
-    best = piece_distance(walk, point, best, last.piece, &near->block);
+  if (last.piece < walk->piece_count) piece_distances(walk, points, last.piece, &near->block);
   for (size_t i = 0; i < walk->piece_count; i++) {
     size_t block = SURFELS_NOWHERE;
     if (i == last.piece) continue;
-    best = piece_distance(walk, point, best, i, &block);
+    piece_distances(walk, points, i, &block);
     if (block != SURFELS_NOWHERE) *near = (struct nearest){i, block};
   }
-  return best;
 }
 
-/* Distance of `point` (stretched voxels of the region) to the surface, at most `limit`. */
-static double wall_distance(const struct walk *walk, const double point[3], double limit,
-                            struct nearest *near) {
-  double best = pieces_distance(walk, point, limit, near);
-  if (!walk->request->mirror) return best;
+/* Distances of points (stretched voxels of the region) to the surface. */
+static void wall_distances(const struct walk *walk, struct surfel_points *points,
+                           struct nearest *near) {
+  pieces_distances(walk, points, near);
+  if (!walk->request->mirror) return;
   /* Images by reflection about z = 0 and about the middle of the last layer. */
-  double plane = mirror_plane(walk) * walk->stretch[2];
-  const double images[2] = {-point[2], 2.0 * plane - point[2]};
+  const double plane = mirror_plane(walk) * walk->stretch[2], z = points->at[2][0];
   for (int i = 0; i < 2; i++) {
-    double away = i == 0 ? point[2] : plane - point[2];
-    if (away > best + 1.0) continue;
-    const double image[3] = {point[0], point[1], images[i]};
+    double away = i == 0 ? z : plane - z;
+    if (away > largest(points) + 1.0) continue;
+    struct surfel_points image = *points;
     struct nearest beyond = {SURFELS_NOWHERE, SURFELS_NOWHERE};
-    best = pieces_distance(walk, image, best, &beyond);
+    for (size_t p = 0; p < SURFELS_POINTS; p++) image.at[2][p] = i == 0 ? -z : 2.0 * plane - z;
+    pieces_distances(walk, &image, &beyond);
+    memcpy(points->distance, image.distance, sizeof points->distance);
   }
-  return best;
 }
 
 static void centre_of(const struct walk *walk, size_t row, size_t x, double point[3]) {
@@ -117,19 +127,24 @@ static void sign_layer(const struct walk *walk, size_t layer, float *distance) {
 
 static void measure_layer(const struct walk *walk, size_t layer, float *distance) {
   const size_t *size = walk->request->size;
-  const double step = walk->factor[0] * walk->stretch[0];
-#pragma omp parallel for schedule(dynamic, 4)
-  for (size_t row = layer * size[1]; row < (layer + 1) * size[1]; row++) {
-    double best = walk->band;
+  const size_t strips = (size[1] + SURFELS_SIDE - 1) / SURFELS_SIDE;
+  const double step = walk->factor[0] * walk->stretch[0], band = walk->band;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t strip = 0; strip < strips; strip++) {
+    double last[SURFELS_SIDE] = {band, band, band, band};
     struct nearest near = {SURFELS_NOWHERE, SURFELS_NOWHERE};
-    for (size_t x = 0; x < size[0]; x++) {
-      double point[3];
-      centre_of(walk, row, x, point);
-      for (int d = 0; d < 3; d++) point[d] *= walk->stretch[d];
-      /* One step further the distance is at most one step more. */
-      best = wall_distance(walk, point, fmin(walk->band, 1.0001 * (best + step)), &near);
-      float *value = &distance[row * size[0] + x];
-      *value = best < walk->band ? *value * (float)(best * walk->unit) : INFINITY;
+    for (size_t at[3] = {0, strip * SURFELS_SIDE, layer}; at[0] < size[0]; at[0] += SURFELS_SIDE) {
+      struct surfel_points points;
+      surfel_points_place(at, size, walk->factor, walk->stretch, band, &points);
+      wall_distances(walk, &points, &near);
+      surfel_points_bound(step, band, last, &points);
+      for (size_t p = 0; p < SURFELS_POINTS; p++) {
+        const size_t x = at[0] + p % SURFELS_SIDE, y = at[1] + p / SURFELS_SIDE;
+        if (x >= size[0] || y >= size[1]) continue;
+        float *value = &distance[(layer * size[1] + y) * size[0] + x];
+        *value = points.distance[p] < band ? *value * (float)(points.distance[p] * walk->unit)
+                                           : INFINITY;
+      }
     }
   }
 }
