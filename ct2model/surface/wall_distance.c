@@ -101,7 +101,8 @@ static void wall_distances(const struct walk *walk, struct surfel_points *points
     struct nearest beyond = {SURFELS_NOWHERE, SURFELS_NOWHERE};
     for (size_t p = 0; p < SURFELS_POINTS; p++) image.at[2][p] = i == 0 ? -z : 2.0 * plane - z;
     pieces_distances(walk, &image, &beyond);
-    memcpy(points->distance, image.distance, sizeof points->distance);
+    for (size_t p = 0; p < SURFELS_POINTS; p++)
+      if (!(away > points->distance[p] + 1.0)) points->distance[p] = image.distance[p];
   }
 }
 

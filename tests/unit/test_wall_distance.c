@@ -14,6 +14,8 @@
 #include "ct2model/surface/coarse.h"
 #include "ct2model/readers/stack.h"
 #include "ct2model/scan/survey.h"
+#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/surfels.h"
 #include "ct2model/surface/wall_distance.h"
 
 /* A scan of one sphere in a periodic box: grey 100 in the grain, 20 outside, linear across a blur
@@ -225,6 +227,64 @@ static void test_signs_follow_the_model(void **state) {
               distance[3] == -0.01f);
 }
 
+/* The nearest of all discs and of their images, each looked at. */
+static double nearest_of_all(const struct surfels *surfels, const double point[3], double limit) {
+  double best = limit * limit;
+  for (size_t b = 0; b < surfels->blocks[0] * surfels->blocks[1] * surfels->blocks[2]; b++)
+    for (uint32_t i = surfels->first[b]; i < surfels->first[b + 1]; i++)
+      for (int image = 0; image < 9; image++) {
+        const size_t at[3] = {b % surfels->blocks[0], b / surfels->blocks[0] % surfels->blocks[1],
+                              b / surfels->blocks[0] / surfels->blocks[1]};
+        const uint32_t place = surfels->items[i], normal = surfels->items[surfels->count + i];
+        const int shift[3] = {image % 3 - 1, image / 3 - 1, 0};
+        double height = 0.0, square = 0.0;
+        for (int d = 0; d < 3; d++) {
+          const double cell = (double)(at[d] * SURFELS_BLOCK) + 0.5 +
+                              (double)(place >> 10 * d & 1023U) / 255.0 +
+                              shift[d] * (double)surfels->size[d];
+          const double apart = point[d] - cell * surfels->stretch[d];
+          height += apart * (double)(int8_t)(normal >> 8 * d) / 127.0;
+          square += apart * apart;
+        }
+        const double aside = fmax(sqrt(fmax(square - height * height, 0.0)) - SURFELS_RADIUS, 0.0);
+        best = fmin(best, height * height + aside * aside);
+      }
+  return sqrt(best);
+}
+
+static void test_nearest(void **state) {
+  enum { NX = 45, NY = 38, NZ = 33 };
+  static int16_t field[NZ * NY * NX];
+  static uint64_t bits[NZ * NY];
+  const size_t size[3] = {NX, NY, NZ};
+  const double voxel[3] = {1.0, 1.0, 1.0}, stretch[2][3] = {{1.0, 1.0, 1.0}, {1.0, 1.2, 1.5}};
+  double worst = 0.0;
+  (void)state;
+  for (size_t row = 0; row < NZ * NY; row++) {
+    const double y = (double)(row % NY), z = (double)(row / NY);
+    for (size_t x = 0; x < NX; x++)
+      field[row * NX + x] = (int16_t)(1 + (int)(8000.0 * (sin(0.31 * (double)x) + cos(0.4 * y) +
+                                                          sin(0.27 * z + 0.1 * (double)x))));
+    phase_row(field + row * NX, NX, bits + row);
+  }
+  for (size_t run = 0; run < 2; run++) {
+    struct surfels surfels;
+    size_t near = SURFELS_NOWHERE;
+    assert_int_equal(surfels_build(field, bits, size, stretch[run], &surfels), STATUS_OK);
+    for (size_t i = 0; i < 60; i++) {
+      const size_t at[3] = {7 * i % NX, 11 * i % NY, 13 * i % NZ}, p = i % SURFELS_POINTS;
+      struct surfel_points points;
+      surfel_points_place(at, size, voxel, stretch[run], 9.0, &points);
+      surfels_distances(&surfels, &points, &near);
+      const double point[3] = {points.at[0][p], points.at[1][p], points.at[2][p]};
+      worst = fmax(worst, fabs(points.distance[p] - nearest_of_all(&surfels, point, 9.0)));
+    }
+    surfels_end(&surfels);
+  }
+  print_message("nearest of all discs: %.1e voxels apart\n", worst);
+  assert_true(worst < 1e-5);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere_reduced),
@@ -234,6 +294,7 @@ int main(void) {
       cmocka_unit_test(test_sphere_at_the_mirror_planes),
       cmocka_unit_test(test_far_voxels_follow_the_eikonal_equation),
       cmocka_unit_test(test_signs_follow_the_model),
+      cmocka_unit_test(test_nearest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
