@@ -7,11 +7,63 @@ bool isph_links_wanted(const struct scene *scene, bool has_surface) {
   return !has_surface && !scene->isph.porosity_paper;
 }
 
+/* Distance from x to the sides of a prism of soil, and whether x is inside; sides on closed sides
+ * of the domain do not count. Its boxes make stairs: what counts begins a spacing before. */
+static double from_prism(const struct isph *s, size_t k, const double x[3], bool *inside) {
+  const struct region *region = &s->scene->regions[k];
+  const struct polygon *p = region->polygon;
+  const double near = 1e-6 * s->spacing;
+  double y[3], least = INFINITY;
+  for (int a = 0; a < 3; a++) y[a] = x[a] - s->soil_offset[k][a];
+  *inside = false;
+  for (int image = 0; image < 9; image++) {
+    double at[2];
+    bool odd = false, there = true;
+    for (int c = 0; c < 2; c++) {
+      const int a = p->plane[c], shift = (c == 0 ? image % 3 : image / 3) - 1;
+      there = there && (shift == 0 || s->periodic[a]);
+      at[c] = y[a] + shift * (s->high[a] - s->low[a]);
+    }
+    for (size_t i = 0; i < p->count && there; i++) {
+      const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
+      const double along[2] = {b[0] - a[0], b[1] - a[1]}, to[2] = {at[0] - a[0], at[1] - a[1]};
+      const double square = along[0] * along[0] + along[1] * along[1];
+      const double t = square > 0 ? (to[0] * along[0] + to[1] * along[1]) / square : 0;
+      const double part = fmin(1, fmax(0, t));
+      bool closed = false;
+      for (int c = 0; c < 2; c++) {
+        const int axis = p->plane[c];
+        closed = closed || (!s->periodic[axis] && ((fmax(a[c], b[c]) <= s->low[axis] + near) ||
+                                                   (fmin(a[c], b[c]) >= s->high[axis] - near)));
+      }
+      if ((a[1] > at[1]) != (b[1] > at[1]) && at[0] < a[0] + along[0] * (at[1] - a[1]) / along[1])
+        odd = !odd;
+      if (!closed) least = fmin(least, hypot(to[0] - part * along[0], to[1] - part * along[1]));
+    }
+    *inside = *inside || odd;
+  }
+  const double low = region->extent[p->axis], high = region->extent[p->axis + 3];
+  if (s->dimensions == 3) {
+    const double z = y[p->axis];
+    *inside = *inside && z > low && z < high;
+    least = fmin(least, fmin(fabs(z - low), fabs(z - high)));
+  }
+  return least - s->spacing;
+}
+
 int32_t isph_ground(const struct isph *s, const double x[3]) {
   int32_t ground = 0;
   double clear = INFINITY; /* distance to the nearest face */
   for (size_t k = 0; k < s->scene->region_count; k++) {
-    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    const struct region *region = &s->scene->regions[k];
+    if (region->type != REGION_POROUS || (region->is_part && region->first != k)) continue;
+    if (region->is_part) {
+      bool within;
+      const double gap = from_prism(s, k, x, &within);
+      clear = within ? gap : fmin(clear, gap);
+      if (within) ground = (int32_t)k + 1;
+      continue;
+    }
     const struct isph_box box = isph_soil_box(s, k, 0, x);
     double inside = INFINITY, square = 0;
     for (int a = 0; a < 3; a++) {
@@ -56,12 +108,15 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
 static void walk(const struct isph *s, size_t end, const double x[3], const double step[3],
                  double from, double to, struct isph_material *way) {
   const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
+  const double reach = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
   for (size_t k = end; k-- > 0 && from < to;) {
-    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    const struct region *region = &s->scene->regions[k];
+    if (region->type != REGION_POROUS) continue;
+    if (region->is_part && isph_soil_is_far(s, region->box, k, reach, x)) continue;
     const struct isph_box box = isph_soil_box(s, k, 0, middle);
     double enters = from, leaves = to;
     if (!clip(&box, x, step, &enters, &leaves)) continue;
-    add(s, &s->scene->regions[k], leaves - enters, way);
+    add(s, region, leaves - enters, way);
     if (from < enters) walk(s, k, x, step, from, enters, way);
     from = leaves;
   }

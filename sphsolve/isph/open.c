@@ -52,6 +52,20 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
   return status;
 }
 
+/* Whether the box of region k goes on, beyond its face e, in another one of its polygon. */
+static bool goes_on(const struct isph *s, size_t k, int e) {
+  const struct region *region = &s->scene->regions[k];
+  const double near = 1e-6 * s->spacing;
+  for (size_t j = region->first; j < region->end; j++) {
+    const double *own = region->box, *other = s->scene->regions[j].box;
+    bool meets = fabs(own[e] - other[(e + 3) % 6]) < near;
+    for (int a = 0; a < 3; a++)
+      if (a != e % 3) meets = meets && own[a] < other[a + 3] + near && other[a] < own[a + 3] + near;
+    if (meets) return true;
+  }
+  return false;
+}
+
 /* Cuts a window where soil begins or ends along it, first along one axis, then the other. */
 static enum status cut(struct isph *s, const struct isph_open_side *side) {
   const double near = 1e-6 * s->spacing;
@@ -70,6 +84,7 @@ static enum status cut(struct isph *s, const struct isph_open_side *side) {
       if (a == side->axis || !isph_uses_axis(s, a)) continue;
       if (!(region->box[e] > side->low[a] + near && region->box[e] < side->high[a] - near))
         continue;
+      if (region->is_part && goes_on(s, k, e)) continue;
       struct isph_open_side below = *side, above = *side;
       below.high[a] = above.low[a] = region->box[e];
       enum status status = cut(s, &below);

@@ -87,8 +87,8 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
     snprintf(name, sizeof name, "work_%s", budget_name(&s->budget, t));
     TRY(recorder_add_column(recorder, name, "J", 1));
   }
-  for (size_t k = 0; k < s->scene->region_count; k++) {
-    snprintf(name, sizeof name, "volume_in_region_%zu_%s", k + 1,
+  for (size_t k = 0; k < s->scene->region_count; k = s->scene->regions[k].end) {
+    snprintf(name, sizeof name, "volume_in_region_%zu_%s", s->scene->regions[k].number + 1,
              region_type_names[s->scene->regions[k].type]);
     TRY(recorder_add_column(recorder, name, "m^3", 1));
   }
@@ -212,7 +212,9 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   c += isph_column_velocity(s, &extra[c]);
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
-  for (size_t k = 0; k < s->scene->region_count; k++) extra[c++] = volume_in_region(s, k);
+  for (size_t k = 0; k < s->scene->region_count; c++)
+    for (const size_t end = s->scene->regions[k].end; k < end; k++)
+      extra[c] += volume_in_region(s, k);
   for (size_t b = 1; b < s->wall_box_count; b++)
     if (isph_wall_has_name(s, b)) isph_wall_force(s, b, &extra[c]), c += 3;
   for (size_t k = 0; k < s->scene->gauge_count; k++)
@@ -326,6 +328,11 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     double box[6];
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(read_into(file, name, H5_F64, 6, 1, box));
+    for (int a = 0; a < 3; a++) {
+      double *low = &s->wall_boxes[b].mirror_low[a], *high = &s->wall_boxes[b].mirror_high[a];
+      if (isfinite(*low)) *low = box[a];
+      if (isfinite(*high)) *high = box[a + 3];
+    }
     memcpy(s->wall_boxes[b].low, box, 3 * sizeof *box);
     memcpy(s->wall_boxes[b].high, box + 3, 3 * sizeof *box);
   }

@@ -54,8 +54,9 @@ static void find_regions(const struct isph *s, struct site *site) {
       if (isph_uses_axis(s, a))
         inside = inside && site->x[a] >= region->box[a] && site->x[a] < region->box[a + 3];
     if (inside && region->type == REGION_POROUS)
-      site->porous = k, site->porosity = region->porosity;
-    if (inside && region->type == REGION_WATER) site->water = k, site->velocity = region->velocity;
+      site->porous = region->first, site->porosity = region->porosity;
+    if (inside && region->type == REGION_WATER)
+      site->water = region->first, site->velocity = region->velocity;
   }
 }
 
@@ -71,7 +72,7 @@ static const struct region *filled_by(const struct isph *s, const double x[3]) {
   const struct region *regions = s->scene->regions, *found = NULL;
   const size_t n = s->scene->region_count;
   for (size_t k = 0; k < n && found == NULL; k++) {
-    bool inside = regions[k].type == REGION_WATER;
+    bool inside = regions[k].type == REGION_WATER && !regions[k].is_part;
     for (int a = 0; a < 3; a++)
       if (isph_uses_axis(s, a))
         inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];

@@ -52,7 +52,7 @@ static double thinnest_layer(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
     for (int a = 0; a < 3; a++) {
-      const double length = region->box[a + 3] - region->box[a];
+      const double length = region->extent[a + 3] - region->extent[a];
       const bool used = context->lattice->dimensions == 3 || a != 1;
       if (used && length < 0.999 * scene->domain_size[a])
         thinnest = fmin(thinnest, length / context->spacing);
@@ -113,7 +113,7 @@ static void expect_isph(struct plan *plan) {
     if (region->type != REGION_POROUS) continue;
     const double particle =
         plan->context.spacing * pow(region->porosity, -1.0 / plan->context.lattice->dimensions);
-    thinnest = fmin(thinnest, (region->box[axis + 3] - region->box[axis]) / particle);
+    thinnest = fmin(thinnest, (region->extent[axis + 3] - region->extent[axis]) / particle);
   }
   const double layer = thinnest_layer(&plan->context);
   if (heads == 2 && isfinite(thinnest)) {

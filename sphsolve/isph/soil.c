@@ -45,6 +45,24 @@ struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, cons
   return box;
 }
 
+bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
+                      const double x[3]) {
+  const double near = 1e-3 * s->spacing;
+  for (int a = 0; a < 3; a++) {
+    if (!isph_uses_axis(s, a)) continue;
+    const double y = x[a] - s->soil_offset[k][a];
+    if (s->periodic[a]) {
+      const double length = s->high[a] - s->low[a], away = y - 0.5 * (box[a] + box[a + 3]);
+      const double most = 0.5 * (box[a + 3] - box[a]) + reach + near;
+      if (fabs(away - length * round(away / length)) > most) return true;
+      continue;
+    }
+    if (box[a] > s->low[a] + near && y < box[a] - reach - near) return true;
+    if (box[a + 3] < s->high[a] - near && y > box[a + 3] + reach + near) return true;
+  }
+  return false;
+}
+
 static double smoothing_of(const struct isph *s) {
   double spread = pow(s->soil_porosity_least, -1.0 / s->dimensions);
   return 0.25 * s->scene->isph.support_ratio * s->spacing * spread;
@@ -75,11 +93,13 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
 }
 
 /* Fraction of that part of `box` which no soil from region `next` on takes: S(box) - S(box and
- * next). */
+ * next). `next` is of another polygon than the box. */
 static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box,
                                           size_t next, double ahead, const double x[3], double h) {
   for (; next < s->scene->region_count; next++) {
-    if (s->scene->regions[next].type != REGION_POROUS) continue;
+    const struct region *region = &s->scene->regions[next];
+    if (region->type != REGION_POROUS) continue;
+    if (region->is_part && isph_soil_is_far(s, region->box, next, 2 * h, x)) continue;
     struct isph_box both = isph_soil_box(s, next, ahead, x);
     bool overlap = true;
     for (int a = 0; a < 3; a++) {
@@ -88,7 +108,7 @@ static struct isph_fraction fraction_left(const struct isph *s, const struct isp
     }
     if (overlap) {
       struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x, h),
-                           taken = fraction_left(s, &both, next + 1, ahead, x, h);
+                           taken = fraction_left(s, &both, region->end, ahead, x, h);
       isph_fraction_add(&all, -1, &taken);
       return all;
     }
@@ -124,10 +144,15 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
+    if (region->is_part) {
+      if (k == region->first && isph_soil_is_far(s, region->extent, k, 2 * h, position))
+        k = region->end - 1;
+      if (isph_soil_is_far(s, scene->regions[k].box, k, 2 * h, position)) continue;
+    }
     struct isph_box box = isph_soil_box(s, k, ahead, position);
     if (fraction_of_box(s, &box, position, h).value <= 0) continue;
     /* A later soil takes the place of an earlier one. */
-    const struct isph_fraction left = fraction_left(s, &box, k + 1, ahead, position, h);
+    const struct isph_fraction left = fraction_left(s, &box, region->end, ahead, position, h);
     const double w = left.value;
     if (w <= 0) continue;
     const struct isph_material own = isph_material_of(s, region);

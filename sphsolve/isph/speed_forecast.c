@@ -64,7 +64,7 @@ static double round_speed(const struct effect_context *context, int axis) {
     for (int a = 0; a < 3; a++) share *= r->box[a + 3] - r->box[a];
     add_layer(context, r, share, &all);
     add_layer(context, r, 1, &own);
-    if (r->box[axis + 3] - r->box[axis] > 0.999 * scene->domain_size[axis])
+    if (r->extent[axis + 3] - r->extent[axis] > 0.999 * scene->domain_size[axis])
       fastest = fmax(fastest, through(&own, context->driving));
   }
   if (all.a + all.b > 0) return fmax(fastest, through(&all, context->driving));
@@ -91,13 +91,13 @@ static double head_speed(const struct effect_context *context, double surface) {
         axis = a;
   }
   if (!(high > low)) return 0;
-  for (size_t k = 0; k < scene->region_count; k++)
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
     if (scene->regions[k].type == REGION_POROUS)
-      length += scene->regions[k].box[axis + 3] - scene->regions[k].box[axis];
-  for (size_t k = 0; k < scene->region_count && length > 0; k++) {
+      length += scene->regions[k].extent[axis + 3] - scene->regions[k].extent[axis];
+  for (size_t k = 0; k < scene->region_count && length > 0; k = scene->regions[k].end) {
     const struct region *r = &scene->regions[k];
     if (r->type == REGION_POROUS)
-      add_layer(context, r, (r->box[axis + 3] - r->box[axis]) / length, &all);
+      add_layer(context, r, (r->extent[axis + 3] - r->extent[axis]) / length, &all);
   }
   const double force = context->driving * (high - low);
   return all.a + all.b > 0 ? through(&all, force / length) : sqrt(2 * force);

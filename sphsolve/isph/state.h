@@ -47,6 +47,7 @@ struct isph_switches {
 /* A box of wall, or the tank around the domain (inverted). */
 struct isph_wall_box {
   double low[3], high[3];
+  double mirror_low[3], mirror_high[3]; /* the same, but without end where a polygon goes on */
   double velocity[3];
   const struct region *region; /* NULL: the tank */
   bool slip, tank;
@@ -304,6 +305,9 @@ struct isph_material isph_material_of(const struct isph *s, const struct region 
 struct isph_box {
   double low[3], high[3];
 };
+/* Whether a box of region k (its own, or its extent) is certainly beyond `reach` of x. */
+bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
+                      const double x[3]);
 struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]);
 double isph_soil_minimum(const struct scene *scene);
 bool isph_soils_differ(const struct scene *scene);

@@ -97,6 +97,24 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
   return STATUS_OK;
 }
 
+/* The faces that a box of a polygon shares whole with another are none that water looks at. */
+static void join_parts(struct isph *s, struct isph_wall_box *box) {
+  const struct region *own = box->region, *regions = s->scene->regions;
+  const double near = 1e-6 * s->spacing;
+  memcpy(box->mirror_low, box->low, sizeof box->low);
+  memcpy(box->mirror_high, box->high, sizeof box->high);
+  for (size_t j = own->first; own->is_part && j < own->end; j++)
+    for (int e = 0; e < 6; e++) {
+      bool covers = fabs(own->box[e] - regions[j].box[(e + 3) % 6]) < near;
+      for (int a = 0; a < 3; a++)
+        if (a != e % 3)
+          covers = covers && regions[j].box[a] < own->box[a] + near &&
+                   regions[j].box[a + 3] > own->box[a + 3] - near;
+      if (covers && e < 3) box->mirror_low[e] = -INFINITY;
+      if (covers && e >= 3) box->mirror_high[e - 3] = INFINITY;
+    }
+}
+
 enum status isph_wall_create(struct isph *s) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
@@ -118,6 +136,7 @@ enum status isph_wall_create(struct isph *s) {
       box->velocity[a] = region->velocity[a];
     }
     box->region = region;
+    join_parts(s, box);
   }
   s->wall_volume = pow(s->spacing, s->dimensions);
   TRY(fill_tank(s, &capacity));
@@ -145,6 +164,8 @@ void isph_wall_move(struct isph *s, double dt) {
     for (int a = 0; a < 3; a++) {
       s->wall_boxes[b].low[a] += s->wall_boxes[b].velocity[a] * dt;
       s->wall_boxes[b].high[a] += s->wall_boxes[b].velocity[a] * dt;
+      s->wall_boxes[b].mirror_low[a] += s->wall_boxes[b].velocity[a] * dt;
+      s->wall_boxes[b].mirror_high[a] += s->wall_boxes[b].velocity[a] * dt;
     }
   for (size_t j = 0; j < s->boundary_count; j++) {
     size_t box = s->boundary_box[j];
@@ -178,10 +199,11 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
       else if (xj[a] > box->high[a])
         i_distance = box->high[a] - xi[a], j_distance = xj[a] - box->high[a], mirror[a] = 1;
     } else {
-      if (xi[a] < box->low[a])
-        i_distance = box->low[a] - xi[a], j_distance = xj[a] - box->low[a], mirror[a] = 1;
-      else if (xi[a] > box->high[a])
-        i_distance = xi[a] - box->high[a], j_distance = box->high[a] - xj[a], mirror[a] = 1;
+      const double low = box->mirror_low[a], high = box->mirror_high[a];
+      if (xi[a] < low)
+        i_distance = low - xi[a], j_distance = xj[a] - low, mirror[a] = 1;
+      else if (xi[a] > high)
+        i_distance = xi[a] - high, j_distance = high - xj[a], mirror[a] = 1;
     }
     near += i_distance * i_distance, far += j_distance * j_distance;
   }

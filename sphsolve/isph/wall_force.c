@@ -20,7 +20,9 @@ void isph_wall_force(const struct isph *s, size_t b, double force[3]) {
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         const uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
-        if (s->boundary_kind[j] != BOUNDARY_WALL || s->boundary_box[j] != b) continue;
+        const size_t box = s->boundary_box[j];
+        if (s->boundary_kind[j] != BOUNDARY_WALL || box == 0) continue;
+        if (s->wall_boxes[box].region->first != s->wall_boxes[b].region->first) continue;
         isph_separation(s, s->position[i], s->boundary_position, entry, r);
         const double along = f[0] * r[0] + f[1] * r[1] + f[2] * r[2];
         const double weight = s->volume[i] * isph_wall_volume(s, j) * (double)chunk->wall_slope[p] *

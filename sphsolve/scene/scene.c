@@ -353,6 +353,9 @@ cleanup:
 
 void scene_free(struct scene *scene) {
   for (size_t k = 0; scene->regions != NULL && k < scene->region_count; k++) {
+    if (scene->regions[k].first != k) continue;
+    if (scene->regions[k].polygon != NULL) memory_free(&scene->regions[k].polygon->corner);
+    memory_free(&scene->regions[k].polygon);
     memory_free(&scene->regions[k].table.time);
     memory_free(&scene->regions[k].table.value);
   }

@@ -68,10 +68,24 @@ struct fluid {
   double surface_tension; /* N/m; 0 without */
 };
 
+/* A prism's section, in the plane of two axes. */
+struct polygon {
+  int axis, plane[2]; /* of the prism; of its section's coordinates */
+  size_t count;
+  double (*corner)[2]; /* m, in order round it */
+};
+
 struct region {
   enum region_type type;
   double box[6]; /* x0 y0 z0 x1 y1 z1, m; a 2-D scene uses x and z, y spans everything */
   int line;      /* in the scene file, for messages */
+  size_t number; /* in the scene file, from 0 */
+  /* A polygon stands as the boxes it is cut into, regions [first, end) (scene_shapes.c); any other
+   * region is its own first. */
+  struct polygon *polygon; /* owned by the first; NULL: the region is a box */
+  bool is_part;
+  size_t first, end;
+  double extent[6]; /* of the whole, as `box` */
   /* porous */
   double porosity, grain_size, alpha, beta;
   double soil_velocity[3]; /* moving soil, m/s */

@@ -17,8 +17,8 @@ static void put_number(FILE *stream, const char *name, double value) {
   put(stream, name, &value, 1);
 }
 
-static void put_region(FILE *stream, size_t number, const struct region *r) {
-  fprintf(stream, "regions.[%zu] = type %d,", number, (int)r->type);
+static void put_region(FILE *stream, const struct region *r) {
+  fprintf(stream, "regions.[%zu] = type %d,", r->number, (int)r->type);
   const double values[] = {r->porosity,
                            r->grain_size,
                            r->alpha,
@@ -66,7 +66,7 @@ static void put_all(FILE *stream, const struct scene *s) {
   put_number(stream, "fluids.density (kg/m^3)", s->fluid.density);
   put_number(stream, "fluids.viscosity (Pa s)", s->fluid.viscosity);
   put_number(stream, "fluids.surface_tension (N/m)", s->fluid.surface_tension);
-  for (size_t i = 0; i < s->region_count; i++) put_region(stream, i, &s->regions[i]);
+  for (size_t i = 0; i < s->region_count; i++) put_region(stream, &s->regions[i]);
   put(stream, "force.gravity (m/s^2)", s->gravity, 3);
   put(stream, "force.body_acceleration (m/s^2)", s->body_acceleration, 3);
   put(stream, "force.pressure_gradient (Pa/m)", s->pressure_gradient, 3);

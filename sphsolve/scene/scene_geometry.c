@@ -62,6 +62,11 @@ static enum status check_extent(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
+/* A polygon before it is cut, whose box is but its extent. */
+static bool is_polygon(const struct region *region) {
+  return region->polygon != NULL && !region->is_part;
+}
+
 /* A later region that covers an earlier one whole is taken for a mistake, except that water and
  * soil fill the same place. */
 static enum status check_pair(struct config *config, config_node *list, const struct scene *scene,
@@ -86,7 +91,7 @@ static enum status check_pair(struct config *config, config_node *list, const st
       (early->type == REGION_WATER && late->type == REGION_POROUS) ||
       (early->type == REGION_POROUS && late->type == REGION_WATER) ||
       (early->type == REGION_INFLOW && late->type != REGION_WALL && late->type != REGION_EMPTY);
-  if (!inside || shared) return STATUS_OK;
+  if (!inside || shared || is_polygon(late)) return STATUS_OK;
   return config_error(config, config_item(list, i),
                       "the later region on line %d covers all of it; put that one first, or leave "
                       "one out",
@@ -102,7 +107,7 @@ static bool rests(const struct region *region) {
 /* The last region that holds a point; -1: none. */
 static int region_at(const struct scene *scene, const double point[3]) {
   for (size_t r = scene->region_count; r-- > 0;) {
-    bool in = true;
+    bool in = !is_polygon(&scene->regions[r]);
     for (int a = 0; a < 3; a++)
       in = in && (!used(scene, a) ||
                   (point[a] > scene->regions[r].box[a] && point[a] < scene->regions[r].box[a + 3]));
@@ -140,13 +145,13 @@ static enum status check_throats(struct config *config, config_node *list,
   enum status status = STATUS_OK;
   const struct region *wall = &scene->regions[i];
   for (int a = 0; a < 3; a++) {
-    if (!used(scene, a)) continue;
+    if (!used(scene, a) || is_polygon(wall)) continue;
     if (!scene->periodic[a]) {
       TRY(check_gap(config, list, scene, i, NULL, a, 0, wall->box[a]));
       TRY(check_gap(config, list, scene, i, NULL, a, wall->box[a + 3], scene->domain_size[a]));
     }
     for (size_t j = 0; j < scene->region_count; j++)
-      if (j != i && rests(&scene->regions[j]))
+      if (j != i && rests(&scene->regions[j]) && !is_polygon(&scene->regions[j]))
         TRY(check_gap(config, list, scene, i, &scene->regions[j], a, wall->box[a + 3],
                       scene->regions[j].box[a]));
   }

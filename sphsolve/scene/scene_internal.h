@@ -26,6 +26,14 @@ enum status scene_check_geometry(struct config *config, config_node *list,
 /* Whether a point lies inside a wall that rests. */
 bool scene_in_wall(const struct scene *scene, const double point[3]);
 
+/* scene_shapes.c: regions that are no boxes. Whether a group gives one; reads it, its extent into
+ * `box`; cuts all into boxes, at most `most` regions. */
+bool scene_has_shape(struct config *config, config_node *group);
+enum status scene_read_shape(struct config *config, config_node *group, const struct scene *scene,
+                             struct region *region);
+enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
+                             size_t most);
+
 /* Each reads the groups that its file is for into the scene. */
 enum status scene_read_regions(struct config *config, struct scene *scene);
 enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */

@@ -17,7 +17,10 @@ static enum status read_box(struct config *config, config_node *group, const str
   enum status status =
       config_quantities(config, group, "box", DIM_LENGTH, least, 6, box, &count, &given);
   if (status != STATUS_OK) return status;
-  if (!given) return config_error(config, group, "box is missing: [x0, y0, z0, x1, y1, z1]");
+  if (!given)
+    return config_error(config, group,
+                        "box is missing: [x0, y0, z0, x1, y1, z1]; or the corners of a polygon, or "
+                        "the centre and radius of a circle");
   config_node *node = config_child(config, group, "box");
   if (count == 5) return config_error(config, node, "4 or 6 lengths are wanted");
   if (count == 4) {
@@ -216,13 +219,15 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     if (!config_is_group(group))
       TRY(config_error(config, group, "a group { type = ...; } is wanted"));
     region->line = config_line(group);
+    region->number = region->first = i, region->end = i + 1;
     TRY(config_choice(config, group, "type", region_type_names, &type, NULL));
     if (type < 0)
       TRY(config_error(
           config, group,
           "type is missing: \"water\", \"porous\", \"wall\", \"inflow\" or \"empty\""));
     region->type = (enum region_type)type;
-    TRY(read_box(config, group, scene, region->box));
+    TRY(scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
+                                       : read_box(config, group, scene, region->box));
     switch (region->type) {
     case REGION_POROUS:
       TRY(read_porous(config, group, scene, region));
@@ -241,6 +246,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     }
   }
   TRY(scene_check_geometry(config, list, scene));
+  TRY(scene_cut_shapes(config, list, scene, MOST_REGIONS));
 cleanup:
   return status;
 }
