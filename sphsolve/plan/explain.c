@@ -61,6 +61,17 @@ static void print_levels(const struct plan *plan) {
   }
 }
 
+/* Polygons and circles, and what is made of them. */
+static void print_regions(const struct scene *scene) {
+  size_t regions = 0, shapes = 0, boxes = 0;
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end, regions++)
+    if (scene->regions[k].polygon != NULL)
+      shapes++, boxes += scene->regions[k].end - scene->regions[k].first;
+  if (shapes > 0)
+    printf("regions    %zu; %zu polygon%s and circles as %zu boxes, in rows of a spacing\n",
+           regions, shapes, shapes == 1 ? "" : "s", boxes);
+}
+
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
@@ -70,6 +81,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   printf("sites      %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
          lattice->size[1], lattice->size[2], lattice->fluid_count, lattice->wall_count,
          lattice->count - lattice->fluid_count - lattice->wall_count);
+  print_regions(context->scene);
   quantity_format(context->spacing, "m", text, sizeof text);
   quantity_format(context->support, "m", more, sizeof more);
   printf("spacing    %s, support %s (%.2f spacings), kernel %s\n", text, more,

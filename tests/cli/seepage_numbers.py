@@ -15,6 +15,9 @@ with open("seepage/heads.txt") as file:
     flux, above, below = map(float, re.findall(r"(?:mid|a|b): ([0-9.e-]+)", file.read()))
 within(flux / 0.1, 0.01862, 0.05)
 within(above - below, 0.1, 0.03)
+with open("seepage/embankment.txt") as file:
+    crest = float(re.search(r"crest: ([0-9.e-]+)", file.read()).group(1))
+within(crest, 0.0061, 0.06)  # finite volumes with a free surface
 with open("seepage/dam.txt") as file:
     rows = [line for line in file if "bottom after" in line]
 dam, paper = [list(map(float, re.findall(r" ([0-9.]+)", row))) for row in rows]

@@ -120,6 +120,50 @@ static void test_many_regions(void **state) {
   scene_free(&scene);
 }
 
+/* Area of the boxes of region `number` in the plane of axes a and b, and their number. */
+static double area_of(const struct scene *scene, size_t number, int a, int b, size_t *count) {
+  double area = 0;
+  *count = 0;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *r = &scene->regions[k];
+    if (r->number != number) continue;
+    assert_true(r->first <= k && k < r->end);
+    area += (r->box[a + 3] - r->box[a]) * (r->box[b + 3] - r->box[b]);
+    (*count)++;
+  }
+  return area;
+}
+
+/* A polygon of soil keeps its area; a cylinder of wall takes the sites whose centres it covers. */
+static void test_shapes(void **state) {
+  (void)state;
+  struct scene scene;
+  struct lattice lattice;
+  size_t count, sites = 0;
+  const char *regions =
+      "{ type = \"porous\"; corners = [\"1 cm\", \"0\", \"0.2 m\", \"0\", \"14 cm\", \"33 mm\", "
+      "\"7 cm\", \"52 mm\"]; along = [\"0\", \"0.1 m\"]; porosity = 0.3; grain_size = \"1 cm\"; }, "
+      "{ type = \"porous\"; axis = \"x\"; centre = [\"0.1 m\", \"0.3 m\"]; radius = \"5 cm\"; "
+      "porosity = 0.3; grain_size = \"1 cm\"; }, "
+      "{ type = \"wall\"; axis = \"z\"; centre = [\"0.1 m\", \"0.1 m\"]; radius = \"6 cm\"; }";
+  assert_int_equal(read_with(6, regions, &scene), STATUS_OK);
+  /* Shoelace formula, in cm^2. */
+  const double exact =
+      0.5e-4 * (1 * 0 - 20 * 0 + 20 * 3.3 - 14 * 0 + 14 * 5.2 - 7 * 3.3 + 7 * 0 - 1 * 5.2);
+  assert_true(fabs(area_of(&scene, 1, 0, 2, &count) / exact - 1) < 0.002);
+  assert_true(count > 5 && count < 40);
+  assert_float_equal(scene.regions[1].extent[2], 0, 1e-12);
+  assert_float_equal(scene.regions[1].extent[5], 0.052, 1e-12);
+  assert_float_equal(scene.regions[1].box[4], 0.1, 1e-12);
+  assert_true(fabs(area_of(&scene, 2, 1, 2, &count) / (M_PI * 25e-4) - 1) < 0.002);
+  assert_int_equal(lattice_build(&scene, 0, &lattice), STATUS_OK);
+  for (int j = 0; j < 20; j++)
+    for (int i = 0; i < 20; i++) sites += hypot(i - 9.5, j - 9.5) < 6;
+  assert_int_equal(lattice.wall_count, 40 * sites);
+  lattice_free(&lattice);
+  scene_free(&scene);
+}
+
 static void test_overrides(void **state) {
   (void)state;
   struct scene scene;
@@ -196,9 +240,9 @@ static void test_compared(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_compared),         cmocka_unit_test(test_tank),
-      cmocka_unit_test(test_saturated_soil),   cmocka_unit_test(test_two_dimensions),
-      cmocka_unit_test(test_overrides),        cmocka_unit_test(test_many_regions),
-      cmocka_unit_test(test_steady_by_default)};
+      cmocka_unit_test(test_compared),       cmocka_unit_test(test_tank),
+      cmocka_unit_test(test_saturated_soil), cmocka_unit_test(test_two_dimensions),
+      cmocka_unit_test(test_overrides),      cmocka_unit_test(test_many_regions),
+      cmocka_unit_test(test_shapes),         cmocka_unit_test(test_steady_by_default)};
   return cmocka_run_group_tests(tests, make_file, remove_file);
 }
