@@ -242,7 +242,7 @@ isph() { # SCENE END NAME [options]
 
 @test "isph: every bit of histories and snapshots of the sample scenes on 1, 2, 3, 4 ranks" {
   local scene n
-  for scene in dam-break:0.05s:3 gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-heads:0.05s:4 still-tank:0.02s:1; do
+  for scene in dam-break:0.05s:3 gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-embankment:0.02s:3 seepage-heads:0.05s:4 still-tank:0.02s:1; do
     n=${scene##*:} end=${scene#*:} scene=${scene%%:*}
     sphsolve $(isph "$scene" "${end%:*}" "serial-$scene") > /dev/null
     on "$n" sphsolve-mpi $(isph "$scene" "${end%:*}" "$scene") > /dev/null

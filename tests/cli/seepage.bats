@@ -314,3 +314,34 @@ assert mid["mean"] - 4.2e-3 > 2 * mid["standard_error"], mid
 assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.2e-3), mid
 END
 }
+
+@test "polygons: water before a sloping wall is at rest and presses on it; resumed, it is bit for bit the same" {
+  cat > beach.cfg <<'END'
+scene = { name = "beach"; method = "isph"; end_time = "1 s"; };
+domain = { size = ["0.6 m", "0.3 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.6 m", "0.2 m"]; },
+  { type = "wall"; name = "beach"; corners = ["0.2 m", "0", "0.6 m", "0", "0.6 m", "0.3 m"]; },
+  { type = "porous"; centre = ["0.1 m", "6 cm"]; radius = "4 cm"; porosity = 0.4; grain_size = "3 mm"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+output = { history_interval = "0.25 s"; };
+END
+  sphsolve explain beach.cfg | grep -q '^regions    3; 2 polygons and circles as '
+  sphsolve run beach.cfg -o beach --quiet > beach.txt
+  sphsolve run beach.cfg -o part --quiet --set 'scene.end_time="0.5 s"' > part.txt
+  sphsolve run beach.cfg -o part --quiet --resume --force > part.txt
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+with h5py.File("beach.hdf") as whole, h5py.File("part.hdf") as part:
+    h = {name: data[()] for name, data in whole["history"].items()}
+    for name, data in part["history"].items():
+        assert np.array_equal(data[()], h[name], equal_nan=True), name
+assert h["velocity_rms"][-1] < 1e-3, h["velocity_rms"]
+along, _, down = h["force_beach"][-1]
+assert abs(along / (0.5 * 9810 * 0.2**2 * 0.01) - 1) < 0.05, along # rho g h^2/2 on the height, a spacing wide
+assert abs(-down / (9810 * 0.5 * 0.2 * 0.8 / 3 * 0.01) - 1) < 0.1, down # the weight of the water above
+# Water in the disc of soil, by its porosity; one column a region, not one a box.
+assert abs(h["volume_in_region_3_porous"][0] / (0.4 * np.pi * 0.04**2 * 0.01) - 1) < 0.1, h["volume_in_region_3_porous"]
+assert sum(name.startswith("volume_in_region") for name in h) == 3
+END
+}
