@@ -250,9 +250,9 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
   for (size_t i = 0; i < n; i++)
     if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
-  fputs("set multiplot layout 1,2 margins 0.115,0.98,0.3,0.97 spacing 0.145,0\n"
+  fputs("set multiplot layout 2,1 margins 0.16,0.97,0.17,0.985 spacing 0,0.11\n"
         "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
-        "set logscale x\nset yrange [0:1]\nset key at screen 0.5,0.04 center bottom horizontal samplen 1\n",
+        "set logscale x\nset yrange [0:1]\nset key at screen 0.5,0.01 center bottom horizontal samplen 1\n",
         stream);
   write_curves(list, n, false, stream);
   fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
@@ -279,7 +279,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_summary(list, count, product->summary.stream);
   if (any) {
     write_plot(list, count, product->plot.stream);
-    product->width = 720, product->height = 380; /* letters for a telephone */
+    product->width = 480, product->height = 720; /* letters for a telephone */
   }
 cleanup:
   for (size_t i = 0; i < count; i++) free_curves(&list[i]);

@@ -406,6 +406,8 @@ enum status run_last_snapshot(const struct run *run, struct particles *particles
     TRY(snapshot_read(&snapshot, "density", 1, &particles->density));
   if (h5_exists(snapshot.file, "/VTKHDF/PointData/pressure"))
     TRY(snapshot_read(&snapshot, "pressure", 1, &particles->pressure));
+  if (h5_exists(snapshot.file, "/VTKHDF/PointData/micro_porosity"))
+    TRY(snapshot_read(&snapshot, "micro_porosity", 1, &particles->micro_porosity));
   for (size_t i = 0; i < 3 * snapshot.count; i++)
     if (!isfinite(particles->velocity[i]) || !isfinite(snapshot.points[i]))
       TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a position or velocity that is not finite", path,
@@ -428,6 +430,7 @@ void particles_free(struct particles *particles) {
   memory_free(&particles->velocity);
   memory_free(&particles->density);
   memory_free(&particles->pressure);
+  memory_free(&particles->micro_porosity);
   particles->count = 0;
 }
 

@@ -94,6 +94,7 @@ struct particles {
   double time;
   size_t count;
   double *points, *velocity, *density, *pressure;
+  double *micro_porosity; /* of soil with pores below the sites, 0 elsewhere; NULL: there is none */
 };
 enum status run_last_snapshot(const struct run *run, struct particles *particles);
 void particles_free(struct particles *particles);

@@ -39,6 +39,14 @@ static void print_number(struct h5_file *file, const char *name, const char *lab
     printf("  %-22s %.6g\n", label, value);
 }
 
+/* Where the walls were set to enclose the measured void ratio, voxels alone do not tell it. */
+static void print_within_walls(struct h5_file *file) {
+  const double voxels = h5_attribute_or_nan(file, "/model", "void_ratio");
+  const double walls = h5_attribute_or_nan(file, "/model", "void_ratio_measured") +
+                       h5_attribute_or_nan(file, "/model", "void_ratio_error");
+  if (fabs(walls - voxels) > 1e-6) printf("  %-22s %.6g\n", "within the walls", walls);
+}
+
 /* What the scanner did, as `build` says it; all unknown where the file has no such group. */
 static void describe_scanner(struct h5_file *file, json_t *out) {
   static const struct {
@@ -94,10 +102,15 @@ static enum status describe_model(const char *path, json_t *out) {
            text, walls ? ", wall distances" : "", fraction ? ", grain fractions" : "",
            micro ? ", soil with pores below the voxel" : "");
   }
-  print_number(file, "void_ratio", "void ratio", out);
+  print_number(file, "void_ratio", "void ratio, by voxels", out);
   print_number(file, "void_ratio_measured", "measured", out);
+  if (out == NULL) print_within_walls(file);
   print_number(file, "threshold", "threshold", out);
-  print_number(file, "mirror_plane", "mirror plane (layer)", out);
+  if (out != NULL)
+    print_number(file, "mirror_plane", NULL, out);
+  else if (h5_attribute_or_nan(file, "/model", "mirror_plane") >= 0)
+    printf("  %-22s %.0f\n", "mirrored about layer",
+           h5_attribute_or_nan(file, "/model", "mirror_plane") + 1);
   print_number(file, "connected_porosity", "connected porosity", out);
   print_number(file, "micro_voxels", "soil, of the voxels", out);
   print_number(file, "micro_porosity_mean", "porosity of soil", out);

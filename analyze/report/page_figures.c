@@ -160,6 +160,7 @@ static enum status write_pictures(struct page *page) {
             "<figcaption>Speed, with streamlines of the velocity in the plane %c = %.4g mm. "
             "Outlines: the walls that the flow feels.",
             "xyz"[page->plane.axis], 1e3 * page -> plane.at);
+    if (page->plane.soil != NULL) fputs(" Hatched: soil with pores below the voxel.", out);
     lattice_note_write(&page->subject.runs[0], " ", ".", out);
     fputs("</figcaption></figure>\n", out);
     if (page->plane.pressure != NULL && page->plane.pressure_high > 0.0) {

@@ -10,6 +10,11 @@
 #define FOOT 38.0   /* and below, for that of lengths */
 #define FONT 22     /* to be read on a telephone, where half of it is left */
 #define GRAIN 255   /* colour of the grains */
+#define HATCH 254   /* and of the lines that mark soil with pores below the sites */
+#define COLOURS 254 /* of the scale, before those two */
+#define GRAIN_RGB 0xd9d3c7
+#define HATCH_RGB 0xb08968
+#define APART 14    /* pixels between two lines of the hatching */
 
 /* Dark blue over green to yellow, even to the eye (after viridis), and blue over white to red. */
 static const int viridis[9][3] = {{68, 1, 84},    {71, 44, 122},  {59, 81, 139},
@@ -46,8 +51,9 @@ static enum status write_pixels(const struct canvas *canvas, FILE *stream) {
   const size_t width = (size_t)canvas->width, height = (size_t)canvas->height;
   uint8_t *pixels = NULL;
   uint32_t palette[256];
-  for (int i = 0; i < 255; i++) palette[i] = colour(canvas->what, i / 254.0);
-  palette[GRAIN] = 0xd9d3c7;
+  for (int i = 0; i < COLOURS; i++) palette[i] = colour(canvas->what, i / (COLOURS - 1.0));
+  palette[GRAIN] = GRAIN_RGB;
+  palette[HATCH] = HATCH_RGB;
   TRY(memory_allocate(&pixels, width * height, 1, "a picture"));
   for (size_t j = 0; j < height; j++)
     for (size_t i = 0; i < width; i++) {
@@ -58,11 +64,16 @@ static enum status write_pixels(const struct canvas *canvas, FILE *stream) {
         pixels[j * width + i] = GRAIN;
         continue;
       }
+      if (plane->soil != NULL && (i + j) % APART < 2 &&
+          plane_linear(plane, plane->soil, 1, 0, x, y) > 0.5) {
+        pixels[j * width + i] = HATCH;
+        continue;
+      }
       if (canvas->what == MAP_SPEED)
         share = plane_linear(plane, plane->speed, 1, 0, x, y) / plane->speed_high;
       else
         share = 0.5 + 0.5 * plane_linear(plane, plane->pressure, 1, 0, x, y) / plane->pressure_high;
-      pixels[j * width + i] = (uint8_t)lrint(254.0 * fmin(fmax(share, 0.0), 1.0));
+      pixels[j * width + i] = (uint8_t)lrint((COLOURS - 1.0) * fmin(fmax(share, 0.0), 1.0));
     }
   fprintf(stream, "<image width=\"%zu\" height=\"%zu\" href=\"", width, height);
   TRY(html_png(stream, pixels, 1, width, height, palette));
@@ -119,6 +130,16 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
     fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%s%.2g</text>", x + 20.0,
             39.0 + (tall - 40.0) * i / 4.0,
             i == 0 || (!speed && i == 4) ? (i == 0 ? "&#8805; " : "&#8804; ") : "", value);
+  }
+  if (plane->soil != NULL) {
+    const double y = tall + 14.0;
+    fprintf(stream,
+            "<rect class=\"soil\" x=\"%.1f\" y=\"%.1f\" width=\"28\" height=\"24\" "
+            "fill=\"#%06x\"/><path fill=\"none\" stroke=\"#%06x\" stroke-width=\"2\" "
+            "d=\"M%.1f %.1fl14 -14m-14 24l24 -24m4 10l-14 14\"/><text x=\"%.1f\" "
+            "y=\"%.1f\">soil</text>",
+            x, y, colour(canvas->what, speed ? 0.0 : 0.5), HATCH_RGB, x, y + 14.0, x + 36.0,
+            y + 20.0);
   }
   /* A round length of about a quarter of the width. */
   const double metres = 0.25 * canvas->width / canvas->scale * plane->spacing[0];

@@ -224,6 +224,14 @@ cleanup:
   return status;
 }
 
+/* Lattices of a spacing of their own fit the body in each direction by itself. */
+static bool run_is_cubic(const struct run *run) {
+  bool cubic = true;
+  for (int d = 1; d < 3; d++)
+    cubic = cubic && (run->size[d] <= 1 || fabs(run->spacing[d] / run->spacing[0] - 1.0) < 5e-4);
+  return cubic;
+}
+
 enum status page_methods(const struct subject *subject, const struct page_model *model,
                          const struct methods_facts *facts, FILE *stream) {
   enum status status = STATUS_OK;
@@ -231,8 +239,11 @@ enum status page_methods(const struct subject *subject, const struct page_model 
   const struct run *run = &subject->runs[0];
   fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
   cite(stream, "tosui", &cited);
-  fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g &micro;m",
-          run->size[0], run->size[1], run->size[2], 1e6 * run->spacing[0]);
+  fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g", run->size[0],
+          run->size[1], run->size[2], 1e6 * run->spacing[0]);
+  if (!run_is_cubic(run))
+    fprintf(stream, " &times; %.4g &times; %.4g", 1e6 * run->spacing[1], 1e6 * run->spacing[2]);
+  fputs(" &micro;m", stream);
   write_geometry(model, &cited, stream);
   fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
           run->density, run->viscosity);

@@ -52,6 +52,7 @@ void page_model_read(const struct run *run, struct page_model *model) {
                                .threshold = NAN,
                                .void_ratio = NAN,
                                .void_ratio_measured = NAN,
+                               .void_ratio_walls = NAN,
                                .voxel_scanned = NAN,
                                .porosity = NAN,
                                .specific_surface = NAN};
@@ -66,12 +67,15 @@ void page_model_read(const struct run *run, struct page_model *model) {
   model->threshold = h5_attribute_or_nan(file, "/model", "threshold");
   model->void_ratio = h5_attribute_or_nan(file, "/model", "void_ratio");
   model->void_ratio_measured = h5_attribute_or_nan(file, "/model", "void_ratio_measured");
+  model->void_ratio_walls =
+      model->void_ratio_measured + h5_attribute_or_nan(file, "/model", "void_ratio_error");
   model->voxel_scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
   model->porosity = h5_attribute_or_nan(file, "/model", "porosity");
   if (isnan(model->porosity)) model->porosity = model->void_ratio / (1.0 + model->void_ratio);
   model->specific_surface = h5_attribute_or_nan(file, "/model", "specific_surface");
   model->wall_distance = h5_exists(file, "/model/wall_distance");
   model->grain_fraction = h5_exists(file, "/model/grain_fraction");
+  model->soil = h5_exists(file, "/model/micro_porosity");
   read_text(file, "/model", "mirror_axis", model->mirror_axis, sizeof model->mirror_axis);
   read_text(file, "/provenance", "program", program, sizeof program);
   read_text(file, "/provenance", "command_line", line, sizeof line);

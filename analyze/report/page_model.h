@@ -21,8 +21,9 @@ struct page_model {
   bool other;        /* the file of that name is not the one that was run */
   bool scanned;      /* ct2model made it from slices */
   enum threshold_rule rule;
-  bool wall_distance, grain_fraction;
+  bool wall_distance, grain_fraction, soil; /* soil: with pores below the voxel */
   double threshold, void_ratio, void_ratio_measured;
+  double void_ratio_walls; /* within the walls, where that is what was matched */
   double voxel_scanned;              /* m */
   double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */
   char mirror_axis[8];               /* "x", "y", "z", "none", "": unknown */

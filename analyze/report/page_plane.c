@@ -132,6 +132,7 @@ static enum status fill(const struct run *run, const struct particles *particles
     plane->velocity[2 * p + 1] += (float)v[plane->up];
     plane->speed[p] += (float)sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     if (plane->pressure != NULL) plane->pressure[p] += (float)particles->pressure[i];
+    if (plane->soil != NULL && particles->micro_porosity[i] > 0.0) plane->soil[p] = 1.0f;
   }
   double mean = 0.0, filled = 0.0;
   for (size_t p = 0; p < points_of(plane); p++) {
@@ -214,6 +215,8 @@ enum status plane_read(const struct run *run, const struct particles *particles,
   TRY(memory_allocate(&count, n, sizeof *count, "a plane"));
   if (particles->pressure != NULL)
     TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
+  if (particles->micro_porosity != NULL)
+    TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
   if (!read_distances(run, model, plane)) guess_distances(run, layer, plane);
   TRY(fill(run, particles, plane, count));
   TRY(find_ranges(plane, count));
@@ -229,5 +232,6 @@ void plane_free(struct plane *plane) {
   memory_free(&plane->velocity);
   memory_free(&plane->speed);
   memory_free(&plane->pressure);
+  memory_free(&plane->soil);
   memset(plane, 0, sizeof *plane);
 }

@@ -17,6 +17,7 @@ struct plane {
   float *velocity;       /* [size][2] m/s in the plane */
   float *speed;          /* [size] m/s */
   float *pressure; /* [size] Pa about its mean, carried on into the grains; NULL: not stored */
+  float *soil;     /* [size] 1 in soil with pores below the sites, else 0; NULL: there is none */
   double speed_high, pressure_high; /* 98th percentiles of the pores; colours end there */
 };
 

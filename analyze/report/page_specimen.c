@@ -151,7 +151,7 @@ static void write_windows(FILE *stream, struct h5_file *file) {
 }
 
 static void write_table(FILE *stream, struct h5_file *file, const struct voxel_model *model,
-                        const char *path) {
+                        const struct page_model *facts, const char *path) {
   fputs("<table class=\"facts\"><tbody>\n<tr><th>Model file</th><td>", stream);
   html_text(stream, path);
   fprintf(stream,
@@ -159,7 +159,11 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
           model->size[0], model->size[1], model->size[2]);
   row(stream, "Spacing", 1e6 * model->spacing[0], "&micro;m");
   row(stream, "Void ratio, measured on the specimen", model->void_ratio_measured, "");
-  row(stream, "Void ratio of the model", model->void_ratio, "");
+  const double walls = facts->void_ratio_walls;
+  const bool within = fabs(walls - model->void_ratio) > 1e-6; /* NAN: no */
+  row(stream, within ? "Void ratio of the model, by voxels" : "Void ratio of the model",
+      model->void_ratio, "");
+  if (within) row(stream, "Void ratio within its walls, which are used", walls, "");
   row(stream, "Grey threshold", model->threshold, "");
   row(stream, "Otsu's threshold, for comparison",
       h5_attribute_or_nan(file, "/calibration", "threshold_otsu"), "");
@@ -339,7 +343,7 @@ static enum status write_model(const char *path, const struct page_model *facts,
   TRY(scan_pictures(stream, file, facts));
   TRY(model_pictures(stream, &model));
   fputs("</div>\n", stream);
-  write_table(stream, file, &model, path);
+  write_table(stream, file, &model, facts, path);
   TRY(read_calibration(file, &model, calibration));
 cleanup:
   h5_close(file);

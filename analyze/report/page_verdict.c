@@ -237,11 +237,12 @@ static void judge_advice(json_t *result, double scanned) {
 }
 
 /* k of three formulas for n, the porosity, and S, the surface of the grains by bulk volume; their
- * grain size is d = 6 (1 - n) / S, that of spheres of the same surface. */
+ * grain size is d = 6 (1 - n) / S, that of spheres of the same surface. None with soil below the
+ * voxel: its pores are in n, its grains not in S. */
 static void judge_formulas(json_t *result, const struct run *run, const struct page_model *model) {
   const double n = model->porosity, s = model->specific_surface;
   const double weight = GRAVITY_STANDARD * run->density / run->viscosity;
-  if (!(n > 0.0) || !(n < 1.0) || !(s > 0.0)) return;
+  if (!(n > 0.0) || !(n < 1.0) || !(s > 0.0) || model->soil) return;
   const double d = 6.0 * (1.0 - n) / s;
   /* Kozeny (1927), Carman (1937): K = n^3 / (5 S^2). */
   const double kozeny = weight * n * n * n / (5.0 * s * s);

@@ -231,9 +231,9 @@ enum status lattice_take_spacing(const struct scene *scene, struct lattice *latt
   }
   if (sites > SITES_MOST)
     return scene_error(scene, AT_LATTICE,
-                       "%g m makes too many sites (%.1g); the model's voxels are %g m, and finer "
-                       "sites tell nothing new",
-                       scene->lattice_spacing, sites, lattice->spacing[0]);
+                       "%g m makes too many sites (%.1g); lattice.spacing = \"%.4g um\", that of "
+                       "the model's voxels, fits, and finer sites tell nothing new",
+                       scene->lattice_spacing, sites, 1e6 * lattice->spacing[0]);
   const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
   struct throats throats;

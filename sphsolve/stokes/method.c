@@ -227,12 +227,15 @@ static void report_level(const struct cascade *c) {
   const double to_speed =
       context->driving / context->kinematic_viscosity / scene_hydraulic_gradient(c->scene);
   char known[80] = " cm/s, no estimate from one lattice";
-  if (isfinite(l->low))
-    snprintf(
-        known, sizeof known,
-        fmax(u->resolution_low, u->resolution_high) < 0.995 ? ", estimate %.4g cm/s -%.2g +%.2g %%"
-                                                            : ", estimate %.4g cm/s -%.0f +%.0f %%",
-        100 * to_speed * l->estimate, 100 * fmin(u->resolution_low, 1.0), 100 * u->resolution_high);
+  if (isfinite(l->low)) {
+    const double low = 100 * fmin(u->resolution_low, 1.0), high = 100 * u->resolution_high;
+    const int n = snprintf(known, sizeof known, ", estimate %.4g cm/s ", 100 * to_speed * l->estimate);
+    const int digits = fmax(low, high) < 99.5 ? 2 : 3;
+    if (fabs(low - high) < 0.05 * high)
+      snprintf(known + n, sizeof known - (size_t)n, "+- %.*g %%", digits, high);
+    else
+      snprintf(known + n, sizeof known - (size_t)n, "-%.*g +%.*g %%", digits, low, digits, high);
+  }
   log_info("lattice %d: %.4g um, %.3g M sites: k %.4g%s; %.2g s, the next about %.2g s",
            u->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
            known, l->seconds, cascade_next_seconds(c));

@@ -147,7 +147,7 @@ while True:
     said += part
 assert run.wait() == 0
 lines = re.findall(r"([\d.]+) s \|([ o-]{56})\| (\S+) cm/s", said.decode())
-told = re.findall(r"estimate (\S+) cm/s -\S+ \+\S+ %", said.decode())
+told = re.findall(r"estimate (\S+) cm/s (?:-\S+ \+\S+|\+- \S+) %", said.decode())
 lattices = said.count(b"M sites: k ")
 assert len(lines) == len(told) == lattices - 1 >= 2, said  # the first says nothing of its error
 for (seconds, bar, k), other in zip(lines, told):
