@@ -157,6 +157,13 @@ static void write_walls(const struct run *run, const struct page_model *model, s
   }
 }
 
+static void write_soil(const struct page_model *model, FILE *stream) {
+  if (model->soil)
+    fputs("Soil with pores below the voxel is solved together with the open pores, as a porous "
+          "medium with a drag of its own permeability. ",
+          stream);
+}
+
 /* Of one run that solved several lattices. */
 static void write_lattices(const struct run *run, struct cited *cited, FILE *stream) {
   const struct run_levels *l = &run->levels;
@@ -239,16 +246,19 @@ enum status page_methods(const struct subject *subject, const struct page_model 
   const struct run *run = &subject->runs[0];
   fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
   cite(stream, "tosui", &cited);
+  const bool coarse = run->spacing[0] > 1e-3;
+  const double unit = coarse ? 1e3 : 1e6;
   fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g", run->size[0],
-          run->size[1], run->size[2], 1e6 * run->spacing[0]);
+          run->size[1], run->size[2], unit * run->spacing[0]);
   if (!run_is_cubic(run))
-    fprintf(stream, " &times; %.4g &times; %.4g", 1e6 * run->spacing[1], 1e6 * run->spacing[2]);
-  fputs(" &micro;m", stream);
+    fprintf(stream, " &times; %.4g &times; %.4g", unit * run->spacing[1], unit * run->spacing[2]);
+  fputs(coarse ? " mm" : " &micro;m", stream);
   write_geometry(model, &cited, stream);
   fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
           run->density, run->viscosity);
   write_solver(run, &cited, stream);
   write_walls(run, model, &cited, stream);
+  write_soil(model, stream);
   if (subject->n > 1)
     fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ",
             subject->n);

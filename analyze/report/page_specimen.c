@@ -85,19 +85,25 @@ static void write_bars(FILE *stream, const struct bar *bars, size_t n, const cha
           "<figure class=\"bars\"><svg viewBox=\"%g 0 %g %g\" width=\"%g\" font-size=\"10\" "
           "text-anchor=\"middle\" fill=\"currentColor\">",
           -side, width + 2.0 * side, height, width + 2.0 * side);
-  /* Letters of 10 are at most 6 wide: names and shares stand as close as the longest allows. */
-  size_t longest = 7;
+  /* Letters of 10 are at most 6 wide: names stand as close as the longest allows. A share is not
+   * wider than its bar, or it would lie over a taller neighbour. */
+  const bool narrow = 0.8 * step < 6.0 * 6.0;
+  size_t longest = 2;
   for (size_t i = 0; i < n; i++)
     longest = strlen(bars[i].text) > longest ? strlen(bars[i].text) : longest;
-  const size_t every = (size_t)ceil(6.0 * (double)longest / step);
+  const size_t every = (size_t)ceil(6.0 * (double)(longest + 1) / step);
   for (size_t i = 0; i < n; i++) {
     const double tall = (height - foot - head) * bars[i].percent / most;
     const double middle = ((double)i + 0.5) * step, top = height - foot - tall;
     fprintf(stream, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>",
             middle - 0.4 * step, top, 0.8 * step, tall, plot_colours[0]);
+    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">", middle, top - 3.0);
+    if (narrow)
+      fprintf(stream, "%.0f</text>", bars[i].percent);
+    else
+      fprintf(stream, "%.3g %%</text>", bars[i].percent);
     if (i % every != 0) continue;
-    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%.3g %%</text><text x=\"%.1f\" y=\"%.1f\">",
-            middle, top - 3.0, bars[i].percent, middle, height - foot + 12.0);
+    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">", middle, height - foot + 12.0);
     html_text(stream, bars[i].text);
     fputs("</text>", stream);
   }
@@ -121,7 +127,7 @@ static void write_widths(FILE *stream, struct h5_file *file) {
   }
   if (n > 0)
     write_bars(stream, bars, n,
-               "Pore widths: share of the pores by the ball, in voxels, that fits there");
+               "Pore widths: share (%) of the pores by the ball, in voxels, that fits there");
   memory_free(&shares);
 }
 
@@ -145,7 +151,7 @@ static void write_windows(FILE *stream, struct h5_file *file) {
   }
   if (n > 0)
     write_bars(stream, bars, n,
-               "Representative volume: spread of the void ratio from one window of this size to "
+               "Representative volume: spread (%) of the void ratio from one window of this size to "
                "the next");
   for (int i = 0; i < 4; i++) memory_free(&values[i]);
 }
@@ -318,7 +324,11 @@ static enum status model_pictures(FILE *stream, const struct voxel_model *model)
   float *layer = NULL;
   if (model->mirror_plane > 0) z = (size_t)model->mirror_plane / 2; /* the middle of the scan */
   TRY(memory_allocate(&layer, nx * ny, sizeof *layer, "a picture"));
-  for (size_t i = 0; i < nx * ny; i++) layer[i] = (float)model->solid[z * nx * ny + i];
+  for (size_t i = 0; i < nx * ny; i++) {
+    const size_t site = z * nx * ny + i;
+    const bool soil = model->micro_porosity != NULL && model->micro_porosity[site] > 0.0f;
+    layer[i] = soil && model->solid[site] == 0 ? 0.5f : (float)model->solid[site];
+  }
   if (model->grain_fraction != NULL)
     TRY(picture(stream, model->grain_fraction + z * nx * ny, nx, ny, 0.0, 1.0,
                 "Grain fraction of a layer, at the model's resolution"));
@@ -326,7 +336,9 @@ static enum status model_pictures(FILE *stream, const struct voxel_model *model)
     TRY(picture(stream, model->wall_distance + z * nx * ny, nx, ny, model->spacing[0],
                 -model->spacing[0], "Signed distance to the grain surface, one spacing each way"));
   TRY(picture(stream, layer, nx, ny, 0.0, 1.0,
-              "The same layer of the binary model (grains light)"));
+              model->micro_porosity != NULL
+                  ? "The same layer of the model (grains light, soil grey)"
+                  : "The same layer of the binary model (grains light)"));
 cleanup:
   memory_free(&layer);
   return status;

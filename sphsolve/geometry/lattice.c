@@ -232,6 +232,13 @@ static bool fill_sites(const struct scene *scene, const size_t pad[3], const siz
   return ranks_any(empty);
 }
 
+static double spacing_of_a_million(const struct scene *scene) {
+  double sites = 1e6, volume = 1.0;
+  for (int a = 0; a < 3; a++)
+    if (scene->dimensions == 3 || a != 1) volume *= scene->domain_size[a];
+  return pow(volume / sites, 1.0 / scene->dimensions);
+}
+
 static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
   size_t pad[3], inner[3], count = 1, *start = NULL;
@@ -252,8 +259,8 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
     const double sites = scene->domain_size[a] / scene->spacing;
     lattice->bulk_count *= fabs(sites - (double)inner[a]) < 1e-6 ? (double)inner[a] : sites;
     if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40)
-      TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; choose a wider one",
-                      scene->spacing));
+      TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; \"%.2g m\" makes a million",
+                      scene->spacing, spacing_of_a_million(scene)));
   }
   lattice->count = count;
   TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));

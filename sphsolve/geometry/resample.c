@@ -55,7 +55,10 @@ static enum status find_target(const struct lattice *fine, double spacing, bool 
       t->spacing[a] = (double)m * length / whole;
     }
     if (!size_multiply(t->count, t->size[a], &t->count) || (double)t->count > SITES_MOST)
-      return FAIL(STATUS_INPUT, "lattice.spacing: %g m makes too many sites", spacing);
+      return FAIL(STATUS_INPUT,
+                  "lattice.spacing: %g m makes too many sites; that of the model's voxels, %g m, "
+                  "fits",
+                  spacing, fine->spacing[a]);
   }
   return STATUS_OK;
 }

@@ -147,6 +147,14 @@ END
   ct2model build a.raw $image --micro auto --void-ratio 1.3+-0.05 --json -o met.hdf > met.json
   sed 's/"soil.hdf"/"small.hdf"/' soil.cfg > small.cfg
   sphsolve run small.cfg -o small-run --json --set stokes.tolerance=1e-2 --set 'micro={uncertainty=2.0;}' > run.json
+  # The page shows where the soil is, and puts no formula beside k that does not know of it.
+  analyze report small-run.hdf -o small.html --quiet
+  grep -q "Hatched: soil with pores below the voxel" small.html
+  [ "$(grep -o 'class="soil"' small.html | wc -l)" -eq 2 ]
+  grep -q "grains light, soil grey" small.html
+  grep -q "drag of its own permeability" small.html
+  run ! grep -qE "Kozeny-Carman</th>|Terzaghi</th>" small.html
+  /usr/bin/python3 "$ROOT/tests/cli/hatched.py" small.html small-run-0000.hdf
   /usr/bin/python3 - <<'END'
 import h5py, json, math
 truths = json.load(open("peaks.json"))
