@@ -207,8 +207,11 @@ assert len(charts) == 2
 for chart in charts:
     bars = len(re.findall("<rect", chart))
     texts = [(float(x), float(y), t) for x, y, t in re.findall(r'<text x="([\d.]+)" y="([\d.]+)">(.*?)</text>', chart)]
-    names = sorted((x, t) for x, y, t in texts if not t.endswith("%"))
-    shares = sorted((x, t) for x, y, t in texts if t.endswith("%"))
+    names = sorted((x, t) for x, y, t in texts if y > 120)
+    shares = sorted((x, t) for x, y, t in texts if y < 120)
+    # Nor does a share lie over a taller neighbour: it is no wider than its bar.
+    widths = [float(w) for w in re.findall(r'<rect[^>]*width="([\d.]+)"', chart)]
+    assert len(shares) == bars and all(5.5 * len(t) <= widths[0] + 1 for x, t in shares), (widths[0], shares)
     assert bars >= 14 and len(names) >= 5
     for row in (names, shares):
         for (a, left), (b, right) in zip(row, row[1:]):
