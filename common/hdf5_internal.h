@@ -21,6 +21,10 @@ enum { H5_DEFLATE = 2 }; /* level */
  * threads to the bytes that HDF5's filters would give. *written: whether the file took them. */
 enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
                             const hsize_t *chunk, const void *data, bool *written);
+/* Reads all of such a dataset, its chunks unpacked by several threads. *done: false where it is no
+ * such one or something is wrong with it; then HDF5 reads it, or says what is wrong. */
+enum status h5_read_chunks(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
+                           void *data, bool *done);
 /* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
  * without times of their own, so that two equal runs give equal bytes. */
 enum status h5_make_groups(struct h5_file *file, const char *name, bool last);

@@ -135,6 +135,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
   void *values = NULL;
   hid_t set = -1, stored = -1, from = H5S_ALL, to = H5S_ALL;
   int found;
+  bool done = false;
   size_t count = 1, shape[H5S_MAX_RANK];
   TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
   if (found != rank)
@@ -169,7 +170,8 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
   /* What is beyond the limit is refused as that; the rest is not even filled with zeros. */
   if (memory_has_room(count, h5_type_size(type))) TRY(check_storage(file, set, stored, name));
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
-  if (count > 0 && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
+  if (rows == SIZE_MAX) TRY(h5_read_chunks(set, stored, type, rank, shape, values, &done));
+  if (count > 0 && !done && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
   memcpy(data, &values, sizeof values);
   values = NULL;

@@ -52,7 +52,8 @@ static double value_at(const struct flow *flow, const float *field, const double
   double part[3], value = 0.0;
   for (int d = 0; d < 3; d++) {
     if (!(at[d] > 0.0) || !(at[d] < (double)flow->size[d])) return 0.0;
-    const double c = fmin(fmax(at[d] - 0.5, 0.0), (double)flow->size[d] - 1.0);
+    const double inside = at[d] > 0.5 ? at[d] - 0.5 : 0.0, last = (double)flow->size[d] - 1.0;
+    const double c = inside < last ? inside : last;
     low[d] = (size_t)c;
     part[d] = c - (double)low[d];
   }

@@ -116,8 +116,21 @@ static void write_foreign(const char *name) {
   H5Fclose(file);
 }
 
-/* Chunks that are cut along each axis, with a part of one left at the end, come back through HDF5's
- * own filters; the last two are large enough for several threads. */
+/* A byte in the middle of the file, which lies in a packed chunk, is another. */
+static void damage_file(void) {
+  FILE *file = fopen(path, "r+b");
+  assert_non_null(file);
+  fseek(file, 0, SEEK_END);
+  fseek(file, ftell(file) / 2, SEEK_SET);
+  const int byte = fgetc(file);
+  fseek(file, -1, SEEK_CUR);
+  fputc(byte ^ 0x55, file);
+  fclose(file);
+}
+
+/* Chunks that are cut along each axis, with a part of one left at the end, come back, and through
+ * HDF5's own filters too, which other numbers are read by; the last two are large enough to be
+ * packed and unpacked by several threads. */
 static void test_chunks(void **state) {
   (void)state;
   const size_t shapes[][3] = {{3, 650, 900}, {301, 60, 60},  {2, 3, 300001}, {1, 1, 5000},
@@ -125,6 +138,7 @@ static void test_chunks(void **state) {
   for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++) {
     const size_t *dims = shapes[k], count = dims[0] * dims[1] * dims[2];
     float *values = malloc(count * sizeof *values), *again = NULL;
+    double *others = NULL;
     size_t found[3];
     struct h5_file *file = NULL;
     for (size_t i = 0; i < count; i++) values[i] = (float)((i * 2654435761u) % 1000u);
@@ -133,11 +147,19 @@ static void test_chunks(void **state) {
     assert_int_equal(h5_commit(file), STATUS_OK);
     assert_int_equal(h5_open(path, &file), STATUS_OK);
     assert_int_equal(h5_read(file, "/values", H5_F32, 3, found, &again), STATUS_OK);
+    assert_int_equal(h5_read(file, "/values", H5_F64, 3, found, &others), STATUS_OK);
     h5_close(file);
     assert_memory_equal(found, dims, sizeof found);
     assert_memory_equal(again, values, count * sizeof *values);
+    for (size_t i = 0; i < count; i++) assert_true((float)others[i] == values[i]);
     memory_free(&again);
+    memory_free(&others);
     free(values);
+    if (count < 1000000) continue;
+    damage_file();
+    assert_int_equal(h5_open(path, &file), STATUS_OK);
+    refused(h5_read(file, "/values", H5_F32, 3, found, &again), "damaged");
+    h5_close(file);
   }
 }
 
