@@ -97,17 +97,21 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   result->index = result->safety * fabs((f[1] - f[0]) / f[0]) / (ratio - 1.0);
 }
 
-/* The order is not known: walls give two, narrow pores three, and noise from where the sites happen
- * to lie hides either. So every order of a grid is fitted, k = value + slope h^p, and each counts
- * by how well it agrees with the data and with what is known beforehand (Bayesian model averaging:
- * Hoeting et al. 1999, Statistical Science 14). Constants were set on sands, spheres, cylinders and
- * fibres. */
-#define LIMIT_WINDOW 5
-#define LIMIT_ORDERS 39
+/* The order is not known, and noise from where the sites happen to lie hides it. So every order of
+ * a grid is fitted, k = value + slope h^p, and each counts by how well it agrees with the data and
+ * with what is known beforehand (Bayesian model averaging: Hoeting et al. 1999, Statistical Science
+ * 14). Two kinds of bodies are as likely: grains with edges and contacts, whose k falls with an
+ * order of just under two, and smooth ones, where errors of unlike sign cancel and higher orders
+ * are seen. One normal distribution between the two is wrong for either. Constants were set on
+ * sands, spheres, cylinders and fibres (docs/notes/2026-11-23-estimates.md). */
+#define LIMIT_WINDOW 4
+#define LIMIT_ORDERS 48
 #define LIMIT_ORDER_FIRST 1.2
 #define LIMIT_ORDER_STEP 0.1
-#define LIMIT_ORDER_MEAN 2.4
-#define LIMIT_ORDER_SPREAD 0.5
+#define LIMIT_GRAINS_ORDER 1.9
+#define LIMIT_GRAINS_SPREAD 0.25
+#define LIMIT_SMOOTH_ORDER 3.5
+#define LIMIT_SMOOTH_SPREAD 0.8
 /* Standard deviation of a value: of the most that it or a finer one is off the finest, and of the
  * value itself at the spacing `scale`, falling with h. */
 #define LIMIT_NOISE_CHANGE 0.15
@@ -119,6 +123,17 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
 struct limit_fit {
   double value, variance, residual, evidence; /* evidence: logarithm */
 };
+
+static double normal_density(double x, double mean, double spread) {
+  const double off = (x - mean) / spread;
+  return exp(-0.5 * off * off) / spread;
+}
+
+/* How likely an order is before any data; not normalised. */
+static double order_expected(double p) {
+  return normal_density(p, LIMIT_GRAINS_ORDER, LIMIT_GRAINS_SPREAD) +
+         normal_density(p, LIMIT_SMOOTH_ORDER, LIMIT_SMOOTH_SPREAD);
+}
 
 static struct limit_fit fit_order(const double *h, const double *f, const double *weight, size_t n,
                                   double p) {
@@ -137,9 +152,8 @@ static struct limit_fit fit_order(const double *h, const double *f, const double
   const double slope = xy / xx, value = my - slope * mx;
   for (size_t i = 0; i < n; i++)
     residual += weight[i] * (f[i] - value - slope * x[i]) * (f[i] - value - slope * x[i]);
-  const double off = (p - LIMIT_ORDER_MEAN) / LIMIT_ORDER_SPREAD;
   return (struct limit_fit){value, 1.0 / sum + mx * mx / xx, residual,
-                            -0.5 * (residual + off * off)};
+                            -0.5 * residual + log(order_expected(p))};
 }
 
 void converge_limit(const double *h, const double *f, size_t n, double scale,
