@@ -8,8 +8,7 @@
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scan/enclosed.h"
-
-enum { REACH = 2, TAPS = 2 * REACH + 1 };
+#include "ct2model/scan/label_walls.h"
 
 enum status labels_parse(const char *text, struct label_rules *rules) {
   *rules = (struct label_rules){.given = true};
@@ -173,65 +172,6 @@ cleanup:
   return status;
 }
 
-/* Index i + d of n, periodic, or mirrored as models are: about the first face and the last centre.
- */
-static size_t beyond(size_t i, long d, size_t n, bool reflect) {
-  const long count = (long)n;
-  long at = (long)i + d;
-  if (reflect && n > 1) {
-    while (at < 0 || at >= count) at = at < 0 ? -1 - at : 2 * count - 2 - at;
-    return (size_t)at;
-  }
-  return (size_t)(((at % count) + count) % count);
-}
-
-/* A separable Gaussian, in greys of LABEL_GREY. */
-static enum status smooth(const uint8_t *grain, const size_t size[3], const bool reflect[3],
-                          uint8_t *out) {
-  enum status status = STATUS_OK;
-  const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * ny;
-  float weight[TAPS], sum = 0.0f;
-  for (int d = -REACH; d <= REACH; d++)
-    sum += weight[d + REACH] =
-        (float)exp(-0.5 * d * d / (LABEL_SMOOTHING * LABEL_SMOOTHING)); /* NOLINT */
-  for (int t = 0; t < TAPS; t++) weight[t] /= sum;
-#pragma omp parallel
-  {
-    float *a = NULL, *b = NULL;
-    enum status mine = memory_allocate(&a, plane, sizeof *a, "a slice");
-    if (mine == STATUS_OK) mine = memory_allocate(&b, plane, sizeof *b, "a slice");
-#pragma omp for schedule(static)
-    for (size_t z = 0; z < nz; z++) {
-      if (mine != STATUS_OK) continue;
-      memset(a, 0, plane * sizeof *a);
-      for (int t = 0; t < TAPS; t++) {
-        const uint8_t *from = grain + beyond(z, t - REACH, nz, reflect[2]) * plane;
-        for (size_t p = 0; p < plane; p++) a[p] += weight[t] * (float)from[p];
-      }
-      memset(b, 0, plane * sizeof *b);
-      for (size_t y = 0; y < ny; y++)
-        for (int t = 0; t < TAPS; t++) {
-          const float *from = a + beyond(y, t - REACH, ny, reflect[1]) * nx;
-          for (size_t x = 0; x < nx; x++) b[y * nx + x] += weight[t] * from[x];
-        }
-      for (size_t y = 0; y < ny; y++)
-        for (size_t x = 0; x < nx; x++) {
-          float value = 0.0f;
-          for (int t = 0; t < TAPS; t++)
-            value += weight[t] * b[y * nx + beyond(x, t - REACH, nx, reflect[0])];
-          out[z * plane + y * nx + x] = (uint8_t)lroundf((float)LABEL_GREY * value);
-        }
-    }
-    memory_free(&a);
-    memory_free(&b);
-    if (mine != STATUS_OK) {
-#pragma omp critical
-      status = mine;
-    }
-  }
-  return status;
-}
-
 /* Two values are two labels; which is pore is a convention, and said. */
 static enum status find_labels(const struct region *region, const struct label_rules *rules,
                                bool dark, struct labels *labels) {
@@ -288,7 +228,7 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
                    "the rest, and there is none without grain"
                  : "pore");
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
-  TRY(smooth(grain, region->size, reflect, labels->smooth));
+  TRY(label_walls(grain, region->size, reflect, labels->smooth));
   struct region walls = *region;
   const struct enclosed_sides sides = {.reflect = {reflect[0], reflect[1], reflect[2]}};
   walls.held_type = PIXEL_U8;

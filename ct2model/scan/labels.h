@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "ct2model/scan/label_walls.h"
 #include "ct2model/scan/micro.h"
 #include "ct2model/scan/region.h"
 
@@ -27,12 +28,6 @@ struct label_rules {
 /* "", "0" (this label is pore, the rest grain) or "0=pore,1=grain,2=soil(0.35, 1.8e-15 m^2),...";
  * usage errors. */
 enum status labels_parse(const char *text, struct label_rules *rules);
-
-/* Greys of the smoothed labels go from 0, pore, to this, grain. */
-#define LABEL_GREY 250.0
-/* Standard deviation of the Gaussian, in voxels: of 0, 0.5, 0.7 and 1, that with which k of spheres
- * of 4 to 15 voxels' radius is nearest to the exact one (docs/notes/2026-11-22-labels.md). */
-#define LABEL_SMOOTHING 0.7
 
 struct labels {
   bool on;

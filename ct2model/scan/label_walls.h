@@ -1,0 +1,25 @@
+/* Walls from labels: a surface through the stairs of their voxels. */
+#ifndef TOSUI_CT2MODEL_SCAN_LABEL_WALLS_H
+#define TOSUI_CT2MODEL_SCAN_LABEL_WALLS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+
+/* Greys of walls go from 0, deep in the pores, to this, deep in the grains; the surface is near the
+ * middle. */
+#define LABEL_GREY 250.0
+/* Standard deviation of the narrow Gaussian, in voxels: of 0, 0.5, 0.7 and 1, that with which k of
+ * spheres of 4 to 15 voxels' radius is nearest to the exact one (docs/notes/2026-11-22-labels.md).
+ */
+#define LABEL_SMOOTHING 0.7
+
+/* walls[z][y][x] from grain[z][y][x], 1 grain and 0 all else. `reflect`: axes that are mirrored
+ * about the first face and the last centre; the others are periodic. The same for any number of
+ * threads. */
+enum status label_walls(const uint8_t *grain, const size_t size[3], const bool reflect[3],
+                        uint8_t *walls);
+
+#endif
