@@ -72,7 +72,7 @@ static size_t beyond(size_t i, long d, size_t n, bool reflect) {
 }
 
 static float clamp(float value, float low, float high) {
-  return fminf(fmaxf(value, low), high);
+  return value < low ? low : value > high ? high : value; /* unlike fminf, no call */
 }
 
 static uint8_t grey_of(float distance) {
@@ -106,7 +106,7 @@ static float surface(const struct drawing *d, size_t voxel) {
 }
 static float wrong_side(const struct drawing *d, size_t voxel) {
   const float distance = distance_of(d->wide[voxel]);
-  return fmaxf(0.0f, d->grain[voxel] ? -distance : distance);
+  return clamp(d->grain[voxel] ? -distance : distance, 0.0f, FARTHEST);
 }
 static float share(const struct drawing *d, size_t voxel) {
   return (float)d->narrow_share[voxel] / 255.0f;
@@ -115,7 +115,7 @@ static float share(const struct drawing *d, size_t voxel) {
 /* Along one axis: sums by the kernel's weights, or the greatest where that is NULL. */
 static void gather(float *sum, const float *from, size_t n, const float *weight) {
   if (weight == NULL)
-    for (size_t i = 0; i < n; i++) sum[i] = fmaxf(sum[i], from[i]);
+    for (size_t i = 0; i < n; i++) sum[i] = sum[i] > from[i] ? sum[i] : from[i];
   else
     for (size_t i = 0; i < n; i++) sum[i] += *weight * from[i];
 }
