@@ -16,6 +16,9 @@ static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation
 /* Of the steps of a segmented image: fitted to spheres, packs, fibres and level sets of noise
  * (docs/notes/2026-11-22-labels.md). */
 static const double LABELS = 2.0; /* the error over the change */
+/* Walls from labels are a fortieth of a voxel off, as turned slits show (3 times twice that over a
+ * slit's width, which is w / 2); in deviations of what smooths labels, .7 voxels. */
+static const double PLACED = 0.43;
 
 /* Where no surface stands alone for the blur to be measured: edges of three voxels from a tenth to
  * nine tenths, as scanners are commonly set. */
@@ -69,11 +72,13 @@ double scan_deviation(const struct scan_quality *scan) {
 }
 
 /* Where labels are all that is left, the steps between voxels and what smooths them widen pores by
- * about twice the change. A scan whose blur was left in is off by about the change itself, and so is
+ * about twice the change, beside a part of a voxel that any wall may be off. A scan whose blur was left in is off by about the change itself, and so is
  * one too large for its blur to be taken out of every voxel. Where it was taken out, a share of it is left, beside what the uncertainty of the blur makes (its variance
  * twice, for 95 %), and walls are rough by a length that the noise power has. */
 double scan_error(const struct scan_quality *scan, double change, double width) {
-  if (scan->labels) return LABELS * (1.0 + GROWTH * fabs(change)) * fabs(change);
+  if (scan->labels)
+    return hypot(LABELS * (1.0 + GROWTH * fabs(change)) * fabs(change),
+                 PLACED * scan_deviation(scan) / width);
   const double blur = 4.0 * scan->blur_error / scan->blur;
   const bool sharp = scan->removed && !scan->averaged;
   const double share = sharp ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;

@@ -112,6 +112,31 @@ static void test_slits(void **state) {
   lattice_free(&walls);
 }
 
+/* A slit of 16 sites, its walls this far beyond a site. */
+static double beyond_site;
+static double flat(const double at[3]) {
+  return 8.0 - fabs(at[0] - 24.0 - beyond_site);
+}
+
+/* Flat walls stay where they are, and so do distances about them, wherever walls lie among sites:
+ * half-way between two, a voxel's average has no site that says where. */
+static void test_flat_walls_stay(void **state) {
+  (void)state;
+  for (int part = 0; part < 4; part++) {
+    beyond_site = 0.25 * part;
+    struct lattice walls = lattice_of(flat), blurred;
+    double scale, most = 0.0;
+    assert_int_equal(lattice_blur(&walls, 0.9 * H, &walls, &scale, &blurred), STATUS_OK);
+    for (size_t s = 0; s < walls.count; s++)
+      if (fabs((double)walls.wall_distance[s]) < 1.9 * H)
+        most = fmax(most, fabs((double)(blurred.wall_distance[s] - walls.wall_distance[s])) / H);
+    print_message("walls %.2f beyond a site: distances change by %.3f at most\n", beyond_site, most);
+    assert_true(most < 0.05);
+    lattice_free(&blurred);
+    lattice_free(&walls);
+  }
+}
+
 static void test_level(void **state) {
   (void)state;
   struct lattice balls = lattice_of(two_balls), level, blurred;
@@ -130,6 +155,6 @@ static void test_level(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_slits),
-                                     cmocka_unit_test(test_sheets), cmocka_unit_test(test_level)};
+                                     cmocka_unit_test(test_sheets), cmocka_unit_test(test_flat_walls_stay), cmocka_unit_test(test_level)};
   return cmocka_run_group_tests_name("surface_blur", tests, NULL, NULL);
 }
