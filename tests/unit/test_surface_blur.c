@@ -155,6 +155,8 @@ static void test_level(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_slits),
-                                     cmocka_unit_test(test_sheets), cmocka_unit_test(test_flat_walls_stay), cmocka_unit_test(test_level)};
+                                     cmocka_unit_test(test_sheets),
+                                     cmocka_unit_test(test_flat_walls_stay),
+                                     cmocka_unit_test(test_level)};
   return cmocka_run_group_tests_name("surface_blur", tests, NULL, NULL);
 }
