@@ -382,10 +382,10 @@ static void print_labels(const struct labels *labels) {
       printf("; soil %g (porosity %.3g, permeability %.3g m^2)", labels->value[i],
              labels->soil[i].porosity, labels->soil[i].permeability);
   if (labels->count > 0) putchar('\n');
-  printf("walls             labels smoothed over %.2g voxels at the same pore volume: k %+.2g "
+  printf("walls             labels smoothed over %.2g to %.2g voxels at the same pore volume: k %+.2g "
          "%%, by "
          "Kozeny and Carman, beside walls halfway between voxels\n",
-         LABEL_SMOOTHING, 100.0 * labels_effect_on_k(labels));
+         LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
 }
 
 /* Four digits behind the point of a grey level, four in all of greys that are small. */

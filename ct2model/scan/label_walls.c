@@ -16,14 +16,13 @@
 
 #include "common/memory.h"
 
-#define WIDE 1.6
 #define SQRT2 1.4142135623730951
 /* Greys are distances from the surface, in voxels, as far as this. */
 #define FARTHEST 1.5f
 /* The depth of a voxel on the wrong side, and how far the mean wall about a place is off the
  * labels' volume (voxels): from the first on the narrow surface has a share, from the second on it
- * stands alone. Half the most that a plane through its stairs needs by the rounding of greys, and
- * what moves k of a pore of four voxels by some per cent. */
+ * stands alone. Of turned slits, tubes, ducts and spheres (docs/notes/2026-11-23-walls-labels.md).
+ */
 static const float DEPTH[2] = {0.06f, 0.2f}, OFF[2] = {0.04f, 0.12f};
 /* Voxels about one on the wrong side that go with it; the deviation of what "about a place" is, and
  * that over which one surface goes over into the other. */
@@ -157,7 +156,7 @@ static void draw(const struct drawing *d, size_t z, float *work, float *a, float
   const size_t plane = d->size[0] * d->size[1];
   const float peak = (float)(1.0 / sqrt(2.0 * M_PI));
   const float narrow_slope = peak / (float)LABEL_SMOOTHING;
-  const float wide_slope = peak * (float)((2.0 - 1.0 / SQRT2) / WIDE);
+  const float wide_slope = peak * (float)((2.0 - 1.0 / SQRT2) / LABEL_SMOOTHING_WIDE);
   filter(d, is_grain, &d->narrow_kernel, z, work, a);
   for (size_t p = 0; p < plane; p++)
     d->walls[z * plane + p] = grey_of((a[p] - 0.5f) / narrow_slope);
@@ -222,8 +221,8 @@ enum status label_walls(const uint8_t *grain, const size_t size[3], const bool r
                       .size = size,
                       .reflect = reflect,
                       .narrow_kernel = gaussian(LABEL_SMOOTHING),
-                      .wide_once = gaussian(WIDE),
-                      .wide_twice = gaussian(WIDE * SQRT2),
+                      .wide_once = gaussian(LABEL_SMOOTHING_WIDE),
+                      .wide_twice = gaussian(LABEL_SMOOTHING_WIDE * SQRT2),
                       .about = gaussian(ABOUT),
                       .passage = gaussian(PASSAGE),
                       .walls = walls};

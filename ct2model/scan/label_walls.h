@@ -15,6 +15,8 @@
  * spheres of 4 to 15 voxels' radius is nearest to the exact one (docs/notes/2026-11-22-labels.md).
  */
 #define LABEL_SMOOTHING 0.7
+/* The same of the wide filter. */
+#define LABEL_SMOOTHING_WIDE 1.6
 
 /* walls[z][y][x] from grain[z][y][x], 1 grain and 0 all else. `reflect`: axes that are mirrored
  * about the first face and the last centre; the others are periodic. The same for any number of

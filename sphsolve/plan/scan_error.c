@@ -18,7 +18,7 @@ static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation
 static const double LABELS = 2.0; /* the error over the change */
 /* Walls from labels are a fortieth of a voxel off, as turned slits show (3 times twice that over a
  * slit's width, which is w / 2); in deviations of what smooths labels, .7 voxels. */
-static const double PLACED = 0.43;
+static const double PLACED = 0.43; /* .301 voxels */
 
 /* Where no surface stands alone for the blur to be measured: edges of three voxels from a tenth to
  * nine tenths, as scanners are commonly set. */

@@ -22,6 +22,8 @@ duct = share((8.3, 16.7), 24, .5)
 write("duct.raw", 24, 48, lambda x, y: duct[x] * duct[y], 8)
 n = 40  # a slit of 14.14 voxels at 45 degrees
 open("turned.raw", "wb").write(bytes(int((x + z) % n >= n / 2) for z in range(n) for y in range(8) for x in range(n)))
+open("stairs.raw", "wb").write(bytes(int((3 * x + z) % n >= n / 2) for z in range(n) for y in range(12) for x in range(n)))
+open("thin.raw", "wb").write(bytes(int(not 6 <= x < 12) for z in range(14) for y in range(14) for x in range(18)))
 END
   cat > s.cfg <<'END'
 scene = { name = "flat"; method = "stokes"; };
@@ -61,4 +63,15 @@ END
 @test "labels at 45 degrees: the wall lies where the labels change" {
   flat turned 40x8x40 --segmented 0
   held turned "$(awk 'BEGIN { print 200 / 12 * 0.5 * 0.5 }')" 0.005
+}
+
+@test "labels at 18 degrees: no ripple is left of their stairs" {
+  flat stairs 40x12x40 --segmented 0 # 6.32 voxels wide
+  held stairs "$(awk 'BEGIN { print 40 / 12 * 0.9 * 0.5 }')" 0.025
+}
+
+@test "labels of a slit along the voxels: blurred once more it stays, and its error is small" {
+  flat thin 18x14x14 --segmented 0
+  held thin "$(awk 'BEGIN { print 6^3 / 12 / 18 }')" 0.02
+  /usr/bin/python3 -c 'import json; e = json.load(open("thin.json"))["error"]; assert e["scan"] < 0.04, e'
 }
