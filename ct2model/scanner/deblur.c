@@ -11,7 +11,7 @@
 
 /* The share of grain is M u, where u, 0 <= u <= 1, minimises
  *
- *   |g - H A u|^2 / 2 + lambda S(u),   lambda = SURFACE P (1 + f)^2 / s^2,
+ *   |g - H A u|^2 / 2 + lambda S(u),   lambda = SURFACE N (1 + f')^2 / s^2,
  *
  * g the scan, A the grey of the grain at a place, H the scanner's blur with the voxel's own average
  * M, S the surface of the grains (grain_surface.h); by accelerated projected gradients (FISTA, Beck
@@ -20,12 +20,16 @@
  *
  * With the noise power P = variance times the volume it is correlated over, -log likelihood is
  * |g - H A u|^2 / (2 P); a surface of s^2, the square of the blur (a voxel at least), costs
- * SURFACE: grains have no relief much finer than the scanner can see. A fringe f raises the
- * scanner's transfer of relief of the blur's size, the period 2 pi s, 1 + f times
- * (edge_fit_transfer), its square in the likelihood; surface costs as much more. SURFACE and the
- * rounds were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
- * noise (docs/notes/2026-11-23-scanner.md). */
-static const double SURFACE = 0.13, AVERAGE = 1.0 / 12.0;
+ * SURFACE: grains have no relief much finer than the scanner can see. What noise makes there is
+ * less where it is correlated over a length l: a Gaussian's spectrum is P exp(-(l q)^2), and relief
+ * just seen has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), what
+ * the data gain by relief, is lambda q^2. N is P over that of noise as fine as voxels tell
+ * (SHORTEST). A fringe f raises the scanner's transfer of relief of wavenumber 1 / s, 1 + f' times
+ * (edge_fit_transfer), its square in the likelihood; surface costs as much more. f' = f (blur /
+ * s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE and the rounds were
+ * fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise, RELIEF
+ * chosen on some of them (docs/notes/2026-11-23-scanner.md). */
+static const double SURFACE = 0.13, RELIEF = 1.5, SHORTEST = 0.6, AVERAGE = 1.0 / 12.0;
 /* Rounds before grains are told apart, and after. */
 enum { ROUNDS_FIRST = 10, ROUNDS = 30 };
 
@@ -63,15 +67,18 @@ static double largest_transfer(double fringe) {
 }
 
 static void choose_filters(const struct deblur_scanner *scanner, struct filters *filters) {
-  double wide = 1.0; /* voxels^2, alike along all axes */
+  double blur = 0.0; /* voxels^2, alike along all axes */
   for (int d = 0; d < 3; d++) {
     const double square = pow(scanner->blur[d], 2.0);
     filters->once[d] = sqrt(square + AVERAGE);
     filters->twice[d] = sqrt(2.0 * (square + AVERAGE));
     filters->fringe[d] = scanner->fringe * square;
-    wide = fmax(wide, square * pow(scanner->stretch[d], 2.0));
+    blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
-  filters->cost = SURFACE * scanner->power * pow(1.0 + scanner->fringe, 2.0) / wide;
+  const double wide = fmax(blur, 1.0);
+  const double longer = fmax(scanner->correlation * scanner->correlation - SHORTEST * SHORTEST, 0.0);
+  const double noise = scanner->power * exp(-RELIEF * longer / wide);
+  filters->cost = SURFACE * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
   filters->step = 1.05 * largest_transfer(scanner->fringe);
 }
 

@@ -13,6 +13,8 @@ struct deblur_scanner {
   double fringe;  /* the blurred image less this times blur^2 times its Laplacian */
   double power;   /* of the noise: variance over contrast^2, times the volume that it is alike in,
                      voxels */
+  double correlation; /* length that the noise is correlated over, of its Gaussian filter, in the
+                         shortest voxel edges */
   double stretch[3]; /* voxel edges over their shortest */
 };
 

@@ -106,6 +106,7 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   for (int d = 0; d < 3; d++) work.stretch[d] = region->voxel[d] * (double)step / least;
   const double length =
       fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(width, least));
+  work.correlation = length / least;
   work.power = pow(scanner->noise / contrast, 2.0) * noise_volume(length, region->voxel) / volume;
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
   const size_t margin = (size_t)ceil(MARGIN * fmax(work.blur[2], 1.0));
