@@ -10,7 +10,7 @@
 static const double KEPT = 1.5; /* the error over the change of ln k, where the blur was left in, */
 static const double REMOVED = 0.3;  /* and where it was taken out, */
 static const double GROWTH = 3.0;   /* which grows by this times the change */
-static const double ROUGH = 0.2;    /* the error over (roughness by noise / width of a pore) */
+static const double ROUGH = 0.4;    /* the error over (roughness by noise / width of a pore) */
 static const double VOXELS = 0.035; /* what the sharpest scan's voxels leave */
 static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation / mean pore)^2 */
 /* Of the steps of a segmented image: fitted to spheres, packs, fibres and level sets of noise
