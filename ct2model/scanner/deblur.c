@@ -76,7 +76,8 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
     blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
   const double wide = fmax(blur, 1.0);
-  const double longer = fmax(scanner->correlation * scanner->correlation - SHORTEST * SHORTEST, 0.0);
+  const double longer =
+      fmax(scanner->correlation * scanner->correlation - SHORTEST * SHORTEST, 0.0);
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
   filters->cost = SURFACE * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
   filters->step = 1.05 * largest_transfer(scanner->fringe);

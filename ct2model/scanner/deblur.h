@@ -15,7 +15,7 @@ struct deblur_scanner {
                      voxels */
   double correlation; /* length that the noise is correlated over, of its Gaussian filter, in the
                          shortest voxel edges */
-  double stretch[3]; /* voxel edges over their shortest */
+  double stretch[3];  /* voxel edges over their shortest */
 };
 
 struct deblur {
