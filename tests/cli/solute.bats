@@ -202,7 +202,7 @@ P
   analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
   grep -q 'id="breakthrough"' walked.html
   # Panels above each other: as wide as a telephone, or the letters are too small there.
-  grep -oE '<svg[^>]*viewBox="0 0 480 720"' walked.html
+  grep -q 'data-name="breakthrough" width="480" height="720"' walked.html
   grep -q 'id="film"' walked.html
   run -3 --separate-stderr analyze darcy carried.hdf
   [[ $stderr == *"analyze dispersion carried.hdf"* ]]
