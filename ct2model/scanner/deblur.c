@@ -24,12 +24,12 @@
  * less where it is correlated over a length l: a Gaussian's spectrum is P exp(-(l q)^2), and relief
  * just seen has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), what
  * the data gain by relief, is lambda q^2. N is P over that of noise as fine as voxels tell
- * (SHORTEST). A fringe f raises the scanner's transfer of relief of wavenumber 1 / s, 1 + f' times
- * (edge_fit_transfer), its square in the likelihood; surface costs as much more. f' = f (blur /
- * s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE and the rounds were
- * fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise, RELIEF
- * chosen on some of them (docs/notes/2026-11-23-scanner.md). */
-static const double SURFACE = 0.13, RELIEF = 1.5, SHORTEST = 0.6, AVERAGE = 1.0 / 12.0;
+ * (DEBLUR_CORRELATION_LEAST). A fringe f raises the scanner's transfer of relief of wavenumber 1 /
+ * s, 1 + f' times (edge_fit_transfer), its square in the likelihood; surface costs as much more. f'
+ * = f (blur / s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE and the
+ * rounds were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
+ * noise, RELIEF chosen on some of them (docs/notes/2026-11-23-scanner.md). */
+static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
 /* Rounds before grains are told apart, and after. */
 enum { ROUNDS_FIRST = 10, ROUNDS = 30 };
 
@@ -76,8 +76,9 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
     blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
   const double wide = fmax(blur, 1.0);
-  const double longer =
-      fmax(scanner->correlation * scanner->correlation - SHORTEST * SHORTEST, 0.0);
+  const double longer = fmax(scanner->correlation * scanner->correlation -
+                                 DEBLUR_CORRELATION_LEAST * DEBLUR_CORRELATION_LEAST,
+                             0.0);
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
   filters->cost = SURFACE * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
   filters->step = 1.05 * largest_transfer(scanner->fringe);

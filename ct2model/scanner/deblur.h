@@ -7,6 +7,10 @@
 
 #include "common/error.h"
 
+/* Noise is taken as correlated over a length of so many voxels at least: finer noise makes relief
+ * between the voxels. */
+#define DEBLUR_CORRELATION_LEAST 0.6
+
 /* What the scanner does, lengths in voxels of the slab by axis. */
 struct deblur_scanner {
   double blur[3]; /* standard deviation, without the voxel's own width */

@@ -9,11 +9,6 @@
 
 #define PI 3.14159265358979323846
 enum { LEVELS = 255 };
-/* Noise is taken as correlated over a length of so many voxels at least, as finer noise makes
- * relief between the voxels; and over no more than the blur, as what is longer is the grains'
- * texture. */
-#define CORRELATION_LEAST 0.6
-
 /* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
  * voxels are averaged as far as the blur allows. */
 static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
@@ -104,8 +99,9 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   }
   if (voxels > HELD) return STATUS_OK;
   for (int d = 0; d < 3; d++) work.stretch[d] = region->voxel[d] * (double)step / least;
+  /* No longer than the blur: what is longer is the grains' texture. */
   const double length =
-      fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(width, least));
+      fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(width, least));
   work.correlation = length / least;
   work.power = pow(scanner->noise / contrast, 2.0) * noise_volume(length, region->voxel) / volume;
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
