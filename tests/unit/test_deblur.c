@@ -146,6 +146,22 @@ static void test_turned(void **state) {
   memory_free(&its);
 }
 
+/* A drawing as the scanner sees it, at work in `deblur`; returns what was drawn. Both to be freed.
+ */
+static float *scan(double (*distance)(const double at[3]), const struct deblur_scanner *scanner,
+                   struct deblur *deblur) {
+  float *truth = floats(), *work = floats();
+  double weight[3];
+  for (int d = 0; d < 3; d++) weight[d] = scanner->fringe * scanner->blur[d] * scanner->blur[d];
+  assert_int_equal(deblur_start(N, scanner, deblur), STATUS_OK);
+  memcpy(deblur->size, SIZE, sizeof SIZE);
+  draw(distance, truth);
+  gaussian_filter(truth, SIZE, scanner->blur, work, deblur->share);
+  laplacian_subtract(deblur->share, SIZE, weight, deblur->grey);
+  memory_free(&work);
+  return truth;
+}
+
 /* Pore within `radius` of the axis and two voxels of the contact, voxels. */
 static double wedge(const float *share, double radius) {
   double sum = 0.0;
@@ -158,18 +174,10 @@ static double wedge(const float *share, double radius) {
 
 static void test_wedge(void **state) {
   (void)state;
-  float *truth = floats(), *work = floats();
-  const double blur = 1.6, fringe = 0.4;
   const struct deblur_scanner scanner = {
-      .blur = {blur, blur, blur}, .fringe = fringe, .power = 0.02, .stretch = {1.0, 1.0, 1.0}};
-  const double sigma[3] = {blur, blur, blur};
-  const double weight[3] = {fringe * blur * blur, fringe * blur * blur, fringe * blur * blur};
+      .blur = {1.6, 1.6, 1.6}, .fringe = 0.4, .power = 0.02, .stretch = {1.0, 1.0, 1.0}};
   struct deblur deblur;
-  assert_int_equal(deblur_start(N, &scanner, &deblur), STATUS_OK);
-  memcpy(deblur.size, SIZE, sizeof SIZE);
-  draw(touching, truth);
-  gaussian_filter(truth, SIZE, sigma, work, deblur.share);
-  laplacian_subtract(deblur.share, SIZE, weight, deblur.grey);
+  float *truth = scan(touching, &scanner, &deblur);
   const double seen = wedge(deblur.grey, 5.0), wanted = wedge(truth, 5.0);
   assert_int_equal(deblur_run(&deblur), STATUS_OK);
   double off = 0.0;
@@ -185,7 +193,6 @@ static void test_wedge(void **state) {
   assert_true(fabs(off / area) < 0.02);
   deblur_end(&deblur);
   memory_free(&truth);
-  memory_free(&work);
 }
 
 static double fine(const double at[3]) {
@@ -196,22 +203,14 @@ static double fine(const double at[3]) {
  * scanner sees, so that taking it for white noise of its power smooths fines away. */
 static void test_fine(void **state) {
   (void)state;
-  const double blur = 0.75, fringe = 0.7;
-  const double sigma[3] = {blur, blur, blur};
-  const double weight[3] = {fringe * blur * blur, fringe * blur * blur, fringe * blur * blur};
-  const struct deblur_scanner scanner = {.blur = {blur, blur, blur},
-                                         .fringe = fringe,
+  const struct deblur_scanner scanner = {.blur = {0.75, 0.75, 0.75},
+                                         .fringe = 0.7,
                                          .power = 1.6,
                                          .correlation = 1.0,
                                          .stretch = {1.0, 1.0, 1.0}};
-  float *truth = floats(), *work = floats();
   double seen = 0.0, wanted = 0.0;
   struct deblur deblur;
-  assert_int_equal(deblur_start(N, &scanner, &deblur), STATUS_OK);
-  memcpy(deblur.size, SIZE, sizeof SIZE);
-  draw(fine, truth);
-  gaussian_filter(truth, SIZE, sigma, work, deblur.share);
-  laplacian_subtract(deblur.share, SIZE, weight, deblur.grey);
+  float *truth = scan(fine, &scanner, &deblur);
   assert_int_equal(deblur_run(&deblur), STATUS_OK);
   for (size_t i = 0; i < N; i++) {
     seen += deblur.share[i] > 0.5F;
@@ -221,7 +220,6 @@ static void test_fine(void **state) {
   assert_true(seen > 0.6 * wanted);
   deblur_end(&deblur);
   memory_free(&truth);
-  memory_free(&work);
 }
 
 int main(void) {
