@@ -28,6 +28,8 @@ struct series {
   double formal_order;
   struct convergence result;
   struct uncertainty uncertainty; /* of the finest run, its resolution by the index */
+  const struct run *better;       /* knows k better by its own lattices alone; NULL: none */
+  double better_error;            /* relative, of `better` */
 };
 
 static enum status measure(const struct run *run, struct level *level) {
@@ -128,12 +130,32 @@ cleanup:
   return status;
 }
 
+static void level_uncertainty(const struct level *level, struct uncertainty *u) {
+  uncertainty_read(level->run, u);
+  if (isnan(u->averaging)) u->averaging = level->error;
+}
+
+/* The run whose own lattices tell k better than the extrapolation over the runs' spacings. */
+static void find_better(const struct level *levels, struct series *s) {
+  s->better_error = uncertainty_total(&s->uncertainty);
+  for (size_t i = s->first; i < s->first + s->count; i++) {
+    const struct run *run = levels[i].run;
+    struct uncertainty own;
+    if (!levels[i].of_finest) continue;
+    level_uncertainty(&levels[i], &own);
+    if (isnan(own.resolution) || own.resolution_expected ||
+        !(uncertainty_total(&own) < s->better_error))
+      continue;
+    s->better = run;
+    s->better_error = uncertainty_total(&own);
+  }
+}
+
 static enum status extrapolate(const struct level *levels, struct series *s) {
   enum status status = STATUS_OK;
   double *h = NULL;
   const struct run *run = levels[s->first].run;
-  uncertainty_read(run, &s->uncertainty);
-  if (isnan(s->uncertainty.averaging)) s->uncertainty.averaging = levels[s->first].error;
+  level_uncertainty(&levels[s->first], &s->uncertainty);
   /* Frozen walls widen every gap by a constant number of spacings: first order. */
   s->formal_order = strcmp(run->wall, "frozen") == 0 ? 1.0 : 2.0;
   if (s->count < 2) return STATUS_OK;
@@ -146,6 +168,7 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   s->uncertainty.resolution = s->result.index;
   s->uncertainty.resolution_expected = false;
   s->uncertainty.resolution_index = true;
+  find_better(levels, s);
   if (s->count > 2 && !s->result.monotone)
     log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
                 "three times the range as its error: add a finer run",
@@ -193,6 +216,11 @@ static void series_json(const struct level *levels, const struct series *s, json
                       json_boolean(ok && s->result.monotone && !s->result.far));
   json_put_number(object, "grid_convergence_index", ok ? s->result.index : NAN);
   json_put_number(object, "safety_factor", ok ? s->result.safety : NAN);
+  if (s->better != NULL)
+    json_object_set_new(object, "better_run",
+                        json_pack("{s:o,s:o,s:o}", "path", json_text(s->better->path), "k_m_per_s",
+                                  json_number(s->better->k), "k_relative_error",
+                                  json_number(s->better_error)));
   uncertainty_json(&s->uncertainty, object);
   for (size_t i = s->first; i < s->first + s->count; i++) {
     const struct level *level = &levels[i];
@@ -253,6 +281,12 @@ static void write_summary(const struct level *levels, const struct series *serie
     fprintf(stream, "grid convergence index of the finest %.3g %% (safety factor %g)\n",
             100.0 * s->result.index, s->result.safety);
     uncertainty_write(&s->uncertainty, stream);
+    if (s->better != NULL) {
+      fprintf(stream, "  %.60s alone tells more, by its own lattices: k = ", s->better->name);
+      write_value_with_error(stream, 100.0 * s->better->k, 100.0 * s->better->k * s->better_error,
+                             "+-", " cm/s");
+      fputc('\n', stream);
+    }
     fputc('\n', stream);
   }
 }

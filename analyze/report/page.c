@@ -110,7 +110,7 @@ static enum status write_methods(struct page *page) {
                                 .lattices = from != NULL && from[0] == 'l'};
   size_t i;
   json_array_foreach(json_object_get(converge, "series"), i, series) {
-    facts.extrapolated |= json_is_true(json_object_get(series, "extrapolated"));
+    facts.extrapolated |= facts.index && json_is_true(json_object_get(series, "extrapolated"));
   }
   for (i = 0; i < page->subject.n; i++)
     facts.averaged |= strcmp(page->subject.runs[i].method, "stokes") != 0;

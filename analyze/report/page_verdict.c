@@ -50,16 +50,44 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
                          json_object_get(fit, "dlnk_dvoid_ratio")));
 }
 
+static bool holds(const json_t *fit, const json_t *row) {
+  size_t i;
+  const json_t *other;
+  json_array_foreach(json_object_get(fit, "runs"), i, other) {
+    if (strcmp(string(other, "path"), string(row, "path")) == 0) return true;
+  }
+  return false;
+}
+
+/* The run of a series whose own lattices tell k better than the extrapolation over all its
+ * spacings; NULL if none does. */
+static const json_t *better_alone(const json_t *series, const json_t *groups) {
+  double least = json_number_or_nan(series, "k_relative_error");
+  const json_t *group, *best = NULL;
+  size_t i;
+  json_array_foreach(groups, i, group) {
+    const json_t *rows = json_object_get(group, "runs");
+    const json_t *parts = json_object_get(group, "error_budget");
+    const double error = json_number_or_nan(group, "k_relative_error");
+    if (json_array_size(rows) != 1 || !(error < least) ||
+        !isfinite(json_number_or_nan(parts, "resolution")) ||
+        strcmp(string(parts, "resolution_from"), "lattices") != 0 ||
+        !holds(series, json_array_get(rows, 0)))
+      continue;
+    least = error;
+    best = group;
+  }
+  return best;
+}
+
 /* Whether all runs of a group stand in a series that has a k. */
 static bool covered(const json_t *group, const json_t *series) {
-  size_t g, s, r;
-  const json_t *row, *one, *other;
+  size_t g, s;
+  const json_t *row, *one;
   json_array_foreach(json_object_get(group, "runs"), g, row) {
     bool found = false;
     json_array_foreach(series, s, one) {
-      if (!isfinite(json_number_or_nan(one, "k_m_per_s"))) continue;
-      json_array_foreach(json_object_get(one, "runs"), r, other) found |=
-          strcmp(string(other, "path"), string(row, "path")) == 0;
+      found |= isfinite(json_number_or_nan(one, "k_m_per_s")) && holds(one, row);
     }
     if (!found) return false;
   }
@@ -95,9 +123,16 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge) {
   json_t *results = json_array();
   const json_t *series = json_object_get(converge, "series"), *fit;
+  const json_t *groups = json_object_get(darcy, "groups");
   size_t i;
   json_array_foreach(series, i, fit) {
     char name[300];
+    const json_t *alone = better_alone(fit, groups);
+    if (alone != NULL) {
+      add(results, runs, n, alone, string(alone, "name"),
+          "From the lattices of this run, which tell more than the runs' spacings together.");
+      continue;
+    }
     const bool extrapolated = json_is_true(json_object_get(fit, "extrapolated"));
     snprintf(
         name, sizeof name, "%s of %zu (%.60s, %.60s walls)",
@@ -109,7 +144,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
             : "The spacings do not converge well enough to extrapolate; the error is three "
               "times what they differ by.");
   }
-  json_array_foreach(json_object_get(darcy, "groups"), i, fit) {
+  json_array_foreach(groups, i, fit) {
     if (!covered(fit, series))
       add(results, runs, n, fit, string(fit, "name"),
           json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");

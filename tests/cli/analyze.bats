@@ -356,3 +356,22 @@ rows = json.load(open("many.json"))["series"][0]["runs"]
 assert len(rows) == 2 and all(abs(r["k_m_per_s"] / (1.02 * k) - 1) < 1e-6 for r, k in zip(rows, (1.040e-3, 1.020e-3))), rows'
   analyze converge many20.hdf many40.hdf | grep -q "the finest alone"
 }
+
+@test "converge, report: a run that knows k better by its own lattices than two spacings do is not joined to worse" {
+  for n in 20 40; do
+    /usr/bin/python3 "$MAKE_RUN" own$n.hdf n=$n spacing=$((80 / n))e-5 k=1.${n}e-3 method=stokes model= levels=1 resolution=0.05
+  done
+  analyze converge own20.hdf own40.hdf > own.txt
+  analyze converge own20.hdf own40.hdf --json > own.json
+  analyze darcy own40.hdf --json > own40.json
+  analyze report own20.hdf own40.hdf -o own.html
+  grep -q "alone tells more, by its own lattices: k = " own.txt
+  grep -q "From the lattices of this run" own.html
+  absent -q "Richardson extrapolation; the error holds" own.html
+  absent -q "extrapolated over the spacings of the runs" own.html
+  /usr/bin/python3 -c 'import json
+series, alone = json.load(open("own.json"))["series"][0], json.load(open("own40.json"))
+assert series["better_run"]["path"] == "own40.hdf", series
+assert abs(series["better_run"]["k_relative_error"] / alone["k_relative_error"] - 1) < 1e-6, (series, alone)
+assert series["better_run"]["k_relative_error"] < series["k_relative_error"], series'
+}

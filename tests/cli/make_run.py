@@ -11,7 +11,7 @@ import numpy as np
 o = dict(k=1.5e-3, i=1.0, n=20, rows=200, tau=0.005, end=0.1, noise=0.0, hash="0x1234", name="slit", method="wcsph",
          wall="subvoxel", snapshots=1, density=1000.0, viscosity=1e-3, drift=0.0, spacing=4.6e-5, k_error=0.01,
          b=0.0, gauge=0, wall_time=12.5, model="slit.hdf", status="steady", driving=1.0, solid=1,
-         levels=0, pressure=0)
+         levels=0, pressure=0, resolution=0.0)
 out = sys.argv[1]
 for item in sys.argv[2:]:
     key, value = item.split("=", 1)
@@ -69,6 +69,8 @@ with h5py.File(out, "w") as f:
         r["levels/spacing"], r["levels/k"] = h, o["k"] * (1 + (h / dx) ** 2 / 50)
         r["levels/iterations"], r["levels/seconds"] = [20.0, 25, 30, 40], [0.1, 0.4, 2, 20]
         a["k_low"], a["k_high"], a["k_finest"] = 0.9 * o["k"], 1.2 * o["k"], 1.02 * o["k"]
+    if o["resolution"]:
+        r.create_group("error").attrs["resolution"] = o["resolution"]
     r["scene"] = 'scene = { name = "%s"; };' % o["name"]
     e = r.create_group("effects")
     e.create_dataset("name", data=["body_force", "turbulence"], dtype=text)
