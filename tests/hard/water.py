@@ -6,8 +6,10 @@ NO_SLIP, SLIP = "isph = { %s };\n", 'isph = { wall = { slip = true; }; %s };\n'
 
 
 def scene(size, spacing, regions, end, periodic=(False, False), gravity=G, more="", wall=NO_SLIP, isph="", interval=None):
-    """A 2-D scene; regions: (type, box, settings)."""
-    made = ",\n  ".join('{ type = "%s"; box = [%s]; %s }' % (kind, ", ".join(f'"{x:.12g} m"' for x in box), extra) for kind, box, extra in regions)
+    """A 2-D scene; regions: (type, box, settings); without a box the settings give its shape."""
+    def place(box):
+        return "box = [%s];" % ", ".join(f'"{x:.12g} m"' for x in box) if box is not None else ""
+    made = ",\n  ".join('{ type = "%s"; %s %s }' % (kind, place(box), extra) for kind, box, extra in regions)
     return (f'scene = {{ name = "hard"; method = "isph"; end_time = "{end:g} s"; steady_tolerance = 0; }};\n'
             f'domain = {{ size = ["{size[0]:.12g} m", "{size[1]:.12g} m"]; spacing = "{spacing:.12g} m"; periodic = [{", ".join(str(p).lower() for p in periodic)}]; }};\n'
             'fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );\n'
