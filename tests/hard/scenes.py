@@ -167,7 +167,7 @@ def judge(number):
     yield holds("no step was taken back", "issue 21", not run.backs, "; ".join(run.backs)[:200])
     yield row("particles lost", "none may be", float(run.facts.get("particles_lost", 0)), 0, 0)
     yield row("particles not accounted for", "each keeps its mass", float(run.budget["particles_open"]), 0, 0)
-    yield row("mass not accounted for, of all", "one rounding a particle in the sums", run.budget["mass_open"] / h["mass"].max(), 0, h["particles"].max() * 2.0 ** -53)
+    yield row("mass not accounted for, of all", "two roundings a particle in the sums", run.budget["mass_open"] / h["mass"].max(), 0, h["particles"].max() * 2.0 ** -52)
     yield holds("water is not pressed together", "kernel sum 1.3, docs/seepage.md", "kernel_sum_most" not in run.facts, f"{run.facts.get('kernel_sum_most', 1):.3g}")
     for name in sorted(n for n in h if n.startswith("pressure_")):
         jump = jumps(h[name], 0.02 * 1000 * most ** 2 / 2)
