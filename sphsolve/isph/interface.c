@@ -17,6 +17,8 @@
  * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
  * with 0.1). */
 #define HESSIAN_WEIGHT 0.02
+/* Of the finer soil's mobility: no soils are touched whose mobilities differ by less than 9. */
+#define TRACE 4.0
 /* Neighbours' weight along an edge is at least this fraction of that without an edge. */
 #define WEIGHT_LEAST 0.25
 
@@ -26,11 +28,34 @@ void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph
   for (int k = 0; k < 6; k++) to->hessian[k] += scale * share->hessian[k];
 }
 
+static void add_mobility(struct isph_mobilities *to, double w, double mobility) {
+  to->sum += w * mobility;
+  to->least = fmin(to->least, mobility), to->most = fmax(to->most, mobility);
+}
+
+static bool differ(const struct isph_mobilities *m) {
+  return m->most > m->least * (1 + 1e-9);
+}
+
+/* The mean mobility along an interface. Fractions are smoothed, and where one soil lets through far
+ * more than the other a trace of it would decide: water in the fine soil would move along by what
+ * its steep pressure, across the flow, leaves by disorder times the mobility of the coarse one, of
+ * which the pressure equation, whose pairs see the fine soil, knows nothing (ratio 1e4: ten times
+ * what seeps). So the coarse soil adds no more than TRACE times the fine one's own where less than
+ * half is coarse, and the fine soil takes no more than that where more is: as much is taken on one
+ * side of the interface as is given on the other, and layers carry as much as before. */
+static double mean_along(const struct isph_mobilities *m, double w) {
+  const double mean = m->sum / w, low = m->least, high = m->most;
+  if (!isfinite(mean) || high <= low * (1 + 2 * TRACE)) return mean;
+  if (2 * mean < low + high) return fmin(mean, low * (1 + TRACE));
+  return fmax(mean, high - low * TRACE);
+}
+
 void isph_soil_mix_add(struct isph_soil_mix *m, const struct isph_fraction *w, double a, double b) {
   const double drag = a > 0 ? a : b;
   if (!(drag > 0)) return;
-  m->least = fmin(m->least, drag), m->most = fmax(m->most, drag);
-  m->linear += w->value / a, m->forchheimer += w->value / sqrt(b);
+  add_mobility(&m->linear, w->value, 1 / a);
+  add_mobility(&m->forchheimer, w->value, 1 / sqrt(b));
   isph_fraction_add(&m->sum, 1, w);
   isph_fraction_add(&m->level, log(drag), w);
 }
@@ -91,13 +116,13 @@ void isph_soil_mix_split(const struct isph_soil_mix *m, double smoothing, struct
   double tensor[6];
   soil->along_a = soil->a, soil->along_b = soil->b, soil->plane = 1;
   memset(soil->normal, 0, sizeof soil->normal);
-  if (!(w > 0) || !(m->most > m->least * (1 + 1e-9))) return;
+  if (!(w > 0) || !(differ(&m->linear) || differ(&m->forchheimer))) return;
   find_tensor(m, smoothing, tensor);
   const double q = principal(tensor, soil->normal);
   if (!(tensor[0] + tensor[3] + tensor[5] > 0)) return;
   soil->plane = q;
-  soil->along_a = w * w / m->linear;
-  soil->along_b = w * w * w / (m->forchheimer * m->forchheimer);
+  soil->along_a = w / mean_along(&m->linear, w);
+  soil->along_b = w / pow(mean_along(&m->forchheimer, w), 2);
   turn(q, &soil->a, &soil->along_a);
   turn(q, &soil->b, &soil->along_b);
 }
@@ -113,11 +138,12 @@ static double along(const double moment[6], const double n[3]) {
  * makes of it, sum V_j (k_ij/k_i) slope (q_i - q_j) r with the k_ij of the pressure's matrix: the
  * flux is then the same on both sides, which k_i times the plain gradient is not. Along it, too, a
  * neighbour counts by k_ij, but the gradient is exact for what is linear. */
-void isph_edge_close(const struct isph_edge *edge, double gradient[3]) {
-  double n[3], across = 0;
+void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]) {
+  double n[3], g[3], across = 0;
   const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
-  double g[3];
   for (int a = 0; a < 3; a++) g[a] = edge->normal[a] - mean * edge->middle[a];
+  if (interface != NULL && (interface[0] != 0 || interface[1] != 0 || interface[2] != 0))
+    memcpy(g, interface, sizeof g);
   const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   if (!(size > 0)) return;
   for (int a = 0; a < 3; a++) n[a] = g[a] / size, across += n[a] * edge->flux[a];

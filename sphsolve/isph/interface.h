@@ -15,12 +15,17 @@ struct isph_fraction {
 /* to += scale * fraction */
 void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share);
 
-/* Sums over the soils at a place; start from {.least = INFINITY}. */
+/* Of the soils at a place: mobilities 1/a or 1/sqrt(b), mean times the sum of w. */
+struct isph_mobilities {
+  double sum, least, most;
+};
+/* Sums over the soils at a place; start from ISPH_SOIL_MIX. */
 struct isph_soil_mix {
-  double least, most;              /* drag of the soils here */
-  double linear, forchheimer;      /* sum of w/a, w/sqrt(b) */
+  struct isph_mobilities linear, forchheimer;
   struct isph_fraction sum, level; /* sum of w, w ln a */
 };
+#define ISPH_SOIL_MIX \
+  { .linear.least = INFINITY, .forchheimer.least = INFINITY }
 /* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its fraction w here. */
 void isph_soil_mix_add(struct isph_soil_mix *mix, const struct isph_fraction *w, double a,
                        double b);
@@ -47,6 +52,6 @@ static inline void isph_edge_add(struct isph_edge *edge, double kij, double weig
       edge->even[k] += weight * r[a] * r[b], edge->weighted[k] += more * r[a] * r[b];
   }
 }
-void isph_edge_close(const struct isph_edge *edge, double gradient[3]);
+void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]);
 
 #endif

@@ -140,7 +140,7 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   const struct scene *scene = s->scene;
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
-  struct isph_soil_mix mix = {.least = INFINITY};
+  struct isph_soil_mix mix = ISPH_SOIL_MIX;
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;

@@ -230,7 +230,7 @@ static void correct(struct isph *s) {
           isph_edge_add(&edge, isph_mobility_between(s, chunk, p, i, j) / k, weight,
                         drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
       }
-      if (edges) isph_edge_close(&edge, reduced);
+      if (edges) isph_edge_close(&edge, s->on.interfaces ? s->interface[i].normal : NULL, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
