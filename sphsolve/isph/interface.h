@@ -24,7 +24,7 @@ struct isph_soil_mix {
   struct isph_mobilities linear, forchheimer;
   struct isph_fraction sum, level; /* sum of w, w ln a */
 };
-#define ISPH_SOIL_MIX \
+#define ISPH_SOIL_MIX                                                                              \
   { .linear.least = INFINITY, .forchheimer.least = INFINITY }
 /* A soil of linear drag a, 1/s, and Forchheimer's b, 1/m, with its fraction w here. */
 void isph_soil_mix_add(struct isph_soil_mix *mix, const struct isph_fraction *w, double a,

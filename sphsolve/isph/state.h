@@ -127,7 +127,8 @@ struct isph_cells {
 
 struct isph_solve {
   int iterations, iterations_total, solves;
-  double residual, energy; /* energy: x.b of the step's first solve */
+  double residual;
+  double energy, pressure; /* of the step's first solve: x.b, and the largest pressure, Pa */
   bool again;              /* what is solved is what the first projection left of div v */
 };
 
