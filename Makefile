@@ -50,12 +50,12 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: scan-quality package fuzz all check demo deps s06 m15 scans verify tradeoff hard bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
+.PHONY: scan-quality package fuzz all check demo deps s06 m15 scans verify tradeoff hard scenes bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
 all: $(BINARIES)
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
 NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard bench,$(MAKECMDGOALS))
+INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk $(if $(filter 1,$(MPI)),$(BUILD)/config-mpi.mk)
@@ -201,6 +201,8 @@ tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/studies/tradeoff
 hard: all $(BUILD)/tests/hard_engine
 	$(Q)BUILD=$(BUILD) scripts/hard
+scenes: all
+	$(Q)BUILD=$(BUILD) scripts/hard --scenes
 bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan
 	$(Q)BUILD=$(BUILD) scripts/bench
 
