@@ -10,6 +10,7 @@ struct scan_quality {
   double blur, blur_error; /* standard deviation as measured; 1 sigma of it */
   double resolution;       /* period seen at a tenth of its contrast */
   double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
+  double shape;            /* relative error of k where pores are too narrow to show their shape */
   bool labels;             /* segmented before: `resolution` alone is known */
   bool assumed;            /* the scan told none of them */
   bool removed;            /* the model's surface is that of the scan without its blur */
@@ -26,6 +27,9 @@ double scan_deviation(const struct scan_quality *scan);
 /* Relative 95 % half width of k in pores of a mean width (4 V / S, m), where the blur of
  * scan_deviation once more changes ln k by `change`. */
 double scan_error(const struct scan_quality *scan, double change, double width);
+
+/* What of it is for pores too narrow to show their shape; 0: they show it. */
+double scan_shape_error(const struct scan_quality *scan, double width);
 
 /* The change to expect in pores of that width, before anything is solved. */
 double scan_change_expected(const struct scan_quality *scan, double width);

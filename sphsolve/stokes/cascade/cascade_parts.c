@@ -144,11 +144,15 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
   if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
   TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
   TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
+  const double width = c->plan->shape.width * c->plan->context.spacing;
   if (other > 0.0) {
     c->uncertainty.blur_assumed = scan.assumed ? scan.blur : NAN;
     c->uncertainty.slope_blur = scale * log(other / k);
-    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur,
-                                     c->plan->shape.width * c->plan->context.spacing);
+    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur, width);
+    if (scan_shape_error(&scan, width) > 0.05)
+      log_warning("the scan's blur hides the shape of pores as narrow as these: that alone may be "
+                  "%.0f %% of k; a sharper scan, or smaller voxels, would tell",
+                  100.0 * scan_shape_error(&scan, width));
   }
 cleanup:
   lattice_free(&blurred);
