@@ -156,17 +156,19 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
   return found;
 }
 
-static enum status grow(struct isph_chunk *chunk, bool links, size_t pairs, size_t walls) {
+static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on, size_t pairs,
+                        size_t walls) {
   enum status status = STATUS_OK;
   if (pairs > chunk->pair_capacity) {
     size_t n = pairs + pairs / 4 + 64 * CHUNK / 8;
     TRY(memory_resize(&chunk->pair, n, sizeof *chunk->pair, "neighbour lists"));
     TRY(memory_resize(&chunk->slope, n, sizeof *chunk->slope, "neighbour lists"));
     TRY(memory_resize(&chunk->matrix, n, sizeof *chunk->matrix, "pressure matrix"));
-    if (links) {
+    if (on->links || on->anisotropy)
       TRY(memory_resize(&chunk->mobility, n, sizeof *chunk->mobility, "neighbour lists"));
-      TRY(memory_resize(&chunk->way, n, sizeof *chunk->way, "neighbour lists"));
-    }
+    if (on->links) TRY(memory_resize(&chunk->way, n, sizeof *chunk->way, "neighbour lists"));
+    if (on->links && on->anisotropy)
+      TRY(memory_resize(&chunk->plain, n, sizeof *chunk->plain, "neighbour lists"));
     chunk->pair_capacity = n;
   }
   if (walls > chunk->wall_capacity) {
@@ -205,7 +207,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
                   "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
                   "the particles have clumped; use a smaller isph.dt",
                   s->time, CANDIDATES, xi[0], xi[1], xi[2]);
-    enum status status = grow(chunk, s->on.links, chunk->pair_count + n, chunk->wall_count);
+    enum status status = grow(chunk, &s->on, chunk->pair_count + n, chunk->wall_count);
     if (status != STATUS_OK) return status;
     isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
     double kernel_sum = s->volume[i] * w * s->kernel_w;
@@ -240,7 +242,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
                   "is a wall",
                   s->time, CANDIDATES, hi, xi[0], xi[1], xi[2]);
     if (n_wall > 0) {
-      status = grow(chunk, s->on.links, chunk->pair_count, chunk->wall_count + n_wall);
+      status = grow(chunk, &s->on, chunk->pair_count, chunk->wall_count + n_wall);
       if (status != STATUS_OK) return status;
       for (size_t k = 0; k < n_wall; k++) {
         double r[3];

@@ -134,19 +134,25 @@ static double along(const double moment[6], const double n[3]) {
   return sum;
 }
 
+bool isph_edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]) {
+  const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
+  double g[3];
+  for (int a = 0; a < 3; a++) g[a] = edge->normal[a] - mean * edge->middle[a];
+  if (interface != NULL && (interface[0] != 0 || interface[1] != 0 || interface[2] != 0))
+    memcpy(g, interface, sizeof g);
+  const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  for (int a = 0; a < 3; a++) normal[a] = size > 0 ? g[a] / size : 0;
+  return size > 0;
+}
+
 /* Across an edge of mobility, along n = grad ln k, the gradient is what the flux between particles
  * makes of it, sum V_j (k_ij/k_i) slope (q_i - q_j) r with the k_ij of the pressure's matrix: the
  * flux is then the same on both sides, which k_i times the plain gradient is not. Along it, too, a
  * neighbour counts by k_ij, but the gradient is exact for what is linear. */
 void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]) {
-  double n[3], g[3], across = 0;
-  const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
-  for (int a = 0; a < 3; a++) g[a] = edge->normal[a] - mean * edge->middle[a];
-  if (interface != NULL && (interface[0] != 0 || interface[1] != 0 || interface[2] != 0))
-    memcpy(g, interface, sizeof g);
-  const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  if (!(size > 0)) return;
-  for (int a = 0; a < 3; a++) n[a] = g[a] / size, across += n[a] * edge->flux[a];
+  double n[3], across = 0;
+  if (!isph_edge_normal(edge, interface, n)) return;
+  for (int a = 0; a < 3; a++) across += n[a] * edge->flux[a];
   const double share = along(edge->weighted, n) / along(edge->even, n);
   for (int a = 0; a < 3; a++)
     gradient[a] = n[a] * across + (edge->flux[a] - n[a] * across) / fmax(WEIGHT_LEAST, share);

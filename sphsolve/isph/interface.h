@@ -52,6 +52,9 @@ static inline void isph_edge_add(struct isph_edge *edge, double kij, double weig
       edge->even[k] += weight * r[a] * r[b], edge->weighted[k] += more * r[a] * r[b];
   }
 }
+/* Its unit normal: that of the interface where it has one, else along the edge's; false where there
+ * is none. */
+bool isph_edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]);
 void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]);
 
 #endif

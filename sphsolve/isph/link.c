@@ -3,6 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/isph/symmetric.h"
+
 bool isph_links_wanted(const struct scene *scene, bool has_surface) {
   return !has_surface && !scene->isph.porosity_paper;
 }
@@ -88,6 +91,15 @@ static void add(const struct isph *s, const struct region *soil, double share,
   if (s->on.drag_forchheimer) way->b += share * of.b;
 }
 
+static void add_part(struct isph_parts *parts, const struct region *soil, double share) {
+  if (parts->count == ISPH_PARTS) {
+    parts->at[ISPH_PARTS - 1].share += share;
+    return;
+  }
+  parts->at[parts->count].soil = soil;
+  parts->at[parts->count++].share = share;
+}
+
 /* The part from .. to of the way x + t step that lies in the box, t from 0 to 1. */
 static bool clip(const struct isph_box *box, const double x[3], const double step[3], double *from,
                  double *to) {
@@ -104,9 +116,9 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
 }
 
 /* Adds what lies from .. to on the way from x, of the regions before `end`: the last one first, and
- * the earlier ones, or water, on what it leaves. */
+ * the earlier ones, or water, on what it leaves. `parts` may be NULL. */
 static void walk(const struct isph *s, size_t end, const double x[3], const double step[3],
-                 double from, double to, struct isph_material *way) {
+                 double from, double to, struct isph_material *way, struct isph_parts *parts) {
   const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
   const double reach = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
   for (size_t k = end; k-- > 0 && from < to;) {
@@ -117,10 +129,13 @@ static void walk(const struct isph *s, size_t end, const double x[3], const doub
     double enters = from, leaves = to;
     if (!clip(&box, x, step, &enters, &leaves)) continue;
     add(s, region, leaves - enters, way);
-    if (from < enters) walk(s, k, x, step, from, enters, way);
+    if (parts != NULL) add_part(parts, region, leaves - enters);
+    if (from < enters) walk(s, k, x, step, from, enters, way, parts);
     from = leaves;
   }
-  if (from < to) add(s, NULL, to - from, way);
+  if (!(from < to)) return;
+  add(s, NULL, to - from, way);
+  if (parts != NULL) add_part(parts, NULL, to - from);
 }
 
 static double speed_of(const struct isph *s, size_t i) {
@@ -132,8 +147,9 @@ static double speed_of(const struct isph *s, size_t i) {
   return sqrt(square);
 }
 
-void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
-               struct isph_links *links) {
+/* Twice in the program: with tensors and without. */
+static inline void link_pairs(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
+                              bool tensors, struct isph_links *links) {
   const double *xi = s->position[i], own = speed_of(s, i);
   double level = 0, whole = 0, middle[3] = {0};
   memset(links, 0, sizeof *links);
@@ -141,20 +157,32 @@ void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double 
     const size_t j = chunk->pair[p] & PAIR_MASK;
     const int32_t ground = s->ground[i] != GROUND_MIXED ? s->ground[i] : s->ground[j];
     struct isph_material way = {0};
+    struct isph_parts parts = {.count = 0};
     double r[3];
     isph_separation(s, xi, s->position, chunk->pair[p], r);
     if (ground == GROUND_MIXED)
-      walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way);
+      walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
+           tensors ? &parts : NULL);
     else
       add(s, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1, &way);
+    if (tensors && ground != GROUND_MIXED)
+      add_part(&parts, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1);
     const double speed = way.b > 0 ? 0.5 * (own + speed_of(s, j)) : 0;
-    const double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
+    double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
+    const double plain = resistance;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));
+    if (tensors) {
+      const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+      const double direction[3] = {r[0] / length, r[1] / length, r[2] / length};
+      const struct isph_turned turned = isph_anisotropy_way(s, i, j, direction, &parts, dt, speed);
+      chunk->plain[p] = chunk->mobility[p], chunk->mobility[p] = (float)turned.mobility;
+      resistance += turned.drag - way.a, way.a = turned.drag;
+    }
     chunk->way[p] = (float)way.porosity;
     if (s->ground[i] != GROUND_MIXED) continue;
     const double weight = s->volume[j] * (double)chunk->slope[p];
     const double carried = weight * (way.a + way.b * speed) / resistance;
-    const double steep = weight * log(resistance);
+    const double steep = weight * log(plain);
     level += steep, whole += weight;
     for (int a = 0, k = 0; a < 3; a++) {
       links->normal[a] += steep * r[a], middle[a] += weight * r[a];
@@ -167,6 +195,14 @@ void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double 
     }
   }
   for (int a = 0; a < 3 && whole > 0; a++) links->normal[a] -= level / whole * middle[a];
+}
+
+void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
+               struct isph_links *links) {
+  if (s->on.anisotropy)
+    link_pairs(s, chunk, i, dt, true, links);
+  else
+    link_pairs(s, chunk, i, dt, false, links);
 }
 
 /* n.m.n */
@@ -192,10 +228,12 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
     across += u[a] * n[a] / square;
     linked->normal[a] = n[a] / sqrt(square);
   }
-  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed_of(s, i));
+  double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed_of(s, i));
+  if (s->on.anisotropy) left *= symmetric_along(s->anisotropy[i].relative, linked->normal);
   const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
   for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];
-  if (s->on.interfaces) /* as the budget takes it: over the drag across an interface */
+  if (s->on.interfaces &&
+      !s->on.anisotropy) /* as the budget takes it: over the drag across an interface */
     isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
                         linked->change);
 }

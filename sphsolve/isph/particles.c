@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/link.h"
@@ -91,6 +92,10 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->drag_factor, n, sizeof *s->drag_factor, what));
     TRY(memory_resize(&s->moment_defect, n, sizeof *s->moment_defect, what));
     if (s->on.interfaces) TRY(memory_resize(&s->interface, n, sizeof *s->interface, what));
+    if (s->on.anisotropy) {
+      TRY(memory_resize(&s->anisotropy, n, sizeof *s->anisotropy, what));
+      TRY(memory_resize(&s->shape, n, sizeof *s->shape, what));
+    }
     if (s->on.links) {
       TRY(memory_resize(&s->ground, n, sizeof *s->ground, what));
       TRY(memory_resize(&s->linked, n, sizeof *s->linked, what));
@@ -157,6 +162,9 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->on = *switches;
   s->on.interfaces = isph_soils_differ(scene);
   s->on.links = isph_links_wanted(scene, switches->surface) && s->on.soil;
+  s->on.mean_of_ends = s->on.surface && !s->on.anisotropy;
+  s->on.own_mobilities = !s->on.surface && !s->on.links && !s->on.anisotropy;
+  s->on.fading = s->on.interfaces && !s->on.anisotropy;
   s->relaxation_factor = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
@@ -191,6 +199,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
     if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
   }
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
+  if (s->on.anisotropy) TRY(isph_anisotropy_create(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   TRY(isph_wall_create(s));
@@ -211,6 +220,7 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].slope);
     memory_free(&s->chunks[c].mobility);
     memory_free(&s->chunks[c].way);
+    memory_free(&s->chunks[c].plain);
     memory_free(&s->chunks[c].matrix);
     memory_free(&s->chunks[c].wall);
     memory_free(&s->chunks[c].wall_slope);
@@ -229,6 +239,9 @@ void isph_free(struct isph *s) {
                     &s->drag_b,
                     &s->drag_factor,
                     &s->interface,
+                    &s->anisotropy,
+                    &s->shape,
+                    &s->beds,
                     &s->ground,
                     &s->linked,
                     &s->soil_velocity,

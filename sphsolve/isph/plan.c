@@ -1,4 +1,5 @@
 /* What method isph will take: memory, steps, time, and the error of k. */
+#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/method.h"
 
@@ -158,6 +159,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
     plan->bytes_fluid += 4 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
+  if (isph_is_anisotropic(scene))
+    plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

@@ -47,6 +47,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i], *vi = v[i];
       double ki = s->mobility[i], vol = s->volume[i];
+      const double *relative = s->on.anisotropy ? s->anisotropy[i].relative : NULL;
       double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
@@ -69,6 +70,10 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
           double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
+          if (relative != NULL) {
+            static const int own[3] = {0, 3, 5};
+            a *= relative[own[s->sides[s->boundary_box[j]].axis]];
+          }
           diagonal += a, tied += a;
           source += a * (held * s->boundary_pressure[j] +
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));

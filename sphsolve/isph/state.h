@@ -36,7 +36,9 @@
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides;
+  bool no_slip, moving_walls, open_sides, anisotropy;
+  /* which mobility a pair has, see isph_mobility_between */
+  bool mean_of_ends, own_mobilities, fading;
   uint32_t budget; /* terms of the effects on */
   size_t own_count;
   const struct effect *own[ISPH_OWN]; /* the effects on that bring a force or a surface pressure */
@@ -88,6 +90,19 @@ struct isph_interface {
   double plane;                                 /* 1, fading to 0 at corners */
 };
 
+/* Soil whose mobility is a tensor, at a particle: isph/anisotropy.h. */
+struct isph_anisotropy {
+  double drag[6];     /* its tensor over drag_a; all as xx xy xz yy yz zz */
+  double relative[6]; /* mobility over isph's own, and so what drag leaves over drag_factor */
+  double normal[3];   /* of an interface between soils, smoothed as the porosity is; 0 without */
+  int32_t bed;        /* 1 + the region of the soil it is in by the sharp edges; 0: water */
+};
+
+/* The same of a soil away from its edges. */
+struct isph_bed {
+  double mobility[6], shape[6];
+};
+
 /* What links did to a particle near an edge of soil in a step: isph/link.h. */
 struct isph_linked {
   double change[3];      /* of v*, m/s */
@@ -111,6 +126,7 @@ struct isph_chunk {
   float *slope;    /* -W'(r)/r of the pair, normalised */
   float *mobility; /* of the pair, and the porosity on its way: isph/link.h; NULL without links */
   float *way;
+  float *plain;  /* mobility as of isotropic soil; NULL without anisotropy */
   float *matrix; /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
@@ -169,18 +185,21 @@ struct isph {
 
   /* found anew each step */
   double *volume, *support;
-  double *porosity, *soil_fraction;  /* NULL without soil */
-  double *inertia, *drag_a, *drag_b; /* NULL without soil */
-  struct isph_interface *interface;  /* NULL unless different soils are there */
-  int32_t *ground;                   /* isph/link.h; NULL without links */
-  struct isph_linked *linked;        /* isph/link.h; NULL without links */
-  double (*soil_velocity)[3];        /* NULL unless soil moves */
-  double *porosity_rate;             /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *kernel_sum;                /* sum V W with walls: 1 in the bulk */
-  double (*gradient_sum)[3];         /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];            /* L, gradient correction */
-  float (*moment_defect)[6];         /* C of isph/moment.c; NULL without soil */
-  double *surface;                   /* 0 bulk .. 1 surface; NULL without */
+  double *porosity, *soil_fraction;   /* NULL without soil */
+  double *inertia, *drag_a, *drag_b;  /* NULL without soil */
+  struct isph_interface *interface;   /* NULL unless different soils are there */
+  struct isph_anisotropy *anisotropy; /* NULL without, and so the next two */
+  float (*shape)[6];                  /* S of isph/anisotropy.h */
+  struct isph_bed *beds;              /* [regions] */
+  int32_t *ground;                    /* isph/link.h; NULL without links */
+  struct isph_linked *linked;         /* isph/link.h; NULL without links */
+  double (*soil_velocity)[3];         /* NULL unless soil moves */
+  double *porosity_rate;              /* d eps/dt at the place, 1/s; NULL unless soil moves */
+  double *kernel_sum;                 /* sum V W with walls: 1 in the bulk */
+  double (*gradient_sum)[3];          /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];             /* L, gradient correction */
+  float (*moment_defect)[6];          /* C of isph/moment.c; NULL without soil */
+  double *surface;                    /* 0 bulk .. 1 surface; NULL without */
   double (*body)[2];      /* number of the body of water it belongs to, and the most that one of it
                              is on the surface; NULL without a surface */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
@@ -291,6 +310,8 @@ struct soil_point {
   double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
   double normal[3];          /* of an interface between soils; 0 without */
   double along_a, along_b, plane;
+  double tensor[6], wide_normal[3]; /* of linear drag, 1/s; normal, smoothed as the porosity is;
+                                       both with anisotropic soil only */
   double velocity[3];
 };
 /* At a place, where moving soil stands a time `ahead` from now. */
@@ -366,10 +387,10 @@ void isph_energy_limit_velocity(struct isph *s, double most);
 static inline double isph_mobility_between(const struct isph *s, const struct isph_chunk *chunk,
                                            size_t p, size_t i, size_t j) {
   const double a = s->mobility[i], b = s->mobility[j];
-  if (s->on.surface) return 0.5 * (a + b);
-  if (!s->on.links) return 2 * a * b / (a + b);
+  if (s->on.mean_of_ends) return 0.5 * (a + b);
+  if (s->on.own_mobilities) return 2 * a * b / (a + b);
   const double way = (double)chunk->mobility[p];
-  const double plane = s->on.interfaces ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
+  const double plane = s->on.fading ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
   return plane < 1 ? pow(way, plane) * pow(2 * a * b / (a + b), 1 - plane) : way;
 }
 

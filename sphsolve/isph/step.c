@@ -8,10 +8,12 @@
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/symmetric.h"
 
 #define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
 
@@ -37,6 +39,7 @@ static void update_volumes(struct isph *s) {
         interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
         interface->plane = soil.plane;
       }
+      if (s->on.anisotropy) isph_anisotropy_at(s, i, &soil);
       if (s->on.links) s->ground[i] = isph_ground(s, s->position[i]);
       if (s->on.moving_soil) {
         struct soil_point later;
@@ -179,7 +182,9 @@ static void predict(struct isph *s, double dt) {
       s->mobility[i] = left * t / s->density;
       double *to = s->predicted[i];
       for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
-      if (s->on.interfaces)
+      if (s->on.anisotropy)
+        symmetric_times(s->anisotropy[i].relative, to, to);
+      else if (s->on.interfaces)
         isph_interface_turn(&s->interface[i], s->interface[i].drag_factor / left, to);
       if (s->on.links) {
         const double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
@@ -216,7 +221,9 @@ static void correct(struct isph *s) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
-      const bool edges = s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface;
+      const bool tensor = s->on.anisotropy && s->on.links && s->ground[i] == GROUND_MIXED;
+      const bool edges =
+          !tensor && (s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface);
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       struct isph_edge edge = {.flux = {0}};
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
@@ -231,6 +238,7 @@ static void correct(struct isph *s) {
                         drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
       }
       if (edges) isph_edge_close(&edge, s->on.interfaces ? s->interface[i].normal : NULL, reduced);
+      if (tensor) isph_anisotropy_edge(s, chunk, i, f, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
@@ -251,12 +259,15 @@ static void correct(struct isph *s) {
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
+      if (s->on.anisotropy) isph_anisotropy_present(s, chunk, i, present);
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
       double change[3];
       for (int a = 0; a < 3; a++)
         change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
-      if (s->on.interfaces)
+      if (s->on.anisotropy)
+        symmetric_times(s->anisotropy[i].relative, change, change);
+      else if (s->on.interfaces)
         isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
       for (int a = 0; a < 3; a++) {
         double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
@@ -350,10 +361,12 @@ enum status isph_advance(struct isph *s, double dt) {
     if (s->on.own[k]->surface_pressure != NULL)
       s->on.own[k]->surface_pressure(s, s->surface_pressure);
   }
+  if (s->on.anisotropy) isph_anisotropy_begin(s, dt);
   predict(s, dt);
   if (s->on.energy && s->on.relaxation) isph_energy_limit_relaxation(s, relaxation_time, dt);
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
+  if (s->on.anisotropy) isph_anisotropy_pairs(s);
   isph_assemble(s, relaxation_time);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));

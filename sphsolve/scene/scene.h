@@ -88,6 +88,9 @@ struct region {
   double extent[6]; /* of the whole, as `box` */
   /* porous */
   double porosity, grain_size, alpha, beta;
+  bool anisotropic;        /* permeable along one axis more than along another */
+  double anisotropy[6];    /* then its permeability (xx xy xz yy yz zz) over that of the drag, the
+                              geometric mean; yy = 1 in 2-D */
   double soil_velocity[3]; /* moving soil, m/s */
   bool saturated;          /* full of water at the start also where no water region covers it */
   bool dry;                /* dry there, even where soil would start full by itself */

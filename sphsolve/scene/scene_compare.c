@@ -33,6 +33,7 @@ static void put_region(FILE *stream, const struct region *r) {
                            r->flux};
   for (int i = 0; i < 6; i++) fprintf(stream, " %.12g", r->box[i]);
   for (size_t i = 0; i < sizeof values / sizeof *values; i++) fprintf(stream, " %.12g", values[i]);
+  for (int i = 0; i < 6 && r->anisotropic; i++) fprintf(stream, " %.12g", r->anisotropy[i]);
   fprintf(stream, " %d %d %d %s", r->saturated - r->dry, r->slip, (int)r->boundary, r->name);
   for (size_t i = 0; i < r->table.count; i++)
     fprintf(stream, " %.12g: %.12g %.12g %.12g,", r->table.time[i], r->table.value[i][0],

@@ -26,6 +26,11 @@ enum status scene_check_geometry(struct config *config, config_node *list,
 /* Whether a point lies inside a wall that rests. */
 bool scene_in_wall(const struct scene *scene, const double point[3]);
 
+/* scene_permeability.c: the drag of soil whose permeability is given, after its porosity,
+ * grain_size and alpha. */
+enum status scene_read_permeability(struct config *config, config_node *group,
+                                    const struct scene *scene, struct region *region);
+
 /* scene_shapes.c: regions that are no boxes. Whether a group gives one; reads it, its extent into
  * `box`; cuts all into boxes, at most `most` regions. */
 bool scene_has_shape(struct config *config, config_node *group);

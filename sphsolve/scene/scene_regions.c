@@ -43,43 +43,14 @@ static enum status read_box(struct config *config, config_node *group, const str
   return STATUS_OK;
 }
 
-/* Soil whose permeability k (m/s, of the scene's fluid at standard gravity g) is given. Darcy's law
- * a v = g i, i the hydraulic gradient, needs the linear drag a = g/k, and M15 eq. 9c has
- *   a = alpha nu (1 - eps)^2 / (eps^3 D50^2).
- * With a grain_size alpha follows, and Forchheimer's term takes that grain size too; without, alpha
- * is 1000, D50 follows, and there is no Forchheimer term. */
-static enum status take_permeability(struct config *config, config_node *group,
-                                     const struct scene *scene, double k, struct region *region) {
-  const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
-  const double scale = nu * (1 - e) * (1 - e) / (e * e * e), a = GRAVITY_STANDARD / k;
-  config_node *node = config_child(config, group, "permeability");
-  if (config_child(config, group, "alpha") != NULL)
-    return config_error(config, config_child(config, group, "alpha"),
-                        "permeability says already how large the drag is; leave one out");
-  if (!(e < 1 && nu > 0))
-    return config_error(config, node, "needs a porosity below 1 and a fluid with viscosity");
-  if (region->grain_size > 0) {
-    region->alpha = a / scale * region->grain_size * region->grain_size;
-  } else {
-    if (config_child(config, group, "beta") != NULL)
-      return config_error(config, config_child(config, group, "beta"),
-                          "needs a grain_size beside the permeability");
-    region->grain_size = sqrt(region->alpha * scale / a);
-    region->beta = 0;
-  }
-  return STATUS_OK;
-}
-
 static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
   bool porosity_given, saturation_given;
-  double permeability = 0;
   region->alpha = 1000;
   region->beta = 1.1;
   TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
   TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
-  TRY(scene_positive(config, group, "permeability", DIM_VELOCITY, &permeability));
   TRY(config_number(config, group, "alpha", &region->alpha, NULL));
   TRY(config_number(config, group, "beta", &region->beta, NULL));
   TRY(config_bool(config, group, "saturated", &region->saturated, &saturation_given));
@@ -89,7 +60,7 @@ static enum status read_porous(struct config *config, config_node *group, struct
   if (!(region->porosity > 0 && region->porosity <= 1))
     TRY(config_error(config, config_child(config, group, "porosity"),
                      "must be above 0 and at most 1"));
-  if (permeability > 0) TRY(take_permeability(config, group, scene, permeability, region));
+  TRY(scene_read_permeability(config, group, scene, region));
   if (!(region->grain_size > 0))
     TRY(config_error(
         config, group,

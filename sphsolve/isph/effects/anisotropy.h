@@ -1,0 +1,24 @@
+/* Soil in beds: its permeability, and with it drag and the mobility in the pressure equation, is a
+ * tensor. What the effect does is in isph/anisotropy.c, which nothing calls without it. */
+#ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ANISOTROPY_H
+#define TOSUI_SPHSOLVE_ISPH_EFFECTS_ANISOTROPY_H
+
+#include <stdio.h>
+
+#include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/plan/plan.h"
+
+static inline bool isph_anisotropy_wanted(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
+  const bool on = isph_is_anisotropic(context->scene) && context->kinematic_viscosity > 0;
+  snprintf(why, EFFECT_WHY,
+           on ? "soil with a permeability for each axis"
+              : "no soil with a permeability for each axis");
+  return on;
+}
+
+#endif
+
+EFFECT(isph_anisotropy, .model = "drag and mobility are tensors; pairs weigh by exp(n.S.n)",
+       .citation = "Jaynes 1957; Arroyo, Ortiz 2006", .wanted = isph_anisotropy_wanted,
+       .switches_on = EFFECT_SWITCH(struct isph_switches, anisotropy))

@@ -1,0 +1,59 @@
+/* Symmetric 3 x 3 tensors as xx xy xz yy yz zz. */
+#ifndef TOSUI_SPHSOLVE_ISPH_SYMMETRIC_H
+#define TOSUI_SPHSOLVE_ISPH_SYMMETRIC_H
+
+#include <math.h>
+
+/* y = t x; y may be x. */
+static inline void symmetric_times(const double t[6], const double x[3], double y[3]) {
+  const double a = t[0] * x[0] + t[1] * x[1] + t[2] * x[2],
+               b = t[1] * x[0] + t[3] * x[1] + t[4] * x[2],
+               c = t[2] * x[0] + t[4] * x[1] + t[5] * x[2];
+  y[0] = a, y[1] = b, y[2] = c;
+}
+
+/* n.t.n */
+static inline double symmetric_along(const double t[6], const double n[3]) {
+  return t[0] * n[0] * n[0] + t[3] * n[1] * n[1] + t[5] * n[2] * n[2] +
+         2 * (t[1] * n[0] * n[1] + t[2] * n[0] * n[2] + t[4] * n[1] * n[2]);
+}
+
+/* Of a positive definite t. */
+static inline void symmetric_inverse(const double t[6], double inverse[6]) {
+  const double xx = t[3] * t[5] - t[4] * t[4], xy = t[2] * t[4] - t[1] * t[5],
+               xz = t[1] * t[4] - t[2] * t[3];
+  const double scale = 1 / (t[0] * xx + t[1] * xy + t[2] * xz);
+  const double yy = t[0] * t[5] - t[2] * t[2], yz = t[1] * t[2] - t[0] * t[4],
+               zz = t[0] * t[3] - t[1] * t[1];
+  inverse[0] = xx * scale, inverse[1] = xy * scale, inverse[2] = xz * scale;
+  inverse[3] = yy * scale, inverse[4] = yz * scale, inverse[5] = zz * scale;
+}
+
+/* The root of a positive definite t: X <- (X + t X^-1)/2, which keeps X a function of t. */
+static inline void symmetric_root(const double t[6], double root[6]) {
+  for (int k = 0; k < 6; k++) root[k] = 0.5 * (t[k] + (k == 0 || k == 3 || k == 5));
+  for (int round = 0; round < 12; round++) {
+    double inverse[6], column[3], next[6];
+    symmetric_inverse(root, inverse);
+    for (int b = 0, k = 0; b < 3; b++) { /* upper triangle of t inverse, which is symmetric */
+      static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+      for (int a = 0; a < 3; a++) column[a] = inverse[at[a][b]];
+      symmetric_times(t, column, column);
+      for (int a = b; a < 3; a++, k++) next[k] = column[a];
+    }
+    for (int k = 0; k < 6; k++) root[k] = 0.5 * (root[k] + next[k]);
+  }
+}
+
+/* m e m */
+static inline void symmetric_between(const double m[6], const double e[6], double to[6]) {
+  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  for (int b = 0, k = 0; b < 3; b++) {
+    double column[3] = {m[at[0][b]], m[at[1][b]], m[at[2][b]]};
+    symmetric_times(e, column, column);
+    symmetric_times(m, column, column);
+    for (int a = b; a < 3; a++, k++) to[k] = column[a];
+  }
+}
+
+#endif
