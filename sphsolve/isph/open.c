@@ -276,6 +276,12 @@ static double depth_before(const struct isph *s, const struct isph_open_side *si
                           : s->high[side->axis] - x[side->axis];
 }
 
+bool isph_is_at_window(const struct isph *s, const double x[3]) {
+  for (size_t k = 0; k < s->side_count; k++)
+    if (depth_before(s, &s->sides[k], x) < s->spacing) return true;
+  return false;
+}
+
 /* A given pressure says nothing of the velocity along a window or of its profile, and with nothing
  * else jets and eddies grow there. So within a spacing of a window free water moves normal to it,
  * and evenly where it flows in; between one and two spacings less and less so. In soil the drag

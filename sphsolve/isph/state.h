@@ -447,6 +447,8 @@ double isph_open_pressure(const struct isph *s, const struct isph_open_side *sid
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]);
 int isph_open_side_behind(const struct isph *s, const double x[3]);
+/* Whether x stands within a spacing of a window. */
+bool isph_is_at_window(const struct isph *s, const double x[3]);
 /* Between predictor and pressure. */
 void isph_open_straighten(struct isph *s);
 /* How fast the water goes at each column; from sorted particles. */

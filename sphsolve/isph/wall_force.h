@@ -10,7 +10,8 @@ static inline bool isph_wall_has_name(const struct isph *s, size_t b) {
   return region != NULL && *region->name != '\0' && region == &s->scene->regions[region->first];
 }
 
-/* Force on the wall of box b, with the other boxes of its polygon, N, of a 2-D scene's one spacing along y. Collective; of a fresh state. */
+/* Force on the wall of box b, with the other boxes of its polygon, N, of a 2-D scene's one spacing
+ * along y. Collective; of a fresh state. */
 void isph_wall_force(const struct isph *s, size_t b, double force[3]);
 
 #endif

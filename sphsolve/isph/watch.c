@@ -14,7 +14,9 @@
 /* Bounds of the watchdog: of the kernel sum (sum of V W, 1 in the bulk), beside one spacing a step,
  * and the pressure solve's own bound on its residual. */
 #define KERNEL_SUM_MOST 2.0
-/* A larger kernel sum is warned of, once: impacts reach 1.1. */
+/* A larger kernel sum is warned of, once: impacts reach 1.1. Not within a spacing of a window:
+ * behind it columns stand in for the water outside, and until one that leaves has become the
+ * foremost of its column it may stand beside that (kernel sums to 1.5, pressures smooth). */
 #define KERNEL_SUM_WARN 1.3
 /* Water without a surface has a gap where the kernel sum is smaller. */
 #define KERNEL_SUM_GAP 0.7
@@ -61,13 +63,15 @@ struct leader {
   uint64_t id;
 };
 
-static enum status lead(struct leader leaders[2]) {
+enum { DENSEST, FASTEST, PRESSED, LEADERS }; /* pressed: the densest away from windows */
+
+static enum status lead(struct leader leaders[LEADERS]) {
   enum status status = STATUS_OK;
   struct leader *all = NULL;
   size_t n = 0;
-  TRY(isph_gather(leaders, 2, sizeof *leaders, &all, &n));
+  TRY(isph_gather(leaders, LEADERS, sizeof *leaders, &all, &n));
   for (size_t k = 0; k < n; k++)
-    if (k < 2 || all[k].value > leaders[k % 2].value) leaders[k % 2] = all[k];
+    if (k < LEADERS || all[k].value > leaders[k % LEADERS].value) leaders[k % LEADERS] = all[k];
 cleanup:
   memory_free(&all);
   return status;
@@ -77,7 +81,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
   enum status status = STATUS_OK;
   struct watch_reading reading = {{0}};
   const double *f = s->force;
-  struct leader leaders[2] = {{0}}; /* densest, fastest */
+  struct leader leaders[LEADERS] = {{0}};
   double squares;
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
@@ -85,9 +89,11 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
       const double *v = s->velocity[i], *x = s->position[i];
       double eps = s->porosity != NULL ? s->porosity[i] : 1;
       double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
-      const double values[2] = {s->kernel_sum[i], square};
+      const double dense = s->kernel_sum[i];
+      const bool pressed = dense > leaders[PRESSED].value && !isph_is_at_window(s, x);
+      const double values[LEADERS] = {dense, square, pressed ? dense : 0};
       sum += square;
-      for (int k = 0; k < 2; k++)
+      for (int k = 0; k < LEADERS; k++)
         if (values[k] > leaders[k].value)
           leaders[k] =
               (struct leader){values[k], {x[0], x[1], x[2]}, s->kernel_sum[i], square, s->id[i]};
@@ -97,20 +103,20 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
   isph_sum_chunks(s, 1, &squares);
   TRY(lead(leaders));
   const double *lost = s->fastest_lost;
-  if (lost[0] * lost[0] > leaders[1].value)
-    leaders[1] = (struct leader){
+  if (lost[0] * lost[0] > leaders[FASTEST].value)
+    leaders[FASTEST] = (struct leader){
         lost[0] * lost[0], {lost[1], lost[2], lost[3]}, 0, lost[0] * lost[0], (uint64_t)lost[4]};
-  const double fastest = sqrt(leaders[1].value), most = isph_speed_most(s);
-  if (leaders[0].value > KERNEL_SUM_WARN && s->kernel_sum_peak == 0)
+  const double fastest = sqrt(leaders[FASTEST].value), most = isph_speed_most(s);
+  if (leaders[PRESSED].value > KERNEL_SUM_WARN && s->kernel_sum_peak == 0)
     log_warning(
         "t = %.4g s: water is pressed to %.3g of its density at (%.4g, %.4g, %.4g) m; pressures "
         "there mean nothing: walls or inflows leave it less room than it needs, or are too "
         "fast for the spacing",
-        s->time, leaders[0].value, leaders[0].position[0], leaders[0].position[1],
-        leaders[0].position[2]);
-  if (leaders[0].value > KERNEL_SUM_WARN)
-    s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[0].value);
-  reading.used[WATCH_DENSITY] = (leaders[0].value - 1) / (KERNEL_SUM_MOST - 1);
+        s->time, leaders[PRESSED].value, leaders[PRESSED].position[0], leaders[PRESSED].position[1],
+        leaders[PRESSED].position[2]);
+  if (leaders[PRESSED].value > KERNEL_SUM_WARN)
+    s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[PRESSED].value);
+  reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MOST - 1);
   reading.used[WATCH_VELOCITY] = fastest * dt / s->spacing;
   if (fastest > SPEED_MOST * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
   if (s->total > 0)
@@ -120,7 +126,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
                         ENERGY_FLOOR * s->spacing / dt);
   reading.used[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
   trip->bound = watchdog_worst(&reading, used);
-  const struct leader *first = &leaders[trip->bound == WATCH_DENSITY ? 0 : 1];
+  const struct leader *first = &leaders[trip->bound == WATCH_DENSITY ? DENSEST : FASTEST];
   memcpy(trip->position, first->position, sizeof trip->position);
   trip->kernel_sum = first->kernel_sum;
   if (s->total == 0) goto cleanup;

@@ -39,6 +39,7 @@ static inline double time_by_weight(const struct isph *s, size_t i) {
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
+  const double crowded = fmax(-0.05, fmin(0, deficit + 0.05));
   deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
   if (deficit > 0 && s->surface != NULL) deficit *= 1 - (s->near != NULL ? s->near : s->surface)[i];
@@ -50,9 +51,10 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   }
   if (s->porosity != NULL && s->surface != NULL)
     relaxation_time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
-  if (deficit < 0) deficit *= s->relaxation_factor;
-  double left = s->drag_factor != NULL ? s->drag_factor[i] : 1;
-  return eps * deficit * left / relaxation_time;
+  double left = s->drag_factor != NULL ? s->drag_factor[i] : 1, asked = deficit * left;
+  if (s->surface != NULL) asked += crowded * (1 - left);
+  if (deficit < 0) asked *= s->relaxation_factor;
+  return eps * asked / relaxation_time;
 }
 
 static inline bool isph_relaxation_wanted(const struct effect_context *context,
