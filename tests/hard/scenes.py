@@ -84,7 +84,7 @@ def tank(d):
 
 def column(d):
     """A head that falls through soil, with a low one below."""
-    d.gauge("water", 3, 17)
+    d.gauge("top", 3, 14)
     d.gauge("soil", 3, 8)
     d.from_level, d.to_level, d.thick = 34, 18, 16
     return (6, 38), [d.region("water", 0, 0, 6, 34), d.region("porous", 0, 0, 6, 16, d.soil()), d.inflow(0, 0, 6, 1, 18)], 34

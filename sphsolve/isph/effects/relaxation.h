@@ -29,6 +29,12 @@
  * s; in fine soil a tau of .1 s would ask for more than seeps, from row to row. */
 #define RELAXATION_WEIGHT 0.1
 
+/* Under a surface what crowds beyond this spreads in that time, whatever the drag: a pond that
+ * seeps away fell onto the slower water in the edge of its soil, to kernel sums of 1.75, faster
+ * than by B it could spread again. Rows at the edge of soil differ by up to .08 for ever, which may
+ * move nothing. */
+#define RELAXATION_CROWD 0.1
+
 /* That time; 0 in free water and without a force. */
 static inline double time_by_weight(const struct isph *s, size_t i) {
   const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
@@ -39,7 +45,7 @@ static inline double time_by_weight(const struct isph *s, size_t i) {
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
-  const double crowded = fmax(-0.05, fmin(0, deficit + 0.05));
+  const double crowded = fmax(-0.05, fmin(0, deficit + RELAXATION_CROWD));
   deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
   if (deficit > 0 && s->surface != NULL) deficit *= 1 - (s->near != NULL ? s->near : s->surface)[i];
