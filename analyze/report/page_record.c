@@ -69,13 +69,17 @@ enum status page_effects(const struct run *run, FILE *stream) {
     TRY(h5_read(file, "/run/timing/seconds", H5_F64, 1, &times, &seconds));
   TRY(read_texts(file, "/run/timing/name", &passes));
 
+  bool timed = false; /* of methods that measure what each effect takes */
+  for (size_t i = 0; i < shares; i++) timed |= share[i] > 0.0;
   for (int on = 1; on >= 0; on--) {
     if (!on)
       fputs("<details><summary>Effects that are off, and the time of each pass</summary>\n",
             stream);
-    fputs("<div class=\"wide\"><table><thead><tr><th>Effect</th><th></th><th>Why</th><th>Model</th>"
-          "<th>Time</th></tr></thead><tbody>\n",
-          stream);
+    fprintf(
+        stream,
+        "<div class=\"wide\"><table><thead><tr><th>Effect</th><th></th><th>Why</th><th>Model</th>"
+        "<th>%s</th></tr></thead><tbody>\n",
+        timed ? "Time" : "");
     for (size_t i = 0; i < effects[NAME].count; i++) {
       if ((strcmp(text_at(&effects[STATE], i), "on") == 0) != (on == 1)) continue;
       effect_row(effects, i, i < shares ? share[i] : 0.0, stream);

@@ -41,6 +41,13 @@ void slice_check_add(struct slice_check *check, size_t z, const struct pixel_row
   check->constant[z] = constant;
 }
 
+/* The slice before z that it is a copy of, the nearest; z if there is none. */
+static size_t copied_from(const struct slice_check *check, size_t z) {
+  for (size_t d = 1; d <= z; d++)
+    if (check->hash[z] == check->hash[z - d]) return z - d;
+  return z;
+}
+
 static enum status is_noisy(const struct region *region, size_t z, float *slice, bool *noisy) {
   enum status status = STATUS_OK;
   const size_t nx = region->size[0], n = nx * region->size[1];
@@ -72,7 +79,7 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
     if (check->constant[z]) {
       constants++;
       constant = z;
-    } else if (z > 0 && check->hash[z] == check->hash[z - 1]) {
+    } else if (copied_from(check, z) < z) {
       copies++;
       copy = z;
     }
@@ -82,9 +89,11 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
   if (copies > 0) TRY(is_noisy(region, copy, slice, &noisy));
   if (copies > 0 && noisy) {
     stack_slice_name(region->stack, region->origin[2] + copy, name[0], sizeof name[0]);
-    stack_slice_name(region->stack, region->origin[2] + copy - 1, name[1], sizeof name[1]);
-    log_warning("%zu of %zu slices are copies, noise and all, of the one before (first: %s of %s): "
-                "pores run straight through them, and k is too high; mend the stack, or leave them "
+    stack_slice_name(region->stack, region->origin[2] + copied_from(check, copy), name[1],
+                     sizeof name[1]);
+    log_warning("%zu of %zu slices are copies, noise and all, of another (first: %s of %s): "
+                "pores do not run through them as in the specimen, and k is false; mend the stack, "
+                "or leave them "
                 "out with --crop",
                 copies, n, name[0], name[1]);
   }

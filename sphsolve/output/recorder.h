@@ -48,6 +48,7 @@ struct run_result {
   double hydraulic_gradient[3]; /* between two heads, over the length of soil; 0 without */
   double reynolds;
   int64_t steps;
+  bool iterates; /* steps are iterations of a solver, not steps in time */
   double wall_time;
   double pair_interactions;            /* directed pairs, once for each equation they enter */
   double pair_interactions_per_second; /* over the time in pair loops */

@@ -191,11 +191,12 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   else if (isfinite(result->k) && largest > 0)
     snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
   const bool budget = !strcmp(result->status, "budget") && result->ended != NULL;
-  printf("status     %s%s%s%s after %lld steps, %.1f s\n", result->status, budget ? ": " : "",
+  printf("status     %s%s%s%s after %lld %s, %.1f s\n", result->status, budget ? ": " : "",
          !budget            ? ""
          : isfinite(wanted) ? "short of the error asked for"
                             : result->ended,
-         budget ? "," : "", (long long)result->steps, result->wall_time);
+         budget ? "," : "", (long long)result->steps, result->iterates ? "iterations" : "steps",
+         result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
     print_uncertainty(&result->error, scanned);
@@ -210,9 +211,10 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   if (isfinite(result->k) && result->micropores.sites > 0) micropores_print(&result->micropores);
   if (isfinite(result->k)) print_verdict(&result->error);
   if (result->k > 0 && largest > wanted) {
-    char asked[32];
-    printf("           the error asked for, %s %%, was not reached: %s\n", percent(wanted, asked),
-           result->ended != NULL ? result->ended : "the parts named above are more");
+    char asked[32], reached[32];
+    printf("           the error asked for, %s %%, was not reached", percent(wanted, asked));
+    if (!strcmp(asked, percent(largest, reached))) printf(" (%.4g %%)", 100.0 * largest);
+    printf(": %s\n", result->ended != NULL ? result->ended : "the parts named above are more");
   }
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)
     printf("pairs      %.3g M per second\n", 1e-6 * result->pair_interactions_per_second);

@@ -49,7 +49,8 @@ static void print_levels(const struct plan *plan) {
   const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
   char spacing[64], time[64];
   if (count == 0) return;
-  printf("\nrun with --error or --time, %d %s: what it will state of resolution%s, to a factor of two\n",
+  printf("\nrun with --error or --time, %d %s: what it will state of resolution%s, to a factor of "
+         "two\n",
          plan->threads, plan->threads == 1 ? "thread" : "threads",
          isfinite(plan->expected_scan) ? " and scan" : "");
   for (int i = 0; i < count; i++) {
@@ -125,8 +126,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
     printf("time step  chosen each step from the effects' limits\n");
   }
   duration_format(plan->seconds, text, sizeof text);
-  printf("steps      about %.3g\ntime       %s%s\n", plan->steps,
-         strncmp(text, "under", 5) ? "about " : "", text);
+  printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",
+         plan->steps, strncmp(text, "under", 5) ? "about " : "", text);
   if (ranks != NULL) print_ranks(ranks);
   const struct error_forecast *e = &plan->expected;
   if (isfinite(e->error))

@@ -390,6 +390,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (status == STATUS_INTERRUPTED && !job.kept) status = keep_solved(&job);
   if (status == STATUS_INTERRUPTED) result->status = "interrupted";
   result->steps = job.iterations;
+  result->iterates = true;
   result->pair_interactions = job.pairs;
   if (job.solving > 0.0) result->pair_interactions_per_second = job.pairs / job.solving;
   if (result->reynolds > 1.0)

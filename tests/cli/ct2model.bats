@@ -154,6 +154,9 @@ bats_require_minimum_version 1.5.0
   { head -c 2880 noise.raw; head -c 576 /dev/zero; tail -c 3456 noise.raw; } > black.raw
   said() { "$CT" sweep "$1" --raw 24x24x12:$2 --void-ratio 1 --threads 1 -o said.csv 2>&1 > /dev/null; }
   [[ "$(said copies.raw u8)" == *"3 of 12 slices are copies"*"first: copies.raw[4] of copies.raw[3]"* ]]
+  # One that stands far from what it copies.
+  for i in 0 1 2 3 4 5 6 7 8 2 10 11; do tail -c +$((i * 576 + 1)) noise.raw | head -c 576; done > far.raw
+  [[ "$(said far.raw u8)" == *"1 of 12 slices are copies"*"first: far.raw[9] of far.raw[2]"* ]]
   [[ "$(said black.raw u8)" == *"1 of 12 slices are of one grey (first: black.raw[5])"* ]] || false
   [[ "$(said noise.raw i8)" == *"is u8 meant in --raw?"* ]] || false
   [[ "$(said noise.raw u8)" != *slices* ]] || false
