@@ -60,6 +60,10 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
     if (region->type != REGION_POROUS || (region->is_part && region->first != k)) continue;
+    if (region->is_part && region->polygon == NULL) { /* within a surface: not known so soon */
+      if (!isph_soil_is_far(s, region->extent, k, s->support_max, x)) clear = 0;
+      continue;
+    }
     if (region->is_part) {
       bool within;
       const double gap = from_prism(s, k, x, &within);

@@ -62,15 +62,20 @@ static void print_levels(const struct plan *plan) {
   }
 }
 
-/* Polygons and circles, and what is made of them. */
+/* Polygons, circles and bodies, and what is made of them. */
 static void print_regions(const struct scene *scene) {
-  size_t regions = 0, shapes = 0, boxes = 0;
+  size_t regions = 0, shapes = 0, boxes = 0, bodies = 0, of_bodies = 0;
   for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end, regions++)
     if (scene->regions[k].polygon != NULL)
       shapes++, boxes += scene->regions[k].end - scene->regions[k].first;
+    else if (scene->regions[k].is_part)
+      bodies++, of_bodies += scene->regions[k].end - scene->regions[k].first;
   if (shapes > 0)
     printf("regions    %zu; %zu polygon%s and circles as %zu boxes, in rows of a spacing\n",
            regions, shapes, shapes == 1 ? "" : "s", boxes);
+  if (bodies > 0)
+    printf("regions    %zu; %zu STL bod%s as %zu boxes\n", regions, bodies,
+           bodies == 1 ? "y" : "ies", of_bodies);
 }
 
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {

@@ -356,6 +356,7 @@ void scene_free(struct scene *scene) {
     if (scene->regions[k].first != k) continue;
     if (scene->regions[k].polygon != NULL) memory_free(&scene->regions[k].polygon->corner);
     memory_free(&scene->regions[k].polygon);
+    scene_free_stl(&scene->regions[k]);
     memory_free(&scene->regions[k].table.time);
     memory_free(&scene->regions[k].table.value);
   }

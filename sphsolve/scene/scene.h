@@ -75,6 +75,8 @@ struct polygon {
   double (*corner)[2]; /* m, in order round it */
 };
 
+struct stl;
+
 struct region {
   enum region_type type;
   double box[6]; /* x0 y0 z0 x1 y1 z1, m; a 2-D scene uses x and z, y spans everything */
@@ -83,7 +85,8 @@ struct region {
   /* A polygon stands as the boxes it is cut into, regions [first, end) (scene_shapes.c); any other
    * region is its own first. */
   struct polygon *polygon; /* owned by the first; NULL: the region is a box */
-  bool is_part;
+  struct stl *stl;         /* of a body within a surface, until it is cut (scene_stl.c) */
+  bool is_part;            /* without a polygon: of such a body */
   size_t first, end;
   double extent[6]; /* of the whole, as `box` */
   /* porous */

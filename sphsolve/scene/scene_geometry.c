@@ -62,9 +62,9 @@ static enum status check_extent(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
-/* A polygon before it is cut, whose box is but its extent. */
+/* A polygon or body before it is cut, whose box is but its extent. */
 static bool is_polygon(const struct region *region) {
-  return region->polygon != NULL && !region->is_part;
+  return (region->polygon != NULL || region->stl != NULL) && !region->is_part;
 }
 
 /* A later region that covers an earlier one whole is taken for a mistake, except that water and

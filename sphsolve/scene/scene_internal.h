@@ -39,6 +39,23 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most);
 
+/* The boxes of one region. */
+struct scene_parts {
+  size_t count;
+  struct region *region;
+};
+/* One more, of the region `whole`. */
+enum status scene_add_part(struct scene_parts *parts, const struct region *whole,
+                           const double box[6]);
+
+/* scene_stl.c: the same for bodies within a surface that a file holds. */
+bool scene_has_stl(struct config *config, config_node *group);
+enum status scene_read_stl(struct config *config, config_node *group, const struct scene *scene,
+                           struct region *region);
+enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
+                          struct scene_parts *parts);
+void scene_free_stl(struct region *region);
+
 /* Each reads the groups that its file is for into the scene. */
 enum status scene_read_regions(struct config *config, struct scene *scene);
 enum status scene_read_probes(struct config *config, struct scene *scene); /* gauges, planes */

@@ -20,7 +20,7 @@ static enum status read_box(struct config *config, config_node *group, const str
   if (!given)
     return config_error(config, group,
                         "box is missing: [x0, y0, z0, x1, y1, z1]; or the corners of a polygon, or "
-                        "the centre and radius of a circle");
+                        "the centre and radius of a circle, or an stl file");
   config_node *node = config_child(config, group, "box");
   if (count == 5) return config_error(config, node, "4 or 6 lengths are wanted");
   if (count == 4) {
@@ -197,8 +197,9 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
           config, group,
           "type is missing: \"water\", \"porous\", \"wall\", \"inflow\" or \"empty\""));
     region->type = (enum region_type)type;
-    TRY(scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
-                                       : read_box(config, group, scene, region->box));
+    TRY(scene_has_stl(config, group)     ? scene_read_stl(config, group, scene, region)
+        : scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
+                                         : read_box(config, group, scene, region->box));
     switch (region->type) {
     case REGION_POROUS:
       TRY(read_porous(config, group, scene, region));

@@ -138,12 +138,6 @@ cleanup:
   return status;
 }
 
-/* The boxes of one region. */
-struct parts {
-  size_t count;
-  struct region *region;
-};
-
 static int by_value(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
@@ -161,9 +155,21 @@ static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_M
   return n;
 }
 
+enum status scene_add_part(struct scene_parts *parts, const struct region *whole,
+                           const double box[6]) {
+  enum status status =
+      memory_resize(&parts->region, parts->count + 1, sizeof *parts->region, "regions");
+  if (status != STATUS_OK) return status;
+  struct region *part = &parts->region[parts->count++];
+  *part = *whole;
+  part->is_part = true;
+  memcpy(part->box, box, sizeof part->box);
+  return STATUS_OK;
+}
+
 /* Adds the box from..to of the row low..high, or lets the box below go on. */
 static enum status add_part(const struct region *whole, int w, double low, double high, double from,
-                            double to, double near, struct parts *parts) {
+                            double to, double near, struct scene_parts *parts) {
   const int up = whole->polygon->plane[w], run = whole->polygon->plane[1 - w];
   for (size_t k = parts->count; k-- > 0;) {
     double *box = parts->region[k].box;
@@ -173,19 +179,15 @@ static enum status add_part(const struct region *whole, int w, double low, doubl
       return STATUS_OK;
     }
   }
-  enum status status =
-      memory_resize(&parts->region, parts->count + 1, sizeof *parts->region, "regions");
-  if (status != STATUS_OK) return status;
-  struct region *part = &parts->region[parts->count++];
-  *part = *whole;
-  part->is_part = true;
-  part->box[up] = low, part->box[up + 3] = high, part->box[run] = from, part->box[run + 3] = to;
-  return STATUS_OK;
+  double box[6];
+  memcpy(box, whole->box, sizeof box);
+  box[up] = low, box[up + 3] = high, box[run] = from, box[run + 3] = to;
+  return scene_add_part(parts, whole, box);
 }
 
 /* Soil in the row low..high: ends at the means over it, halved where the polygon branches. */
 static enum status cut_row(const struct region *whole, int w, double low, double high, double near,
-                           int halvings, struct parts *parts) {
+                           int halvings, struct scene_parts *parts) {
   double ends[CORNERS_MOST] = {0}, at[CORNERS_MOST];
   size_t number = 0;
   for (int line = 0; line < SCAN_LINES; line++) {
@@ -211,7 +213,7 @@ static enum status cut_row(const struct region *whole, int w, double low, double
 
 /* The sites of the row about v that are covered. */
 static enum status cut_sites(const struct scene *scene, const struct region *whole, int w, double v,
-                             struct parts *parts) {
+                             struct scene_parts *parts) {
   const double dx = scene->spacing, end = scene->domain_size[whole->polygon->plane[1 - w]];
   const double top = scene->domain_size[whole->polygon->plane[w]];
   double at[CORNERS_MOST];
@@ -226,7 +228,8 @@ static enum status cut_sites(const struct scene *scene, const struct region *who
   return STATUS_OK;
 }
 
-static enum status cut(const struct scene *scene, const struct region *whole, struct parts *parts) {
+static enum status cut(const struct scene *scene, const struct region *whole,
+                       struct scene_parts *parts) {
   const struct polygon *p = whole->polygon;
   const double dx = scene->spacing, near = 1e-6 * dx;
   double slope[2] = {0}; /* lengths along each axis of edges that follow none */
@@ -250,17 +253,20 @@ static enum status cut(const struct scene *scene, const struct region *whole, st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most) {
   enum status status = STATUS_OK;
-  struct parts parts = {0}, all = {0};
+  struct scene_parts parts = {0}, all = {0};
   bool any = false;
   for (size_t i = 0; i < scene->region_count; i++) {
     memcpy(scene->regions[i].extent, scene->regions[i].box, sizeof scene->regions[i].extent);
-    any = any || scene->regions[i].polygon != NULL;
+    any = any || scene->regions[i].polygon != NULL || scene->regions[i].stl != NULL;
   }
   for (size_t i = 0; i < scene->region_count && any; i++) {
-    const struct region *region = &scene->regions[i];
+    struct region *region = &scene->regions[i];
+    const bool stl = region->stl != NULL;
     parts.count = 0;
-    if (region->polygon != NULL) {
-      TRY(cut(scene, region, &parts));
+    if (region->polygon != NULL || stl) {
+      TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
+      for (size_t k = 0; k < parts.count; k++) parts.region[k].stl = NULL;
+      scene_free_stl(region);
       if (parts.count == 0)
         TRY(config_error(config, config_item(list, i),
                          "is narrower than the spacing (%g m) and holds no site; use a smaller "
@@ -272,7 +278,7 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
     }
     if (all.count + parts.count > most)
       TRY(config_error(config, list,
-                       "polygons and circles make more than %zu boxes; use a wider "
+                       "polygons, circles and bodies make more than %zu boxes; use a wider "
                        "domain.spacing",
                        most));
     TRY(memory_resize(&all.region, all.count + parts.count, sizeof *all.region, "regions"));

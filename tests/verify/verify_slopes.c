@@ -82,7 +82,76 @@ static void discs(void) {
   }
 }
 
+/* A ball in an STL file of meridians and parallels, of radius r m round (.05, .05, .05) m; returns
+ * its volume over that of the box of .1 m. */
+static double write_ball(const char *path, double r) {
+  enum { N = 24 };
+  FILE *file = fopen(path, "w");
+  double at[N + 1][2 * N][3], volume = 0;
+  if (file == NULL) exit(1);
+  fprintf(file, "solid ball\n");
+  for (int k = 0; k <= N; k++)
+    for (int i = 0; i < 2 * N; i++) {
+      const double flat = k % N == 0 ? 0 : r * sin(M_PI * k / N);
+      at[k][i][0] = flat * cos(M_PI * i / N), at[k][i][1] = flat * sin(M_PI * i / N);
+      at[k][i][2] = r * cos(M_PI * k / N);
+    }
+  for (int t = 0; t < 4 * N * N; t++) {
+    const int k = t / (4 * N), i = t / 2 % (2 * N), j = (i + 1) % (2 * N), low = t % 2;
+    const double *c[3] = {at[k][low ? j : i], at[k + 1][i], low ? at[k + 1][j] : at[k][j]};
+    if (low ? k == N - 1 : k == 0) continue;
+    fprintf(file, "facet normal 0 0 0\nouter loop\n");
+    for (int m = 0; m < 3; m++)
+      fprintf(file, "vertex %.17g %.17g %.17g\n", .05 + c[m][0], .05 + c[m][1], .05 + c[m][2]);
+    fprintf(file, "endloop\nendfacet\n");
+    for (int a = 0; a < 3; a++)
+      volume += c[0][a] / 6 *
+                (c[1][(a + 1) % 3] * c[2][(a + 2) % 3] - c[1][(a + 2) % 3] * c[2][(a + 1) % 3]);
+  }
+  fprintf(file, "endsolid ball\n");
+  fclose(file);
+  return fabs(volume) / 1e-3;
+}
+
+/* Balls in a cubic lattice, s times as permeable as what is between (Rayleigh 1892, Phil. Mag. 34,
+ * 481, with Runge's 1.569): k = k_1 [ 1 + 3 phi / ((s + 2)/(s - 1) - phi - 1.569 (s - 1)/(s + 4/3)
+ * phi^(10/3)) ] */
+static void balls(void) {
+  char path[] = "/tmp/verify_ball_XXXXXX";
+  const int handle = mkstemp(path);
+  if (handle < 0) exit(1);
+  close(handle);
+  const double phi = write_ball(path, .04), s = 5;
+  const double exact =
+      1e-4 *
+      (1 +
+       3 * phi / ((s + 2) / (s - 1) - phi - 1.569 * (s - 1) / (s + 4. / 3) * pow(phi, 10. / 3)));
+  for (int fine = 0; fine < 2; fine++) {
+    const double started = clock_seconds(), dx = fine ? .005 : .01;
+    struct run run = {0};
+    double v[3];
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+          "domain = { size = [\"0.1 m\", \"0.1 m\", \"0.1 m\"]; spacing = \"%g m\"; periodic = "
+          "[true, true, true]; };\n"
+          "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0\", \"0.1 m\", \"0.1 m\", "
+          "\"0.1 m\"]; porosity = 0.4; permeability = \"1e-4 m/s\"; },\n"
+          "{ type = \"porous\"; stl = \"%s\"; stl_unit = \"1 m\"; porosity = 0.4; permeability = "
+          "\"5e-4 m/s\"; } );\n"
+          "force = { body_acceleration = [\"9.80665 m/s^2\", \"0\", \"0\"]; };\n",
+          dx, path);
+    advance(&run, 0.02);
+    isph_darcy_velocity(&run.s, v);
+    snprintf(name, sizeof name, "balls from an STL file in a cubic lattice, %g mm", 1e3 * dx);
+    report(name, exact, v[0], (fine ? .008 : .02) * exact, started);
+    finish(&run);
+  }
+  unlink(path);
+}
+
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {{"layers", layers}, {"discs", discs}};
+  static const struct verify_case cases[] = {
+      {"layers", layers}, {"discs", discs}, {"balls", balls}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

@@ -1,0 +1,270 @@
+/* Regions within a closed surface of triangles (stl.h), cut into boxes as polygons are: rows of one
+ * spacing along the axis in which the body is longest.
+ *
+ * Whether a place is inside: the plane through it cuts each triangle that has corners on both sides
+ * in one segment, and a line in that plane crosses the segments an even number of times, since each
+ * end belongs to the triangles on both sides of an edge and is found from that edge alone, in one
+ * order of its ends: to the same bits. So no ray slips through between triangles. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/memory.h"
+#include "sphsolve/scene/scene_internal.h"
+#include "sphsolve/scene/stl.h"
+
+/* Lines across a row of soil, in each of the two directions. */
+enum { LINES = 4 };
+
+bool scene_has_stl(struct config *config, config_node *group) {
+  return config_child(config, group, "stl") != NULL;
+}
+
+enum status scene_read_stl(struct config *config, config_node *group, const struct scene *scene,
+                           struct region *region) {
+  enum status status = STATUS_OK;
+  config_node *node = config_child(config, group, "stl");
+  const char *file = NULL;
+  char path[4096];
+  double unit = NAN;
+  if (scene->dimensions != 3)
+    return config_error(config, node, "a 2-D scene has no bodies; give the corners of a polygon");
+  if (region->type == REGION_INFLOW)
+    return config_error(config, node, "an inflow region is a thin box on a side; give its box");
+  if (config_child(config, group, "box") != NULL)
+    return config_error(config, group, "one of box and stl is wanted");
+  TRY(config_string(config, group, "stl", &file, NULL));
+  TRY(scene_positive(config, group, "stl_unit", DIM_LENGTH, &unit));
+  if (!(unit > 0))
+    TRY(config_error(config, group,
+                     "stl_unit is missing: STL files do not tell their unit of length; write "
+                     "stl_unit = \"1 mm\" or the like"));
+  /* Beside the scene first, then from where the program runs. */
+  const char *folder = *file == '/' ? "" : config_folder(config);
+  if (snprintf(path, sizeof path, "%s%s", folder, file) >= (int)sizeof path)
+    TRY(config_error(config, node, "the path is too long"));
+  if (access(path, R_OK) != 0 && access(file, R_OK) == 0) snprintf(path, sizeof path, "%s", file);
+  if (access(path, R_OK) != 0) TRY(config_error(config, node, "%s cannot be read", path));
+  TRY(memory_allocate(&region->stl, 1, sizeof *region->stl, "an STL file"));
+  TRY(stl_read(path, unit, region->stl));
+  memcpy(region->box, region->stl->extent, sizeof region->box);
+  const double slack = 1e-6 * scene->spacing;
+  for (int a = 0; a < 3; a++)
+    if (!(region->box[a] >= -slack && region->box[a + 3] <= scene->domain_size[a] + slack))
+      TRY(config_error(config, node,
+                       "%g to %g m in %c lies outside the domain (0 to %g m); look at stl_unit, "
+                       "and at the file's origin",
+                       region->box[a], region->box[a + 3], 'x' + a, scene->domain_size[a]));
+cleanup:
+  return status;
+}
+
+void scene_free_stl(struct region *region) {
+  if (region->stl != NULL) stl_free(region->stl);
+  memory_free(&region->stl);
+}
+
+/* Segments of a section, in the coordinates along a row and across rows. */
+struct section {
+  size_t count, room;
+  double (*end)[2][2];
+};
+
+struct cut {
+  const struct scene *scene;
+  const struct region *whole;
+  int run, across, up; /* axes: of rows, of rows beside each other, and of layers of them */
+  struct section sections[LINES];
+  size_t count, room; /* of crossings */
+  double (*interval)[2];
+  struct scene_parts *parts;
+  size_t row; /* first part of the layer */
+};
+
+/* Where the edge a b meets the plane at v of axis `up`. */
+static void meet(const struct cut *cut, const double *a, const double *b, double v, double at[2]) {
+  for (int k = 0; k < 3; k++) /* one order for both triangles */
+    if (a[k] != b[k]) {
+      if (a[k] > b[k]) {
+        const double *c = a;
+        a = b, b = c;
+      }
+      break;
+    }
+  const double t = (v - a[cut->up]) / (b[cut->up] - a[cut->up]);
+  at[0] = a[cut->run] + t * (b[cut->run] - a[cut->run]);
+  at[1] = a[cut->across] + t * (b[cut->across] - a[cut->across]);
+}
+
+static enum status find_section(const struct cut *cut, double v, struct section *section) {
+  const struct stl *stl = cut->whole->stl;
+  section->count = 0;
+  for (size_t t = 0; t < stl->count; t++) {
+    double ends[3][2];
+    int n = 0;
+    for (int k = 0; k < 3; k++) {
+      const double *a = stl->corner[t][k], *b = stl->corner[t][(k + 1) % 3];
+      if ((a[cut->up] > v) != (b[cut->up] > v)) meet(cut, a, b, v, ends[n++]);
+    }
+    if (n != 2) continue;
+    if (section->count == section->room) {
+      section->room = section->room > 0 ? 2 * section->room : 64;
+      const enum status status =
+          memory_resize(&section->end, section->room, sizeof *section->end, "a body's section");
+      if (status != STATUS_OK) return status;
+    }
+    memcpy(section->end[section->count++], ends, sizeof *section->end);
+  }
+  return STATUS_OK;
+}
+
+static int by_value(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Adds the intervals of the line at w that are inside. */
+static enum status add_line(struct cut *cut, const struct section *section, double w) {
+  const size_t before = 2 * cut->count;
+  size_t n = before;
+  for (size_t k = 0; k < section->count; k++) {
+    const double *a = section->end[k][0], *b = section->end[k][1];
+    if ((a[1] > w) == (b[1] > w)) continue;
+    if (n / 2 + 1 >= cut->room) {
+      cut->room = cut->room > 0 ? 2 * cut->room : 64;
+      const enum status status =
+          memory_resize(&cut->interval, cut->room, sizeof *cut->interval, "a body's section");
+      if (status != STATUS_OK) return status;
+    }
+    (&cut->interval[0][0])[n++] = a[0] + (b[0] - a[0]) * (w - a[1]) / (b[1] - a[1]);
+  }
+  if (n > before) qsort(&cut->interval[0][0] + before, n - before, sizeof(double), by_value);
+  cut->count = n / 2;
+  return STATUS_OK;
+}
+
+static bool alike(const double a[6], const double b[6], int axis, double near) {
+  return fabs(a[axis] - b[axis]) < near && fabs(a[axis + 3] - b[axis + 3]) < near;
+}
+
+/* Adds a box, or lets that of the row before go on. */
+static enum status add_box(struct cut *cut, const double box[6]) {
+  const double near = 1e-6 * cut->scene->spacing;
+  for (size_t k = cut->row; k < cut->parts->count; k++) {
+    double *old = cut->parts->region[k].box;
+    if (alike(old, box, cut->run, near) && alike(old, box, cut->up, near) &&
+        fabs(old[cut->across + 3] - box[cut->across]) < near) {
+      old[cut->across + 3] = box[cut->across + 3];
+      return STATUS_OK;
+    }
+  }
+  return scene_add_part(cut->parts, cut->whole, box);
+}
+
+/* Lets boxes that end where this layer begins go on in it; its first part is `from`. */
+static void join_layers(struct cut *cut, size_t from) {
+  const double near = 1e-6 * cut->scene->spacing;
+  struct region *region = cut->parts->region;
+  size_t kept = from;
+  for (size_t k = from; k < cut->parts->count; k++) {
+    bool joined = false;
+    for (size_t j = 0; j < from && !joined; j++) {
+      joined = alike(region[j].box, region[k].box, cut->run, near) &&
+               alike(region[j].box, region[k].box, cut->across, near) &&
+               fabs(region[j].box[cut->up + 3] - region[k].box[cut->up]) < near;
+      if (joined) region[j].box[cut->up + 3] = region[k].box[cut->up + 3];
+    }
+    if (!joined) region[kept++] = region[k];
+  }
+  cut->parts->count = kept;
+}
+
+/* Soil: the intervals of all lines of a row that overlap make one box, which has their volume. */
+static enum status cut_soil(struct cut *cut, double box[6]) {
+  const int lines = LINES * LINES;
+  qsort(cut->interval, cut->count, sizeof *cut->interval, by_value);
+  for (size_t k = 0, end; k < cut->count; k = end) {
+    double reach = cut->interval[k][1], length = 0, moment = 0, low = 0, high = 0;
+    for (end = k; end < cut->count && (end == k || cut->interval[end][0] <= reach); end++) {
+      const double a = cut->interval[end][0], b = cut->interval[end][1];
+      reach = fmax(reach, b);
+      length += (b - a) / lines, moment += 0.5 * (b * b - a * a) / lines;
+      low += a / lines, high += b / lines;
+    }
+    if (!(length > 1e-6 * cut->scene->spacing)) continue;
+    if (end - k != (size_t)lines)
+      low = moment / length - 0.5 * length, high = moment / length + 0.5 * length;
+    box[cut->run] = low, box[cut->run + 3] = high;
+    const enum status status = add_box(cut, box);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
+/* Walls, water and empty space: the sites whose centres are inside. */
+static enum status cut_sites(struct cut *cut, double box[6]) {
+  const double dx = cut->scene->spacing, end = cut->scene->domain_size[cut->run];
+  for (size_t k = 0; k < cut->count; k++) {
+    const double from = ceil(cut->interval[k][0] / dx - 0.5 - 1e-9);
+    const double to = floor(cut->interval[k][1] / dx - 0.5 + 1e-9) + 1;
+    if (to <= from) continue;
+    box[cut->run] = from * dx, box[cut->run + 3] = fmin(end, to * dx);
+    const enum status status = add_box(cut, box);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
+/* The rows of the layer whose box along `up` is set. */
+static enum status cut_layer(struct cut *cut, double box[6]) {
+  enum status status = STATUS_OK;
+  const bool soil = cut->whole->type == REGION_POROUS;
+  const int lines = soil ? LINES : 1, w = cut->across;
+  const double dx = cut->scene->spacing, near = 1e-6 * dx;
+  const double low = cut->whole->box[w], high = cut->whole->box[w + 3];
+  const size_t from = cut->parts->count;
+  for (int l = 0; l < lines; l++)
+    TRY(find_section(cut, box[cut->up] + (box[cut->up + 3] - box[cut->up]) * (l + 0.5) / lines,
+                     &cut->sections[l]));
+  cut->row = from;
+  for (double row = floor(low / dx + 1e-6); row * dx < high - near; row++) {
+    box[w] = row * dx, box[w + 3] = fmin((row + 1) * dx, cut->scene->domain_size[w]);
+    if (soil) box[w] = fmax(low, box[w]), box[w + 3] = fmin(high, box[w + 3]);
+    cut->count = 0;
+    for (int l = 0; l < lines; l++)
+      for (int m = 0; m < lines; m++) {
+        const double at =
+            soil ? box[w] + (box[w + 3] - box[w]) * (m + 0.5) / lines : (row + 0.5) * dx;
+        TRY(add_line(cut, &cut->sections[l], at));
+      }
+    TRY(soil ? cut_soil(cut, box) : cut_sites(cut, box));
+  }
+  join_layers(cut, from);
+cleanup:
+  return status;
+}
+
+enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
+                          struct scene_parts *parts) {
+  enum status status = STATUS_OK;
+  struct cut cut = {.scene = scene, .whole = whole, .parts = parts};
+  const double *extent = whole->box, dx = scene->spacing, near = 1e-6 * dx;
+  const bool soil = whole->type == REGION_POROUS;
+  for (int a = 1; a < 3; a++)
+    if (extent[a + 3] - extent[a] > extent[cut.run + 3] - extent[cut.run]) cut.run = a;
+  cut.across = cut.run == 0 ? 1 : 0, cut.up = cut.run == 2 ? 1 : 2;
+  const double low = extent[cut.up], high = extent[cut.up + 3];
+  for (double layer = floor(low / dx + 1e-6); layer * dx < high - near; layer++) {
+    double box[6];
+    memcpy(box, extent, sizeof box);
+    box[cut.up] = layer * dx, box[cut.up + 3] = (layer + 1) * dx;
+    if (soil) box[cut.up] = fmax(low, box[cut.up]), box[cut.up + 3] = fmin(high, box[cut.up + 3]);
+    TRY(cut_layer(&cut, box));
+  }
+cleanup:
+  for (int l = 0; l < LINES; l++) memory_free(&cut.sections[l].end);
+  memory_free(&cut.interval);
+  return status;
+}
