@@ -1,5 +1,6 @@
 /* Regions within a closed surface of triangles (stl.h), cut into boxes as polygons are: rows of one
- * spacing along the axis in which the body is longest.
+ * spacing along the axis that most of the surface faces, since it is the ends of rows that follow
+ * the surface.
  *
  * Whether a place is inside: the plane through it cuts each triangle that has corners on both sides
  * in one segment, and a line in that plane crosses the segments an even number of times, since each
@@ -48,7 +49,14 @@ enum status scene_read_stl(struct config *config, config_node *group, const stru
   if (access(path, R_OK) != 0 && access(file, R_OK) == 0) snprintf(path, sizeof path, "%s", file);
   if (access(path, R_OK) != 0) TRY(config_error(config, node, "%s cannot be read", path));
   TRY(memory_allocate(&region->stl, 1, sizeof *region->stl, "an STL file"));
-  TRY(stl_read(path, unit, region->stl));
+  status = stl_read(path, unit, region->stl);
+  if (status == STATUS_INPUT) { /* beside the scene's line */
+    char why[1024];
+    snprintf(why, sizeof why, "%s", error_message());
+    error_clear();
+    status = config_error(config, node, "%s", why);
+  }
+  if (status != STATUS_OK) goto cleanup;
   memcpy(region->box, region->stl->extent, sizeof region->box);
   const double slack = 1e-6 * scene->spacing;
   for (int a = 0; a < 3; a++)
@@ -246,14 +254,29 @@ cleanup:
   return status;
 }
 
+/* Twice the surface's area as it is seen along an axis. */
+static double facing(const struct stl *stl, int axis) {
+  const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+  double sum = 0;
+  for (size_t t = 0; t < stl->count; t++) {
+    double(*x)[3] = stl->corner[t];
+    sum +=
+        fabs((x[1][a] - x[0][a]) * (x[2][b] - x[0][b]) - (x[1][b] - x[0][b]) * (x[2][a] - x[0][a]));
+  }
+  return sum;
+}
+
 enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
                           struct scene_parts *parts) {
   enum status status = STATUS_OK;
   struct cut cut = {.scene = scene, .whole = whole, .parts = parts};
   const double *extent = whole->box, dx = scene->spacing, near = 1e-6 * dx;
   const bool soil = whole->type == REGION_POROUS;
-  for (int a = 1; a < 3; a++)
-    if (extent[a + 3] - extent[a] > extent[cut.run + 3] - extent[cut.run]) cut.run = a;
+  double area[3];
+  for (int a = 0; a < 3; a++) {
+    area[a] = facing(whole->stl, a);
+    if (area[a] > area[cut.run] * (1 + 1e-6)) cut.run = a;
+  }
   cut.across = cut.run == 0 ? 1 : 0, cut.up = cut.run == 2 ? 1 : 2;
   const double low = extent[cut.up], high = extent[cut.up + 3];
   for (double layer = floor(low / dx + 1e-6); layer * dx < high - near; layer++) {

@@ -166,7 +166,7 @@ static void boxes_have_the_volume(void **state) {
   make_wedge();
   write_binary();
   assert_true(fabs(volume_of("porous", SOIL, &boxes) / 108e-6 - 1) < 1e-6);
-  assert_int_equal(boxes, 12); /* rows along x or y go on over the other */
+  assert_int_equal(boxes, 12); /* one for each row of slope: they go on along y */
 }
 
 static void refused(const char *word) {
