@@ -67,21 +67,28 @@ static bool boxes_meet(const struct isph *s, const double p[6], const double q[6
   return true;
 }
 
-/* The water region that alone fills the place of x; NULL where others have a part in it. */
+static bool is_full(const struct region *region, enum region_type type) {
+  return region->type == type && !region->is_part && (type == REGION_WATER || region->saturated);
+}
+
+/* The region of water, or else of saturated soil, that alone fills the place of x; NULL where
+ * others have a part in it. */
 static const struct region *filled_by(const struct isph *s, const double x[3]) {
   const struct region *regions = s->scene->regions, *found = NULL;
   const size_t n = s->scene->region_count;
-  for (size_t k = 0; k < n && found == NULL; k++) {
-    bool inside = regions[k].type == REGION_WATER && !regions[k].is_part;
+  for (size_t k = 0; k < 2 * n && found == NULL; k++) {
+    const struct region *region = &regions[k % n];
+    bool inside = is_full(region, k < n ? REGION_WATER : REGION_POROUS);
     for (int a = 0; a < 3; a++)
       if (isph_uses_axis(s, a))
-        inside = inside && x[a] > regions[k].box[a] && x[a] < regions[k].box[a + 3];
-    if (inside) found = &regions[k];
+        inside = inside && x[a] > region->box[a] && x[a] < region->box[a + 3];
+    if (inside) found = region;
   }
   for (size_t k = 0; k < n && found != NULL; k++) {
     const struct region *other = &regions[k];
     const bool cuts =
         other->type == REGION_WATER ||
+        (other->type == REGION_POROUS && found->type == REGION_POROUS) ||
         ((other->type == REGION_WALL || other->type == REGION_EMPTY) && other > found);
     if (other != found && cuts && boxes_meet(s, other->box, found->box)) return NULL;
   }

@@ -114,6 +114,23 @@ static void saturated_soil_obeys_darcy(void **state) {
   finish(&run);
 }
 
+/* A box of saturated soil that is no whole number of spacings holds all of its water. */
+static void soil_between_sites_is_full(void **state) {
+  (void)state;
+  struct run run;
+  double mass = 0;
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+        "domain = { size = [\"30 cm\", \"30 cm\"]; spacing = \"1 cm\"; periodic = [false, false]; "
+        "};\n"
+        "regions = ( { type = \"porous\"; box = [\"15 cm\", \"0\", \"25.33 cm\", \"10.5 cm\"]; "
+        "porosity = 0.37; grain_size = \"1 mm\"; saturated = true; } );\n"
+        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  for (size_t i = 0; i < run.s.count; i++) mass += run.s.mass[i];
+  assert_near(mass, 1000 * .37 * .1033 * .105, 1e-9);
+  finish(&run);
+}
+
 /* Through a layer two spacings thick as through its resistance, and as fast before it as behind
  * (isph/link.h; by mobilities of smoothed soil 9 % too much). */
 static void a_thin_layer_resists_as_its_soil(void **state) {
@@ -456,6 +473,7 @@ int main(void) {
       cmocka_unit_test(rest_is_exact),
       cmocka_unit_test(soil_is_wet_where_water_is),
       cmocka_unit_test(saturated_soil_obeys_darcy),
+      cmocka_unit_test(soil_between_sites_is_full),
       cmocka_unit_test(a_thin_layer_resists_as_its_soil),
       cmocka_unit_test(drawn_out_rows_count_in_full),
       cmocka_unit_test(threads_agree),
