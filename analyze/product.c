@@ -154,8 +154,25 @@ void write_percent(FILE *stream, double share) {
     fprintf(stream, "%.*f %%", digits, percent);
 }
 
+void value_with_error(char *text, size_t size, double value, double error, const char *sign) {
+  const int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
+  /* As many digits as bring two of the error. */
+  int digits = error > 0 ? order - (int)floor(log10(error)) + 2 : 6;
+  digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
+  if (order >= -3 && order < 6) {
+    const int decimals = digits - 1 - order;
+    snprintf(text, size, error < 100.0 ? "%.*f %s %.2g" : "%.*f %s %.0f",
+             decimals > 0 ? decimals : 0, value, sign, error);
+  } else {
+    const double unit = pow(10.0, order);
+    snprintf(text, size, "(%.*f %s %.2g)e%+03d", digits - 1, value / unit, sign, error / unit,
+             order);
+  }
+}
+
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit) {
+  char text[80];
   if (!isfinite(error)) {
     fprintf(stream, "%.4g%s (error unknown)", value, unit);
     return;
@@ -164,17 +181,8 @@ void write_value_with_error(FILE *stream, double value, double error, const char
     fprintf(stream, "0%s", unit);
     return;
   }
-  double share = error / fabs(value);
-  int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
-  /* As many digits as bring two of the error. */
-  int digits = error > 0 ? order - (int)floor(log10(error)) + 2 : 6;
-  digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
-  int decimals = digits - 1 - order;
-  if (order >= -4 && order < 6)
-    fprintf(stream, error < 100.0 ? "%.*f %s %.2g%s (" : "%.*f %s %.0f%s (",
-            decimals > 0 ? decimals : 0, value, sign, error, unit);
-  else
-    fprintf(stream, "%.*e %s %.2g%s (", digits - 1, value, sign, error, unit);
-  write_percent(stream, share);
+  value_with_error(text, sizeof text, value, error, sign);
+  fprintf(stream, "%s%s (", text, unit);
+  write_percent(stream, error / fabs(value));
   fputc(')', stream);
 }

@@ -86,8 +86,9 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
   json_put_number(json, "flow_m2_per_s", s->flow);
   json_put_number(json, "flow_error95_m2_per_s", s->flow_error);
   json_put_number(json, "head_drop_m", s->drop);
-  fprintf(summary, "flow net   %.4g +- %.2g m^2/s through soil, head falls by %.4g m in it\n",
-          s->flow, s->flow_error, s->drop);
+  char text[80];
+  value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
+  fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it\n", text, s->drop);
 }
 
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
@@ -110,8 +111,9 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     const char *note = "";
     if (!strcmp(word, "flux"))
       half = add_balance(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
-    fprintf(summary, "%-10s %s: %.4g +- %.2g %s%s\n", word, column->name + strlen(prefix), mean,
-            half, unit, note);
+    char text[80];
+    value_with_error(text, sizeof text, mean, half, "+-");
+    fprintf(summary, "%-10s %s: %s %s%s\n", word, column->name + strlen(prefix), text, unit, note);
   }
 }
 

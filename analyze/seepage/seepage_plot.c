@@ -98,8 +98,10 @@ void seepage_plot(const struct seepage *s, struct product *product) {
       fprintf(stream, "%.6g %.6g\n", head_field_x(f, i), s->phreatic[i]);
   }
   fputs("EOD\n", stream);
-  snprintf(title, sizeof title, "%.3g +- %.2g m^2/s in %d tubes, head %.3g m in %d drops", s->flow,
-           s->flow_error, tubes, s->drop, DROPS);
+  char flow[80];
+  value_with_error(flow, sizeof flow, s->flow, s->flow_error, "+-");
+  snprintf(title, sizeof title, "%s m^2/s in %d tubes, head %.3g m in %d drops", flow, tubes,
+           s->drop, DROPS);
   fputs("set title ", stream);
   plot_text(stream, title);
   fprintf(stream,

@@ -33,7 +33,8 @@ def check(name, tip, depth):
     base = sum(0.5 * (head[tip - 1][i] + head[tip][i]) for i in columns) / len(columns)
     with open(f"excavation/{name}.txt") as file:
         text = file.read()
-    found = float(re.search(r"flow net +([0-9.e-]+)", text)[1])
+    net = re.search(r"flow net +\(([0-9.]+) \+- [0-9.]+\)(e-[0-9]+)", text)
+    found = float(net[1] + net[2])
     prism = float(re.search(r"mean gradient ([0-9.]+)", text)[1])
     print(name, found, flow, prism, (base - TRENCH) / depth)
     assert abs(found / flow - 1) < 0.04, (name, found, flow)

@@ -144,7 +144,7 @@ END
   /usr/bin/python3 -c 'import h5py; f = h5py.File("planes.hdf", "r+"); del f["run/planes"]'
   analyze seepage planes.hdf | grep -q "^flux .* of the mean over time alone"
   analyze seepage planes.hdf -o net --quiet
-  grep -qE "^set title .[0-9.e-]+ \+- [0-9.e-]+ m\^2/s in" net/seepage.gp # the flux has its error in the picture too
+  grep -qE "^set title .[0-9.e()-]+ \+- [0-9.e()-]+ m\^2/s in" net/seepage.gp # the flux has its error in the picture too
 }
 
 @test "water faster than anything can drive it: told with the speed, the place and the reason, and the step is not halved to nothing" {
