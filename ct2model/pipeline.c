@@ -75,7 +75,7 @@ static enum status survey_region(struct pipeline *pipeline) {
     pipeline->region.correction = &pipeline->correction;
   }
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
-  TRY(scanner_measure(&pipeline->region, &survey->phases, &pipeline->scanner));
+  TRY(scanner_measure(&pipeline->region, survey, &pipeline->scanner));
 cleanup:
   return status;
 }

@@ -151,11 +151,10 @@ static enum status phases_by_moments(const struct region *region, double porosit
                                      struct survey *survey) {
   enum status status = STATUS_OK;
   size_t n = survey->count * region->size[0] * region->size[1], m = n < 200000 ? n : 200000;
-  double n_pore = isnan(porosity) ? 0.5 : porosity, sum = 0.0, squares = 0.0;
+  double n_pore = isnan(porosity) ? 0.5 : porosity, squares = 0.0;
   float *gaps = NULL;
   TRY(memory_allocate(&gaps, m, sizeof *gaps, "grey differences"));
-  for (size_t i = 0; i < n; i++) sum += (double)survey->sample[i];
-  for (size_t i = 0; i < n; i++) squares += pow((double)survey->sample[i] - sum / (double)n, 2.0);
+  for (size_t i = 0; i < n; i++) squares += pow((double)survey->sample[i] - survey->mean, 2.0);
   for (size_t i = 0; i < m; i++) {
     size_t at = (size_t)((double)(n - 2) * (double)i / (double)m);
     gaps[i] = fabsf(survey->sample[at] - survey->sample[at + 2]);
@@ -167,12 +166,26 @@ static enum status phases_by_moments(const struct region *region, double porosit
   double rest = squares / (double)n - phases->noise * phases->noise;
   double contrast =
       sqrt(fmax(rest, 1e-4 * phases->noise * phases->noise) / (n_pore * (1 - n_pore)));
-  phases->pore_peak = sum / (double)n - (1.0 - n_pore) * contrast;
+  phases->pore_peak = survey->mean - (1.0 - n_pore) * contrast;
   phases->grain_peak = phases->pore_peak + contrast;
   phases->contrast_to_noise = contrast / phases->noise;
 cleanup:
   memory_free(&gaps);
   return status;
+}
+
+bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain) {
+  static const double LEAST = 0.02, MORE = 1.1;
+  const double n = survey->porosity;
+  if (!(n > LEAST && n < 1.0 - LEAST)) return false; /* unknown, or too little to tell */
+  const double contrast =
+      n < 0.5 ? (*grain - survey->mean) / n : (survey->mean - *pore) / (1.0 - n);
+  if (!(contrast > MORE * (*grain - *pore))) return false;
+  if (n < 0.5)
+    *pore = *grain - contrast;
+  else
+    *grain = *pore + contrast;
+  return true;
 }
 
 static enum status survey_phases(const struct region *region, double porosity,
@@ -187,6 +200,9 @@ static enum status survey_phases(const struct region *region, double porosity,
   }
   survey->phases.contrast_to_noise = NAN;
   if (!(high > low)) return STATUS_OK;
+  double sum = 0.0;
+  for (size_t i = 0; i < n; i++) sum += (double)survey->sample[i];
+  survey->mean = sum / (double)n;
   TRY(grey_histogram_start(low, (high - low) * 1.000001 / BINS, BINS, &histogram));
   grey_histogram_add(&histogram, survey->sample, n);
   grey_histogram_phases(&histogram,
@@ -282,7 +298,11 @@ enum status survey_take(const struct region *region, double porosity, bool all,
   struct frame frame = frame_of(region);
   size_t plane = region->size[0] * region->size[1], nz = region->size[2], numbers[SLICES];
   size_t most = region_batch(region) < SLICES ? region_batch(region) : SLICES;
-  *survey = (struct survey){.count = nz < most ? nz : most, .beam = NAN, .rings = NAN};
+  *survey = (struct survey){.count = nz < most ? nz : most,
+                            .porosity = porosity,
+                            .mean = NAN,
+                            .beam = NAN,
+                            .rings = NAN};
   survey->radii = frame.radii;
   if (!all) frame.step += (size_t)((double)(survey->count * plane) / ENOUGH);
   for (size_t i = 0; i < survey->count; i++)

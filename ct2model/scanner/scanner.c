@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scan/survey.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
@@ -11,6 +11,8 @@ enum { WINDOWS_LEAST = 3, CORRECTIONS = 2 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
 static const double REACH = 2.6;
+/* Of the blur, 1 sigma, where a phase is too narrow to show its own grey. */
+static const double UNSEEN = 0.25;
 /* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
 static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
 
@@ -119,9 +121,48 @@ static double resolution_of(const struct edge_fit *fit) {
   return 1.0 / high;
 }
 
-enum status scanner_measure(const struct region *region, const struct grey_phases *phases,
+/* Mean grey of a phase (sign of its distances) deeper than `depth` in it, of the region; `level` of
+ * the windows where hardly a voxel is so deep. */
+static double grey_within(const struct windows *all, double sign, double depth, double level,
+                          double most) {
+  double sum = 0.0, count = 0.0;
+  for (size_t i = 0; i < all->count; i++) {
+    const struct window *w = &all->window[i];
+    for (size_t v = 0; v < w->size[0] * w->size[1] * w->size[2]; v++)
+      if (sign * (double)w->distance[v] > depth && fabs((double)w->grey[v] - level) < most) {
+        sum += (double)w->grey[v];
+        count += 1.0;
+      }
+  }
+  return all->pore + (count > 500.0 ? sum / count : level) * (all->grain - all->pore);
+}
+
+/* Greys of the region. A phase too narrow to show its own has that which the mean says; the blur is
+ * then the less certain. False where the response showed less than half of that contrast: it is not
+ * that of a surface. */
+static bool find_levels(const struct windows *all, const struct survey *survey,
+                        const struct edge_fit *fit, struct scanner *scanner) {
+  const bool in_grain = survey->porosity < 0.5; /* the greater phase */
+  const double depth = fmin(fmax(3.0 * fit->deviation, 4.0), EDGE_REACH);
+  const double most = fmax(0.5, 4.5 / survey->phases.contrast_to_noise);
+  const double within = grey_within(all, in_grain ? -1.0 : 1.0, depth,
+                                    in_grain ? fit->grain : fit->pore, most);
+  scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
+  scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
+  double pore = in_grain ? scanner->pore : within, grain = in_grain ? within : scanner->grain;
+  if (!survey_levels_by_mean(survey, &pore, &grain)) return true;
+  const double contrast = grain - pore, share = (scanner->grain - scanner->pore) / contrast;
+  scanner->pore = pore;
+  scanner->grain = grain;
+  scanner->contrast_to_noise = contrast / scanner->noise;
+  scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
+  return share > 0.5;
+}
+
+enum status scanner_measure(const struct region *region, const struct survey *survey,
                             struct scanner *scanner) {
   enum status status = STATUS_OK;
+  const struct grey_phases *phases = &survey->phases;
   struct windows all = {0};
   struct edge_fit fit;
   *scanner = (struct scanner){.blur = NAN,
@@ -153,10 +194,9 @@ enum status scanner_measure(const struct region *region, const struct grey_phase
   measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   TRY(correct_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
+  if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
   scanner->known = true;
   scanner->unit = all.unit;
-  scanner->pore = all.pore + fit.pore * (all.grain - all.pore);
-  scanner->grain = all.pore + fit.grain * (all.grain - all.pore);
   scanner->resolution = resolution_of(&fit) * all.unit;
 cleanup:
   if (!scanner->known) scanner->blur = scanner->blur_error = scanner->fringe = NAN;

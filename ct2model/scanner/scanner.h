@@ -10,7 +10,7 @@
 #include "ct2model/scan/region.h"
 #include "ct2model/scanner/edge_response.h"
 
-struct grey_phases;
+struct survey;
 
 struct scanner {
   bool known;              /* false: segmented, or no surface stands alone; all else is then NAN */
@@ -25,8 +25,8 @@ struct scanner {
   struct edge_response response; /* greys 0 pore, 1 grain; over all windows */
 };
 
-/* `phases` say about where pore and grain lie. */
-enum status scanner_measure(const struct region *region, const struct grey_phases *phases,
+/* `survey` says about where pore and grain lie, and what they are where both are narrow. */
+enum status scanner_measure(const struct region *region, const struct survey *survey,
                             struct scanner *scanner);
 
 #endif
