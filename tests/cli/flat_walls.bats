@@ -75,3 +75,30 @@ END
   held thin "$(awk 'BEGIN { print 6^3 / 12 / 18 }')" 0.02
   /usr/bin/python3 -c 'import json; e = json.load(open("thin.json"))["error"]; assert e["scan"] < 0.04, e'
 }
+
+@test "a triangle whose pore the blur leaves no grey of its own: its level is the mean's, corners come back, k holds" {
+  # Side 12 voxels, blur 2 voxels, contrast 8 times the noise.
+  /usr/bin/python3 - <<'P'
+import math
+import numpy as np
+n, finer, side = 36, 8, 12
+at = (np.arange(n * finer) + .5) / finer - n / 2
+x, y = np.meshgrid(at - .2, at - .3)
+r = side / (2 * math.sqrt(3))
+pore = ((y > -r) & (math.sqrt(3) * x + y < 2 * r) & (-math.sqrt(3) * x + y < 2 * r)).reshape(n, finer, n, finer).mean((1, 3))
+q = 2 * np.pi * np.fft.fftfreq(n)
+grey = 180 - 120 * np.fft.ifft2(np.fft.fft2(pore) * np.exp(-2 * (q[:, None] ** 2 + q ** 2))).real
+noise = np.random.default_rng(11).normal(0, 15, (24, n, n))
+np.clip(np.round(grey + noise), 0, 255).astype(np.uint8).tofile("triangle.raw")
+open("triangle.txt", "w").write(f"{pore.mean() / (1 - pore.mean())} {math.sqrt(3) * side ** 4 / 320 / n ** 2}")
+P
+  flat triangle 36x36x24 --void-ratio "$(cut -d' ' -f1 triangle.txt)"
+  held triangle "$(cut -d' ' -f2 triangle.txt)" 0.1 # White 2006, eq. 3-49
+  /usr/bin/python3 - <<'P'
+import json
+scanner = json.load(open("triangle-model.json"))["scanner"]
+print(scanner)
+assert abs(scanner["contrast_to_noise"] / 8 - 1) < 0.15
+assert scanner["blur_uncertainty_m"] >= 0.25 * scanner["blur_m"] - 1e-12
+P
+}
