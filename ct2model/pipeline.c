@@ -325,7 +325,7 @@ static enum status check_output(const struct pipeline *pipeline) {
 /* A grey scan whose scanner is known, and which the user does not want otherwise. */
 static bool can_restore(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
-  return pipeline->scanner.known && !request->keep_blur &&
+  return (pipeline->scanner.known || pipeline->scanner.assumed) && !request->keep_blur &&
          pipeline->region.denoise == DENOISE_NONE &&
          (request->filter == FILTER_BICUBIC || request->filter == FILTER_AREA);
 }

@@ -11,8 +11,10 @@ enum { WINDOWS_LEAST = 3, CORRECTIONS = 2 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
 static const double REACH = 2.6;
-/* Of the blur, 1 sigma, where a phase is too narrow to show its own grey. */
-static const double UNSEEN = 0.25;
+/* A phase shows its own grey where a twentieth of it is as deep (voxels); where not, the blur is
+ * known to a quarter (1 sigma). */
+static const double DEPTH_SEEN = 4.0, DEEP = 0.05, UNSEEN = 0.25;
+static const double ENOUGH = 500.0; /* voxels, for a mean grey */
 /* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
 static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
 
@@ -121,42 +123,82 @@ static double resolution_of(const struct edge_fit *fit) {
   return 1.0 / high;
 }
 
-/* Mean grey of a phase (sign of its distances) deeper than `depth` in it, of the region; `level` of
- * the windows where hardly a voxel is so deep. */
-static double grey_within(const struct windows *all, double sign, double depth, double level,
-                          double most) {
-  double sum = 0.0, count = 0.0;
+/* Voxels of a phase, by the sign of their distances, and those of them deeper in it than `depth`:
+ * how many, mean and standard deviation of their greys, of the region. */
+struct phase_greys {
+  double count, deep, mean, deviation;
+};
+static struct phase_greys greys_within(const struct windows *all, double sign, double depth) {
+  const double contrast = all->grain - all->pore;
+  double count = 0.0, deep = 0.0, sum = 0.0, square = 0.0;
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
-    for (size_t v = 0; v < w->size[0] * w->size[1] * w->size[2]; v++)
-      if (sign * (double)w->distance[v] > depth && fabs((double)w->grey[v] - level) < most) {
-        sum += (double)w->grey[v];
-        count += 1.0;
-      }
+    for (size_t v = 0; v < w->size[0] * w->size[1] * w->size[2]; v++) {
+      if (!(sign * (double)w->distance[v] > 0.0)) continue;
+      count += 1.0;
+      if (!(sign * (double)w->distance[v] > depth)) continue;
+      deep += 1.0;
+      sum += (double)w->grey[v];
+      square += (double)w->grey[v] * (double)w->grey[v];
+    }
   }
-  return all->pore + (count > 500.0 ? sum / count : level) * (all->grain - all->pore);
+  const double mean = sum / fmax(deep, 1.0);
+  return (struct phase_greys){count, deep, all->pore + contrast * mean,
+                              contrast * sqrt(fmax(square / fmax(deep, 1.0) - mean * mean, 0.0))};
 }
 
-/* Greys of the region. A phase too narrow to show its own has that which the mean says; the blur is
- * then the less certain. False where the response showed less than half of that contrast: it is not
- * that of a surface. */
+static bool is_narrow(const struct phase_greys *phase) {
+  return phase->deep < DEEP * phase->count;
+}
+
+/* Grains' distances are below 0. */
+static double sign_of_lesser(const struct survey *survey) {
+  return survey->porosity < 0.5 ? 1.0 : -1.0;
+}
+
+/* Greys of the region. A phase too narrow to show its own has that which the mean says, and the
+ * blur is the less certain. False where the response showed less than half of that contrast: it is
+ * not that of a surface. */
 static bool find_levels(const struct windows *all, const struct survey *survey,
                         const struct edge_fit *fit, struct scanner *scanner) {
-  const bool in_grain = survey->porosity < 0.5; /* the greater phase */
-  const double depth = fmin(fmax(3.0 * fit->deviation, 4.0), EDGE_REACH);
-  const double most = fmax(0.5, 4.5 / survey->phases.contrast_to_noise);
-  const double within = grey_within(all, in_grain ? -1.0 : 1.0, depth,
-                                    in_grain ? fit->grain : fit->pore, most);
+  const double sign = sign_of_lesser(survey), depth = fmax(3.0 * fit->deviation, DEPTH_SEEN);
+  const struct phase_greys lesser = greys_within(all, sign, DEPTH_SEEN);
+  const struct phase_greys greater = greys_within(all, -sign, fmin(depth, EDGE_REACH));
   scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
   scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
-  double pore = in_grain ? scanner->pore : within, grain = in_grain ? within : scanner->grain;
-  if (!survey_levels_by_mean(survey, &pore, &grain)) return true;
-  const double contrast = grain - pore, share = (scanner->grain - scanner->pore) / contrast;
+  double pore = scanner->pore, grain = scanner->grain;
+  if (greater.deep > ENOUGH) *(sign > 0.0 ? &grain : &pore) = greater.mean;
+  const bool other = survey_levels_by_mean(survey, &pore, &grain);
+  const double contrast = grain - pore;
+  if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
+  if (!is_narrow(&lesser)) return true;
+  scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
+  if (!other) return true;
   scanner->pore = pore;
   scanner->grain = grain;
   scanner->contrast_to_noise = contrast / scanner->noise;
-  scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
-  return share > 0.5;
+  return true;
+}
+
+/* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
+ * pores by the mean, and a blur of SCANNER_ASSUMED voxels; or the other way round. */
+static void assume_scanner(const struct windows *all, const struct survey *survey,
+                           struct scanner *scanner) {
+  const double sign = sign_of_lesser(survey);
+  const struct phase_greys greater = greys_within(all, -sign, DEPTH_SEEN);
+  const bool deep = greater.deep > ENOUGH && greater.deviation > 0.0;
+  const double noise = deep ? greater.deviation : survey->phases.noise;
+  double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
+  if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
+  if (!survey_levels_by_mean(survey, &pore, &grain)) return;
+  *scanner = (struct scanner){.assumed = true,
+                              .blur = SCANNER_ASSUMED * all->unit,
+                              .pore = pore,
+                              .grain = grain,
+                              .noise = noise,
+                              .contrast_to_noise = (grain - pore) / noise,
+                              .resolution = SCANNER_ASSUMED * SCANNER_RESOLUTION * all->unit,
+                              .unit = all->unit};
 }
 
 enum status scanner_measure(const struct region *region, const struct survey *survey,
@@ -199,7 +241,10 @@ enum status scanner_measure(const struct region *region, const struct survey *su
   scanner->unit = all.unit;
   scanner->resolution = resolution_of(&fit) * all.unit;
 cleanup:
-  if (!scanner->known) scanner->blur = scanner->blur_error = scanner->fringe = NAN;
+  if (!scanner->known) {
+    scanner->blur = scanner->blur_error = scanner->fringe = NAN;
+    if (status == STATUS_OK) assume_scanner(&all, survey, scanner);
+  }
   windows_end(&all);
   return status;
 }
