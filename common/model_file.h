@@ -9,6 +9,10 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
+/* Standard deviation, voxels, of the blur to assume where a scan tells none: edges of three voxels
+ * from a tenth to nine tenths, as scanners are commonly set. */
+#define MODEL_BLUR_ASSUMED 1.2
+
 /* Sizes and vectors are in the order x, y, z in memory; arrays are [z][y][x], x fastest. The file
  * stores attribute vectors as z, y, x. */
 struct voxel_model {

@@ -7,6 +7,7 @@
 #include "common/side_distance.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/model_file.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
 #include "common/units.h"
@@ -75,6 +76,7 @@ static enum status survey_region(struct pipeline *pipeline) {
     pipeline->region.correction = &pipeline->correction;
   }
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
+  if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is of a part */
   TRY(scanner_measure(&pipeline->region, survey, &pipeline->scanner));
 cleanup:
   return status;
@@ -342,6 +344,10 @@ static enum status restore(struct pipeline *pipeline) {
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
   pipeline->averaged = pipeline->restored.scan.step;
+  if (pipeline->scanner.assumed)
+    log_warning("no surface of the scan stands alone for its blur to be measured: pores or grains "
+                "are narrow; one of %.2g voxels is assumed and taken out",
+                MODEL_BLUR_ASSUMED);
   if (pipeline->averaged > 1)
     log_warning(
         "the scan has too many voxels for its blur to be taken out of each: it is taken out "

@@ -298,11 +298,8 @@ enum status survey_take(const struct region *region, double porosity, bool all,
   struct frame frame = frame_of(region);
   size_t plane = region->size[0] * region->size[1], nz = region->size[2], numbers[SLICES];
   size_t most = region_batch(region) < SLICES ? region_batch(region) : SLICES;
-  *survey = (struct survey){.count = nz < most ? nz : most,
-                            .porosity = porosity,
-                            .mean = NAN,
-                            .beam = NAN,
-                            .rings = NAN};
+  *survey = (struct survey){
+      .count = nz < most ? nz : most, .porosity = porosity, .mean = NAN, .beam = NAN, .rings = NAN};
   survey->radii = frame.radii;
   if (!all) frame.step += (size_t)((double)(survey->count * plane) / ENOUGH);
   for (size_t i = 0; i < survey->count; i++)

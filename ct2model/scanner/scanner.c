@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/model_file.h"
 #include "ct2model/scan/survey.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
@@ -181,7 +182,7 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
 }
 
 /* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
- * pores by the mean, and a blur of SCANNER_ASSUMED voxels; or the other way round. */
+ * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. */
 static void assume_scanner(const struct windows *all, const struct survey *survey,
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
@@ -191,13 +192,14 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
   if (!survey_levels_by_mean(survey, &pore, &grain)) return;
+  const struct edge_fit fit = {.deviation = hypot(MODEL_BLUR_ASSUMED, sqrt(OWN))};
   *scanner = (struct scanner){.assumed = true,
-                              .blur = SCANNER_ASSUMED * all->unit,
+                              .blur = MODEL_BLUR_ASSUMED * all->unit,
                               .pore = pore,
                               .grain = grain,
                               .noise = noise,
                               .contrast_to_noise = (grain - pore) / noise,
-                              .resolution = SCANNER_ASSUMED * SCANNER_RESOLUTION * all->unit,
+                              .resolution = resolution_of(&fit) * all->unit,
                               .unit = all->unit};
 }
 

@@ -12,12 +12,6 @@
 
 struct survey;
 
-/* Where no blur can be measured, the one to assume: standard deviation, voxels. Edges of three voxels
- * from a tenth to nine tenths, as scanners are commonly set. */
-#define SCANNER_ASSUMED 1.2
-/* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
-#define SCANNER_RESOLUTION 2.9278
-
 struct scanner {
   bool known;              /* false: segmented, or no surface stands alone; all else is then NAN */
   bool assumed;            /* then as much of it as taking a blur out needs, the blur assumed */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "common/hdf5_file.h"
+#include "common/model_file.h"
 
 /* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
@@ -19,10 +20,6 @@ static const double LABELS = 2.0; /* the error over the change */
 /* Walls from labels are a fortieth of a voxel off, as turned slits show (3 times twice that over a
  * slit's width, which is w / 2); in deviations of what smooths labels, .7 voxels. */
 static const double PLACED = 0.43; /* .301 voxels */
-
-/* Where no surface stands alone for the blur to be measured: edges of three voxels from a tenth to
- * nine tenths, as scanners are commonly set. */
-static const double ASSUMED = 1.2; /* standard deviation, voxels */
 
 /* Pores narrower than so many standard deviations of the blur show no grey of their own: the
  * threshold that encloses their volume then lies off the middle between the peaks of the greys, and
@@ -42,13 +39,13 @@ static double shape_lost(struct h5_file *file) {
   return isfinite(off) ? SHAPE * fmin(1.0, fmax(0.0, (off - MIDDLE) / OFF)) : 0.0;
 }
 
-/* A scan in greys that told no blur: it was left in. */
+/* A scan in greys that told no blur: one is assumed, and counts as left in, taken out or not. */
 static bool assume(struct h5_file *file, struct scan_quality *scan) {
   const double voxel = h5_attribute_or_nan(file, "/model", "voxel_scanned");
   const double ratio = h5_attribute_or_nan(file, "/calibration", "contrast_to_noise");
   if (!(voxel > 0.0 && ratio > 0.0)) return false;
-  *scan = (struct scan_quality){.blur = ASSUMED * voxel,
-                                .resolution = RESOLUTION_DEVIATIONS * ASSUMED * voxel,
+  *scan = (struct scan_quality){.blur = MODEL_BLUR_ASSUMED * voxel,
+                                .resolution = RESOLUTION_DEVIATIONS * MODEL_BLUR_ASSUMED * voxel,
                                 .noise_power = pow(voxel, 3.0) / (ratio * ratio),
                                 .assumed = true};
   return true;
