@@ -188,6 +188,16 @@ bool survey_levels_by_mean(const struct survey *survey, double *pore, double *gr
   return true;
 }
 
+double survey_between(const struct survey *survey, double pore, double grain) {
+  const double quarter = 0.25 * (grain - pore);
+  size_t between = 0;
+  for (size_t i = 0; i < survey->pixels; i++) {
+    const double grey = (double)survey->sample[i];
+    between += grey > pore + quarter && grey < grain - quarter;
+  }
+  return (double)between / (double)survey->pixels;
+}
+
 static enum status survey_phases(const struct region *region, double porosity,
                                  struct survey *survey) {
   enum status status = STATUS_OK;
@@ -300,6 +310,7 @@ enum status survey_take(const struct region *region, double porosity, bool all,
   size_t most = region_batch(region) < SLICES ? region_batch(region) : SLICES;
   *survey = (struct survey){
       .count = nz < most ? nz : most, .porosity = porosity, .mean = NAN, .beam = NAN, .rings = NAN};
+  survey->pixels = survey->count * plane;
   survey->radii = frame.radii;
   if (!all) frame.step += (size_t)((double)(survey->count * plane) / ENOUGH);
   for (size_t i = 0; i < survey->count; i++)

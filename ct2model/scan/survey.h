@@ -11,8 +11,8 @@
 #include "ct2model/scan/region.h"
 
 struct survey {
-  size_t count; /* slices looked at, and their greys [count][y][x] */
-  float *sample;
+  size_t count, pixels; /* slices looked at, and their greys in all */
+  float *sample;        /* [count][y][x] */
   struct grey_phases phases;
   double porosity, mean; /* as given, NAN: unknown; mean grey */
   /* Radii are from the axis of rotation, in pixels. */
@@ -29,11 +29,13 @@ struct survey {
  * are enough for trend and rings. Free with survey_end. */
 enum status survey_take(const struct region *region, double porosity, bool all,
                         struct survey *survey);
-/* Pores or grains narrower than the blur show no grey of their own: their peak lies nearer the other
- * than their grey does. No blur changes the mean, n pore + (1 - n) grain: where the porosity n is
- * measured, the grey of the lesser phase follows from that of the greater. Sets it, and is true,
- * where the contrast is larger so by a tenth. */
+/* Pores or grains narrower than the blur show no grey of their own: their peak lies nearer the
+ * other than their grey does. No blur changes the mean, n pore + (1 - n) grain: where the porosity
+ * n is measured, the grey of the lesser phase follows from that of the greater. Sets it, and is
+ * true, where the contrast is larger so by a tenth. */
 bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain);
+/* Share of the greys looked at that lie in the middle half between those of pore and grain. */
+double survey_between(const struct survey *survey, double pore, double grain);
 void survey_end(struct survey *survey);
 
 /* The `apply` of a region's correction: levels, takes rings out, and denoises as the region asks.

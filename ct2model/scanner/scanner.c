@@ -12,10 +12,13 @@ enum { WINDOWS_LEAST = 3, CORRECTIONS = 2 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
 static const double REACH = 2.6;
-/* A phase shows its own grey where a twentieth of it is as deep (voxels); where not, the blur is
- * known to a quarter (1 sigma). */
-static const double DEPTH_SEEN = 4.0, DEEP = 0.05, UNSEEN = 0.25;
+/* A phase shows its own grey where a twentieth of it is as deep (voxels). Where a hundredth is not,
+ * each surface has another one near, and the blur is known to a quarter (1 sigma). */
+static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
 static const double ENOUGH = 500.0; /* voxels, for a mean grey */
+/* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
+ * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
+static const double SOFT = 0.1;
 /* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
 static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
 
@@ -148,10 +151,6 @@ static struct phase_greys greys_within(const struct windows *all, double sign, d
                               contrast * sqrt(fmax(square / fmax(deep, 1.0) - mean * mean, 0.0))};
 }
 
-static bool is_narrow(const struct phase_greys *phase) {
-  return phase->deep < DEEP * phase->count;
-}
-
 /* Grains' distances are below 0. */
 static double sign_of_lesser(const struct survey *survey) {
   return survey->porosity < 0.5 ? 1.0 : -1.0;
@@ -168,13 +167,14 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
   scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
   double pore = scanner->pore, grain = scanner->grain;
-  if (greater.deep > ENOUGH) *(sign > 0.0 ? &grain : &pore) = greater.mean;
+  const double seen = sign > 0.0 ? survey->phases.grain_peak : survey->phases.pore_peak;
+  *(sign > 0.0 ? &grain : &pore) = greater.deep > ENOUGH ? greater.mean : seen;
   const bool other = survey_levels_by_mean(survey, &pore, &grain);
   const double contrast = grain - pore;
   if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
-  if (!is_narrow(&lesser)) return true;
-  scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
-  if (!other) return true;
+  if (lesser.deep < NOWHERE * lesser.count)
+    scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
+  if (!other || lesser.deep > DEEP * lesser.count) return true;
   scanner->pore = pore;
   scanner->grain = grain;
   scanner->contrast_to_noise = contrast / scanner->noise;
@@ -182,7 +182,8 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
 }
 
 /* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
- * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. */
+ * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. Nothing where
+ * hardly any grey is between the two: no blur has made that image. */
 static void assume_scanner(const struct windows *all, const struct survey *survey,
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
@@ -192,6 +193,8 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
   if (!survey_levels_by_mean(survey, &pore, &grain)) return;
+  const double less = fmin(survey->porosity, 1.0 - survey->porosity);
+  if (survey_between(survey, pore, grain) < SOFT * less) return;
   const struct edge_fit fit = {.deviation = hypot(MODEL_BLUR_ASSUMED, sqrt(OWN))};
   *scanner = (struct scanner){.assumed = true,
                               .blur = MODEL_BLUR_ASSUMED * all->unit,
