@@ -108,24 +108,28 @@ static void resample_axis(const float *in, size_t from, size_t stride, const str
     }
 }
 
-static enum status resample_distances(const struct lattice *fine, struct lattice *out) {
+/* Of a mirrored lattice the first half of the layers, and the rest as they mirror. */
+static enum status resample_distances(const struct lattice *fine, bool mirrored,
+                                      struct lattice *out) {
   enum status status = STATUS_OK;
   struct tap *taps = NULL;
   float *planes = NULL, *rows = NULL;
   const size_t *n = fine->size, *m = out->size;
   const size_t most = m[0] > m[1] ? (m[0] > m[2] ? m[0] : m[2]) : (m[1] > m[2] ? m[1] : m[2]);
+  const size_t layers = mirrored ? (m[2] + 1) / 2 : m[2];
   TRY(memory_allocate(&taps, most, sizeof *taps, "a lattice"));
-  TRY(memory_allocate(&planes, n[0] * n[1] * m[2], sizeof *planes, "a lattice"));
+  TRY(memory_allocate(&planes, n[0] * n[1] * layers, sizeof *planes, "a lattice"));
   find_taps(n[2], fine->spacing[2], m[2], out->spacing[2], taps);
-  resample_axis(fine->wall_distance, n[2], n[0] * n[1], taps, m[2], 1, planes);
+  resample_axis(fine->wall_distance, n[2], n[0] * n[1], taps, layers, 1, planes);
   TRY(interrupt_look());
-  TRY(memory_allocate(&rows, n[0] * m[1] * m[2], sizeof *rows, "a lattice"));
+  TRY(memory_allocate(&rows, n[0] * m[1] * layers, sizeof *rows, "a lattice"));
   find_taps(n[1], fine->spacing[1], m[1], out->spacing[1], taps);
-  resample_axis(planes, n[1], n[0], taps, m[1], m[2], rows);
+  resample_axis(planes, n[1], n[0], taps, m[1], layers, rows);
   TRY(interrupt_look());
   memory_free(&planes);
   find_taps(n[0], fine->spacing[0], m[0], out->spacing[0], taps);
-  resample_axis(rows, n[0], 1, taps, m[0], m[1] * m[2], out->wall_distance);
+  resample_axis(rows, n[0], 1, taps, m[0], m[1] * layers, out->wall_distance);
+  if (mirrored) lattice_mirror_distances(out);
 cleanup:
   memory_free(&taps);
   memory_free(&planes);
@@ -141,15 +145,17 @@ void lattice_mirror_distances(struct lattice *l) {
 }
 
 void lattice_take_kinds(struct lattice *l, float offset, float least) {
-  l->fluid_count = l->wall_count = 0;
+  size_t pores = 0;
+#pragma omp parallel for schedule(static) reduction(+ : pores)
   for (size_t s = 0; s < l->count; s++) {
     const float d = l->wall_distance[s] + offset;
     const bool fluid = d > 0.0f;
     l->kind[s] = fluid ? SITE_FLUID : SITE_WALL;
     l->wall_distance[s] = fluid ? fmaxf(d, least) : fminf(d, -least);
-    l->fluid_count += fluid;
-    l->wall_count += !fluid;
+    pores += fluid;
   }
+  l->fluid_count = pores;
+  l->wall_count = l->count - pores;
 }
 
 static void copy_regions(const struct lattice *fine, struct lattice *out) {
@@ -188,9 +194,8 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   TRY(memory_allocate(&out->wall_distance, out->count, sizeof *out->wall_distance, "a lattice"));
   if (fine->region)
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
-  TRY(resample_distances(fine, out));
+  TRY(resample_distances(fine, mirrored, out));
   TRY(interrupt_look());
-  if (mirrored) lattice_mirror_distances(out);
   lattice_take_kinds(out, (float)offset, (float)(1e-3 * spacing));
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));

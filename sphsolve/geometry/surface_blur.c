@@ -27,24 +27,30 @@ static double spacing_of(const struct lattice *l) {
   return cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
 }
 
-/* Along the axis of `stride` values: out [outer][n][stride] from in, periodic. */
-static void blur_axis(const float *in, size_t n, size_t stride, size_t outer, const float *taps,
-                      size_t reach, float *out) {
+/* Along the axis of `stride` values: out [outer][n][stride] from in, periodic. Of a mirrored axis,
+ * where i and n - 1 - i are alike, in and out hold the first `held`. */
+static void blur_axis(const float *in, size_t n, size_t held, size_t stride, size_t outer,
+                      const float *taps, size_t reach, float *out) {
 #pragma omp parallel for schedule(static) collapse(2)
   for (size_t o = 0; o < outer; o++)
-    for (size_t i = 0; i < n; i++) {
-      const float *base = in + o * n * stride;
-      float *row = out + (o * n + i) * stride;
+    for (size_t i = 0; i < held; i++) {
+      const float *base = in + o * held * stride;
+      float *row = out + (o * held + i) * stride;
       for (size_t s = 0; s < stride; s++) row[s] = 0.0f;
       for (size_t t = 0; t <= 2 * reach; t++) {
-        const float *from = base + (i + t + n * (reach / n + 1) - reach) % n * stride;
+        const size_t j = (i + t + n * (reach / n + 1) - reach) % n;
+        const float *from = base + (j < held ? j : n - 1 - j) * stride;
         for (size_t s = 0; s < stride; s++) row[s] += taps[t] * from[s];
       }
     }
 }
 
-static void blur(const struct lattice *l, double deviation, float *image, float *work) {
+/* image, work: [planes][size 1][size 0], the first planes of a lattice that is mirrored, or all. */
+static void blur(const struct lattice *l, double deviation, size_t planes, float **image,
+                 float **work) {
   size_t stride = 1;
+  const size_t held[3] = {l->size[0], l->size[1], planes};
+  const size_t count = held[0] * held[1] * held[2];
   float taps[2 * TAPS_MOST + 1];
   for (int a = 0; a < 3; a++) {
     const double sigma = deviation / l->spacing[a];
@@ -56,9 +62,10 @@ static void blur(const struct lattice *l, double deviation, float *image, float 
       sum += exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0));
     for (size_t t = 0; t <= 2 * reach; t++)
       taps[t] = (float)(exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0)) / sum);
-    blur_axis(image, n, stride, l->count / n / stride, taps, reach, work);
-    memcpy(image, work, l->count * sizeof *image);
-    stride *= n;
+    blur_axis(*image, n, held[a], stride, count / held[a] / stride, taps, reach, *work);
+    float *blurred = *work;
+    *work = *image, *image = blurred;
+    stride *= held[a];
   }
 }
 
@@ -116,15 +123,18 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   const double h = spacing_of(out);
   const bool mirrored = lattice_is_mirrored(out);
   const double width = hypot(deviation, STEP * h); /* of the step when it is blurred */
-  TRY(memory_allocate(&image, out->count, sizeof *image, "a lattice"));
-  TRY(memory_allocate(&work, out->count, sizeof *work, "a lattice"));
-  for (size_t s = 0; s < out->count; s++)
+  const size_t planes = mirrored ? (out->size[2] + 1) / 2 : out->size[2];
+  const size_t count = out->size[0] * out->size[1] * planes;
+  TRY(memory_allocate(&image, count, sizeof *image, "a lattice"));
+  TRY(memory_allocate(&work, count, sizeof *work, "a lattice"));
+#pragma omp parallel for schedule(static)
+  for (size_t s = 0; s < count; s++)
     image[s] = 0.5f * erfcf(out->wall_distance[s] / (float)(-M_SQRT2 * STEP * h));
   const double wanted = porosity_of(out, 0.0);
-  blur(out, deviation, image, work);
+  blur(out, deviation, planes, &image, &work);
   TRY(interrupt_look());
 #pragma omp parallel for schedule(static)
-  for (size_t s = 0; s < out->count; s++)
+  for (size_t s = 0; s < count; s++)
     out->wall_distance[s] =
         (float)distance_of((double)image[s], width, (double)out->wall_distance[s]);
   if (mirrored) lattice_mirror_distances(out);
