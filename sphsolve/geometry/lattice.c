@@ -192,7 +192,9 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
                                                                                   : SITE_EMPTY;
       break;
     case REGION_INFLOW:
-      continue; /* a boundary, it fills nothing */
+    case REGION_WELL:
+    case REGION_DRAIN:
+      continue; /* boundaries, they fill nothing */
     }
     *region = (uint16_t)(r + 1);
   }

@@ -37,6 +37,7 @@
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/well.h"
 
 static double porosity_of(const struct isph *s, size_t i) {
   return s->on.soil ? s->porosity[i] : 1;
@@ -249,10 +250,12 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
       const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
       if (s->on.relaxation)
         sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, relaxation_time);
+      if (s->on.wells)
+        sums->work[BUDGET_LEFT] -= s->outlet[i].flow * s->thickness * s->pressure[i] * dt;
       if (s->on.moving_soil) sums->work[BUDGET_SOIL_PRESSURE] -= power * s->porosity_rate[i];
     }
     const enum budget_term does[] = {BUDGET_WALL_PRESSURE, BUDGET_OPEN_SIDES, BUDGET_RELAXATION,
-                                     BUDGET_SOIL_PRESSURE};
+                                     BUDGET_SOIL_PRESSURE, BUDGET_LEFT};
     for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
       sums->work[BUDGET_PROJECTION] -= sums->work[does[t]];
       for (int a = 0; a < 3; a++) sums->impulse[BUDGET_PROJECTION][a] -= sums->impulse[does[t]][a];

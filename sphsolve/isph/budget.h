@@ -22,6 +22,7 @@ void isph_budget_moved(struct isph *s);
 struct isph_removed {
   double position[3], velocity[3], mass, volume, inertia, porosity;
   uint64_t id;
+  bool pumped; /* by a well */
 };
 void isph_budget_removed(struct isph *s, enum budget_term term, const struct isph_removed *gone);
 /* A particle comes in. */

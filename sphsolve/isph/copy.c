@@ -2,10 +2,10 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/well.h"
 
 /* The arrays of a state: per own particle, per boundary particle, per region. */
-static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9]) {
+static size_t copied_arrays(const struct isph *s, void *array[10], size_t bytes[10]) {
   const size_t own = s->local.end - s->local.begin;
   size_t n = 0;
 #define ADD(member, first, count)                                                                  \
@@ -22,14 +22,15 @@ static size_t copied_arrays(const struct isph *s, void *array[9], size_t bytes[9
   ADD(wall_boxes, 0, s->wall_box_count);
   ADD(soil_offset, 0, s->scene->region_count);
   ADD(column_front, 0, s->column_count);
+  ADD(wells, 0, s->well_count);
 #undef ADD
   return n;
 }
 
 enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[9];
-  size_t bytes[9], total = 0, used = 0, n = copied_arrays(s, array, bytes);
+  void *array[10];
+  size_t bytes[10], total = 0, used = 0, n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
@@ -51,8 +52,8 @@ cleanup:
 
 enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[9];
-  size_t bytes[9], used = 0;
+  void *array[10];
+  size_t bytes[10], used = 0;
   TRY(isph_reserve(s, copy->count));
   s->count = s->local.end = copy->count;
   s->local.begin = 0;

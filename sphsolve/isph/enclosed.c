@@ -4,6 +4,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/well.h"
 
 /* Particles that are neighbours, directly or through others, form a body of water. A body none of
  * whose particles is on the surface by more than ENCLOSED fills its room: incompressible as it is,
@@ -36,8 +37,9 @@ static void join_pairs(const struct isph *s, uint32_t *above) {
   }
 }
 
-/* Whether particle i, of a chunk, has a window of given head beside it. */
+/* Whether particle i, of a chunk, has a window of given head beside it, or is in a well. */
 static bool at_head(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
+  if (s->on.wells && isph_in_well(s, s->position[i])) return true;
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++)
     if (s->boundary_kind[chunk->wall[p] & PAIR_MASK] == BOUNDARY_OPEN_HEAD) return true;
   return false;
@@ -54,7 +56,7 @@ static void find_bodies(struct isph *s) {
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       s->body[i][0] = parted ? (double)(offset + i - s->local.begin) : 0;
-      s->body[i][1] = s->on.open_sides && at_head(s, &s->chunks[c], i) ? 1 : s->surface[i];
+      s->body[i][1] = (s->on.open_sides || s->on.wells) && at_head(s, &s->chunks[c], i) ? 1 : s->surface[i];
       most = fmax(most, s->body[i][1]);
     }
   if (!parted) {

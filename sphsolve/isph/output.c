@@ -9,6 +9,7 @@
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/wall_force.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/well.h"
 #include "sphsolve/plan/reynolds.h"
 
 static double domain_volume(const struct isph *s) {
@@ -113,6 +114,14 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
     snprintf(name, sizeof name, "flux_%s", s->scene->planes[k].name);
     TRY(recorder_add_column(recorder, name, "m^3/s", 1));
   }
+  for (size_t w = 0; w < s->well_count; w++) {
+    snprintf(name, sizeof name, "outflow_%s", s->wells[w].region->name);
+    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+    snprintf(name, sizeof name, "taken_%s", s->wells[w].region->name);
+    TRY(recorder_add_column(recorder, name, "kg", 1));
+    snprintf(name, sizeof name, "pending_%s", s->wells[w].region->name);
+    TRY(recorder_add_column(recorder, name, "kg", 1));
+  }
 cleanup:
   return status;
 }
@@ -188,7 +197,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct whole whole;
   double *extra = NULL;
   size_t n = 13 + BUDGET_TERMS + 4 * s->scene->region_count +
-             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count,
+             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count + 3 * s->well_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
@@ -221,6 +230,11 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     c += isph_read_gauge(s, s->scene->gauges[k].at, &extra[c]);
   for (size_t k = 0; k < s->scene->plane_count; k++)
     extra[c++] = isph_plane_flux(s, s->scene->planes[k].axis, s->scene->planes[k].position);
+  for (size_t w = 0; w < s->well_count; w++) {
+    extra[c++] = s->wells[w].flow * scale;
+    extra[c++] = s->wells[w].taken * scale;
+    extra[c++] = s->wells[w].pending * scale;
+  }
   status = recorder_row(recorder, &row, extra);
   memory_free(&extra);
   return status;
@@ -243,6 +257,13 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
   if (s->column_count > 0)
     TRY(h5_write(file, "/state/column_front", H5_F64, 1, &s->column_count, s->column_front, false));
+  for (size_t w = 0; w < s->well_count; w++) {
+    char name[64];
+    const size_t three = 3;
+    const double kept[3] = {s->wells[w].taken, s->wells[w].pending, s->wells[w].flow};
+    snprintf(name, sizeof name, "/state/well_%zu", w);
+    TRY(h5_write(file, name, H5_F64, 1, &three, kept, false));
+  }
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
@@ -323,6 +344,13 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
                   s->boundary_position));
   if (s->column_count > 0)
     TRY(read_into(file, "/state/column_front", H5_F64, s->column_count, 1, s->column_front));
+  for (size_t w = 0; w < s->well_count; w++) {
+    char name[64];
+    double kept[3];
+    snprintf(name, sizeof name, "/state/well_%zu", w);
+    TRY(read_into(file, name, H5_F64, 3, 1, kept));
+    s->wells[w].taken = kept[0], s->wells[w].pending = kept[1], s->wells[w].flow = kept[2];
+  }
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];
     double box[6];

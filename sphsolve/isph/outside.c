@@ -9,6 +9,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/well.h"
 
 /* Particles whose bulk volumes differ by less are as far apart as those of the column. */
 #define SAME_SPACING 0.2
@@ -36,10 +37,19 @@ static bool is_outside(const struct isph *s, const double x[3]) {
   return false;
 }
 
+/* Out of the domain, or taken by a well. */
+static bool is_removed(const struct isph *s, size_t i) {
+  return is_outside(s, s->position[i]) || (s->on.wells && s->outlet[i].leaves);
+}
+
 static void count_removed(struct isph *s, const struct isph_removed *gone) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
   int side = isph_open_side_behind(s, x);
-  isph_budget_removed(s, side >= 0 ? BUDGET_LEFT : BUDGET_LOST, gone);
+  isph_budget_removed(s, side >= 0 || gone->pumped ? BUDGET_LEFT : BUDGET_LOST, gone);
+  if (gone->pumped) {
+    s->left_count++, s->left_mass += mass;
+    return;
+  }
   if (side >= 0) {
     s->left_count++, s->left_mass += mass;
     follow(s, side, x, gone->volume);
@@ -66,15 +76,16 @@ enum status isph_remove_outside(struct isph *s) {
   struct isph_removed *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
   s->fastest_lost[0] = 0;
-  for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_outside(s, s->position[i]);
+  for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_removed(s, i);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
   gone = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
-    if (is_outside(s, s->position[i])) {
+    if (is_removed(s, i)) {
       struct isph_removed *g = &here[gone++];
       memcpy(g->position, s->position[i], sizeof g->position);
       memcpy(g->velocity, s->velocity[i], sizeof g->velocity);
       g->mass = s->mass[i], g->volume = s->volume[i], g->id = s->id[i];
+      g->pumped = s->on.wells && s->outlet[i].leaves;
       g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
       continue;
     }

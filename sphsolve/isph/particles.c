@@ -11,6 +11,7 @@
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/well.h"
 
 /* Change of grad C at a particle over its displacement along axis `along`, on the lattice in units
  * of the spacing, when rows across the axes in `odd` move against each other. */
@@ -128,6 +129,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->diagonal, n, sizeof *s->diagonal, what));
   TRY(memory_resize(&s->source, n, sizeof *s->source, what));
   TRY(memory_resize(&s->tied, n, sizeof *s->tied, what));
+  if (s->on.wells) TRY(memory_resize(&s->outlet, n, sizeof *s->outlet, what));
   for (int k = 0; k < 4; k++) TRY(memory_resize(&s->work[k], n, sizeof *s->work[k], what));
   TRY(memory_resize(&s->pair_first, n, sizeof *s->pair_first, what));
   TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
@@ -202,6 +204,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   if (s->on.anisotropy) TRY(isph_anisotropy_create(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
+  if (s->on.wells) TRY(isph_wells_create(s));
   TRY(isph_wall_create(s));
   TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
@@ -263,6 +266,8 @@ void isph_free(struct isph *s) {
                     &s->diagonal,
                     &s->source,
                     &s->tied,
+                    &s->outlet,
+                    &s->wells,
                     &s->work[0],
                     &s->work[1],
                     &s->work[2],

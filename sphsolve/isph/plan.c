@@ -8,6 +8,7 @@
 
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/well.h"
 
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
@@ -162,6 +163,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (isph_is_anisotropic(scene))
     plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
+  if (isph_has_wells(scene)) plan->bytes_fluid += (double)sizeof(struct isph_outlet);
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
   plan->bytes_copy = n * ISPH_COPY_BYTES;

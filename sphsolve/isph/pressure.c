@@ -8,6 +8,7 @@
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/well.h"
 
 #define ITERATIONS_MAX 2000
 
@@ -96,6 +97,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         source += load;
       }
       if (s->on.relaxation) source -= vol * relaxation_source(s, i, relaxation_time);
+      if (s->on.wells) isph_wells_row(s, i, &diagonal, &source, &tied);
       s->diagonal[i] = diagonal > 0 ? diagonal : 1;
       s->source[i] = source;
       s->tied[i] = tied;

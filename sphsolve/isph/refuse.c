@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "common/ranks.h"
+
 /* Water within a kernel's support on both sides of a wall presses through it. The support is 2.4
  * spacings, and particles keep a fifth of one from each face. */
 #define WALL_LEAST 2.0
@@ -105,6 +107,68 @@ static enum status check_inflows(const struct effect_context *context) {
       scene->path, first->line, in * scene->end_time, l->dimensions, room, room / in);
 }
 
+/* Fewer spacings across a well hold too few particles to take some out. */
+#define WELL_LEAST 3.0
+
+/* Wells stand in soil that stays; what they take has to come from somewhere. */
+static enum status check_wells(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const struct lattice *l = context->lattice;
+  bool source = context->has_surface;
+  for (size_t r = 0; r < scene->region_count; r++)
+    source = source || scene->regions[r].boundary == BOUNDARY_HEAD;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *well = &scene->regions[r];
+    const bool is_well = well->type == REGION_WELL;
+    size_t site = 0;
+    if (!is_well && well->type != REGION_DRAIN) continue;
+    const char *kind = region_type_names[well->type];
+    if (ranks_count() > 1)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: a %s takes particles out of all the water by turns, which is not done on "
+                  "several ranks; run without mpirun",
+                  scene->path, well->line, kind);
+    for (int a = 0; a < 3; a++)
+      if (used(context, a) &&
+          well->extent[a + 3] - well->extent[a] < WELL_LEAST * context->spacing * (1 - 1e-6))
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
+                    "three spacings, or domain.spacing %g m",
+                    scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
+                    WELL_LEAST * context->spacing,
+                    (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
+    if (is_well && !source && well->rate > 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: nothing gives what this well takes; let an inflow region of given head, "
+                  "or a free surface, give it",
+                  scene->path, well->line);
+    for (size_t k = 0; k < l->size[2]; k++)
+      for (size_t j = 0; j < l->size[1]; j++)
+        for (size_t i = 0; i < l->size[0]; i++, site++) {
+          const size_t at[3] = {i, j, k};
+          bool inside = true;
+          for (int a = 0; a < 3; a++) {
+            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
+            if (used(context, a)) inside = inside && x > well->box[a] && x < well->box[a + 3];
+          }
+          if (!inside) continue;
+          const struct region *soil = l->region != NULL && l->region[site] > 0
+                                          ? &scene->regions[l->region[site] - 1]
+                                          : NULL;
+          bool stays = soil != NULL && soil->type == REGION_POROUS;
+          for (int a = 0; a < 3; a++) stays = stays && soil->soil_velocity[a] == 0;
+          if (!stays)
+            return FAIL(STATUS_INPUT,
+                        "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
+                        "none: keep it within a porous region",
+                        scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
+                        l->origin[1] + (double)j * l->spacing[1],
+                        l->origin[2] + (double)k * l->spacing[2]);
+        }
+  }
+  return STATUS_OK;
+}
+
 /* Soil that moves must not run into a closed side or a wall. */
 static enum status check_moving_soil(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -160,6 +224,7 @@ enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   TRY(check_end(context));
   TRY(check_walls(context));
+  TRY(check_wells(context));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));
     TRY(check_moving_soil(context));

@@ -36,7 +36,7 @@
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, anisotropy;
+  bool no_slip, moving_walls, open_sides, anisotropy, wells;
   /* which mobility a pair has, see isph_mobility_between */
   bool mean_of_ends, own_mobilities, fading;
   uint32_t budget; /* terms of the effects on */
@@ -150,6 +150,8 @@ struct isph_solve {
 
 struct isph_multigrid;
 struct isph_petsc;
+struct isph_well; /* isph/well.h */
+struct isph_outlet;
 
 struct isph {
   const struct scene *scene;
@@ -211,6 +213,7 @@ struct isph {
   struct isph_applied *applied;
   double (*own_force[ISPH_OWN])[3]; /* m/s^2, of on.own; NULL where it has none */
   double *surface_pressure;         /* Pa, outside; NULL without an effect that makes one */
+  struct isph_outlet *outlet;       /* NULL without wells */
   double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
@@ -249,6 +252,9 @@ struct isph {
   double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest there can be, and there is */
   double soil_porosity_least;
+
+  size_t well_count;
+  struct isph_well *wells;
 
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 

@@ -14,6 +14,7 @@
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/well.h"
 
 #define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
 
@@ -311,6 +312,7 @@ static enum status project_again(struct isph *s, double relaxation_time) {
   isph_assemble(s, relaxation_time);
   double before = clock_seconds();
   TRY(isph_solve_pressure(s));
+  if (s->on.wells) isph_wells_solved(s);
   before = clock_seconds() - before;
   s->seconds_solve += before, s->seconds_correct -= before;
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
@@ -367,9 +369,11 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
   if (s->on.anisotropy) isph_anisotropy_pairs(s);
+  if (s->on.wells) isph_wells_begin(s, dt);
   isph_assemble(s, relaxation_time);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
+  if (s->on.wells) isph_wells_solved(s);
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
   isph_enclosed_level(s);
   if (s->on.surface) remove_tension(s);
@@ -377,6 +381,7 @@ enum status isph_advance(struct isph *s, double dt) {
   correct(s);
   if (s->on.soil && !s->on.surface) TRY(project_again(s, relaxation_time));
   TRY(ranks_agree(check_finite(s)));
+  if (s->on.wells) isph_wells_take(s, dt);
   if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   TRY(isph_open_measure(s));
   if (s->on.energy) given = isph_energy_from_relaxation(s, relaxation_time, dt);

@@ -8,7 +8,8 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-const char *const region_type_names[] = {"water", "porous", "wall", "inflow", "empty", NULL};
+const char *const region_type_names[] = {"water", "porous", "wall", "inflow", "empty",
+                                         "well",  "drain",  NULL};
 
 static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
                             double box[6]) {
@@ -169,6 +170,40 @@ cleanup:
   return status;
 }
 
+/* A well's rate or a drain's head, each also in time. */
+static enum status read_well(struct config *config, config_node *group, const struct scene *scene,
+                             struct region *region) {
+  enum status status = STATUS_OK;
+  const bool well = region->type == REGION_WELL;
+  const char *key = well ? "rate" : "head", *title = region_type_names[region->type];
+  const struct dimension rate = {scene->dimensions, 0, -1}, of = well ? rate : DIM_LENGTH;
+  double *value = well ? &region->rate : &region->head;
+  bool given = config_child(config, group, key) != NULL;
+  TRY(read_name(config, group, title, region->number + 1, region->name, sizeof region->name));
+  for (const struct region *r = scene->regions; r < region; r++)
+    if (!strcmp(r->name, region->name))
+      TRY(config_error(config, group, "a region before is called '%s' too; rename one", r->name));
+  if (well && !given)
+    TRY(config_error(config, group, "rate is missing: what the well takes, like rate = \"%s\"",
+                     scene->dimensions == 2 ? "1e-5 m^2/s" : "1e-5 m^3/s"));
+  if (config_child(config, group, "times") != NULL) {
+    TRY(read_table(config, group, key, of, scene, 1, &region->table));
+    *value = time_table_extreme(&region->table, 0);
+  } else {
+    TRY(config_quantity(config, group, key, of, value, NULL));
+  }
+  bool gives = region->rate < 0;
+  for (size_t k = 0; k < region->table.count && well; k++)
+    gives = gives || region->table.value[k][0] < 0;
+  if (gives)
+    TRY(config_error(config, config_child(config, group, key),
+                     "a well takes water out of the soil, at a rate of 0 or more; for water that "
+                     "comes in, use an inflow region on a side"));
+  region->boundary = !well && given ? BOUNDARY_HEAD : BOUNDARY_NONE;
+cleanup:
+  return status;
+}
+
 /* The lattice keeps a site's region in 16 bits. */
 enum { MOST_REGIONS = 65000 };
 
@@ -195,7 +230,8 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     if (type < 0)
       TRY(config_error(
           config, group,
-          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\" or \"empty\""));
+          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\", \"empty\", \"well\" or "
+          "\"drain\""));
     region->type = (enum region_type)type;
     TRY(scene_has_stl(config, group)     ? scene_read_stl(config, group, scene, region)
         : scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
@@ -212,6 +248,10 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       break;
     case REGION_WATER:
       TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
+      break;
+    case REGION_WELL:
+    case REGION_DRAIN:
+      TRY(read_well(config, group, scene, region));
       break;
     case REGION_EMPTY:
       break;

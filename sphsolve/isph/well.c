@@ -1,0 +1,161 @@
+/* Wells and drains take water out of soil: in their region
+ *   div v_D = -q,   q >= 0 the volume that leaves a volume of soil in a second.
+ * A well's q is its rate over the volume of its particles. A drain's is found with the pressure,
+ *   q V = c (P - P_d),   P_d = rho g (head - z), at least 0, the air's,
+ * where the last pressure is above P_d; c is so large that P - P_d is a small part of what falls
+ * over a particle (a Robin condition: Bear 1972, Dynamics of Fluids in Porous Media, 7.1). What has
+ * left is booked as mass, and goes in whole particles: once it is that of one, the particle of the
+ * largest kernel sum in the region is taken out. So what left is what was taken and what is
+ * pending, less than a particle. Where a drain's q turns negative within a step it is booked
+ * against the pending mass; no particle ever comes out of a drain. */
+#include "sphsolve/isph/well.h"
+
+#include <math.h>
+
+#include "common/memory.h"
+#include "common/units.h"
+#include "sphsolve/isph/ranks.h"
+
+/* Of the row's diagonal: P - P_d is then a tenth of what falls from a neighbour. */
+#define TIE 10.0
+
+static bool is_well(const struct region *region) {
+  return region->type == REGION_WELL || region->type == REGION_DRAIN;
+}
+
+bool isph_has_wells(const struct scene *scene) {
+  bool has = false;
+  for (size_t k = 0; k < scene->region_count; k++) has = has || is_well(&scene->regions[k]);
+  return has;
+}
+
+enum status isph_wells_create(struct isph *s) {
+  const struct scene *scene = s->scene;
+  size_t n = 0;
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
+    n += is_well(&scene->regions[k]);
+  enum status status = memory_allocate(&s->wells, n, sizeof *s->wells, "wells");
+  if (status != STATUS_OK) return status;
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
+    if (is_well(&scene->regions[k])) s->wells[s->well_count++].region = &scene->regions[k];
+  return STATUS_OK;
+}
+
+/* 1 + the number of the well or drain that holds x; 0: none. */
+static int32_t well_at(const struct isph *s, const double x[3]) {
+  for (size_t w = 0; w < s->well_count; w++) {
+    const struct region *whole = s->wells[w].region;
+    for (size_t k = whole->first; k < whole->end; k++) {
+      const double *box = s->scene->regions[k].box;
+      bool inside = true;
+      for (int a = 0; a < 3; a++)
+        if (isph_uses_axis(s, a)) inside = inside && x[a] >= box[a] && x[a] < box[a + 3];
+      if (inside) return (int32_t)w + 1;
+    }
+  }
+  return 0;
+}
+
+bool isph_in_well(const struct isph *s, const double x[3]) {
+  return well_at(s, x) > 0;
+}
+
+/* Pa: P_d at a height. */
+static double drain_pressure(const struct isph *s, const struct region *drain, double z) {
+  const double *g = s->scene->gravity;
+  const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  if (drain->boundary != BOUNDARY_HEAD) return 0;
+  const double head = drain->table.count > 0 ? time_table_at(&drain->table, s->time, 0) : drain->head;
+  if (strength == 0) return s->density * GRAVITY_STANDARD * head;
+  return fmax(0, s->density * strength * (head - z));
+}
+
+/* Of a well's particles, or all its flow; sums in a fixed order. */
+static double sum_of(const struct isph *s, size_t well, bool flows) {
+  double total;
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      if (s->outlet[i].well == (int32_t)well + 1) sum += flows ? s->outlet[i].flow : s->volume[i];
+    s->sums[c][0] = sum;
+  }
+  isph_sum_chunks(s, 1, &total);
+  return total;
+}
+
+/* Mean rate of a well over the step. */
+static double rate_of(const struct isph *s, const struct region *well, double dt) {
+  return well->table.count > 0
+             ? time_table_integral(&well->table, s->time, s->time + dt, 0) / dt
+             : well->rate;
+}
+
+void isph_wells_begin(struct isph *s, double dt) {
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    s->outlet[i] = (struct isph_outlet){.well = well_at(s, s->position[i])};
+  for (size_t w = 0; w < s->well_count; w++) {
+    const struct region *region = s->wells[w].region;
+    const bool drain = region->type == REGION_DRAIN;
+    const double volume = drain ? 1 : sum_of(s, w, false), rate = drain ? 0 : rate_of(s, region, dt);
+    for (size_t i = s->local.begin; i < s->local.end; i++) {
+      struct isph_outlet *outlet = &s->outlet[i];
+      if (outlet->well != (int32_t)w + 1) continue;
+      /* At the start no pressure is known yet. */
+      if (drain &&
+          (s->step == 0 || s->pressure[i] > drain_pressure(s, region, s->position[i][2])))
+        outlet->tie = 1;
+      if (!drain) outlet->flow = rate * s->volume[i] / volume;
+    }
+  }
+}
+
+void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source,
+                    double *tied) {
+  struct isph_outlet *outlet = &s->outlet[i];
+  if (outlet->well == 0) return;
+  *source -= outlet->flow;
+  if (!(outlet->tie > 0)) return;
+  outlet->tie = TIE * *diagonal;
+  *diagonal += outlet->tie, *tied += outlet->tie;
+  if (s->solve.again) return; /* what is solved for then adds to the pressure */
+  *source +=
+      outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
+}
+
+void isph_wells_solved(struct isph *s) {
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    struct isph_outlet *outlet = &s->outlet[i];
+    if (!(outlet->tie > 0)) continue;
+    const struct region *region = s->wells[outlet->well - 1].region;
+    const double held = s->solve.again ? 0 : drain_pressure(s, region, s->position[i][2]);
+    outlet->flow += outlet->tie * (s->pressure[i] - held);
+  }
+}
+
+/* The particle of a well that stands closest to its neighbours, and does not leave yet; SIZE_MAX:
+ * none. */
+static size_t next_to_leave(const struct isph *s, size_t w) {
+  size_t best = SIZE_MAX;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    if (s->outlet[i].well != (int32_t)w + 1 || s->outlet[i].leaves) continue;
+    const double more = best == SIZE_MAX ? 1 : s->kernel_sum[i] - s->kernel_sum[best];
+    if (more > 0 || (more == 0 && s->id[i] < s->id[best])) best = i;
+  }
+  return best;
+}
+
+void isph_wells_take(struct isph *s, double dt) {
+  for (size_t w = 0; w < s->well_count; w++) {
+    struct isph_well *well = &s->wells[w];
+    well->flow = sum_of(s, w, true);
+    well->pending += s->density * well->flow * dt;
+    for (;;) {
+      const size_t i = next_to_leave(s, w);
+      if (i == SIZE_MAX || !(well->pending >= s->mass[i])) break;
+      s->outlet[i].leaves = true;
+      well->pending -= s->mass[i], well->taken += s->mass[i];
+    }
+  }
+}
