@@ -373,6 +373,10 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_assemble(s, relaxation_time);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   TRY(isph_solve_pressure(s));
+  for (int n = 0; s->on.wells && n < WELL_ROUNDS && isph_wells_change(s); n++) {
+    isph_assemble(s, relaxation_time);
+    TRY(isph_solve_pressure(s));
+  }
   if (s->on.wells) isph_wells_solved(s);
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
   isph_enclosed_level(s);

@@ -2,7 +2,8 @@
  *   div v_D = -q,   q >= 0 the volume that leaves a volume of soil in a second.
  * A well's q is its rate over the volume of its particles. A drain's is found with the pressure,
  *   q V = c (P - P_d),   P_d = rho g (head - z), at least 0, the air's,
- * where the last pressure is above P_d; c is so large that P - P_d is a small part of what falls
+ * where it is above 0: solved for anew until each particle of a drain gives and is above P_d or
+ * does neither (active sets: Hintermueller, Ito, Kunisch 2003, SIAM J. Optim. 13); c is so large that P - P_d is a small part of what falls
  * over a particle (a Robin condition: Bear 1972, Dynamics of Fluids in Porous Media, 7.1). What has
  * left is booked as mass, and goes in whole particles: once it is that of one, the particle of the
  * largest kernel sum in the region is taken out. So what left is what was taken and what is
@@ -41,15 +42,15 @@ enum status isph_wells_create(struct isph *s) {
   return STATUS_OK;
 }
 
-/* 1 + the number of the well or drain that holds x; 0: none. */
-static int32_t well_at(const struct isph *s, const double x[3]) {
+/* 1 + the number of the well or drain that holds x, or is within `reach`; 0: none. */
+static int32_t well_at(const struct isph *s, const double x[3], double reach) {
   for (size_t w = 0; w < s->well_count; w++) {
     const struct region *whole = s->wells[w].region;
     for (size_t k = whole->first; k < whole->end; k++) {
       const double *box = s->scene->regions[k].box;
       bool inside = true;
       for (int a = 0; a < 3; a++)
-        if (isph_uses_axis(s, a)) inside = inside && x[a] >= box[a] && x[a] < box[a + 3];
+        if (isph_uses_axis(s, a)) inside = inside && x[a] >= box[a] - reach && x[a] < box[a + 3] + reach;
       if (inside) return (int32_t)w + 1;
     }
   }
@@ -57,7 +58,7 @@ static int32_t well_at(const struct isph *s, const double x[3]) {
 }
 
 bool isph_in_well(const struct isph *s, const double x[3]) {
-  return well_at(s, x) > 0;
+  return well_at(s, x, 0) > 0;
 }
 
 /* Pa: P_d at a height. */
@@ -94,7 +95,7 @@ static double rate_of(const struct isph *s, const struct region *well, double dt
 void isph_wells_begin(struct isph *s, double dt) {
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    s->outlet[i] = (struct isph_outlet){.well = well_at(s, s->position[i])};
+    s->outlet[i] = (struct isph_outlet){.well = well_at(s, s->position[i], 0.5 * isph_size_of(s, s->volume[i]))};
   for (size_t w = 0; w < s->well_count; w++) {
     const struct region *region = s->wells[w].region;
     const bool drain = region->type == REGION_DRAIN;
@@ -102,10 +103,7 @@ void isph_wells_begin(struct isph *s, double dt) {
     for (size_t i = s->local.begin; i < s->local.end; i++) {
       struct isph_outlet *outlet = &s->outlet[i];
       if (outlet->well != (int32_t)w + 1) continue;
-      /* At the start no pressure is known yet. */
-      if (drain &&
-          (s->step == 0 || s->pressure[i] > drain_pressure(s, region, s->position[i][2])))
-        outlet->tie = 1;
+      if (drain && s->pressure[i] > drain_pressure(s, region, s->position[i][2])) outlet->tie = 1;
       if (!drain) outlet->flow = rate * s->volume[i] / volume;
     }
   }
@@ -122,6 +120,21 @@ void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *so
   if (s->solve.again) return; /* what is solved for then adds to the pressure */
   *source +=
       outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
+}
+
+bool isph_wells_change(struct isph *s) {
+  bool changed = false;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    struct isph_outlet *outlet = &s->outlet[i];
+    if (outlet->well == 0) continue;
+    const struct region *region = s->wells[outlet->well - 1].region;
+    if (region->type != REGION_DRAIN) continue;
+    const bool gives = s->pressure[i] > drain_pressure(s, region, s->position[i][2]);
+    if (gives == (outlet->tie > 0)) continue;
+    outlet->tie = gives;
+    changed = true;
+  }
+  return changed;
 }
 
 void isph_wells_solved(struct isph *s) {

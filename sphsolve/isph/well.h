@@ -6,6 +6,9 @@
 
 #include "sphsolve/isph/state.h"
 
+/* Solves of a step at most, for which particles of drains give. */
+#define WELL_ROUNDS 20
+
 /* A well or a drain. Numbers are per m along y in 2-D. */
 struct isph_well {
   const struct region *region;
@@ -33,6 +36,8 @@ void isph_wells_begin(struct isph *s, double dt);
 void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source, double *tied);
 /* After a solve: what drains take by it. */
 void isph_wells_solved(struct isph *s);
+/* Whether particles began or ceased to give by that solve: then it is to be done anew. */
+bool isph_wells_change(struct isph *s);
 /* After the pressure is final: books what leaves, and marks whole particles for it. */
 void isph_wells_take(struct isph *s, double dt);
 
