@@ -16,6 +16,7 @@
 #include <stdint.h>
 
 #include "common/error.h"
+#include "sphsolve/isph/boundaries.h"
 #include "sphsolve/parallel/ghosts.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/plan/effect.h"
@@ -44,43 +45,6 @@ struct isph_switches {
   const struct effect *own[ISPH_OWN]; /* the effects on that bring a force or a surface pressure */
   double dt_most;                     /* s: of the effects, that no state changes */
   const char *dt_most_by;
-};
-
-/* A box of wall, or the tank around the domain (inverted). */
-struct isph_wall_box {
-  double low[3], high[3];
-  double mirror_low[3], mirror_high[3]; /* the same, but without end where a polygon goes on */
-  double velocity[3];
-  const struct region *region; /* NULL: the tank */
-  bool slip, tank;
-};
-
-enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
-
-/* A window in a side of the domain through which water comes and goes. */
-struct isph_open_side {
-  int axis;               /* of its normal */
-  double inward;          /* +1: on the low side, -1: on the high side */
-  double edge;            /* where on the axis */
-  double low[3], high[3]; /* rectangle on the side; equal along `axis` */
-  enum boundary_kind kind;
-  const struct region *region;
-  double head, flux;  /* now */
-  double velocity[3]; /* of its boundary particles, where the flux is given */
-  int cells[3];       /* columns across the rectangle */
-  double pitch[3];    /* their widths; along `axis` the spacing of free water */
-  double porosity;    /* of the soil there, by its sharp edge */
-  size_t first;       /* of its columns; those above the head are there, but dry */
-};
-
-/* A file of boundary particles behind one cell of a window, that moves with the water. */
-struct isph_column {
-  size_t side, first; /* first of its boundary particles */
-  double pitch;       /* of its particles, along the axis */
-  double volume;      /* of each */
-  bool dry;           /* above the head: air, and no particles */
-  double at[3];       /* its axis on the side */
-  double speed;       /* of the water there, inward: of the pores */
 };
 
 /* Where soils meet, drag along the interface is less than across it: isph/soil.c. */
