@@ -56,7 +56,8 @@ static void find_bodies(struct isph *s) {
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       s->body[i][0] = parted ? (double)(offset + i - s->local.begin) : 0;
-      s->body[i][1] = (s->on.open_sides || s->on.wells) && at_head(s, &s->chunks[c], i) ? 1 : s->surface[i];
+      s->body[i][1] =
+          (s->on.open_sides || s->on.wells) && at_head(s, &s->chunks[c], i) ? 1 : s->surface[i];
       most = fmax(most, s->body[i][1]);
     }
   if (!parted) {

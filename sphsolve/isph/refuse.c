@@ -135,7 +135,7 @@ static enum status check_wells(const struct effect_context *context) {
                     "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
                     "three spacings, or domain.spacing %g m",
                     scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
-                    WELL_LEAST * context->spacing,
+                    WELL_LEAST * context -> spacing,
                     (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
     if (is_well && !source && well->rate > 0)
       return FAIL(STATUS_INPUT,
@@ -158,12 +158,12 @@ static enum status check_wells(const struct effect_context *context) {
           bool stays = soil != NULL && soil->type == REGION_POROUS;
           for (int a = 0; a < 3; a++) stays = stays && soil->soil_velocity[a] == 0;
           if (!stays)
-            return FAIL(STATUS_INPUT,
-                        "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
-                        "none: keep it within a porous region",
-                        scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
-                        l->origin[1] + (double)j * l->spacing[1],
-                        l->origin[2] + (double)k * l->spacing[2]);
+            return FAIL(
+                STATUS_INPUT,
+                "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
+                "none: keep it within a porous region",
+                scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
+                l->origin[1] + (double)j * l->spacing[1], l->origin[2] + (double)k * l->spacing[2]);
         }
   }
   return STATUS_OK;

@@ -3,12 +3,13 @@
  * A well's q is its rate over the volume of its particles. A drain's is found with the pressure,
  *   q V = c (P - P_d),   P_d = rho g (head - z), at least 0, the air's,
  * where it is above 0: solved for anew until each particle of a drain gives and is above P_d or
- * does neither (active sets: Hintermueller, Ito, Kunisch 2003, SIAM J. Optim. 13); c is so large that P - P_d is a small part of what falls
- * over a particle (a Robin condition: Bear 1972, Dynamics of Fluids in Porous Media, 7.1). What has
- * left is booked as mass, and goes in whole particles: once it is that of one, the particle of the
- * largest kernel sum in the region is taken out. So what left is what was taken and what is
- * pending, less than a particle. Where a drain's q turns negative within a step it is booked
- * against the pending mass; no particle ever comes out of a drain. */
+ * does neither (active sets: Hintermueller, Ito, Kunisch 2003, SIAM J. Optim. 13); c is so large
+ * that P - P_d is a small part of what falls over a particle (a Robin condition: Bear 1972,
+ * Dynamics of Fluids in Porous Media, 7.1). What has left is booked as mass, and goes in whole
+ * particles: once it is that of one, the particle of the largest kernel sum in the region is taken
+ * out. So what left is what was taken and what is pending, less than a particle. Where a drain's q
+ * turns negative within a step it is booked against the pending mass; no particle ever comes out of
+ * a drain. */
 #include "sphsolve/isph/well.h"
 
 #include <math.h>
@@ -50,7 +51,8 @@ static int32_t well_at(const struct isph *s, const double x[3], double reach) {
       const double *box = s->scene->regions[k].box;
       bool inside = true;
       for (int a = 0; a < 3; a++)
-        if (isph_uses_axis(s, a)) inside = inside && x[a] >= box[a] - reach && x[a] < box[a + 3] + reach;
+        if (isph_uses_axis(s, a))
+          inside = inside && x[a] >= box[a] - reach && x[a] < box[a + 3] + reach;
       if (inside) return (int32_t)w + 1;
     }
   }
@@ -66,7 +68,8 @@ static double drain_pressure(const struct isph *s, const struct region *drain, d
   const double *g = s->scene->gravity;
   const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   if (drain->boundary != BOUNDARY_HEAD) return 0;
-  const double head = drain->table.count > 0 ? time_table_at(&drain->table, s->time, 0) : drain->head;
+  const double head =
+      drain->table.count > 0 ? time_table_at(&drain->table, s->time, 0) : drain->head;
   if (strength == 0) return s->density * GRAVITY_STANDARD * head;
   return fmax(0, s->density * strength * (head - z));
 }
@@ -87,19 +90,20 @@ static double sum_of(const struct isph *s, size_t well, bool flows) {
 
 /* Mean rate of a well over the step. */
 static double rate_of(const struct isph *s, const struct region *well, double dt) {
-  return well->table.count > 0
-             ? time_table_integral(&well->table, s->time, s->time + dt, 0) / dt
-             : well->rate;
+  return well->table.count > 0 ? time_table_integral(&well->table, s->time, s->time + dt, 0) / dt
+                               : well->rate;
 }
 
 void isph_wells_begin(struct isph *s, double dt) {
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    s->outlet[i] = (struct isph_outlet){.well = well_at(s, s->position[i], 0.5 * isph_size_of(s, s->volume[i]))};
+    s->outlet[i] = (struct isph_outlet){
+        .well = well_at(s, s->position[i], 0.5 * isph_size_of(s, s->volume[i]))};
   for (size_t w = 0; w < s->well_count; w++) {
     const struct region *region = s->wells[w].region;
     const bool drain = region->type == REGION_DRAIN;
-    const double volume = drain ? 1 : sum_of(s, w, false), rate = drain ? 0 : rate_of(s, region, dt);
+    const double volume = drain ? 1 : sum_of(s, w, false),
+                 rate = drain ? 0 : rate_of(s, region, dt);
     for (size_t i = s->local.begin; i < s->local.end; i++) {
       struct isph_outlet *outlet = &s->outlet[i];
       if (outlet->well != (int32_t)w + 1) continue;
@@ -118,8 +122,7 @@ void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *so
   outlet->tie = TIE * *diagonal;
   *diagonal += outlet->tie, *tied += outlet->tie;
   if (s->solve.again) return; /* what is solved for then adds to the pressure */
-  *source +=
-      outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
+  *source += outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
 }
 
 bool isph_wells_change(struct isph *s) {

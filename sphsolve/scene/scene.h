@@ -22,8 +22,15 @@ enum equation_of_state { EOS_GAUGE, EOS_ABSOLUTE };
 enum unified_form { FORM_AKBARI, FORM_M15 };
 enum pressure_solver { SOLVER_GRID, SOLVER_PETSC };
 enum switch_state { SWITCH_AUTO, SWITCH_ON, SWITCH_OFF };
-enum region_type { REGION_WATER, REGION_POROUS, REGION_WALL, REGION_INFLOW, REGION_EMPTY, REGION_WELL,
-                   REGION_DRAIN };
+enum region_type {
+  REGION_WATER,
+  REGION_POROUS,
+  REGION_WALL,
+  REGION_INFLOW,
+  REGION_EMPTY,
+  REGION_WELL,
+  REGION_DRAIN
+};
 extern const char *const region_type_names[]; /* as a scene writes them, ended by NULL */
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
 extern const char *const solute_way_names[];
@@ -98,7 +105,7 @@ struct region {
   double soil_velocity[3]; /* moving soil, m/s */
   bool saturated;          /* full of water at the start also where no water region covers it */
   bool dry;                /* dry there, even where soil would start full by itself */
-  char name[32]; /* of a wall "" unless its force is asked for */
+  char name[32];           /* of a wall "" unless its force is asked for */
   /* wall */
   bool slip;
   double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */
@@ -108,7 +115,8 @@ struct region {
   /* A well takes a rate out of soil, m^3/s (m^2/s in 2-D); a drain what holds its head, or without
      one (boundary none) the pressure of the air. Both have a name. */
   double rate;
-  /* head, flux, rate or a wall's velocity in time; those above then hold the values of largest size */
+  /* head, flux, rate or a wall's velocity in time; those above then hold the values of largest size
+   */
   struct time_table table;
 };
 

@@ -16,18 +16,19 @@
 /* A square of soil, without gravity, between four windows of head .5 m, and a region in it. */
 static void start_square(struct run *run, const char *well) {
   char text[2000];
-  snprintf(text, sizeof text,
-           "scene = { name = \"square\"; method = \"isph\"; end_time = \"60 s\"; }; "
-           "domain = { size = [\"1 m\", \"1 m\"]; spacing = \"40 mm\"; "
-           "periodic = [false, false]; }; "
-           "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; "
-           "porosity = 0.4; permeability = \"1e-2 m/s\"; }, "
-           "{ type = \"inflow\"; box = [\"0\", \"0\", \"25 mm\", \"1 m\"]; head = \"0.5 m\"; }, "
-           "{ type = \"inflow\"; box = [\".975 m\", \"0\", \"1 m\", \"1 m\"]; head = \"0.5 m\"; }, "
-           "{ type = \"inflow\"; box = [\"25 mm\", \"0\", \".975 m\", \"25 mm\"]; head = \"0.5 m\"; }, "
-           "{ type = \"inflow\"; box = [\"25 mm\", \".975 m\", \".975 m\", \"1 m\"]; "
-           "head = \"0.5 m\"; }, { %s } );",
-           well);
+  snprintf(
+      text, sizeof text,
+      "scene = { name = \"square\"; method = \"isph\"; end_time = \"60 s\"; }; "
+      "domain = { size = [\"1 m\", \"1 m\"]; spacing = \"40 mm\"; "
+      "periodic = [false, false]; }; "
+      "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; "
+      "porosity = 0.4; permeability = \"1e-2 m/s\"; }, "
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"25 mm\", \"1 m\"]; head = \"0.5 m\"; }, "
+      "{ type = \"inflow\"; box = [\".975 m\", \"0\", \"1 m\", \"1 m\"]; head = \"0.5 m\"; }, "
+      "{ type = \"inflow\"; box = [\"25 mm\", \"0\", \".975 m\", \"25 mm\"]; head = \"0.5 m\"; }, "
+      "{ type = \"inflow\"; box = [\"25 mm\", \".975 m\", \".975 m\", \"1 m\"]; "
+      "head = \"0.5 m\"; }, { %s } );",
+      well);
   start(run, text);
 }
 
@@ -60,7 +61,8 @@ static void a_drain_takes_what_its_head_asks_for(void **state) {
   march(&run, 1.2);
   const double early = pumped(&run), at = run.s.time;
   march(&run, 3.2);
-  const double flow = (pumped(&run) - early) / (run.s.time - at) / 1000, exact = exact_flow(0.15, 0.5);
+  const double flow = (pumped(&run) - early) / (run.s.time - at) / 1000,
+               exact = exact_flow(0.15, 0.5);
   const struct isph_well *well = &run.s.wells[0];
   printf("drain %g exact %g (%+.2f %%)\n", flow, exact, 100 * (flow / exact - 1));
   assert_true(fabs(flow / exact - 1) < 0.06);
@@ -81,9 +83,8 @@ static void a_well_takes_its_rate_and_draws_down(void **state) {
   const double rate = 5e-3, near[3] = {0.75, 0, 0.5}, far[3] = {0.85, 0, 0.5};
   double fall = 0;
   int n = 0;
-  start_square(&run,
-               "type = \"well\"; rate = \"5e-3 m^2/s\"; centre = [\".5 m\", \".5 m\"]; "
-               "radius = \".1 m\"");
+  start_square(&run, "type = \"well\"; rate = \"5e-3 m^2/s\"; centre = [\".5 m\", \".5 m\"]; "
+                     "radius = \".1 m\"");
   march(&run, 1.2);
   while (run.s.time < 5 - 1e-9) {
     march(&run, run.s.time + 0.24);
@@ -129,7 +130,8 @@ static void threads_agree_and_a_state_comes_back(void **state) {
     for (int n = 0; n < 15; n++) assert_int_equal(isph_advance(&run.s, 0.04), STATUS_OK);
     found[k][0] = run.s.wells[0].taken, found[k][1] = run.s.wells[0].pending;
     found[k][2] = (double)run.s.count, found[k][3] = 0;
-    for (size_t i = 0; i < run.s.count; i++) found[k][3] += run.s.position[i][0] * run.s.pressure[i];
+    for (size_t i = 0; i < run.s.count; i++)
+      found[k][3] += run.s.position[i][0] * run.s.pressure[i];
     finish(&run);
   }
   omp_set_num_threads(threads);
