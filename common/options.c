@@ -167,7 +167,7 @@ static enum status refuse_command(const struct option_table *table, const char *
                 table->program);
   const char *near = nearest_name(word, names);
   return FAIL(STATUS_USAGE, "unknown command '%s'%s%s%s; there are %s", word,
-              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "", list);
+              near ? ", did you mean '" : "", near ? near : "", near ? "'" : "", list);
 }
 
 static enum status refuse_option(const struct options *options, const char *word) {

@@ -152,7 +152,8 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
   for (size_t t = 0; t < threads; t++)
     TRY(memory_allocate(&counts[t].extremes, 2 * region->size[0], sizeof(float), "a row of cells"));
   TRY(memory_allocate(&slices, (batch + 1) * plane, sizeof *slices, "slices"));
-  TRY(region_read(region, sides->reflect[2] ? &(size_t){0} : &end, 1, slices));
+  numbers[0] = sides->reflect[2] ? 0 : end;
+  TRY(region_read(region, numbers, 1, slices));
   for (size_t z = 0; z < nz; z += batch) {
     const size_t n = nz - z < batch ? nz - z : batch;
     for (size_t i = 0; i < n; i++) numbers[i] = z + i;

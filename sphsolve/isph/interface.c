@@ -66,7 +66,7 @@ static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 static void find_tensor(const struct isph_soil_mix *m, double h, double tensor[6]) {
   const struct isph_fraction *l = &m->level, *s = &m->sum;
   const double mean = l->value / s->value;
-  double g[3], hessian[6];
+  double g[3], hessian[6] = {0};
   for (int a = 0; a < 3; a++) g[a] = (l->gradient[a] - mean * s->gradient[a]) / s->value;
   for (int a = 0; a < 3; a++)
     for (int b = a; b < 3; b++)

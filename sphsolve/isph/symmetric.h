@@ -33,7 +33,7 @@ static inline void symmetric_inverse(const double t[6], double inverse[6]) {
 static inline void symmetric_root(const double t[6], double root[6]) {
   for (int k = 0; k < 6; k++) root[k] = 0.5 * (t[k] + (k == 0 || k == 3 || k == 5));
   for (int round = 0; round < 12; round++) {
-    double inverse[6], column[3], next[6];
+    double inverse[6], column[3], next[6] = {0};
     symmetric_inverse(root, inverse);
     for (int b = 0, k = 0; b < 3; b++) { /* upper triangle of t inverse, which is symmetric */
       static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};

@@ -211,7 +211,8 @@ static bool sound(const struct walk *walk) {
       if (!(w->x[a] >= -0.5f && w->x[a] <= 0.5f) || w->wrapped[a] < 0 || w->wrapped[a] >= c->n[a])
         return false;
     struct walker found = *w;
-    if (!walk_find(c, &found) || memcmp(&found, w, sizeof found) != 0 || !(walk_distance(c, w) > 0))
+    if (!walk_find(c, &found) || found.number != w->number || found.address != w->address ||
+        found.walls != w->walls || !(walk_distance(c, w) > 0))
       return false;
   }
   return true;

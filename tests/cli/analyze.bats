@@ -186,6 +186,19 @@ PY
   [[ "$output" == *"still.hdf"*"driving force"* ]]
 }
 
+@test "pdf: of water that no force drives round, the mean is rounding: nothing is normalised" {
+  /usr/bin/python3 "$MAKE_RUN" undriven.hdf
+  /usr/bin/python3 - << 'PY'
+import h5py
+with h5py.File("undriven-0000.hdf", "r+") as f:
+    v = f["/VTKHDF/PointData/velocity"]
+    v[...] -= v[...].mean(axis=0) * (1 - 1e-10)
+PY
+  run analyze pdf undriven.hdf
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"undriven.hdf"*"rounding alone"*"no velocity to normalise"* ]]
+}
+
 @test "wrong use: exit 2" {
   run analyze slice d1.hdf --plane w=1mm
   [ "$status" -eq 2 ]
