@@ -56,10 +56,11 @@ static enum status measure(const struct run *run, struct velocity_statistics *ou
   out->backward /= (double)n;
   /* Water at rest, or driven round no closed way, has a mean of rounding alone. */
   if (!(fabs(out->mean) > 1e-6 * speed / (double)n))
-    TRY_FAIL(STATUS_INPUT,
-             "%s: the last snapshot's mean velocity along the force is rounding alone: the fluid is "
-             "at rest, or moves round no closed way; no velocity to normalise",
-             run->path);
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: the last snapshot's mean velocity along the force is rounding alone: the fluid is "
+        "at rest, or moves round no closed way; no velocity to normalise",
+        run->path);
   out->transverse =
       sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / fabs(out->mean);
   out->transverse_deviation = sqrt(sideways / (double)n) / fabs(out->mean);
