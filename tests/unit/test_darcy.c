@@ -51,6 +51,29 @@ static void test_forchheimer_when_called_for(void **state) {
   assert_false(fit.forchheimer);
 }
 
+/* Three runs leave one degree of freedom: their own errors tell what Student's t cannot. */
+static void test_forchheimer_of_three_runs(void **state) {
+  (void)state;
+  struct darcy_fit fit;
+  const double k = 2e-3, b = 1500.0, i[3] = {1, 5, 10}, off[3] = {0.003, -0.003, 0.0015};
+  double v[3], error[3];
+  for (int j = 0; j < 3; j++) {
+    v[j] = (1.0 + off[j]) * 2.0 * i[j] / (1.0 / k + sqrt(1.0 / (k * k) + 4.0 * b * i[j]));
+    error[j] = 0.005 * v[j];
+  }
+  assert_int_equal(darcy_fit(i, v, error, 3, nu, GRAVITY_STANDARD, &fit), STATUS_OK);
+  assert_true(fit.forchheimer);
+  assert_true(fabs(fit.b - b) < fit.b_error);
+  assert_true(fabs(fit.k - k) < fit.k_error && fit.k_error < 0.02 * k);
+  /* Errors that do not explain the residuals, or are not known, leave it to the scatter. */
+  for (int j = 0; j < 3; j++) error[j] = 0.0002 * v[j];
+  assert_int_equal(darcy_fit(i, v, error, 3, nu, GRAVITY_STANDARD, &fit), STATUS_OK);
+  assert_false(fit.forchheimer);
+  for (int j = 0; j < 3; j++) error[j] = NAN;
+  assert_int_equal(darcy_fit(i, v, error, 3, nu, GRAVITY_STANDARD, &fit), STATUS_OK);
+  assert_false(fit.forchheimer);
+}
+
 static void test_one_and_two_runs(void **state) {
   (void)state;
   struct darcy_fit fit;
@@ -64,8 +87,8 @@ static void test_one_and_two_runs(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_line),
-                                     cmocka_unit_test(test_forchheimer_when_called_for),
-                                     cmocka_unit_test(test_one_and_two_runs)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_line), cmocka_unit_test(test_forchheimer_when_called_for),
+      cmocka_unit_test(test_forchheimer_of_three_runs), cmocka_unit_test(test_one_and_two_runs)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
