@@ -69,6 +69,25 @@ cleanup:
   return status;
 }
 
+/* Where inertia is weak, k falls with the square of the velocity (Mei, Auriault 1991, J. Fluid
+ * Mech. 222, 647), and Forchheimer's line fits badly: the line's k is then that of no gradient. */
+static void warn_of_inertia(const double *gradient, const double *velocity, const double *error,
+                            size_t n, const struct darcy_fit *fit, const char *run) {
+  size_t low = 0, high = 0;
+  for (size_t i = 1; i < n; i++) {
+    if (gradient[i] < gradient[low]) low = i;
+    if (gradient[i] > gradient[high]) high = i;
+  }
+  if (n < 2 || fit->forchheimer || !(gradient[low] > 0.0) || !(velocity[low] > 0.0)) return;
+  const double fall = 1.0 - velocity[high] / gradient[high] / (velocity[low] / gradient[low]);
+  const double both = hypot(error[low] / velocity[low], error[high] / velocity[high]);
+  if (fall > 0.01 && fall > both)
+    log_warning(
+        "%s: k falls by %.2g %% from a gradient of %.4g to %.4g, more than the runs' errors: "
+        "inertia is felt there; Darcy's k is that of the lower gradients alone",
+        run, 100.0 * fall, gradient[low], gradient[high]);
+}
+
 static enum status fit_group(struct darcy_table *table, size_t g) {
   enum status status = STATUS_OK;
   double *columns = NULL;
@@ -91,6 +110,8 @@ static enum status fit_group(struct darcy_table *table, size_t g) {
     log_warning("%s: k grows with the gradient (by %.1f %% up to the highest), which no "
                 "Forchheimer term gives: look at compressibility and at pinning of particles",
                 run->name, -100.0 * fit->curvature);
+  else
+    warn_of_inertia(gradient, velocity, error, count, fit, run->name);
 cleanup:
   memory_free(&columns);
   return status;

@@ -382,10 +382,11 @@ static void print_labels(const struct labels *labels) {
       printf("; soil %g (porosity %.3g, permeability %.3g m^2)", labels->value[i],
              labels->soil[i].porosity, labels->soil[i].permeability);
   if (labels->count > 0) putchar('\n');
-  printf("walls             labels smoothed over %.2g to %.2g voxels at the same pore volume: k %+.2g "
-         "%%, by "
-         "Kozeny and Carman, beside walls halfway between voxels\n",
-         LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
+  printf(
+      "walls             labels smoothed over %.2g to %.2g voxels at the same pore volume: k %+.2g "
+      "%%, by "
+      "Kozeny and Carman, beside walls halfway between voxels\n",
+      LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
 }
 
 /* Four digits behind the point of a grey level, four in all of greys that are small. */
@@ -395,14 +396,17 @@ static const char *grey_text(const struct pipeline *pipeline, double grey, char 
   return text;
 }
 
+/* First the threshold of the scan, which --threshold takes; the downsampled greys have their own.
+ */
 static void print_greys(const struct pipeline *pipeline) {
   char model[32], original[32];
-  printf("threshold         %s", grey_text(pipeline, pipeline->threshold, model));
+  printf("threshold         %s", grey_text(pipeline, pipeline->threshold_original, original));
   if (isfinite(pipeline_threshold_error(pipeline)))
     printf(" +- %.3g", pipeline_threshold_error(pipeline));
-  printf(" (full resolution %s, Otsu %.4g",
-         grey_text(pipeline, pipeline->threshold_original, original),
-         pipeline_grey(pipeline, pipeline->otsu));
+  printf(" (");
+  if (strcmp(grey_text(pipeline, pipeline->threshold, model), original) != 0)
+    printf("of the downsampled greys %s, ", model);
+  printf("Otsu %.4g", pipeline_grey(pipeline, pipeline->otsu));
   if (pipeline->phases.levels > 2 && pipeline->phases.valley_depth < 0.9)
     printf(", least between the peaks %.4g", pipeline_grey(pipeline, pipeline->phases.valley));
   printf(")\n");

@@ -8,7 +8,7 @@ rows = []
 for case in cases:
     model = json.load(open(f"{folder}/model-{case}.json"))
     run = json.load(open(f"{folder}/run-{case}.json"))
-    rows.append((model["threshold"], model["void_ratio"], 100 * run["k"], "matched" if case == "matched" else ""))
+    rows.append((model["threshold_original"], model["void_ratio"], 100 * run["k"], "matched" if case == "matched" else ""))
 rows.sort()
 print("threshold,void_ratio,k_cm_per_s,dlnk_de,note")
 for i, (threshold, void_ratio, k, note) in enumerate(rows):

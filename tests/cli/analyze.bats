@@ -50,6 +50,15 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
   near "$(field f.json k_m_per_s)" 1.5e-3 0.02
 }
 
+@test "k that falls with the gradient is told, of two runs too" {
+  /usr/bin/python3 "$MAKE_RUN" w1.hdf i=1 b=4000
+  /usr/bin/python3 "$MAKE_RUN" w5.hdf i=5 b=4000
+  run analyze darcy w1.hdf w5.hdf
+  [[ "$output" == *"w1: k falls by "*" % from a gradient of 1 to 5"* ]]
+  run analyze darcy d1.hdf d5.hdf d10.hdf
+  [[ "$output" != *"k falls"* ]]
+}
+
 @test "runs of different models are refused unless told, and which they are is said" {
   for command in darcy pdf history report; do
     run analyze $command d1.hdf l1.hdf d5.hdf -o mixed.html
