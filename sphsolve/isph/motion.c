@@ -39,7 +39,7 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
   const double *xi = s->position[i];
   double gap = 0, trace = 0, r[3];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-    double mirror[3], ratio;
+    double mirror[6], ratio;
     isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
     isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, &ratio);
@@ -70,9 +70,7 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   double size = isph_size_of(s, s->volume[i]);
-  double most = s->on.surface && !isph_is_unforced(s)
-                    ? SHIFT_SHARE * size * size / s->shift_stiffness
-                    : h * h;
+  double most = isph_is_driven(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, step);
   const float *g = s->gradient[i];

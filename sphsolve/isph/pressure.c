@@ -8,6 +8,7 @@
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
 
 #define ITERATIONS_MAX 2000
@@ -82,11 +83,12 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         }
         const double *vw = isph_wall_velocity(s, j);
         walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
-        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio, across[3];
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
         double image = 2 * isph_wall_volume(s, j) * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
-        for (int a = 0; a < 3; a++) divergence += image * mirror[a] * (vi[a] - vw[a]) * r[a];
+        symmetric_times(mirror, r, across);
+        for (int a = 0; a < 3; a++) divergence += image * (vi[a] - vw[a]) * across[a];
       }
       if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
       source -= vol * divergence;

@@ -310,10 +310,10 @@ void isph_wall_move(struct isph *s, double dt);
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box, double volume);
 int isph_wall_layers(const struct isph *s);
-/* Along which axes boundary particle j at xj (its periodic image) mirrors a particle at xi (1 or 0
- * each), and its distance from the wall over that of xi. */
+/* The projection (symmetric.h) on the directions along which boundary particle j at xj (its periodic
+ * image) mirrors a particle at xi, and its distance from the wall over that of xi. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
-                      double mirror[3], double *ratio);
+                      double mirror[6], double *ratio);
 /* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it
  * through a wall within dt. */
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
@@ -447,10 +447,15 @@ static inline double isph_wall_volume(const struct isph *s, size_t j) {
   return s->boundary_volume != NULL ? s->boundary_volume[j] : s->wall_volume;
 }
 
+/* Whether anything but itself and walls acts on the water. */
+static inline bool isph_is_driven(const struct isph *s) {
+  const double *f = s->force;
+  return f[0] != 0 || f[1] != 0 || f[2] != 0 || s->on.soil || s->on.open_sides;
+}
+
 /* Whether nothing acts on water with a surface but itself and walls. */
 static inline bool isph_is_unforced(const struct isph *s) {
-  const double *f = s->force;
-  return s->on.surface && f[0] == 0 && f[1] == 0 && f[2] == 0 && !s->on.soil && !s->on.open_sides;
+  return s->on.surface && !isph_is_driven(s);
 }
 
 /* Velocity of boundary particle j. */

@@ -134,7 +134,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
     if (s->boundary_box[j] != last)
       last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, j);
-    double r[3], mirror[3], ratio,
+    double r[3], mirror[6], ratio,
         weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
@@ -246,11 +246,12 @@ static void correct(struct isph *s) {
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
           if (!s->on.soil) continue;
-          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[3], ratio;
+          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio;
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
           double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
+          static const int diagonal[3] = {0, 3, 5};
           for (int a = 0; a < 3; a++)
-            present[a] -= s->soil_fraction[i] * (1 - mirror[a]) * weight * r[a] * r[a];
+            present[a] -= s->soil_fraction[i] * (1 - mirror[diagonal[a]]) * weight * r[a] * r[a];
           continue;
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);

@@ -179,34 +179,63 @@ void isph_wall_move(struct isph *s, double dt) {
   }
 }
 
+/* Whether the tank has a window along axis a where boundary particle j at xj continues it: behind
+ * the corner between a window and a wall there is only the wall's continuation. */
+static bool window_beside(const struct isph *s, const double xj[3], int a) {
+  double x[3];
+  bool corner = false;
+  if (!s->on.open_sides) return false;
+  memcpy(x, xj, sizeof x);
+  for (int b = 0; b < 3; b++) {
+    if (b == a || s->periodic[b] || !isph_uses_axis(s, b)) continue;
+    const double inside = fmin(0.5 * s->spacing, 0.5 * (s->high[b] - s->low[b]));
+    corner = corner || x[b] < s->low[b] || x[b] > s->high[b];
+    x[b] = fmin(fmax(x[b], s->low[b] + inside), s->high[b] - inside);
+  }
+  return corner && isph_open_side_behind(s, x) >= 0;
+}
+
+/* A box that water flows around is convex: the mirror is the plane through its nearest point, along
+ * an edge or a corner too. With one mirror for each face in sight instead, what a particle's image
+ * does jumps where the particle comes out from before a face. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
-                      double mirror[3], double *ratio) {
-  double near = 0, far = 0;
-  mirror[0] = mirror[1] = mirror[2] = 0;
+                      double mirror[6], double *ratio) {
+  static const int diagonal[3] = {0, 3, 5};
+  double near = 0, far = 0, out[3] = {0};
+  memset(mirror, 0, 6 * sizeof *mirror);
   if (s->boundary_kind[j] != BOUNDARY_WALL) {
-    mirror[s->sides[s->boundary_box[j]].axis] = 1;
+    mirror[diagonal[s->sides[s->boundary_box[j]].axis]] = 1;
     *ratio = 1;
     return;
   }
   const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
   for (int a = 0; a < 3; a++) {
     if (!isph_uses_axis(s, a)) continue;
-    double i_distance = 0, j_distance = 0;
+    double j_distance = 0;
     if (box->tank) {
       if (s->periodic[a]) continue;
       if (xj[a] < box->low[a])
-        i_distance = xi[a] - box->low[a], j_distance = box->low[a] - xj[a], mirror[a] = 1;
+        out[a] = xi[a] - box->low[a], j_distance = box->low[a] - xj[a];
       else if (xj[a] > box->high[a])
-        i_distance = box->high[a] - xi[a], j_distance = xj[a] - box->high[a], mirror[a] = 1;
+        out[a] = box->high[a] - xi[a], j_distance = xj[a] - box->high[a];
+      else
+        continue;
+      if (window_beside(s, xj, a)) {
+        out[a] = 0;
+        continue;
+      }
+      mirror[diagonal[a]] = 1;
     } else {
       const double low = box->mirror_low[a], high = box->mirror_high[a];
       if (xi[a] < low)
-        i_distance = low - xi[a], j_distance = xj[a] - low, mirror[a] = 1;
+        out[a] = xi[a] - low, j_distance = xj[a] - low;
       else if (xi[a] > high)
-        i_distance = xi[a] - high, j_distance = high - xj[a], mirror[a] = 1;
+        out[a] = xi[a] - high, j_distance = high - xj[a];
     }
-    near += i_distance * i_distance, far += j_distance * j_distance;
+    near += out[a] * out[a], far += j_distance * j_distance;
   }
+  for (int a = 0, k = 0; a < 3 && !box->tank && near > 0; a++)
+    for (int b = a; b < 3; b++, k++) mirror[k] = out[a] * out[b] / near;
   double least = 0.25 * s->spacing; /* bounds the viscous pull of a particle that touches */
   *ratio = sqrt(far) / fmax(sqrt(near), least);
 }

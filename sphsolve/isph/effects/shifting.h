@@ -6,10 +6,10 @@
  *
  * The bound is 0.8 r^2 / s, s the stiffness of grad C against displacements of neighbours, found on
  * the lattice: a factor of r^2 / s just undoes such a displacement, one of 2 r^2 / s reverses it at
- * full size. (The bound of Skillen et al., h^2 = 2.3 r^2 / s, makes particles alternate from step
- * to step, and under a surface the pressure of all water with them, between 0 and twice its value.)
- * It is h^2 where no force presses the water together, and without a surface, where steps are half
- * as long and A U dt h is below 2 r^2 / s by itself.
+ * full size. With the bound of Skillen et al., h^2 = 2.3 r^2 / s, particles alternate from step to
+ * step, and the pressure with them: under a surface of all water, between 0 and twice its value; in
+ * a column of water that crosses coarse soil fast by a tenth. It is h^2 where nothing but itself and
+ * walls acts on the water.
  *
  * A particle on the surface is not shifted, and one with a neighbour on the surface only along it
  * (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are evenly

@@ -21,6 +21,7 @@
 #include <stdio.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/symmetric.h"
 #include "sphsolve/plan/plan.h"
 
 /* |sum V grad W| he / sum V slope r^2, the asymmetry of a neighbourhood, as a share of that of a
@@ -63,12 +64,13 @@ static inline double surface_weight(const struct isph *s, double support, double
  * full of water, and the pressure would draw the front of water in soil to the wall at 1.3 times
  * its speed. */
 static inline double surface_gap(const struct isph *s, size_t i, const double r[3],
-                                 const double mirror[3]) {
+                                 const double mirror[6]) {
   const double *m = s->gradient_sum[i]; /* points into the void */
-  double length = 0, distance = 0, towards = 0;
+  double length = 0, distance = 0, towards = 0, across[3];
+  symmetric_times(mirror, r, across);
   for (int a = 0; a < 3; a++) {
-    length += m[a] * m[a], distance += mirror[a] * r[a] * r[a];
-    towards -= mirror[a] * r[a] * m[a];
+    length += m[a] * m[a], distance += across[a] * r[a];
+    towards -= across[a] * m[a];
   }
   if (!(towards > 0)) return 0;
   return fmin(1, fmax(0, 4 * towards * towards / (length * distance) - 2));
