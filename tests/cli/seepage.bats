@@ -137,8 +137,12 @@ for name, d in (("planes-5.json", 5e-3), ("planes-1.json", 1e-2)):
     flux = json.load(open(name))["fluxes_m2_per_s"]
     for plane, f in flux.items():
         assert abs(f["mean"] - exact) < 1.2 * f["error95"] < 0.1 * exact, (name, plane, f, exact)
-    # The mean over time alone is too sure of itself in free water: twice its own 95 % does not hold the truth.
-    assert abs(flux["in"]["mean"] - exact) > 2 * 2 * flux["in"]["standard_error"], flux
+    # The mean over time alone is too sure of itself in free water: before finer soil, where shifting moves particles
+    # against the flow, twice its own 95 % does not hold the truth. Before coarse soil the flux itself is exact.
+    if d < 1e-2:
+        assert abs(flux["in"]["mean"] - exact) > 2 * 2 * flux["in"]["standard_error"], flux
+    else:
+        assert all(abs(f["mean"] / exact - 1) < 0.01 for f in flux.values()), flux
 END
   # Without sections of soil alone that no open side cuts off nothing is known, and that is said.
   /usr/bin/python3 -c 'import h5py; f = h5py.File("planes.hdf", "r+"); del f["run/planes"]'
