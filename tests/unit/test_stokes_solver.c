@@ -241,14 +241,13 @@ static void test_bits_do_not_depend_on_threads(void **state) {
 }
 
 /* Every instruction set against the sum written out, rows shorter than the support included. */
-static void test_row_loops(void **state) {
-  (void)state;
+static void check_row_loops(double support) {
   const struct stokes_rows *sets[] = {&stokes_rows_base, &stokes_rows_avx2, stokes_rows_best()};
   const double spacing[3] = {1.0, 1.1, 0.9};
   static struct stokes_stencil stencil;
   static float field[25][64] __attribute__((aligned(64)));
   static float scratch[2048] __attribute__((aligned(64))), out[64] __attribute__((aligned(64)));
-  assert_int_equal(stokes_stencil_build(3, spacing, KERNEL_QUINTIC, 2.7, &stencil), STATUS_OK);
+  assert_int_equal(stokes_stencil_build(3, spacing, KERNEL_QUINTIC, support, &stencil), STATUS_OK);
   const struct stokes_convolution *all[] = {&stencil.laplace, &stencil.gradient[0],
                                             &stencil.gradient[1], &stencil.gradient[2]};
   assert_true(stokes_rows_scratch(64) <= sizeof scratch / sizeof *scratch);
@@ -278,6 +277,42 @@ static void test_row_loops(void **state) {
       }
 }
 
+/* With neighbours one and two sites off, each of which has loops of its own. */
+static void test_row_loops(void **state) {
+  (void)state;
+  check_row_loops(1.7);
+  check_row_loops(2.7);
+}
+
+/* Every pattern of pores there is, against the loop written out. */
+static void test_pores_are_packed(void **state) {
+  (void)state;
+  const struct stokes_rows *sets[] = {&stokes_rows_base, &stokes_rows_avx2, stokes_rows_best()};
+  float row[2 * STOKES_LANES] __attribute__((aligned(64))),
+      back[2 * STOKES_LANES] __attribute__((aligned(64)));
+  for (size_t set = __builtin_cpu_supports("avx2") ? 0 : 2; set < 3; set++)
+    for (unsigned bits = 0; bits < 65536; bits++) {
+      const uint16_t mask[2] = {(uint16_t)bits, (uint16_t)(65535 - bits / 3)};
+      float wanted[2 * STOKES_LANES], packed[2 * STOKES_LANES];
+      size_t count = 0;
+      for (size_t i = 0; i < 2 * STOKES_LANES; i++) {
+        row[i] = (float)i + 1.0f;
+        if (mask[i / STOKES_LANES] >> i % STOKES_LANES & 1) wanted[count++] = row[i];
+      }
+      assert_int_equal(sets[set]->pack(mask, 2, row, packed), count);
+      assert_memory_equal(packed, wanted, count * sizeof *packed);
+      /* from where nothing follows */
+      float *own = NULL;
+      assert_int_equal(memory_allocate(&own, count, sizeof *own, "a test"), STATUS_OK);
+      if (count > 0) memcpy(own, wanted, count * sizeof *own);
+      assert_int_equal(sets[set]->unpack(mask, 2, own, back), count);
+      for (size_t i = 0; i < 2 * STOKES_LANES; i++)
+        if (!(mask[i / STOKES_LANES] >> i % STOKES_LANES & 1)) row[i] = 0.0f;
+      assert_memory_equal(back, row, sizeof row);
+      memory_free(&own);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_spheres_within_one_per_cent),
@@ -286,6 +321,7 @@ int main(void) {
       cmocka_unit_test(test_couette),
       cmocka_unit_test(test_bits_do_not_depend_on_threads),
       cmocka_unit_test(test_row_loops),
+      cmocka_unit_test(test_pores_are_packed),
       cmocka_unit_test(test_throat_one_site_wide),
       cmocka_unit_test(test_blocked_pores_are_left_out),
       cmocka_unit_test(test_no_wall_is_an_input_error),

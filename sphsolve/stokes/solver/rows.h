@@ -47,6 +47,12 @@ struct stokes_rows {
   size_t (*pack)(const uint16_t *mask, size_t chunks, const float *row, float *packed);
 };
 
+/* For eight sites whose pores are the bits of a byte, filled by stokes_rows_best: which of the
+ * packed values each site takes, EMPTY none; which site each packed value is of. And of `first` a
+ * table of the first n of eight, EMPTY. */
+#define STOKES_ROWS_EMPTY 0x80
+extern uint8_t stokes_rows_expand[256][8], stokes_rows_compress[256][8], stokes_rows_first[9][8];
+
 extern const struct stokes_rows stokes_rows_base, stokes_rows_avx2, stokes_rows_avx512;
 /* The fastest that this processor runs. */
 const struct stokes_rows *stokes_rows_best(void);

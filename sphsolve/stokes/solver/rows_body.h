@@ -1,20 +1,25 @@
 /* Body of the row loops, compiled once per instruction set by the files that include it and name
  * the table with STOKES_ROWS_TABLE and STOKES_ROWS_NAME. */
 #include <string.h>
-#ifdef __AVX512F__
+#ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
 #include "sphsolve/stokes/solver/rows.h"
 
-typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
-
-/* As many vectors at once as the registers hold. */
+/* Vectors as wide as registers, as the compiler takes wider ones apart in memory, and so many at
+ * once that their sums stay there. */
 #ifdef __AVX512F__
-#define MAX_WIDTH 4
+#define VECTOR 16
+#define WIDTH 4
+#elif defined __AVX2__
+#define VECTOR 8
+#define WIDTH 4
 #else
-#define MAX_WIDTH 1
+#define VECTOR 4
+#define WIDTH 4
 #endif
+typedef float vec __attribute__((vector_size(4 * VECTOR), may_alias));
 #define LOAD(p) (*(const vec *)(p))
 
 /* Sums over y and z for every |di| at once, for `width` vectors of a row: partial[m][i] = sum over
@@ -23,20 +28,20 @@ typedef float vec __attribute__((vector_size(4 * STOKES_LANES), may_alias));
 static inline __attribute__((always_inline)) void
 sum_block(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t start,
           size_t pitch, float *partial, const int width, const int reach) {
-  vec sum[MAX_WIDTH][STOKES_REACH + 1] = {{{0}}};
+  vec sum[WIDTH][STOKES_REACH + 1] = {{{0}}};
   for (int c = 0; c < convolution->class_count; c++) {
     const struct stokes_class *class = &convolution->classes[c];
     const float *const *row = rows[c];
-    vec s[MAX_WIDTH];
-    for (int w = 0; w < width; w++) s[w] = LOAD(row[0] + start + w * STOKES_LANES);
+    vec s[WIDTH];
+    for (int w = 0; w < width; w++) s[w] = LOAD(row[0] + start + w * VECTOR);
     if (class->row_count == 2) {
       if (class->plus_count == 2)
-        for (int w = 0; w < width; w++) s[w] += LOAD(row[1] + start + w * STOKES_LANES);
+        for (int w = 0; w < width; w++) s[w] += LOAD(row[1] + start + w * VECTOR);
       else
-        for (int w = 0; w < width; w++) s[w] -= LOAD(row[1] + start + w * STOKES_LANES);
+        for (int w = 0; w < width; w++) s[w] -= LOAD(row[1] + start + w * VECTOR);
     } else if (class->row_count == 4) {
       for (int w = 0; w < width; w++) {
-        const size_t i = start + (size_t)w * STOKES_LANES;
+        const size_t i = start + (size_t)w * VECTOR;
         const vec t = LOAD(row[2] + i) + LOAD(row[3] + i);
         s[w] += LOAD(row[1] + i);
         s[w] = class->plus_count == 4 ? s[w] + t : s[w] - t;
@@ -47,16 +52,16 @@ sum_block(const struct stokes_convolution *convolution, const float *const (*row
   }
   for (int m = 0; m <= reach; m++)
     for (int w = 0; w < width; w++)
-      *(vec *)(partial + (size_t)m * pitch + start + w * STOKES_LANES) = sum[w][m];
+      *(vec *)(partial + (size_t)m * pitch + start + w * VECTOR) = sum[w][m];
 }
 
 static inline __attribute__((always_inline)) void
 sum_rows(const struct stokes_convolution *convolution, const float *const (*rows)[4], size_t stride,
-         size_t pitch, float *partial, const int reach) {
+         size_t pitch, float *partial, const int width, const int reach) {
   size_t i = 0;
-  for (; i + MAX_WIDTH * STOKES_LANES <= stride; i += MAX_WIDTH * STOKES_LANES)
-    sum_block(convolution, rows, i, pitch, partial, MAX_WIDTH, reach);
-  for (; i < stride; i += STOKES_LANES) sum_block(convolution, rows, i, pitch, partial, 1, reach);
+  for (; i + (size_t)(width * VECTOR) <= stride; i += (size_t)(width * VECTOR))
+    sum_block(convolution, rows, i, pitch, partial, width, reach);
+  for (; i < stride; i += VECTOR) sum_block(convolution, rows, i, pitch, partial, 1, reach);
 }
 
 /* The values beyond the ends of a row, from around the box; a row may be shorter than the reach. */
@@ -76,8 +81,15 @@ static void convolve(const struct stokes_convolution *convolution, const float *
   float *partial = scratch + STOKES_LANES;
   const int reach = convolution->reach;
   const float sign = convolution->odd_x ? -1.0f : 1.0f;
-  if (reach == 2) { /* the usual support */
-    sum_rows(convolution, rows, stride, pitch, partial, 2);
+  if (reach == 1) { /* the usual support */
+    sum_rows(convolution, rows, stride, pitch, partial, WIDTH, 1);
+    wrap(partial, nx, pitch, 1);
+    const float own = convolution->odd_x ? 0.0f : 1.0f, *one = partial + pitch;
+    for (size_t i = 0; i < nx; i++) out[i] = own * partial[i] + (one[i + 1] + sign * one[i - 1]);
+    return;
+  }
+  if (reach == 2) { /* support 2.9 */
+    sum_rows(convolution, rows, stride, pitch, partial, WIDTH / 2, 2);
     wrap(partial, nx, pitch, 2);
     const float own = convolution->odd_x ? 0.0f : 1.0f;
     const float *one = partial + pitch, *two = partial + 2 * pitch;
@@ -85,7 +97,7 @@ static void convolve(const struct stokes_convolution *convolution, const float *
       out[i] = own * partial[i] + one[i + 1] + sign * one[i - 1] + two[i + 2] + sign * two[i - 2];
     return;
   }
-  sum_rows(convolution, rows, stride, pitch, partial, reach);
+  sum_rows(convolution, rows, stride, pitch, partial, 1, reach);
   wrap(partial, nx, pitch, reach);
   for (size_t i = 0; i < nx; i++) out[i] = convolution->odd_x ? 0.0f : partial[i];
   for (int m = 1; m <= reach; m++) {
@@ -123,6 +135,13 @@ static void convolve_double(const struct stokes_convolution *convolution,
   }
 }
 
+#if defined __AVX2__ && !defined __AVX512F__
+/* Bytes of a table to the indices of a permutation, the highest bit to the highest. */
+static inline __m256i indices(const uint8_t bytes[8]) {
+  return _mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)bytes));
+}
+#endif
+
 static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, float *row) {
   const float *p = packed;
   for (size_t c = 0; c < chunks; c++) {
@@ -131,6 +150,17 @@ static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, f
 #ifdef __AVX512F__
     _mm512_store_ps(r, _mm512_maskz_expandloadu_ps((__mmask16)bits, p));
     p += __builtin_popcount(bits);
+#elif defined __AVX2__
+    /* Only what there is is read, as the vector may end with it. */
+    for (int half = 0; half < 2; half++, bits >>= 8) {
+      const __m256i from = indices(stokes_rows_expand[bits & 255]);
+      const int count = __builtin_popcount(bits & 255);
+      const __m256 some = _mm256_maskload_ps(p, indices(stokes_rows_first[count]));
+      _mm256_store_ps(r + 8 * half,
+                      _mm256_blendv_ps(_mm256_permutevar8x32_ps(some, from), _mm256_setzero_ps(),
+                                       _mm256_castsi256_ps(from)));
+      p += count;
+    }
 #else
     memset(r, 0, STOKES_LANES * sizeof *r);
     for (; bits; bits &= bits - 1) r[__builtin_ctz(bits)] = *p++;
@@ -144,11 +174,18 @@ static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float 
   for (size_t c = 0; c < chunks; c++) {
     const float *r = row + c * STOKES_LANES;
     unsigned bits = mask[c];
+    /* Compressed in a register and stored whole: what lies beyond the values is overwritten by the
+     * next chunk. */
 #ifdef __AVX512F__
-    /* Compressed in a register and stored whole: a compress-store to memory is microcoded on AMD's
-     * Zen 4. What lies beyond the values is overwritten by the next chunk. */
+    /* A compress-store to memory is microcoded on AMD's Zen 4. */
     _mm512_storeu_ps(p, _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(r)));
     p += __builtin_popcount(bits);
+#elif defined __AVX2__
+    for (int half = 0; half < 2; half++, bits >>= 8) {
+      const __m256i from = indices(stokes_rows_compress[bits & 255]);
+      _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(_mm256_loadu_ps(r + 8 * half), from));
+      p += __builtin_popcount(bits & 255);
+    }
 #else
     for (; bits; bits &= bits - 1) *p++ = r[__builtin_ctz(bits)];
 #endif
