@@ -9,6 +9,7 @@
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 #include "sphsolve/stokes/effects/wall_subvoxel.h"
+#include "sphsolve/stokes/solver/edges.h"
 #include "sphsolve/geometry/moment.h"
 #include "sphsolve/geometry/wall_shape.h"
 
@@ -21,6 +22,7 @@ struct site_sums {
   double lost[3][3];       /* the moment with them, less that which B inverts */
   double towards[3];       /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
   double beside[3];        /* its length along each axis without signs, of the sites beside */
+  double inverse[3][3];    /* B */
   struct wall_shape wall;  /* the nearest; without where there is none */
   bool smooth;             /* the wall distances are those of a surface */
 };
@@ -131,6 +133,15 @@ static void add_pore(const struct stokes_operator *op, const struct stokes_offse
   }
 }
 
+static void find_correction(const struct stokes_operator *op, struct site_sums *sums) {
+  const int axes = op->stencil->axis_count;
+  double normal[3] = {0}, moment[3][3];
+  memcpy(moment, sums->moment, sizeof moment);
+  for (int a = 0; a < axes; a++) normal[a] = sums->wall.normal[op->stencil->axes[a]];
+  moment_free_normal(axes, normal, moment);
+  moment_invert_bounded(axes, moment, sums->inverse);
+}
+
 static void sum_site(const struct stokes_operator *op, const size_t at[3], struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const struct stokes_grid *grid = op->grid;
@@ -172,21 +183,17 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   }
   sums->parabola = fmin(sums->parabola + sums->surface, WALL_PARABOLA_MAX);
   if (own.soil) sums->diagonal += (1.0 - sums->parabola) / own.permeability;
+  find_correction(op, sums);
 }
 
 static void store(struct stokes_operator *op, size_t n, const struct site_sums *sums) {
   const int axes = op->stencil->axis_count;
-  double inverse[3][3], normal[3] = {0}, moment[3][3];
-  memcpy(moment, sums->moment, sizeof moment);
   op->diagonal[n] = (float)sums->diagonal;
   op->pore_sum[n] = (float)sums->pore_sum;
   op->parabola[n] = (float)(1.0 - sums->parabola);
-  for (int a = 0; a < axes; a++) normal[a] = sums->wall.normal[op->stencil->axes[a]];
-  moment_free_normal(axes, normal, moment);
-  moment_invert_bounded(axes, moment, inverse);
   for (int a = 0; a < axes; a++) {
     for (int c = a; c < axes; c++)
-      op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)inverse[a][c];
+      op->correction[stokes_symmetric(axes, a, c) * op->n + n] = (float)sums->inverse[a][c];
     op->pore_gradient[(size_t)a * op->n + n] = (float)sums->pore_gradient[a];
     for (int c = 0; op->soil && c < axes; c++)
       op->soil->force_defect[(size_t)a * op->n + n] +=
@@ -244,6 +251,7 @@ static enum status build_sites(struct stokes_operator *op) {
   TRY(memory_allocate(&lines, (size_t)op->threads * length, 1, "row buffers"));
   for (int o = 0; o < op->stencil->offset_count; o++)
     add_pore(op, &op->stencil->offsets[o], &whole);
+  find_correction(op, &whole);
 #pragma omp parallel for schedule(dynamic, 16) num_threads(op->threads)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
@@ -255,133 +263,23 @@ static enum status build_sites(struct stokes_operator *op) {
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      struct site_sums sums = whole;
+      struct site_sums own;
+      const struct site_sums *sums = &whole;
       if (!inner[i]) {
-        sum_site(op, at, &sums);
+        sum_site(op, at, &own);
+        sums = &own;
       } else if (op->soil && stokes_soil_is(op->soil, op->lattice, row * nx + i)) {
         if (known == SIZE_MAX || !stokes_soil_alike(op->soil, op->lattice, known, row * nx + i))
           sum_site(op, at, &alike);
         known = row * nx + i;
-        sums = alike;
+        sums = &alike;
       }
-      store(op, n++, &sums);
+      store(op, n++, sums);
     }
   }
   status = interrupt_look();
 cleanup:
   memory_free(&lines);
-  return status;
-}
-
-/* The site beside one along an axis. */
-static size_t beside(const struct lattice *l, const size_t at[3], size_t site, int axis, bool up) {
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const size_t last = (l->size[axis] - 1) * step[axis];
-  return up ? (at[axis] + 1 < l->size[axis] ? site + step[axis] : site - last)
-            : (at[axis] > 0 ? site - step[axis] : site + last);
-}
-
-/* A line of sites along an axis ends at a wall, or at the surface of soil. */
-static bool ends_line(const struct stokes_operator *op, size_t other) {
-  return op->lattice->kind[other] == SITE_WALL ||
-         (op->soil && stokes_soil_is(op->soil, op->lattice, other));
-}
-
-static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
-  if (op->soil && stokes_soil_is(op->soil, op->lattice, site))
-    return false; /* its velocity does not end at a wall */
-  for (int c = 0; c < op->stencil->axis_count; c++)
-    for (int up = 0; up < 2; up++)
-      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up))) return true;
-  return false;
-}
-
-/* Half-way to soil the slope is what its slip leaves of a wall's. */
-static struct stokes_wall_quadrature soil_quadrature(const struct stokes_operator *op, size_t other,
-                                                     int axis) {
-  const struct stokes_soil_site soil = stokes_soil_at(op->soil, op->lattice, other);
-  struct stokes_wall_quadrature end = stokes_wall_quadrature(0.5, 0.5, op->stencil->spacing[axis]);
-  const double left = 1.0 / (1.0 + 2.0 * soil.slip);
-  end.velocity *= left;
-  end.force *= left * fmax(1.0 - 8.0 * soil.permeability, -8.0);
-  return end;
-}
-
-static struct stokes_edge find_edge(const struct stokes_operator *op, const size_t at[3],
-                                    size_t site, float moving[3]) {
-  const struct lattice *l = op->lattice;
-  const double d_a = distance(op, site);
-  double velocity = 0.0, force = 0.0, from_wall[3] = {0.0};
-  double shares = 0.0; /* of the axes; more than 1 in a corner */
-  for (int c = 0; c < op->stencil->axis_count; c++) {
-    double share = 0.0;
-    for (int up = 0; up < 2; up++) {
-      const int a = op->stencil->axes[c];
-      const size_t other = beside(l, at, site, a, up);
-      if (!ends_line(op, other)) continue;
-      if (l->kind[other] != SITE_WALL) {
-        const struct stokes_wall_quadrature end = soil_quadrature(op, other, a);
-        velocity += end.velocity;
-        force += end.force;
-        share = 1.0;
-        continue;
-      }
-      const struct stokes_wall_quadrature end =
-          stokes_wall_quadrature(d_a, -distance(op, other), op->stencil->spacing[a]);
-      const struct region *region = stokes_wall_region(op, other);
-      velocity += end.velocity;
-      force += end.force;
-      for (int b = 0; region && b < 3; b++)
-        from_wall[b] += (end.wall - end.velocity) * region->velocity[b] / op->velocity_unit;
-      share = fmax(share, end.share);
-    }
-    shares += share;
-  }
-  struct wall_shape wall;
-  wall_shape_find(l, site, op->stencil->unit, &wall);
-  const double curvature = wall.curvature * op->stencil->unit;
-  const double bend = 1.0 / (1.0 - 0.5 * fmax(d_a, WALL_DISTANCE_FLOOR) * curvature);
-  for (int a = 0; moving && a < 3; a++) moving[a] = (float)(from_wall[a] / fmax(shares, 1.0));
-  return (struct stokes_edge){.velocity = (float)(velocity * bend / fmax(shares, 1.0)),
-                              .force = (float)(force * bend / fmax(shares, 1.0))};
-}
-
-static enum status build_edges(struct stokes_operator *op) {
-  enum status status = STATUS_OK;
-  const struct stokes_grid *grid = op->grid;
-  const size_t nx = grid->size[0], begin = stokes_grid_begin(grid), end = stokes_grid_end(grid);
-  size_t *start = NULL;
-  TRY(memory_allocate(&op->edge_start, grid->rows + 1, sizeof *start, "edges of the pores"));
-  if (op->wall != WALL_SUBVOXEL) return STATUS_OK;
-  start = op->edge_start;
-#pragma omp parallel for schedule(dynamic, 16)
-  for (size_t row = begin; row < end; row++)
-    for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
-      const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i)) start[row + 1]++;
-    }
-  TRY(interrupt_look());
-  for (size_t row = 0; row < grid->rows; row++) start[row + 1] += start[row];
-  const size_t count = start[grid->rows];
-  TRY(memory_allocate(&op->edges, count, sizeof *op->edges, "edges of the pores"));
-  if (op->drag)
-    TRY(memory_allocate(&op->edge_moving, count, sizeof *op->edge_moving, "edges of the pores"));
-#pragma omp parallel for schedule(dynamic, 16)
-  for (size_t row = begin; row < end; row++) {
-    size_t n = 0, e = start[row];
-    if (interrupt_alone()) continue;
-    for (size_t i = 0; i < nx; i++) {
-      if (!stokes_grid_is_active(grid, row, i)) continue;
-      const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      if (is_edge(op, at, row * nx + i)) {
-        op->edges[e] = find_edge(op, at, row * nx + i, op->edge_moving ? op->edge_moving[e] : NULL);
-        op->edges[e++].at = (uint32_t)n;
-      }
-      n++;
-    }
-  }
-  status = interrupt_look();
-cleanup:
   return status;
 }
 
@@ -437,7 +335,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
   TRY(build_sites(op));
-  TRY(build_edges(op));
+  TRY(stokes_edges_build(op));
   if (op->soil) memory_free(&op->soil->enclosed);
   return STATUS_OK;
 cleanup:
