@@ -2,10 +2,11 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/well.h"
 
 /* The arrays of a state: per own particle, per boundary particle, per region. */
-static size_t copied_arrays(const struct isph *s, void *array[10], size_t bytes[10]) {
+static size_t copied_arrays(const struct isph *s, void *array[11], size_t bytes[11]) {
   const size_t own = s->local.end - s->local.begin;
   size_t n = 0;
 #define ADD(member, first, count)                                                                  \
@@ -23,14 +24,15 @@ static size_t copied_arrays(const struct isph *s, void *array[10], size_t bytes[
   ADD(soil_offset, 0, s->scene->region_count);
   ADD(column_front, 0, s->column_count);
   ADD(wells, 0, s->well_count);
+  ADD(rains, 0, s->rain_count);
 #undef ADD
   return n;
 }
 
 enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[10];
-  size_t bytes[10], total = 0, used = 0, n = copied_arrays(s, array, bytes);
+  void *array[11];
+  size_t bytes[11], total = 0, used = 0, n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
@@ -52,8 +54,8 @@ cleanup:
 
 enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[10];
-  size_t bytes[10], used = 0;
+  void *array[11];
+  size_t bytes[11], used = 0;
   TRY(isph_reserve(s, copy->count));
   s->count = s->local.end = copy->count;
   s->local.begin = 0;

@@ -11,6 +11,11 @@ extern const struct effect *const isph_effects[]; /* effects/registry.def */
 enum status isph_scales(struct plan *plan);
 /* isph/refuse.c: an error for scenes that cannot come out right. */
 enum status isph_refuse(const struct effect_context *context);
+/* What a region gives as a table in the mean up to the end of the run; else `steady`. */
+double isph_mean_given(const struct scene *scene, const struct region *region, double steady);
+/* isph/refuse_sources.c: its part for wells, drains and rain. */
+enum status isph_refuse_wells(const struct effect_context *context);
+enum status isph_refuse_rain(const struct effect_context *context);
 enum status isph_cost(struct plan *plan, int threads);
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 

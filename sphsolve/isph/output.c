@@ -8,6 +8,7 @@
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/wall_force.h"
+#include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/plan/reynolds.h"
@@ -122,6 +123,12 @@ enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
     snprintf(name, sizeof name, "pending_%s", s->wells[w].region->name);
     TRY(recorder_add_column(recorder, name, "kg", 1));
   }
+  for (size_t k = 0; k < s->rain_count; k++) {
+    snprintf(name, sizeof name, "fallen_%s", s->rains[k].region->name);
+    TRY(recorder_add_column(recorder, name, "kg", 1));
+    snprintf(name, sizeof name, "pending_%s", s->rains[k].region->name);
+    TRY(recorder_add_column(recorder, name, "kg", 1));
+  }
 cleanup:
   return status;
 }
@@ -197,7 +204,8 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   struct whole whole;
   double *extra = NULL;
   size_t n = 13 + BUDGET_TERMS + 4 * s->scene->region_count +
-             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count + 3 * s->well_count,
+             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count + 3 * s->well_count +
+             2 * s->rain_count,
          c = 0;
   enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
   if (status != STATUS_OK) return status;
@@ -235,6 +243,10 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
     extra[c++] = s->wells[w].taken * scale;
     extra[c++] = s->wells[w].pending * scale;
   }
+  for (size_t k = 0; k < s->rain_count; k++) {
+    extra[c++] = s->rains[k].fallen * scale;
+    extra[c++] = s->rains[k].pending * scale;
+  }
   status = recorder_row(recorder, &row, extra);
   memory_free(&extra);
   return status;
@@ -262,6 +274,13 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     const size_t three = 3;
     const double kept[3] = {s->wells[w].taken, s->wells[w].pending, s->wells[w].flow};
     snprintf(name, sizeof name, "/state/well_%zu", w);
+    TRY(h5_write(file, name, H5_F64, 1, &three, kept, false));
+  }
+  for (size_t k = 0; k < s->rain_count; k++) {
+    char name[64];
+    const size_t three = 3;
+    const double kept[3] = {s->rains[k].fallen, s->rains[k].pending, s->rains[k].places};
+    snprintf(name, sizeof name, "/state/rain_%zu", k);
     TRY(h5_write(file, name, H5_F64, 1, &three, kept, false));
   }
   double boxes[6];
@@ -350,6 +369,13 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     snprintf(name, sizeof name, "/state/well_%zu", w);
     TRY(read_into(file, name, H5_F64, 3, 1, kept));
     s->wells[w].taken = kept[0], s->wells[w].pending = kept[1], s->wells[w].flow = kept[2];
+  }
+  for (size_t k = 0; k < s->rain_count; k++) {
+    char name[64];
+    double kept[3];
+    snprintf(name, sizeof name, "/state/rain_%zu", k);
+    TRY(read_into(file, name, H5_F64, 3, 1, kept));
+    s->rains[k].fallen = kept[0], s->rains[k].pending = kept[1], s->rains[k].places = kept[2];
   }
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];

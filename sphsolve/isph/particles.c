@@ -10,6 +10,7 @@
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
+#include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 
@@ -205,6 +206,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   if (s->on.wells) TRY(isph_wells_create(s));
+  if (s->on.rain) TRY(isph_rain_create(s));
   TRY(isph_wall_create(s));
   TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
@@ -268,6 +270,7 @@ void isph_free(struct isph *s) {
                     &s->tied,
                     &s->outlet,
                     &s->wells,
+                    &s->rains,
                     &s->work[0],
                     &s->work[1],
                     &s->work[2],

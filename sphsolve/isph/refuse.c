@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "common/ranks.h"
+#include "sphsolve/isph/rain.h"
 
 /* Water within a kernel's support on both sides of a wall presses through it. The support is 2.4
  * spacings, and particles keep a fifth of one from each face. */
@@ -62,7 +62,12 @@ static double area_of(const struct effect_context *context, const struct region 
   return area / thinnest;
 }
 
-/* What flows in by fluxes needs room, or a side of given head to go out by. */
+double isph_mean_given(const struct scene *scene, const struct region *region, double steady) {
+  if (region->table.count == 0) return steady;
+  return time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time;
+}
+
+/* What fluxes and rain bring needs room, or a side of given head or a drain to go out by. */
 static enum status check_inflows(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
@@ -70,11 +75,15 @@ static enum status check_inflows(const struct effect_context *context) {
   double in = 0, room = 0, site = 1;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
-    if (region->type != REGION_INFLOW) continue;
-    if (region->boundary != BOUNDARY_FLUX) return STATUS_OK;
+    const bool inflow = region->type == REGION_INFLOW, rain = region->type == REGION_RAIN;
+    if (region->type == REGION_DRAIN || (inflow && region->boundary == BOUNDARY_HEAD))
+      return STATUS_OK;
+    if (region->type == REGION_WELL) in -= isph_mean_given(scene, region, region->rate);
+    if (rain) in += isph_mean_given(scene, region, region->rate) * isph_rain_area(scene, region);
+    if (rain && first == NULL) first = region;
+    if (!inflow) continue;
     if (region->table.count > 0) { /* what goes in and out again needs no room of its own */
-      in += time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time *
-            area_of(context, region);
+      in += isph_mean_given(scene, region, 0) * area_of(context, region);
       if (first == NULL) first = region;
       continue;
     }
@@ -83,8 +92,8 @@ static enum status check_inflows(const struct effect_context *context) {
       return FAIL(
           STATUS_INPUT,
           "%s:%d: an inflow of %g m/s brings %g m of water by scene.end_time, less than the "
-          "row of %g m that it comes in by; use a domain.spacing below %g m or a longer "
-          "scene.end_time",
+          "row of %g m that it comes in by; use a domain.spacing below %g m, a longer "
+          "scene.end_time, or from above a rain region, which brings less too",
           scene->path, region->line, region->flux, region->flux * scene->end_time, context->spacing,
           region->flux * scene->end_time);
     in += region->flux * area_of(context, region);
@@ -100,73 +109,12 @@ static enum status check_inflows(const struct effect_context *context) {
     room += site * (region != NULL && region->type == REGION_POROUS ? region->porosity : 1);
   }
   if (in * scene->end_time <= room) return STATUS_OK;
-  return FAIL(
-      STATUS_INPUT,
-      "%s:%d: inflows bring %g m^%d by scene.end_time into room for %g, full after %g s; end "
-      "before that, or give water a way out: an inflow region of given head or of flux < 0",
-      scene->path, first->line, in * scene->end_time, l->dimensions, room, room / in);
-}
-
-/* Fewer spacings across a well hold too few particles to take some out. */
-#define WELL_LEAST 3.0
-
-/* Wells stand in soil that stays; what they take has to come from somewhere. */
-static enum status check_wells(const struct effect_context *context) {
-  const struct scene *scene = context->scene;
-  const struct lattice *l = context->lattice;
-  bool source = context->has_surface;
-  for (size_t r = 0; r < scene->region_count; r++)
-    source = source || scene->regions[r].boundary == BOUNDARY_HEAD;
-  for (size_t r = 0; r < scene->region_count; r++) {
-    const struct region *well = &scene->regions[r];
-    const bool is_well = well->type == REGION_WELL;
-    size_t site = 0;
-    if (!is_well && well->type != REGION_DRAIN) continue;
-    const char *kind = region_type_names[well->type];
-    if (ranks_count() > 1)
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: a %s takes particles out of all the water by turns, which is not done on "
-                  "several ranks; run without mpirun",
-                  scene->path, well->line, kind);
-    for (int a = 0; a < 3; a++)
-      if (used(context, a) &&
-          well->extent[a + 3] - well->extent[a] < WELL_LEAST * context->spacing * (1 - 1e-6))
-        return FAIL(STATUS_INPUT,
-                    "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
-                    "three spacings, or domain.spacing %g m",
-                    scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
-                    WELL_LEAST * context -> spacing,
-                    (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
-    if (is_well && !source && well->rate > 0)
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: nothing gives what this well takes; let an inflow region of given head, "
-                  "or a free surface, give it",
-                  scene->path, well->line);
-    for (size_t k = 0; k < l->size[2]; k++)
-      for (size_t j = 0; j < l->size[1]; j++)
-        for (size_t i = 0; i < l->size[0]; i++, site++) {
-          const size_t at[3] = {i, j, k};
-          bool inside = true;
-          for (int a = 0; a < 3; a++) {
-            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
-            if (used(context, a)) inside = inside && x > well->box[a] && x < well->box[a + 3];
-          }
-          if (!inside) continue;
-          const struct region *soil = l->region != NULL && l->region[site] > 0
-                                          ? &scene->regions[l->region[site] - 1]
-                                          : NULL;
-          bool stays = soil != NULL && soil->type == REGION_POROUS;
-          for (int a = 0; a < 3; a++) stays = stays && soil->soil_velocity[a] == 0;
-          if (!stays)
-            return FAIL(
-                STATUS_INPUT,
-                "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
-                "none: keep it within a porous region",
-                scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
-                l->origin[1] + (double)j * l->spacing[1], l->origin[2] + (double)k * l->spacing[2]);
-        }
-  }
-  return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s:%d: inflows and rain bring %g m^%d by scene.end_time into room for %g, full "
+              "after %g s; end "
+              "before that, or give water a way out: an inflow region of given head or of flux < "
+              "0, or a drain",
+              scene->path, first->line, in * scene->end_time, l->dimensions, room, room / in);
 }
 
 /* Soil that moves must not run into a closed side or a wall. */
@@ -224,7 +172,8 @@ enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   TRY(check_end(context));
   TRY(check_walls(context));
-  TRY(check_wells(context));
+  TRY(isph_refuse_wells(context));
+  TRY(isph_refuse_rain(context));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));
     TRY(check_moving_soil(context));

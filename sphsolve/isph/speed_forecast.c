@@ -42,6 +42,7 @@ double isph_prescribed_speed(const struct scene *scene) {
     fastest = fmax(fastest, sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
     if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
       fastest = fmax(fastest, fabs(r->flux));
+    if (r->type == REGION_RAIN) fastest = fmax(fastest, r->rate);
     if (r->type == REGION_WELL) { /* through the faces of its extent */
       const double *e = r->extent, x = e[3] - e[0], y = e[4] - e[1], z = e[5] - e[2];
       fastest = fmax(fastest, r->rate / 2 /

@@ -37,7 +37,7 @@
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, anisotropy, wells;
+  bool no_slip, moving_walls, open_sides, anisotropy, wells, rain;
   /* which mobility a pair has, see isph_mobility_between */
   bool mean_of_ends, own_mobilities, fading;
   uint32_t budget; /* terms of the effects on */
@@ -116,6 +116,7 @@ struct isph_multigrid;
 struct isph_petsc;
 struct isph_well; /* isph/well.h */
 struct isph_outlet;
+struct isph_rain;
 
 struct isph {
   const struct scene *scene;
@@ -219,6 +220,8 @@ struct isph {
 
   size_t well_count;
   struct isph_well *wells;
+  size_t rain_count;
+  struct isph_rain *rains; /* isph/rain.h */
 
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 

@@ -12,6 +12,7 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/link.h"
+#include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
@@ -395,6 +396,7 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_budget_moved(s);
   TRY(isph_remove_outside(s));
   TRY(isph_open_move(s, dt));
+  if (s->on.rain) TRY(isph_rain_fall(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);
   if (s->on.moving_walls || s->on.open_sides) TRY(isph_sort_walls(s));
   if (s->on.moving_soil)

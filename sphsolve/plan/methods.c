@@ -63,7 +63,7 @@ static enum status refuse_contradictions(const struct scene *scene,
   const struct lattice *lattice = context->lattice;
   bool driven = false, held = false, moves = context->has_moving_wall;
   char unused[EFFECT_WHY];
-  if (lattice->fluid_count == 0 && !context->has_inflow)
+  if (lattice->fluid_count == 0 && !context->has_inflow && !context->has_rain)
     return scene_error(scene, *scene->model_path ? AT_MODEL : AT_REGIONS, "no site holds water; %s",
                        *scene->model_path ? "the model is all grain: look at its threshold"
                                           : "add a water region, or make it larger");
@@ -131,9 +131,9 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
                        "model with such soil (ct2model build --micro)",
                        scene->model_path);
   if (method->resolves_pores) {
-    if (context.has_porous || context.has_inflow)
+    if (context.has_porous || context.has_inflow || context.has_rain)
       return scene_error(scene, AT_METHOD,
-                         "method %s knows no soil and no inflow; write method = \"isph\"",
+                         "method %s knows no soil, inflow or rain; write method = \"isph\"",
                          method->name);
     if (context.has_surface)
       return scene_error(scene, AT_METHOD,

@@ -69,6 +69,7 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
                                      .driving = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]),
                                      .has_porous = has_region(scene, REGION_POROUS),
                                      .has_inflow = has_region(scene, REGION_INFLOW),
+                                     .has_rain = has_region(scene, REGION_RAIN),
                                      .has_moving_wall = has_moving_wall(scene)};
   if (lattice == NULL) return;
   context->has_surface = lattice->fluid_count + lattice->wall_count < lattice->count;

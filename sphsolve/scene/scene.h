@@ -29,7 +29,8 @@ enum region_type {
   REGION_INFLOW,
   REGION_EMPTY,
   REGION_WELL,
-  REGION_DRAIN
+  REGION_DRAIN,
+  REGION_RAIN
 };
 extern const char *const region_type_names[]; /* as a scene writes them, ended by NULL */
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
@@ -113,7 +114,8 @@ struct region {
   enum region_boundary boundary;
   double head, flux;
   /* A well takes a rate out of soil, m^3/s (m^2/s in 2-D); a drain what holds its head, or without
-     one (boundary none) the pressure of the air. Both have a name. */
+     one (boundary none) the pressure of the air. Rain brings a rate, m/s, onto what lies below. All
+     three have a name. */
   double rate;
   /* head, flux, rate or a wall's velocity in time; those above then hold the values of largest size
    */

@@ -68,7 +68,7 @@ static bool is_polygon(const struct region *region) {
 }
 
 /* A later region that covers an earlier one whole is taken for a mistake, except that water and
- * soil fill the same place. */
+ * soil fill the same place, and rain falls through it. */
 static enum status check_pair(struct config *config, config_node *list, const struct scene *scene,
                               size_t i, size_t j) {
   const struct region *early = &scene->regions[i], *late = &scene->regions[j];
@@ -88,6 +88,7 @@ static enum status check_pair(struct config *config, config_node *list, const st
                         early->line);
   }
   const bool shared =
+      early->type == REGION_RAIN || late->type == REGION_RAIN ||
       (early->type == REGION_WATER && late->type == REGION_POROUS) ||
       (early->type == REGION_POROUS && late->type == REGION_WATER) ||
       (early->type == REGION_INFLOW && late->type != REGION_WALL && late->type != REGION_EMPTY);

@@ -9,7 +9,7 @@
 #include "common/units.h"
 
 const char *const region_type_names[] = {"water", "porous", "wall", "inflow", "empty",
-                                         "well",  "drain",  NULL};
+                                         "well",  "drain",  "rain", NULL};
 
 static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
                             double box[6]) {
@@ -170,36 +170,43 @@ cleanup:
   return status;
 }
 
-/* A well's rate or a drain's head, each also in time. */
+/* A well's or a rain's rate or a drain's head, each also in time. */
 static enum status read_well(struct config *config, config_node *group, const struct scene *scene,
                              struct region *region) {
   enum status status = STATUS_OK;
-  const bool well = region->type == REGION_WELL;
-  const char *key = well ? "rate" : "head", *title = region_type_names[region->type];
-  const struct dimension rate = {scene->dimensions, 0, -1}, of = well ? rate : DIM_LENGTH;
-  double *value = well ? &region->rate : &region->head;
+  const bool rain = region->type == REGION_RAIN, given_rate = region->type != REGION_DRAIN;
+  const char *key = given_rate ? "rate" : "head", *title = region_type_names[region->type];
+  const struct dimension rate = {rain ? 1 : scene->dimensions, 0, -1},
+                         of = given_rate ? rate : DIM_LENGTH;
+  double *value = given_rate ? &region->rate : &region->head;
   bool given = config_child(config, group, key) != NULL;
   TRY(read_name(config, group, title, region->number + 1, region->name, sizeof region->name));
   for (const struct region *r = scene->regions; r < region; r++)
     if (!strcmp(r->name, region->name))
       TRY(config_error(config, group, "a region before is called '%s' too; rename one", r->name));
-  if (well && !given)
-    TRY(config_error(config, group, "rate is missing: what the well takes, like rate = \"%s\"",
-                     scene->dimensions == 2 ? "1e-5 m^2/s" : "1e-5 m^3/s"));
+  if (given_rate && !given)
+    TRY(config_error(config, group, "rate is missing: what the %s, like rate = \"%s\"",
+                     rain ? "rain brings" : "well takes",
+                     rain                     ? "10 mm/h"
+                     : scene->dimensions == 2 ? "1e-5 m^2/s"
+                                              : "1e-5 m^3/s"));
   if (config_child(config, group, "times") != NULL) {
     TRY(read_table(config, group, key, of, scene, 1, &region->table));
     *value = time_table_extreme(&region->table, 0);
   } else {
     TRY(config_quantity(config, group, key, of, value, NULL));
   }
-  bool gives = region->rate < 0;
-  for (size_t k = 0; k < region->table.count && well; k++)
-    gives = gives || region->table.value[k][0] < 0;
-  if (gives)
-    TRY(config_error(config, config_child(config, group, key),
-                     "a well takes water out of the soil, at a rate of 0 or more; for water that "
-                     "comes in, use an inflow region on a side"));
-  region->boundary = !well && given ? BOUNDARY_HEAD : BOUNDARY_NONE;
+  bool negative = region->rate < 0;
+  for (size_t k = 0; k < region->table.count && given_rate; k++)
+    negative = negative || region->table.value[k][0] < 0;
+  if (negative)
+    TRY(config_error(
+        config, config_child(config, group, key),
+        rain ? "rain brings water, at a rate of 0 or more; for water that goes out, use "
+               "an inflow region of flux < 0 on a side, or a drain in the soil"
+             : "a well takes water out of the soil, at a rate of 0 or more; for water "
+               "that comes in, use an inflow region on a side"));
+  region->boundary = !given_rate && given ? BOUNDARY_HEAD : BOUNDARY_NONE;
 cleanup:
   return status;
 }
@@ -230,8 +237,8 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     if (type < 0)
       TRY(config_error(
           config, group,
-          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\", \"empty\", \"well\" or "
-          "\"drain\""));
+          "type is missing: \"water\", \"porous\", \"wall\", \"inflow\", \"empty\", \"well\", "
+          "\"drain\" or \"rain\""));
     region->type = (enum region_type)type;
     TRY(scene_has_stl(config, group)     ? scene_read_stl(config, group, scene, region)
         : scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
@@ -251,6 +258,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       break;
     case REGION_WELL:
     case REGION_DRAIN:
+    case REGION_RAIN:
       TRY(read_well(config, group, scene, region));
       break;
     case REGION_EMPTY:

@@ -104,6 +104,8 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
   struct polygon *p;
   if (region->type == REGION_INFLOW)
     return config_error(config, node, "an inflow region is a thin box on a side; give its box");
+  if (region->type == REGION_RAIN)
+    return config_error(config, node, "rain falls from a box; give its box");
   if (config_child(config, group, "box") != NULL ||
       (!circle && config_child(config, group, "centre") != NULL))
     return config_error(config, group, "one of box, corners and centre is wanted");
@@ -241,11 +243,11 @@ static enum status cut(const struct scene *scene, const struct region *whole,
   const int w = slope[1] < slope[0] ? 0 : 1; /* rows are stacked along it */
   const double low = whole->box[p->plane[w]], high = whole->box[p->plane[w] + 3];
   for (double row = floor(low / dx + 1e-6); row * dx < high - near; row++) {
-    const enum status status = whole->type == REGION_POROUS || whole->type == REGION_WELL ||
-                                       whole->type == REGION_DRAIN
-                                   ? cut_row(whole, w, fmax(low, row * dx),
-                                             fmin(high, (row + 1) * dx), near, HALVINGS, parts)
-                                   : cut_sites(scene, whole, w, (row + 0.5) * dx, parts);
+    const enum status status =
+        whole->type == REGION_POROUS || whole->type == REGION_WELL || whole->type == REGION_DRAIN
+            ? cut_row(whole, w, fmax(low, row * dx), fmin(high, (row + 1) * dx), near, HALVINGS,
+                      parts)
+            : cut_sites(scene, whole, w, (row + 0.5) * dx, parts);
     if (status != STATUS_OK) return status;
   }
   return STATUS_OK;

@@ -269,6 +269,24 @@ END
   done
 }
 
+@test "isph: rain on water, a roof and soil, the same bits on 1, 2, 3 ranks" {
+  cat > rain.cfg << 'END'
+scene = { method = "isph"; end_time = "0.3 s"; };
+domain = { size = ["0.3 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.1 m"]; },
+  { type = "porous"; box = ["0.1 m", "0", "0.2 m", "0.12 m"]; porosity = 0.4; grain_size = "5 mm"; },
+  { type = "wall"; box = ["0.22 m", "0.1 m", "0.26 m", "0.12 m"]; },
+  { type = "rain"; box = ["0", "0.15 m", "0.3 m", "0.2 m"]; rate = "3 cm/s"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  sphsolve run rain.cfg -o serial-rain --quiet > /dev/null
+  for n in 2 3; do
+    on "$n" sphsolve-mpi run rain.cfg -o rain --quiet > /dev/null
+    same serial-rain rain
+  done
+}
+
 @test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
   rm -f part* lone-part*
   sphsolve $(isph dam-break 0.04s whole) > /dev/null

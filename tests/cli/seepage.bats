@@ -45,6 +45,23 @@ taken() { # END REGION
   taken 12s "$WATER, $rain"
 }
 
+@test "rain: less than a row arrives; none, more than there is room for, or faster than it falls, is refused" {
+  rain() { echo "{ type = \"rain\"; name = \"sky\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; rate = \"$1\"; }"; }
+  refused "use a domain.spacing below 0.00632 m" 2s "$WATER, $(rain "0.1 mm/s")"
+  refused "room for 0.02, full after 10 s" 12s "$WATER, $(rain "1 cm/s")"
+  refused "rain falls from the top of its box, at z = 0.3 m" 2s "$WATER, { type = \"wall\"; box = [\"0.1 m\", \"0.27 m\", \"0.2 m\", \"0.3 m\"]; }, $(rain "1 mm/s")"
+  refused "comes faster than water falls out of its way" 0.1s "$WATER, $(rain "1 m/s")"
+  refused "has no surface to fall on" 2s "{ type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.3 m\"]; }, $(rain "1 mm/s")"
+  run sphsolve explain "$TANK" --set "regions=($WATER, $(rain "1 mm/s"))" --set 'force.gravity=["9.81 m/s^2", "0"]'
+  [ "$status" -eq 3 ]
+  [[ "$output" == *"rain falls along -z"* ]]
+  sphsolve run "$TANK" --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set "regions=($WATER, $(rain "1 mm/s"))" -o wet --quiet > wet.txt
+  analyze history wet.hdf -o wet
+  # 2 mm on 0.2 m: four particles of 1 g/cm^2 on the one spacing along y.
+  awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { fell = $at["fallen_sky"]; left = $at["pending_sky"]; mass = $at["mass"] }
+    END { exit !(fell > 2.9e-3 && (fell + left - 4e-3) ^ 2 < 1e-12 && (mass - 0.4 - fell) ^ 2 < 1e-18) }' wet/history.csv
+}
+
 @test "soil that moves stops before walls; what it leaves behind is water" {
   soil='{ type = "porous"; box = ["0", "0", "0.1 m", "0.2 m"]; porosity = 0.4; grain_size = "1 cm"; velocity = ["0.02 m/s", "0"]; }'
   refused "which it reaches after 5 s" 10s "$soil, $WATER"

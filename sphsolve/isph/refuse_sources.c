@@ -1,0 +1,133 @@
+/* Wells, drains and rain that method isph cannot do right: as isph/refuse.c. */
+#include "sphsolve/isph/method.h"
+
+#include <math.h>
+
+#include "common/ranks.h"
+#include "sphsolve/isph/rain.h"
+
+static bool used(const struct effect_context *context, int a) {
+  return context->lattice->dimensions == 3 || a != 1;
+}
+
+/* Fewer spacings across a well hold too few particles to take some out. */
+#define WELL_LEAST 3.0
+
+/* Wells stand in soil that stays; what they take has to come from somewhere. */
+enum status isph_refuse_wells(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const struct lattice *l = context->lattice;
+  bool source = context->has_surface;
+  for (size_t r = 0; r < scene->region_count; r++)
+    source = source || scene->regions[r].boundary == BOUNDARY_HEAD;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *well = &scene->regions[r];
+    const bool is_well = well->type == REGION_WELL;
+    size_t site = 0;
+    if (!is_well && well->type != REGION_DRAIN) continue;
+    const char *kind = region_type_names[well->type];
+    if (ranks_count() > 1)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: a %s takes particles out of all the water by turns, which is not done on "
+                  "several ranks; run without mpirun",
+                  scene->path, well->line, kind);
+    for (int a = 0; a < 3; a++)
+      if (used(context, a) &&
+          well->extent[a + 3] - well->extent[a] < WELL_LEAST * context->spacing * (1 - 1e-6))
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
+                    "three spacings, or domain.spacing %g m",
+                    scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
+                    WELL_LEAST * context -> spacing,
+                    (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
+    if (is_well && !source && well->rate > 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: nothing gives what this well takes; let an inflow region of given head, "
+                  "or a free surface, give it",
+                  scene->path, well->line);
+    for (size_t k = 0; k < l->size[2]; k++)
+      for (size_t j = 0; j < l->size[1]; j++)
+        for (size_t i = 0; i < l->size[0]; i++, site++) {
+          const size_t at[3] = {i, j, k};
+          bool inside = true;
+          for (int a = 0; a < 3; a++) {
+            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
+            if (used(context, a)) inside = inside && x > well->box[a] && x < well->box[a + 3];
+          }
+          if (!inside) continue;
+          const struct region *soil = l->region != NULL && l->region[site] > 0
+                                          ? &scene->regions[l->region[site] - 1]
+                                          : NULL;
+          bool stays = soil != NULL && soil->type == REGION_POROUS;
+          for (int a = 0; a < 3; a++) stays = stays && soil->soil_velocity[a] == 0;
+          if (!stays)
+            return FAIL(
+                STATUS_INPUT,
+                "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
+                "none: keep it within a porous region",
+                scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
+                l->origin[1] + (double)j * l->spacing[1], l->origin[2] + (double)k * l->spacing[2]);
+        }
+  }
+  return STATUS_OK;
+}
+
+/* Rows that rain may bring in a step at rest, as long as one that a force limits; faster ones pile
+ * up in the air. */
+#define ROWS_MOST 0.2
+
+/* The top of the rain must be free of walls: from there it falls. */
+static enum status check_top(const struct effect_context *context, const struct region *rain) {
+  const struct scene *scene = context->scene;
+  const double near = 1e-6 * context->spacing;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *wall = &scene->regions[k];
+    bool covers = wall->type == REGION_WALL && wall->box[2] < rain->box[5] - near &&
+                  wall->box[5] > rain->box[5] - near;
+    for (int a = 0; a < 2; a++)
+      covers = covers && (!used(context, a) || (wall->box[a] < rain->box[a + 3] - near &&
+                                                wall->box[a + 3] > rain->box[a] + near));
+    if (covers)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: rain falls from the top of its box, at z = %g m, which the wall of line "
+                  "%d covers in part; leave that part out, or let it begin elsewhere",
+                  scene->path, rain->line, rain->box[5], wall->line);
+  }
+  return STATUS_OK;
+}
+
+enum status isph_refuse_rain(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const double *g = scene->gravity, dx = context->spacing;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *rain = &scene->regions[k];
+    if (rain->type != REGION_RAIN) continue;
+    if (!(g[2] < 0) || scene->periodic[2])
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: rain falls along -z onto what lies below: force.gravity has to point "
+                  "there, and domain.periodic be false in z",
+                  scene->path, rain->line);
+    if (!context->has_surface)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: water fills the domain, so rain has no surface to fall on; leave room "
+                  "above it",
+                  scene->path, rain->line);
+    const double fastest = ROWS_MOST / 0.25 * sqrt(dx * -g[2]);
+    if (rain->rate > fastest)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: rain of %g m/s comes faster than water falls out of its way, %g m/s at "
+                  "this spacing; for a jet use an inflow region",
+                  scene->path, rain->line, rain->rate, fastest);
+    const double brings = isph_mean_given(scene, rain, rain->rate) * scene->end_time,
+                 area = isph_rain_area(scene, rain);
+    const double least = pow(dx, scene->dimensions);
+    if (brings > 0 && brings * area < least)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: rain brings %g m of water by scene.end_time, on its area less than one "
+                  "particle; use a domain.spacing below %.3g m or a longer scene.end_time",
+                  scene->path, rain->line, brings, pow(brings * area, 1.0 / scene->dimensions));
+    const enum status status = check_top(context, rain);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
