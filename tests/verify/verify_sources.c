@@ -1,0 +1,198 @@
+/* Rain, wells and drains in soil by method isph against exact solutions. Usage: verify_sources
+ * RESULTS.json [CASE...]     all cases, or those whose names start with CASE */
+#include "sphsolve/isph/permeameter.h"
+#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/well.h"
+#include "tests/verify/isph_rig.h"
+
+/* m^2 that a well or a drain has taken. */
+static double taken_by(const struct run *run) {
+  const struct isph_well *well = &run->s.wells[0];
+  return (well->taken + well->pending) / run->s.density;
+}
+
+/* Without a force no step from rest is too long for the effects: none over .02 s. */
+static void march(struct run *run, double until) {
+  while (run->s.time < until - 1e-9) advance(run, fmin(until, run->s.time + .02));
+}
+
+/* Means of a well's flow, m^2/s, from one time to another. */
+static double flow_between(struct run *run, double from, double to,
+                           void (*go)(struct run *run, double until)) {
+  go(run, from);
+  const double before = taken_by(run), since = run->s.time;
+  go(run, to);
+  return (taken_by(run) - before) / (run->s.time - since);
+}
+
+/* Soil of conductivity k between a divide at x = 0 and a ditch of level h at x = L takes rain N:
+ * the flow is N x, exact with the free surface too (Charny 1951; Bear 1972, 8.2), and the level
+ * follows Dupuit and Hooghoudt, h_0^2 = h^2 + N L^2/k. At the divide the water sinks too, by a
+ * velocity that grows as the height, so that the foot bears h_0 (1 - N/2k)/sqrt(1 - 2N/3k). */
+static void recharge(void) {
+  const double k = .1, rain = 5e-3, length = 2, ditch = .5;
+  const double level = sqrt(ditch * ditch + rain * length * length / k);
+  const double head = level * (1 - rain / (2 * k)) / sqrt(1 - 2 * rain / (3 * k));
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    const double started = clock_seconds(), dx = fine ? .02 : .04, foot[3] = {.02, 0, 0};
+    double flux[3] = {0}, pressure = 0;
+    const int rows = 100;
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"60 s\"; };\n"
+          "domain = { size = [\"2 m\", \"0.8 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+          "};\n"
+          "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"2 m\", \"0.6 m\"]; },\n"
+          "{ type = \"porous\"; box = [\"0\", \"0\", \"2 m\", \"0.72 m\"]; porosity = 0.4; "
+          "permeability = \"%g m/s\"; },\n"
+          "{ type = \"inflow\"; box = [\"1.99 m\", \"0\", \"2 m\", \"0.72 m\"]; head = \"%g m\"; "
+          "},\n"
+          "{ type = \"rain\"; box = [\"0\", \"0.78 m\", \"2 m\", \"0.8 m\"]; rate = \"%g m/s\"; } "
+          ");\n"
+          "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n"
+          "isph = { wall = { slip = true; }; };\n",
+          dx, k, ditch, rain);
+    advance(&run, 25);
+    for (int n = 0; n < rows; n++) {
+      advance(&run, 25 + 0.2 * (n + 1));
+      for (int p = 0; p < 3; p++)
+        flux[p] += isph_plane_flux(&run.s, 0, .5 * (p + 1)) / (run.s.thickness * rows);
+      pressure += pressure_at(&run.s, foot) / rows;
+    }
+    for (int p = 0; p < 3; p++) {
+      snprintf(name, sizeof name, "recharge: flow at %g m, spacing %g mm", .5 * (p + 1), 1e3 * dx);
+      report(name, rain * .5 * (p + 1), flux[p], (fine ? .02 : .04) * rain * length, started);
+    }
+    snprintf(name, sizeof name, "recharge: head at the divide, spacing %g mm", 1e3 * dx);
+    report(name, head, pressure / 9806.65, (fine ? .01 : .02) * head, started);
+    const double fell = (run.s.rains[0].fallen + run.s.rains[0].pending) / 1000;
+    snprintf(name, sizeof name, "recharge: rain over its rate, spacing %g mm", 1e3 * dx);
+    report(name, 1, fell / (rain * length * run.s.time), 1e-12, started);
+    finish(&run);
+  }
+}
+
+/* Soil of conductivity k in a square between four windows of head .5 m, without gravity. */
+#define CONDUCTIVITY .01
+static void start_square(struct run *run, double dx, const char *well) {
+  start(run,
+        "scene = { method = \"isph\"; end_time = \"60 s\"; };\n"
+        "domain = { size = [\"1 m\", \"1 m\"]; spacing = \"%g m\"; periodic = [false, false]; };\n"
+        "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; porosity = 0.4; "
+        "permeability = \"%g m/s\"; },\n"
+        "{ type = \"inflow\"; box = [\"0\", \"0\", \"10 mm\", \"1 m\"]; head = \"0.5 m\"; },\n"
+        "{ type = \"inflow\"; box = [\".99 m\", \"0\", \"1 m\", \"1 m\"]; head = \"0.5 m\"; },\n"
+        "{ type = \"inflow\"; box = [\"10 mm\", \"0\", \".99 m\", \"10 mm\"]; head = \"0.5 m\"; "
+        "},\n"
+        "{ type = \"inflow\"; box = [\"10 mm\", \".99 m\", \".99 m\", \"1 m\"]; head = \"0.5 m\"; "
+        "},\n{ %s } );\n",
+        dx, CONDUCTIVITY, well);
+}
+
+/* A drain at the air's pressure: heat that a cylinder of radius r at the middle of a square of side
+ * w gives to its sides, 2 pi k H / ln(1.08 w/(2 r)) (Incropera, DeWitt, table 4.1). */
+static void drained_square(void) {
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    const double started = clock_seconds(), dx = fine ? .02 : .04;
+    const double exact = 2 * M_PI * CONDUCTIVITY * .5 / log(1.08 * .5 / .15);
+    char name[96];
+    start_square(&run, dx, "type = \"drain\"; centre = [\".5 m\", \".5 m\"]; radius = \".15 m\";");
+    const double flow = flow_between(&run, .6, 1.6, march);
+    snprintf(name, sizeof name, "drain in a square: flow, spacing %g mm", 1e3 * dx);
+    report(name, exact, flow, (fine ? .04 : .06) * exact, started);
+    finish(&run);
+  }
+}
+
+/* What the head falls by between .25 and .35 m from a well: images of alternate sign in a square
+ * with head 0 on its sides, -ln(r)/(2 pi), summed to 81 by 81; Thiem (1906) without the sides:
+ * ln(.35/.25)/(2 pi) = .05355. */
+static void pumped_square(void) {
+  const double rate = 5e-3, exact = .0556546 * rate / CONDUCTIVITY;
+  const double near[3] = {.75, 0, .5}, far[3] = {.85, 0, .5};
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    const double started = clock_seconds(), dx = fine ? .02 : .04;
+    double fall = 0;
+    const int rows = 20;
+    char name[96];
+    start_square(&run, dx,
+                 "type = \"well\"; rate = \"5e-3 m^2/s\"; centre = [\".5 m\", \".5 m\"]; "
+                 "radius = \".1 m\";");
+    march(&run, 1);
+    for (int n = 0; n < rows; n++) {
+      march(&run, 1 + .1 * (n + 1));
+      fall += (pressure_at(&run.s, far) - pressure_at(&run.s, near)) / (9806.65 * rows);
+    }
+    snprintf(name, sizeof name, "well in a square: fall of head beside it, spacing %g mm",
+             1e3 * dx);
+    report(name, exact, fall, (fine ? .03 : .06) * exact, started);
+    snprintf(name, sizeof name, "well in a square: taken over its rate, spacing %g mm", 1e3 * dx);
+    report(name, 1, taken_by(&run) / (rate * run.s.time), 1e-12, started);
+    finish(&run);
+  }
+}
+
+/* A drain half-way up soil of depth D, a distance L from a head on either side: images up and down,
+ * Q = 2 pi k H / (pi L/D + ln(D/(2 pi r))) for r << D. */
+static void drained_strip(void) {
+  const double exact = 2 * M_PI * CONDUCTIVITY * .3 / (M_PI + log(1 / (2 * M_PI * .12)));
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    const double started = clock_seconds(), dx = fine ? .02 : .04;
+    char name[96];
+    start(
+        &run,
+        "scene = { method = \"isph\"; end_time = \"60 s\"; };\n"
+        "domain = { size = [\"2 m\", \"1 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+        "};\n"
+        "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"2 m\", \"1 m\"]; porosity = 0.4; "
+        "permeability = \"%g m/s\"; },\n"
+        "{ type = \"inflow\"; box = [\"0\", \"0\", \"10 mm\", \"1 m\"]; head = \"1.5 m\"; },\n"
+        "{ type = \"inflow\"; box = [\"1.99 m\", \"0\", \"2 m\", \"1 m\"]; head = \"1.5 m\"; },\n"
+        "{ type = \"drain\"; centre = [\"1 m\", \"0.5 m\"]; radius = \"0.12 m\"; head = \"1.2 "
+        "m\"; } );\n"
+        "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n"
+        "isph = { wall = { slip = true; }; };\n",
+        dx, CONDUCTIVITY);
+    const double flow = flow_between(&run, 1, fine ? 2 : 4, advance);
+    snprintf(name, sizeof name, "drain between two heads: flow, spacing %g mm", 1e3 * dx);
+    report(name, exact, flow, (fine ? .03 : .05) * exact, started);
+    finish(&run);
+  }
+}
+
+/* A ditch through all of the soil, at level h, a distance L from a level H: k (H^2 - h^2)/2L, exact
+ * with the free surface and its face of seepage (Charny 1951). It drains in times of 4 eps L^2 /
+ * (pi^2 k h), 27 s. */
+static void ditch(void) {
+  const double exact = CONDUCTIVITY * (.8 * .8 - .3 * .3) / 2;
+  struct run run = {0};
+  const double started = clock_seconds();
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"200 s\"; };\n"
+      "domain = { size = [\"1.2 m\", \"1 m\"]; spacing = \"5 cm\"; periodic = [false, false]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"1.2 m\", \"0.6 m\"]; },\n"
+      "{ type = \"porous\"; box = [\"0\", \"0\", \"1.2 m\", \"0.9 m\"]; porosity = 0.4; "
+      "permeability = \"%g m/s\"; saturated = false; },\n"
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"10 mm\", \"0.9 m\"]; head = \"0.8 m\"; },\n"
+      "{ type = \"drain\"; box = [\"1 m\", \"0\", \"1.2 m\", \"0.9 m\"]; head = \"0.3 m\"; } );\n"
+      "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n"
+      "isph = { wall = { slip = true; }; };\n",
+      CONDUCTIVITY);
+  report("ditch through soil with a free surface: flow, 50 mm", exact,
+         flow_between(&run, 120, 200, advance), .04 * exact, started);
+  finish(&run);
+}
+
+int main(int argc, char **argv) {
+  static const struct verify_case cases[] = {{"recharge", recharge},
+                                             {"drain", drained_square},
+                                             {"well", pumped_square},
+                                             {"strip", drained_strip},
+                                             {"ditch", ditch}};
+  return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
+}
