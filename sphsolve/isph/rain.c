@@ -20,6 +20,8 @@
 
 /* Places tried in a step for a drop that finds none. */
 #define PLACES_MOST 64
+/* Of a particle's mass: what the sum of the steps may lack by rounding. */
+#define ROUNDING 1e-9
 
 double isph_rain_area(const struct scene *scene, const struct region *rain) {
   const double *b = rain->box;
@@ -133,7 +135,7 @@ enum status isph_rain_fall(struct isph *s, double dt) {
     const double depth =
         table->count > 0 ? time_table_integral(table, s->time, s->time + dt, 0) : region->rate * dt;
     rain->pending += s->density * depth * isph_rain_area(s->scene, region);
-    for (int tried = 0; rain->pending >= mass && tried < PLACES_MOST; tried++) {
+    for (int tried = 0; rain->pending >= (1 - ROUNDING) * mass && tried < PLACES_MOST; tried++) {
       double x[3] = {0};
       find_place(s, region, rain->places++, x);
       if (!let_fall(s, region->box[5], mass, x)) continue;

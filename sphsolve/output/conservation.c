@@ -289,7 +289,7 @@ void conservation_print(const struct conservation *c) {
   if (mass_open == 0)
     printf("closes to the last bit\n");
   else
-    printf("open by %.2g of it\n", fabs(mass_open) / fmax(c->mass[0], 1e-300));
+    printf("open by %.2g of it\n", fabs(mass_open) / fmax(c->mass[0] + c->entered_mass, 1e-300));
   if (c->budget.on != 0) print_budget(&c->budget);
   for (uint64_t i = 0; i < c->lost && i < 3; i++)
     printf("           lost: particle %.0f through a wall at t = %.4g s, (%.4g, %.4g, %.4g) m\n",

@@ -53,7 +53,7 @@ static void two_millimetres_arrive(void **state) {
   start_tank(&run, "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
                    "rate = \"1 mm/s\"; }");
   assert_int_equal(run.s.count, 0);
-  march(&run, 2.001);
+  march(&run, 2); /* 4 to rounding */
   const struct isph_rain *rain = &run.s.rains[0];
   double at[5];
   assert_int_equal(run.s.count, 4);
