@@ -365,6 +365,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   *pipeline = (struct pipeline){.request = request,
                                 .distances = distances,
                                 .grey_scale = 1.0,
+                                .walls = {.void_ratio = NAN}, /* until they are found */
                                 .coarse = {.step = 1},
                                 .restored = {.scan = {.step = 1}}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));

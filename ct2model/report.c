@@ -396,13 +396,14 @@ static const char *grey_text(const struct pipeline *pipeline, double grey, char 
   return text;
 }
 
-/* First the threshold of the scan, which --threshold takes; the downsampled greys have their own.
- */
+/* First the threshold of the scan, which --threshold takes, with the error of its own greys; the
+ * downsampled greys have their own. */
 static void print_greys(const struct pipeline *pipeline) {
   char model[32], original[32];
   printf("threshold         %s", grey_text(pipeline, pipeline->threshold_original, original));
-  if (isfinite(pipeline_threshold_error(pipeline)))
-    printf(" +- %.3g", pipeline_threshold_error(pipeline));
+  const double slope = pipeline_grey(pipeline, pipeline->threshold_slope_original);
+  const double error = fabs(slope) * pipeline->request->void_ratio_error;
+  if (isfinite(error)) printf(" +- %.3g", error);
   printf(" (");
   if (strcmp(grey_text(pipeline, pipeline->threshold, model), original) != 0)
     printf("of the downsampled greys %s, ", model);
@@ -412,7 +413,7 @@ static void print_greys(const struct pipeline *pipeline) {
   printf(")\n");
   if (pipeline->phases.levels > 2)
     printf("dT/de             %.4g grey levels per unit of void ratio (full resolution %.4g)\n",
-           threshold_slope(pipeline), pipeline_grey(pipeline, pipeline->threshold_slope_original));
+           threshold_slope(pipeline), slope);
   printf("grey peaks        pore %.4g, grain %.4g",
          pipeline_grey(pipeline, pipeline->phases.pore_peak),
          pipeline_grey(pipeline, pipeline->phases.grain_peak));

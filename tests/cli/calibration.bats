@@ -39,6 +39,13 @@ END
   done
 }
 
+@test "a sweep of the scan's own voxels, and the threshold's error, are the scan's whatever the model's size" {
+  local scan="$ROOT/data-samples/small --voxel-size 8.745um --void-ratio 0.725+-0.02 --crop 0,0,0,64,64,28"
+  for size in 64x64x28 32x32x14 16x16x7; do ct2model sweep $scan --size $size > $size.txt 2> $size.log; done
+  run ! grep -qE "within the walls|too few grey levels" 64x64x28.txt 64x64x28.log # no walls were looked for
+  [ "$(sed -n 's/^threshold *\(.*\) (.*/\1/p' *x*x*.txt | sort -u | wc -l)" -eq 1 ]
+}
+
 @test "a sweep needs no voxel size, and tells no length without; a model needs one" {
   /usr/bin/python3 - <<'END'
 import random
