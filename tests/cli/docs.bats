@@ -152,6 +152,13 @@ END
   with seepage "GRAIN_SIZES=1 2"
 }
 
+@test "examples: a specimen's runs have one method and one limit, however coarse the first is" {
+  make -s -C "$ROOT/examples/specimen" OUT="$BATS_TEST_TMPDIR" BIN="${PATH%%:*}/" SIZES="12x12x5 16x16x7" > /dev/null 2>&1
+  python3 -c '
+import json, sys
+assert len(json.load(open(sys.argv[1]))["series"]) == 1' "$BATS_TEST_TMPDIR/converge/converge.json"
+}
+
 @test "the examples of --help use options that exist" {
   for program in ct2model sphsolve analyze; do
     for command in $("$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z0-9]*\) .*/\1/p'); do

@@ -361,6 +361,14 @@ END
   grep -q "install-deps.* --package" "$ROOT/scripts/package"
 }
 
+@test "make package in a folder of one's own: what is made there is not that of the make that asked" {
+  mkdir -p made-of && printf '#!/bin/sh\necho ok installed\n' > made-of/dpkg-query
+  printf '#!/bin/sh\nmkdir build && touch "$KEPT" && make clean\nls "$KEPT"\nexit 1\n' > made-of/dpkg-buildpackage
+  chmod +x made-of/*
+  PATH="$PWD/made-of:$PATH" KEPT=$PWD/own/kept run make -C "$ROOT" package BUILD="$PWD/own"
+  [ -e own/kept ] || { echo "$output"; false; }
+}
+
 @test "isph: a k that has not settled is none, or its error says so" {
   heads=$ROOT/data-samples/scenes/seepage-heads.cfg
   for end in 1e-4 0.05 0.2; do
