@@ -6,6 +6,7 @@
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -81,9 +82,18 @@ static enum status check_folder(const char *path) {
                 strerror(errno));
   if (!S_ISDIR(info.st_mode))
     return FAIL(STATUS_RUN, "%s: cannot be written: %s is no folder", path, folder);
-  if (access(folder, W_OK) != 0)
+  /* Made and removed again: permissions alone do not tell of file systems that take no file, nor of
+   * a name too long for one. The name is one of its own, for ranks beside this one ask too. */
+  char probe[OUTPUT_NAME_MAX + 8];
+  snprintf(probe, sizeof probe, "%s.XXXXXX", path);
+  const int file = mkstemp(probe);
+  if (file < 0 && errno == ENAMETOOLONG)
+    return FAIL(STATUS_RUN, "%s: cannot be written: %s; give a shorter one", path, strerror(errno));
+  if (file < 0)
     return FAIL(STATUS_RUN, "%s: cannot be written: the folder %s: %s; choose another", path,
                 folder, strerror(errno));
+  close(file);
+  unlink(probe);
   return STATUS_OK;
 }
 

@@ -144,6 +144,19 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
   [[ "$stderr" == *"folder nowhere"* ]]
 }
 
+@test "a folder that takes no file, whoever asks, and a name too long for one are told before the work" {
+  local long place
+  long=$(printf 'n%.0s' {1..250})
+  for place in /proc/none "$long"; do
+    for words in "ct2model build $SCAN -o $place.hdf" "sphsolve run a.cfg -o $place" "analyze report run.hdf -o $place.html"; do
+      run --separate-stderr $words
+      [ "$status" -eq 1 ] && [[ "$stderr" == *"$place"*"cannot be written: "*"; "* ]] && [ "$(wc -l <<< "$stderr")" -eq 1 ] \
+        || { echo "$words: $status $stderr"; false; }
+      [ -z "$output" ]
+    done
+  done
+}
+
 @test "a void ratio that labels cannot meet is an error; a near one is said" {
   /usr/bin/python3 - <<'END'
 import random
@@ -183,8 +196,8 @@ END
 
 @test "a lattice wider than its model is named, not the model's threshold" {
   run --separate-stderr sphsolve run a.cfg --set lattice.spacing='"1 km"' -o wide
-  [ "$status" -eq 3 ]
-  [[ "$stderr" == *"lattice.spacing: 1000 m is no lattice for a model that is "* ]]
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"lattice.spacing: 1000 m is no lattice for a model that is "* ]] \
+    || { echo "$status $stderr"; false; }
 }
 
 @test "names and numbers that mean something else are refused before the work" {
