@@ -562,7 +562,11 @@ END
   run_ct info among
   [ "$status" -eq 0 ]
   [ "${#stderr_lines[@]}" -eq 1 ]
-  [[ $stderr == *"3 of 8 files are named as mask_00.png, not as slice_00.png: if they are masks"* ]]
+  [[ $stderr == *"3 of 8 files, such as mask_00.png, are not named as slice_00.png: if they are masks"* ]]
+  # A third name beside them hides nothing.
+  cp among/mask_00.png among/preview.png && rm among/mask_01.png among/mask_02.png
+  run_ct info among
+  [[ $stderr == *"2 of 7 files, such as mask_00.png, are not named as slice_00.png: if they are masks"* ]]
   run_ct info colour.png
   [[ $stderr == *"stored in colour; build takes it only where it is grey"* ]]
 }
