@@ -130,7 +130,8 @@ void recorder_set_measured(struct recorder *recorder, const char *name, double v
 void recorder_count_traffic(struct recorder *recorder);
 
 /* Completes the conservation budget from the history and writes the whole PREFIX.hdf (atomically).
- */
+ * Where it does not fit, the snapshot that stands alone beside it goes too, unless --resume needs
+ * it. */
 enum status recorder_finish(struct recorder *recorder, struct run_result *result);
 
 /* Darcy velocity along the driving force -> k = v/i and intrinsic permeability v nu / driving. */

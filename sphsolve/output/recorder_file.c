@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -10,6 +11,7 @@
 
 #include "common/memory.h"
 #include "common/provenance.h"
+#include "common/ranks.h"
 #include "common/units.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/tensor.h"
@@ -266,6 +268,22 @@ static bool run_is_over(const struct run_result *result) {
   return false;
 }
 
+/* Of a run that leaves no record: the one snapshot that its end wrote, with what belongs to it, for
+ * beside a missing run it reads as one. What --resume goes on from stays, and so does what tells of
+ * the time that a run went through. */
+static void take_back(struct recorder *recorder) {
+  static const char *const endings[] = {"-0000.hdf", "-image.hdf", ".hdf.series"};
+  char path[4096];
+  if (ranks_own() > 0 || recorder->snapshot_count != 1 ||
+      access(recorder_checkpoint_name(recorder), F_OK) == 0)
+    return;
+  for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+    snprintf(path, sizeof path, "%s%s", recorder->prefix, endings[i]);
+    unlink(path);
+  }
+  if (!recorder->plan->context.method->marches) history_file_close(&recorder->history, true);
+}
+
 enum status recorder_finish(struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -294,5 +312,6 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   if (run_is_over(result)) checkpoint_remove(recorder->prefix);
 cleanup:
   h5_close(file);
+  if (status == STATUS_RUN) take_back(recorder);
   return status;
 }

@@ -321,6 +321,28 @@ END
   [ $code -eq 1 ] && grep -q "k = .* cm/s" said && grep -q '"k": 0\.00' limit.json || { cat said; false; }
 }
 
+@test "a run whose own file does not fit leaves no snapshot and no image that look like a run" {
+  for method in stokes wcsph; do
+    mkdir -p lone.hdf.part # nothing can be written there
+    scene $method m.hdf > lone.cfg
+    run --separate-stderr sphsolve run lone.cfg -o lone --quiet --set scene.end_time='"1e-5 s"'
+    [ "$status" -eq 1 ] && [[ "$stderr" == *"k = "*"lone.hdf"* ]] || { echo "$stderr"; false; }
+    [ ! -e lone-0000.hdf ] && [ ! -e lone-image.hdf ] && [ ! -e lone.hdf.series ] || { ls lone*; false; }
+    [ $method = wcsph ] || [ ! -e lone.history.csv ]
+  done
+  [ -e lone.history.csv ] # the way to the steady state is more than its end
+  # What a run showed while it went on stays, as does all that --resume goes on from.
+  run -1 sphsolve run lone.cfg -o lone --quiet --set scene.end_time='"1e-5 s"' --set checkpoint.interval='"1e-4 s"'
+  [ -e lone-0000.hdf ] && [ -e lone.ckpt.hdf ] || { ls lone*; false; }
+  rmdir lone.hdf.part
+  sphsolve run lone.cfg -o lone --quiet --set scene.end_time='"1e-5 s"' --set checkpoint.interval='"1e-4 s"' --resume
+  [ -e lone.hdf ]
+  mkdir dam.hdf.part
+  run -1 sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" -o dam --quiet --set domain.spacing='"3 cm"' \
+    --set scene.end_time='"0.01 s"' --set output.interval='"0.005 s"'
+  [ -e dam-0000.hdf ] && [ -e dam-0001.hdf ] && [ -e dam.hdf.series ] || { echo "$stderr"; ls dam*; false; }
+}
+
 @test "--resume after another method says what has changed" {
   scene wcsph m.hdf > b.cfg
   sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' --set scene.end_time='"2e-5 s"' -o cut --quiet
