@@ -14,6 +14,7 @@
 
 #include <math.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/ranks.h"
@@ -150,6 +151,31 @@ void isph_wells_solved(struct isph *s) {
   }
 }
 
+/* Water boils at lower pressures, relative to the air's: no well draws it up so far. */
+#define VACUUM (-1.01325e5) /* Pa */
+
+/* Water at rest takes some steps to follow a well that begins. */
+#define STEPS_STARVED 100
+
+/* Warns, once, where the soil does not bring what a well is to take. */
+static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t number) {
+  double lowest = INFINITY;
+  if (well->starved >= STEPS_STARVED || well->region->type != REGION_WELL) return;
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    if (s->outlet[i].well == number) lowest = fmin(lowest, s->pressure[i]);
+  const bool dry = lowest == INFINITY && well->region->rate > 0;
+  well->starved = lowest < VACUUM || dry ? well->starved + 1 : 0;
+  if (well->starved < STEPS_STARVED) return;
+  if (dry)
+    log_warning("%s:%d: t = %.4g s: no water is left in this well: the soil does not bring its "
+                "rate; give a lower one, or a drain of a head",
+                s->scene->path, well->region->line, s->time);
+  else
+    log_warning("%s:%d: t = %.4g s: the pressure in this well is %.3g Pa, below vacuum: the soil "
+                "does not bring its rate; give a lower one, or a drain of a head",
+                s->scene->path, well->region->line, s->time, lowest);
+}
+
 /* The particle of a well that stands closest to its neighbours, and does not leave yet; SIZE_MAX:
  * none. */
 static size_t next_to_leave(const struct isph *s, size_t w) {
@@ -165,6 +191,7 @@ static size_t next_to_leave(const struct isph *s, size_t w) {
 void isph_wells_take(struct isph *s, double dt) {
   for (size_t w = 0; w < s->well_count; w++) {
     struct isph_well *well = &s->wells[w];
+    look_at_rate(s, well, (int32_t)w + 1);
     well->flow = sum_of(s, w, true);
     well->pending += s->density * well->flow * dt;
     for (;;) {

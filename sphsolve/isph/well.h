@@ -15,6 +15,7 @@ struct isph_well {
   double taken;   /* kg, in whole particles */
   double pending; /* kg that left since, less than a particle holds */
   double flow;    /* m^3/s (m^2/s), of the last step, out of the soil */
+  int starved;    /* steps in a row in which the soil did not bring its rate */
 };
 
 /* Of a particle. */

@@ -97,6 +97,23 @@ static void a_well_takes_its_rate_and_draws_down(void **state) {
   finish(&run);
 }
 
+/* The head that .5 m^2/s ask for falls by 13 m to the well's edge, beyond vacuum. */
+static void a_rate_that_soil_does_not_bring_is_told(void **state) {
+  (void)state;
+  static const char *const rates[] = {"5e-3 m^2/s", "0.5 m^2/s"};
+  for (int k = 0; k < 2; k++) {
+    struct run run;
+    char well[200];
+    snprintf(well, sizeof well,
+             "type = \"well\"; rate = \"%s\"; centre = [\".5 m\", \".5 m\"]; radius = \".1 m\"",
+             rates[k]);
+    start_square(&run, well);
+    for (int n = 0; n < 120; n++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+    assert_int_equal(run.s.wells[0].starved, k == 1 ? 100 : 0);
+    finish(&run);
+  }
+}
+
 static void a_drain_never_gives(void **state) {
   (void)state;
   struct run run;
@@ -142,6 +159,7 @@ static void threads_agree_and_a_state_comes_back(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_drain_takes_what_its_head_asks_for),
                                      cmocka_unit_test(a_well_takes_its_rate_and_draws_down),
+                                     cmocka_unit_test(a_rate_that_soil_does_not_bring_is_told),
                                      cmocka_unit_test(a_drain_never_gives),
                                      cmocka_unit_test(threads_agree_and_a_state_comes_back)};
   return cmocka_run_group_tests(tests, NULL, NULL);
