@@ -144,7 +144,7 @@ static enum status write_body(struct page *page) {
         out);
   page_analyses(page);
   fputs("<section id=\"specimen\"><h2>Specimen</h2>\n", out);
-  TRY(page_specimen(&page->subject.runs[0], &page->model, out, &calibration));
+  TRY(page_specimen(&page->subject.runs[0], &page->model, &page->voxels, out, &calibration));
   if (calibration != NULL) {
     json_object_set_new(page->data, "calibration", calibration);
     TRY(page_calibration(out, calibration, &page->model));
@@ -194,6 +194,13 @@ static enum status compose(struct page *page, char **text, size_t *size) {
   return status;
 }
 
+/* Once for all of the page; without it the page does with less. */
+static void read_voxels(const struct page_model *model, struct voxel_model *voxels) {
+  if (!model->found || model_read(model->path, voxels) == STATUS_OK) return;
+  log_warning("%s; the report leaves the specimen out", error_message());
+  error_clear();
+}
+
 #define PAGE_LIMIT 3000000 /* bytes; mail and browsers take it without thinking */
 
 enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
@@ -212,6 +219,7 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
     log_warning("this program was built without libjs-dygraphs or libjs-three: the report shows "
                 "still pictures; install both and build again");
   page_model_read(&runs[0], &page.model);
+  read_voxels(&page.model, &page.voxels);
   TRY(page_analyse(&page));
   json_t *results = verdict_results(runs, n, page_found(&page, &darcy_analysis),
                                     page_found(&page, &converge_analysis));
@@ -230,5 +238,6 @@ cleanup:
   for (size_t i = 0; i < ANALYSES; i++) product_free(&page.parts[i].product);
   flow_free(&page.flow);
   plane_free(&page.plane);
+  model_free(&page.voxels);
   return status;
 }

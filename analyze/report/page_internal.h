@@ -11,6 +11,7 @@
 #include "analyze/report/page_model.h"
 #include "analyze/report/page_plane.h"
 #include "analyze/run_file.h"
+#include "common/model_file.h"
 
 /* An analysis that the runs support; the order is that of `analyses`. */
 struct part {
@@ -24,6 +25,7 @@ struct page {
   const char *command_line;
   struct part parts[ANALYSES];
   struct page_model model; /* of the first run */
+  struct voxel_model voxels; /* what that file holds; no arrays: it could not be read */
   struct flow flow;
   bool has_flow;
   struct plane plane;

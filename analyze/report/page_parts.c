@@ -68,7 +68,7 @@ static enum status find_flow(struct page *page) {
   page->has_flow = true;
   if (page->subject.permeable && page->flow.speed_high > 0.0) {
     TRY(paths_find(run, &particles, &page->flow));
-    TRY(plane_read(run, &particles, &page->model, &page->plane));
+    TRY(plane_read(run, &particles, &page->voxels, &page->plane));
     page->subject.maps = page->plane.speed_high > 0.0;
     json_object_set_new(
         page->data, "flow",

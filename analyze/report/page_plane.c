@@ -74,27 +74,20 @@ static double model_value(const struct voxel_model *model, const float *field, c
 }
 
 /* Distances from the model's walls, else from its grain fraction; false without either. */
-static bool read_distances(const struct run *run, const struct page_model *facts,
+static bool find_distances(const struct run *run, const struct voxel_model *model,
                            struct plane *plane) {
-  struct voxel_model model = {0};
-  if (!facts->found || !(facts->wall_distance || facts->grain_fraction)) return false;
-  if (model_read(facts->path, &model) != STATUS_OK) {
-    error_clear();
-    return false;
-  }
-  const bool walls = model.wall_distance != NULL;
-  const float *field = walls ? model.wall_distance : model.grain_fraction;
+  const bool walls = model->wall_distance != NULL;
+  const float *field = walls ? model->wall_distance : model->grain_fraction;
   for (size_t j = 0; field != NULL && j < plane->size[1]; j++)
     for (size_t i = 0; i < plane->size[0]; i++) {
       double at[3];
       at[plane->axis] = plane->at;
       at[plane->across] = run->origin[plane->across] + (double)i * plane->spacing[0];
       at[plane->up] = run->origin[plane->up] + (double)j * plane->spacing[1];
-      const double value = model_value(&model, field, at);
+      const double value = model_value(model, field, at);
       plane->distance[j * plane->size[0] + i] =
           (float)(walls ? value / plane->spacing[0] : 0.5 - value);
     }
-  model_free(&model);
   return field != NULL;
 }
 
@@ -192,7 +185,7 @@ cleanup:
 }
 
 enum status plane_read(const struct run *run, const struct particles *particles,
-                       const struct page_model *model, struct plane *plane) {
+                       const struct voxel_model *model, struct plane *plane) {
   enum status status = STATUS_OK;
   float *count = NULL;
   memset(plane, 0, sizeof *plane);
@@ -217,7 +210,7 @@ enum status plane_read(const struct run *run, const struct particles *particles,
     TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
   if (particles->micro_porosity != NULL)
     TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
-  if (!read_distances(run, model, plane)) guess_distances(run, layer, plane);
+  if (!find_distances(run, model, plane)) guess_distances(run, layer, plane);
   TRY(fill(run, particles, plane, count));
   TRY(find_ranges(plane, count));
   if (plane->pressure != NULL) carry_on(plane, count);

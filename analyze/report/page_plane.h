@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "analyze/report/page_model.h"
 #include "analyze/run_file.h"
+#include "common/model_file.h"
 
 struct plane {
   int axis, across, up; /* normal; horizontal; vertical, along the force */
@@ -21,9 +21,10 @@ struct plane {
   double speed_high, pressure_high; /* 98th percentiles of the pores; colours end there */
 };
 
-/* Of a run in three dimensions. Free with plane_free. */
+/* Of a run in three dimensions; `model` as its file has it, without arrays where that could not be
+ * read. Free with plane_free. */
 enum status plane_read(const struct run *run, const struct particles *particles,
-                       const struct page_model *model, struct plane *plane);
+                       const struct voxel_model *model, struct plane *plane);
 void plane_free(struct plane *plane);
 
 /* Cubic (Catmull, Rom 1974) for the distance, so that outlines are smooth; linear for the others.

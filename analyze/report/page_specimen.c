@@ -344,27 +344,24 @@ cleanup:
   return status;
 }
 
-static enum status write_model(const char *path, const struct page_model *facts, FILE *stream,
-                               json_t **calibration) {
+static enum status write_model(const struct page_model *facts, const struct voxel_model *model,
+                               FILE *stream, json_t **calibration) {
   enum status status = STATUS_OK;
-  struct voxel_model model = {0};
   struct h5_file *file = NULL;
-  TRY(model_read(path, &model));
-  TRY(h5_open(path, &file));
+  TRY(h5_open(facts->path, &file));
   fputs("<div class=\"pictures\">", stream);
   TRY(scan_pictures(stream, file, facts));
-  TRY(model_pictures(stream, &model));
+  TRY(model_pictures(stream, model));
   fputs("</div>\n", stream);
-  write_table(stream, file, &model, facts, path);
-  TRY(read_calibration(file, &model, calibration));
+  write_table(stream, file, model, facts, facts->path);
+  TRY(read_calibration(file, model, calibration));
 cleanup:
   h5_close(file);
-  model_free(&model);
   return status;
 }
 
-enum status page_specimen(const struct run *run, const struct page_model *facts, FILE *stream,
-                          json_t **calibration) {
+enum status page_specimen(const struct run *run, const struct page_model *facts,
+                          const struct voxel_model *model, FILE *stream, json_t **calibration) {
   *calibration = NULL;
   if (run->model_path[0] == '\0') {
     fputs("<p>The scene has no scanned model; its domain and regions stand in the scene file "
@@ -372,11 +369,11 @@ enum status page_specimen(const struct run *run, const struct page_model *facts,
           stream);
     return STATUS_OK;
   }
-  if (facts->found) {
-    if (write_model(facts->path, facts, stream, calibration) == STATUS_OK) return STATUS_OK;
+  if (model->solid != NULL) {
+    if (write_model(facts, model, stream, calibration) == STATUS_OK) return STATUS_OK;
     log_warning("%s; the report leaves the specimen out", error_message());
     error_clear();
-  } else if (!facts->other) {
+  } else if (!facts->found && !facts->other) {
     log_warning("%s: the model file %s is not found; the report leaves the specimen out (put it "
                 "beside the run)",
                 run->path, run->model_path);

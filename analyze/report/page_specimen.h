@@ -7,12 +7,13 @@
 
 #include "analyze/report/page_model.h"
 #include "analyze/run_file.h"
+#include "common/model_file.h"
 
 /* Writes pictures and a table of the run's model and sets *calibration (a new object, or NULL
  * without a calibration in the file) for the page's curve. Without a model, or when its file is not
  * found, a sentence says so; that is no failure. */
-enum status page_specimen(const struct run *run, const struct page_model *facts, FILE *stream,
-                          json_t **calibration);
+enum status page_specimen(const struct run *run, const struct page_model *facts,
+                          const struct voxel_model *model, FILE *stream, json_t **calibration);
 
 /* Body of the calibration's plot: void ratio against threshold, and the grey histogram. */
 void page_calibration_plot(const json_t *calibration, FILE *plot);
