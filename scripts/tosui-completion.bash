@@ -52,6 +52,8 @@ _tosui() {
       COMPREPLY=($(compgen -W "$(tr -d '[]' <<< "$values" | tr '|' '\n' | grep -E '^[a-z0-9-]+$')" -- "$word"))
     [ ${#COMPREPLY[@]} -gt 0 ] && return
   fi
-  COMPREPLY=($(compgen -f -- "$word"))
+  # A name a line, for some have spaces; what is quoted is left to readline.
+  compopt -o filenames 2>/dev/null # not for keys: their '=' would be quoted
+  [[ ${COMP_WORDS[COMP_CWORD]} == *[\\\"\']* ]] || mapfile -t COMPREPLY < <(compgen -f -- "$word")
 }
-complete -o filenames -F _tosui ct2model sphsolve analyze
+complete -o default -F _tosui ct2model sphsolve analyze

@@ -141,6 +141,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
 }
 
 /* Worth a line: a finer lattice leaves at most so much of the error. */
+#define ERROR_NONE 1e-5 /* below it no number is worth saying */
 #define LATTICE_HELPS 0.9
 
 /* What takes most of the error, and what lessens it. */
@@ -164,9 +165,10 @@ static void print_verdict(const struct uncertainty *u) {
   const double total = uncertainty_largest(u);
   for (size_t i = 1; i < sizeof parts / sizeof *parts; i++)
     if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
-  if (!(parts[most].share > 0) || !(total > 0)) return;
+  if (!(parts[most].share > 0) || !(total > ERROR_NONE)) return;
   print_part("verdict    known to", total);
-  printf("; most of it is %s: %s\n", parts[most].what, parts[most].remedy);
+  printf("%s; most of it is %s: %s\n", isfinite(u->resolution) ? "" : ", resolution not counted",
+         parts[most].what, parts[most].remedy);
   /* What the lattice can do all the same. */
   struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
@@ -185,7 +187,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   const char *from = result->error.level_count > 1        ? ""
                      : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
                                                           : " (resolution not counted)";
-  if (isfinite(result->k) && largest > 1e-5)
+  if (isfinite(result->k) && largest > ERROR_NONE)
     snprintf(error, sizeof error, " +- %s %% (%.4g to %.4g)%s", percent(largest, text),
              100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high), from);
   else if (isfinite(result->k) && largest > 0)

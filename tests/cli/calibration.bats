@@ -137,4 +137,34 @@ offered() {
   [ "$(offered "sphsolve explain s.cfg --set scene.method=")" = "auto isph solute stokes wcsph " ]
   [ "$(offered "sphsolve run s.cfg --set output.image=")" = "false true " ]
   [ "$(offered "sphsolve run s.c")" = "s.cfg " ]
+  mkdir -p "my scan"
+  [ "$(offered "ct2model info my")" = "my scan " ]
+}
+
+@test "bash at a terminal: a name with a space is quoted, and a value follows the key that was completed" {
+  command -v python3 || skip "no python3"
+  mkdir -p "my scan" && cp "$ROOT/data-samples/scenes/poiseuille.cfg" s.cfg
+  cat > typed.py << 'END'
+import os, pty, select, sys
+child, terminal = pty.fork()
+if child == 0:
+    os.execvp("bash", ["bash", "--norc", "-i"])
+def told(seconds):
+    text = b""
+    while select.select([terminal], [], [], seconds)[0]:
+        text += os.read(terminal, 9999)
+        if until in text: break
+    return text.decode()
+def typed(keys, wanted):
+    global until
+    until = wanted
+    os.write(terminal, keys)
+    text = told(20)
+    assert wanted.decode() in text, text
+typed(b". " + sys.argv[1].encode() + b"; echo rea''dy\n", b"ready")
+typed(b"ct2model info my\t", b"my\\ scan")
+typed(b"\x15sphsolve run s.cfg --set scene.me\t", b"scene.method=")
+typed(b"stok\t", b"es")
+END
+  python3 typed.py "$ROOT/scripts/tosui-completion.bash"
 }

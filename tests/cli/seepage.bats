@@ -82,6 +82,13 @@ assert porosity[(x > 0.08) & (x < 0.1) & (z < 0.188)].max() < 0.45
 END
 }
 
+@test "no verdict on an error too small to name; of one without its resolution the verdict says so" {
+  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column > said
+  grep -q "^k .* under 0.001 % (resolution not counted)" said && ! grep verdict said
+  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column --set 'scene.end_time="0.1 s"' > said
+  grep -q "^verdict    known to .* %, resolution not counted; most of it" said || { cat said; false; }
+}
+
 @test "saturated = false holds where soil would start full by itself; a spacing of nothing is refused" {
   run sphsolve explain "$ROOT/data-samples/scenes/seepage-column.cfg" --set 'regions.[0].saturated=false'
   [ "$status" -eq 3 ]
