@@ -117,12 +117,17 @@ enum status roi_count(const struct roi *roi, const struct region *region,
       grey_histogram_add(histogram, slice, select_inside(roi, stack, numbers[i], inside, slice));
     }
   }
-  if (histogram->total == 0) TRY_FAIL(STATUS_INPUT, "--roi: no voxel of the stack is inside");
+  if (histogram->total == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "--roi: no voxel of the stack is inside; it has %zux%zux%zu, and --roi "
+             "is in pixels",
+             stack->size[0], stack->size[1], stack->size[2]);
   if (is_beyond(roi, stack))
-    log_warning("--roi reaches beyond the scan (%zux%zux%zu voxels): the %.0f %% of the scan's voxels "
-                "that lie inside it count",
-                stack->size[0], stack->size[1], stack->size[2],
-                100.0 * (double)histogram->total / ((double)pixels * (double)stack->size[2]));
+    log_warning(
+        "--roi reaches beyond the scan (%zux%zux%zu voxels): the %.0f %% of the scan's voxels "
+        "that lie inside it count",
+        stack->size[0], stack->size[1], stack->size[2],
+        100.0 * (double)histogram->total / ((double)pixels * (double)stack->size[2]));
 cleanup:
   stack_close(&mask);
   memory_free(&slices);

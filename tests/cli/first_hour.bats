@@ -343,6 +343,11 @@ END
   [ -e dam-0000.hdf ] && [ -e dam-0001.hdf ] && [ -e dam.hdf.series ] || { echo "$stderr"; ls dam*; false; }
 }
 
+@test "a region beside the stack is told with the stack's size" {
+  run --separate-stderr ct2model build $SCAN --roi cylinder:500,500,20 -o beside.hdf
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"no voxel of the stack is inside; it has 128x128x56, and --roi is in pixels" ]] || { echo "$stderr"; false; }
+}
+
 @test "--resume after another method says what has changed" {
   scene wcsph m.hdf > b.cfg
   sphsolve run b.cfg --set checkpoint.interval='"0.0001 s"' --set scene.end_time='"2e-5 s"' -o cut --quiet
