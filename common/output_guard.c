@@ -90,7 +90,8 @@ static enum status check_folder(const char *path) {
   if (file < 0 && errno == ENAMETOOLONG)
     return FAIL(STATUS_RUN, "%s: cannot be written: %s; give a shorter one", path, strerror(errno));
   if (file < 0)
-    return FAIL(STATUS_RUN, "%s: cannot be written: the folder %s: %s; choose another", path,
+    return FAIL(STATUS_RUN,
+                "%s: cannot be written: the folder %s takes no file: %s; choose another", path,
                 folder, strerror(errno));
   close(file);
   unlink(probe);

@@ -5,8 +5,10 @@
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/well.h"
 
+enum { ARRAYS = 11 };
+
 /* The arrays of a state: per own particle, per boundary particle, per region. */
-static size_t copied_arrays(const struct isph *s, void *array[11], size_t bytes[11]) {
+static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
   const size_t own = s->local.end - s->local.begin;
   size_t n = 0;
 #define ADD(member, first, count)                                                                  \
@@ -31,8 +33,8 @@ static size_t copied_arrays(const struct isph *s, void *array[11], size_t bytes[
 
 enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[11];
-  size_t bytes[11], total = 0, used = 0, n = copied_arrays(s, array, bytes);
+  void *array[ARRAYS];
+  size_t bytes[ARRAYS], total = 0, used = 0, n = copied_arrays(s, array, bytes);
   for (size_t i = 0; i < n; i++) total += bytes[i];
   TRY(memory_resize(&copy->block, total, 1, "a state to go back to"));
   for (size_t i = 0; i < n; i++) {
@@ -54,8 +56,8 @@ cleanup:
 
 enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
-  void *array[11];
-  size_t bytes[11], used = 0;
+  void *array[ARRAYS];
+  size_t bytes[ARRAYS], used = 0;
   TRY(isph_reserve(s, copy->count));
   s->count = s->local.end = copy->count;
   s->local.begin = 0;

@@ -9,6 +9,9 @@
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
 enum status isph_scales(struct plan *plan);
+static inline bool isph_scene_uses_axis(const struct effect_context *context, int a) {
+  return context->lattice->dimensions == 3 || a != 1;
+}
 /* isph/refuse.c: an error for scenes that cannot come out right. */
 enum status isph_refuse(const struct effect_context *context);
 /* What a region gives as a table in the mean up to the end of the run; else `steady`. */

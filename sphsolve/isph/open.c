@@ -376,19 +376,8 @@ static enum status admit(struct isph *s, size_t c) {
     porosity = soil.porosity;
   }
   velocity[side->axis] = side->inward * column->speed * porosity;
-  double mass = porosity * s->density * column->volume;
-  /* The last in the order of all. */
-  if (ranks_own() + 1 == ranks_count()) {
-    enum status status = isph_add_particle(s, x, velocity, mass);
-    if (status != STATUS_OK) return status;
-    if (side->kind == BOUNDARY_OPEN_HEAD)
-      s->pressure[s->count - 1] = isph_open_pressure(s, side, x[2]);
-  } else {
-    s->next_id++;
-  }
-  isph_budget_entered(s, x, velocity, mass);
-  s->entered_count++, s->entered_mass += mass * s->thickness;
-  return STATUS_OK;
+  const double pressure = side->kind == BOUNDARY_OPEN_HEAD ? isph_open_pressure(s, side, x[2]) : 0;
+  return isph_let_in(s, x, velocity, porosity * s->density * column->volume, pressure);
 }
 
 enum status isph_open_move(struct isph *s, double dt) {

@@ -252,6 +252,15 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   return status;
 }
 
+/* Of a well or a rain, number n. */
+static enum status write_three(struct h5_file *file, const char *what, size_t n,
+                               const double kept[3]) {
+  const size_t three = 3;
+  char name[64];
+  snprintf(name, sizeof name, "/state/%s_%zu", what, n);
+  return h5_write(file, name, H5_F64, 1, &three, kept, false);
+}
+
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -270,18 +279,12 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   if (s->column_count > 0)
     TRY(h5_write(file, "/state/column_front", H5_F64, 1, &s->column_count, s->column_front, false));
   for (size_t w = 0; w < s->well_count; w++) {
-    char name[64];
-    const size_t three = 3;
-    const double kept[3] = {s->wells[w].taken, s->wells[w].pending, s->wells[w].flow};
-    snprintf(name, sizeof name, "/state/well_%zu", w);
-    TRY(h5_write(file, name, H5_F64, 1, &three, kept, false));
+    const struct isph_well *well = &s->wells[w];
+    TRY(write_three(file, "well", w, (double[3]){well->taken, well->pending, well->flow}));
   }
   for (size_t k = 0; k < s->rain_count; k++) {
-    char name[64];
-    const size_t three = 3;
-    const double kept[3] = {s->rains[k].fallen, s->rains[k].pending, s->rains[k].places};
-    snprintf(name, sizeof name, "/state/rain_%zu", k);
-    TRY(h5_write(file, name, H5_F64, 1, &three, kept, false));
+    const struct isph_rain *rain = &s->rains[k];
+    TRY(write_three(file, "rain", k, (double[3]){rain->fallen, rain->pending, rain->places}));
   }
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
@@ -339,11 +342,17 @@ static enum status read_into(struct h5_file *file, const char *name, enum h5_typ
   return read_rows(file, name, type, count, 0, count, width, to);
 }
 
+static enum status read_three(struct h5_file *file, const char *what, size_t n, double kept[3]) {
+  char name[64];
+  snprintf(name, sizeof name, "/state/%s_%zu", what, n);
+  return read_into(file, name, H5_F64, 3, 1, kept);
+}
+
 enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t dims[2];
   int rank;
-  double numbers[5], dog[3], solve[4];
+  double numbers[5], dog[3], solve[4], kept[3];
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -364,18 +373,14 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   if (s->column_count > 0)
     TRY(read_into(file, "/state/column_front", H5_F64, s->column_count, 1, s->column_front));
   for (size_t w = 0; w < s->well_count; w++) {
-    char name[64];
-    double kept[3];
-    snprintf(name, sizeof name, "/state/well_%zu", w);
-    TRY(read_into(file, name, H5_F64, 3, 1, kept));
-    s->wells[w].taken = kept[0], s->wells[w].pending = kept[1], s->wells[w].flow = kept[2];
+    struct isph_well *well = &s->wells[w];
+    TRY(read_three(file, "well", w, kept));
+    well->taken = kept[0], well->pending = kept[1], well->flow = kept[2];
   }
   for (size_t k = 0; k < s->rain_count; k++) {
-    char name[64];
-    double kept[3];
-    snprintf(name, sizeof name, "/state/rain_%zu", k);
-    TRY(read_into(file, name, H5_F64, 3, 1, kept));
-    s->rains[k].fallen = kept[0], s->rains[k].pending = kept[1], s->rains[k].places = kept[2];
+    struct isph_rain *rain = &s->rains[k];
+    TRY(read_three(file, "rain", k, kept));
+    rain->fallen = kept[0], rain->pending = kept[1], rain->places = kept[2];
   }
   for (size_t b = 1; b < s->wall_box_count; b++) {
     char name[64];

@@ -157,6 +157,20 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
   return STATUS_OK;
 }
 
+enum status isph_let_in(struct isph *s, const double position[3], const double velocity[3],
+                        double mass, double pressure) {
+  if (ranks_own() + 1 == ranks_count()) {
+    enum status status = isph_add_particle(s, position, velocity, mass);
+    if (status != STATUS_OK) return status;
+    s->pressure[s->count - 1] = pressure;
+  } else {
+    s->next_id++;
+  }
+  isph_budget_entered(s, position, velocity, mass);
+  s->entered_count++, s->entered_mass += mass * s->thickness;
+  return STATUS_OK;
+}
+
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s) {
   enum status status = STATUS_OK;

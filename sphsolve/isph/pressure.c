@@ -73,8 +73,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
           double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
           double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
           if (relative != NULL) {
-            static const int own[3] = {0, 3, 5};
-            a *= relative[own[s->sides[s->boundary_box[j]].axis]];
+            a *= relative[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]];
           }
           diagonal += a, tied += a;
           source += a * (held * s->boundary_pressure[j] +

@@ -15,7 +15,6 @@
 #include <math.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 
 /* Places tried in a step for a drop that finds none. */
@@ -112,21 +111,8 @@ static bool let_fall(const struct isph *s, double top, double mass, double x[3])
   return x[2] + half <= top + 1e-6 * s->spacing;
 }
 
-/* The last in the order of all, as what comes in through a window. */
-static enum status set_in(struct isph *s, const double x[3], double mass) {
-  static const double still[3] = {0};
-  enum status status = STATUS_OK;
-  if (ranks_own() + 1 == ranks_count())
-    status = isph_add_particle(s, x, still, mass);
-  else
-    s->next_id++;
-  if (status != STATUS_OK) return status;
-  isph_budget_entered(s, x, still, mass);
-  s->entered_count++, s->entered_mass += mass * s->thickness;
-  return STATUS_OK;
-}
-
 enum status isph_rain_fall(struct isph *s, double dt) {
+  static const double still[3] = {0};
   const double mass = s->density * s->wall_volume * s->mass_ratio;
   for (size_t k = 0; k < s->rain_count; k++) {
     struct isph_rain *rain = &s->rains[k];
@@ -139,7 +125,7 @@ enum status isph_rain_fall(struct isph *s, double dt) {
       double x[3] = {0};
       find_place(s, region, rain->places++, x);
       if (!let_fall(s, region->box[5], mass, x)) continue;
-      enum status status = ranks_agree(set_in(s, x, mass));
+      enum status status = ranks_agree(isph_let_in(s, x, still, mass, 0));
       if (status != STATUS_OK) return status;
       rain->pending -= mass, rain->fallen += mass;
       tried = 0;

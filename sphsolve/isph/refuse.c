@@ -12,10 +12,6 @@
 /* A row of particles brings a spacing of water; less than one never comes. */
 #define ROWS_LEAST 1.0
 
-static bool used(const struct effect_context *context, int a) {
-  return context->lattice->dimensions == 3 || a != 1;
-}
-
 /* Whether water or soil is at a site of the lattice; false outside. */
 static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double step) {
   const double k = (double)at[axis] + step;
@@ -39,7 +35,9 @@ static enum status check_walls(const struct effect_context *context) {
         const struct region *wall = &scene->regions[l->region[site] - 1];
         for (int a = 0; a < 3; a++) {
           const double thick = wall->box[a + 3] - wall->box[a];
-          if (!used(context, a) || thick > least * (1 - 1e-6) || !is_wet(l, at, a, -1)) continue;
+          if (!isph_scene_uses_axis(context, a) || thick > least * (1 - 1e-6) ||
+              !is_wet(l, at, a, -1))
+            continue;
           const double rows = fmax(1, round(thick / l->spacing[a]));
           if (is_wet(l, at, a, rows))
             return FAIL(STATUS_INPUT,
@@ -55,7 +53,7 @@ static enum status check_walls(const struct effect_context *context) {
 static double area_of(const struct effect_context *context, const struct region *inflow) {
   double area = 1, thinnest = INFINITY;
   for (int a = 0; a < 3; a++) {
-    if (!used(context, a)) continue;
+    if (!isph_scene_uses_axis(context, a)) continue;
     const double length = inflow->box[a + 3] - inflow->box[a];
     area *= length, thinnest = fmin(thinnest, length);
   }
@@ -101,7 +99,7 @@ static enum status check_inflows(const struct effect_context *context) {
   }
   if (!(in > 0)) return STATUS_OK;
   for (int a = 0; a < 3; a++)
-    if (used(context, a)) site *= l->spacing[a];
+    if (isph_scene_uses_axis(context, a)) site *= l->spacing[a];
   for (size_t p = 0; p < l->count; p++) {
     if (l->kind[p] != SITE_EMPTY) continue;
     const struct region *region =
@@ -111,9 +109,8 @@ static enum status check_inflows(const struct effect_context *context) {
   if (in * scene->end_time <= room) return STATUS_OK;
   return FAIL(STATUS_INPUT,
               "%s:%d: inflows and rain bring %g m^%d by scene.end_time into room for %g, full "
-              "after %g s; end "
-              "before that, or give water a way out: an inflow region of given head or of flux < "
-              "0, or a drain",
+              "after %g s; end before that, or give water a way out: an inflow region of given "
+              "head or of flux < 0, or a drain",
               scene->path, first->line, in * scene->end_time, l->dimensions, room, room / in);
 }
 
@@ -126,14 +123,14 @@ static enum status check_moving_soil(const struct effect_context *context) {
     if (soil->type != REGION_POROUS) continue;
     for (int a = 0; a < 3; a++) {
       const double v = soil->soil_velocity[a];
-      if (v == 0 || !used(context, a)) continue;
+      if (v == 0 || !isph_scene_uses_axis(context, a)) continue;
       const double face = v > 0 ? soil->box[a + 3] : soil->box[a], end = face + v * scene->end_time;
       double stop = scene->periodic[a] ? copysign(INFINITY, v) : v > 0 ? scene->domain_size[a] : 0;
       for (size_t w = 0; w < scene->region_count; w++) {
         const struct region *wall = &scene->regions[w];
         bool beside = wall->type == REGION_WALL;
         for (int b = 0; b < 3; b++)
-          if (b != a && used(context, b))
+          if (b != a && isph_scene_uses_axis(context, b))
             beside = beside && wall->box[b] < soil->box[b + 3] - near &&
                      wall->box[b + 3] > soil->box[b] + near;
         if (!beside) continue;

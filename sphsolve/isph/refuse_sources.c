@@ -6,10 +6,6 @@
 #include "common/ranks.h"
 #include "sphsolve/isph/rain.h"
 
-static bool used(const struct effect_context *context, int a) {
-  return context->lattice->dimensions == 3 || a != 1;
-}
-
 /* Fewer spacings across a well hold too few particles to take some out. */
 #define WELL_LEAST 3.0
 
@@ -32,7 +28,7 @@ enum status isph_refuse_wells(const struct effect_context *context) {
                   "several ranks; run without mpirun",
                   scene->path, well->line, kind);
     for (int a = 0; a < 3; a++)
-      if (used(context, a) &&
+      if (isph_scene_uses_axis(context, a) &&
           well->extent[a + 3] - well->extent[a] < WELL_LEAST * context->spacing * (1 - 1e-6))
         return FAIL(STATUS_INPUT,
                     "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
@@ -52,7 +48,8 @@ enum status isph_refuse_wells(const struct effect_context *context) {
           bool inside = true;
           for (int a = 0; a < 3; a++) {
             const double x = l->origin[a] + (double)at[a] * l->spacing[a];
-            if (used(context, a)) inside = inside && x > well->box[a] && x < well->box[a + 3];
+            if (isph_scene_uses_axis(context, a))
+              inside = inside && x > well->box[a] && x < well->box[a + 3];
           }
           if (!inside) continue;
           const struct region *soil = l->region != NULL && l->region[site] > 0
@@ -85,8 +82,9 @@ static enum status check_top(const struct effect_context *context, const struct 
     bool covers = wall->type == REGION_WALL && wall->box[2] < rain->box[5] - near &&
                   wall->box[5] > rain->box[5] - near;
     for (int a = 0; a < 2; a++)
-      covers = covers && (!used(context, a) || (wall->box[a] < rain->box[a + 3] - near &&
-                                                wall->box[a + 3] > rain->box[a] + near));
+      covers = covers &&
+               (!isph_scene_uses_axis(context, a) ||
+                (wall->box[a] < rain->box[a + 3] - near && wall->box[a + 3] > rain->box[a] + near));
     if (covers)
       return FAIL(STATUS_INPUT,
                   "%s:%d: rain falls from the top of its box, at z = %g m, which the wall of line "

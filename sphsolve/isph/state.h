@@ -275,6 +275,10 @@ enum status isph_choose_mass(struct isph *s, const struct lattice *lattice);
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
+/* Collective: water that comes into the domain, kg (kg/m in 2-D) at a velocity and a pressure (Pa);
+ * the last in the order of all, and booked. */
+enum status isph_let_in(struct isph *s, const double position[3], const double velocity[3],
+                        double mass, double pressure);
 
 /* isph/soil.c */
 struct soil_point {
@@ -313,8 +317,8 @@ void isph_wall_move(struct isph *s, double dt);
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box, double volume);
 int isph_wall_layers(const struct isph *s);
-/* The projection (symmetric.h) on the directions along which boundary particle j at xj (its periodic
- * image) mirrors a particle at xi, and its distance from the wall over that of xi. */
+/* The projection (symmetric.h) on the directions along which boundary particle j at xj (its
+ * periodic image) mirrors a particle at xi, and its distance from the wall over that of xi. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio);
 /* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it

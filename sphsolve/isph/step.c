@@ -250,9 +250,9 @@ static void correct(struct isph *s) {
           double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio;
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
           double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
-          static const int diagonal[3] = {0, 3, 5};
           for (int a = 0; a < 3; a++)
-            present[a] -= s->soil_fraction[i] * (1 - mirror[diagonal[a]]) * weight * r[a] * r[a];
+            present[a] -=
+                s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
           continue;
         }
         double side[3], stretch = isph_open_stretch(s, xi, j, r, side);

@@ -4,6 +4,9 @@
 
 #include <math.h>
 
+/* Where xx, yy and zz stand. */
+static const int symmetric_diagonal[3] = {0, 3, 5};
+
 /* y = t x; y may be x. */
 static inline void symmetric_times(const double t[6], const double x[3], double y[3]) {
   const double a = t[0] * x[0] + t[1] * x[1] + t[2] * x[2],

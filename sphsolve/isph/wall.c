@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/symmetric.h"
 
 /* Walls are boxes, known exactly. Each is filled with wall particles that start half a spacing
  * behind its faces, whether or not the faces lie on the lattice of the water; the tank is filled
@@ -200,11 +201,10 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
  * does jumps where the particle comes out from before a face. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio) {
-  static const int diagonal[3] = {0, 3, 5};
   double near = 0, far = 0, out[3] = {0};
   memset(mirror, 0, 6 * sizeof *mirror);
   if (s->boundary_kind[j] != BOUNDARY_WALL) {
-    mirror[diagonal[s->sides[s->boundary_box[j]].axis]] = 1;
+    mirror[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]] = 1;
     *ratio = 1;
     return;
   }
@@ -224,7 +224,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
         out[a] = 0;
         continue;
       }
-      mirror[diagonal[a]] = 1;
+      mirror[symmetric_diagonal[a]] = 1;
     } else {
       const double low = box->mirror_low[a], high = box->mirror_high[a];
       if (xi[a] < low)

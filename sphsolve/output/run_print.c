@@ -140,8 +140,9 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   }
 }
 
+/* No number is worth saying below it. */
+#define ERROR_NONE 1e-5
 /* Worth a line: a finer lattice leaves at most so much of the error. */
-#define ERROR_NONE 1e-5 /* below it no number is worth saying */
 #define LATTICE_HELPS 0.9
 
 /* What takes most of the error, and what lessens it. */

@@ -250,6 +250,14 @@ isph() { # SCENE END NAME [options]
   done
 }
 
+same_on_ranks() { # SCENE.cfg of isph
+  sphsolve run "$1.cfg" -o "serial-$1" --quiet > /dev/null
+  for n in 2 3; do
+    on "$n" sphsolve-mpi run "$1.cfg" -o "$1" --quiet > /dev/null
+    same "serial-$1" "$1"
+  done
+}
+
 @test "isph: soil in beds at an angle, beside other soil and water, the same bits on 1, 2, 3 ranks" {
   cat > beds.cfg << 'END'
 scene = { method = "isph"; end_time = "0.03 s"; };
@@ -262,11 +270,7 @@ regions = ( { type = "water"; box = ["0", "0", "0.3 m", "0.2 m"]; },
   { type = "inflow"; box = ["0.29 m", "0", "0.3 m", "0.2 m"]; head = "0.3 m"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  sphsolve run beds.cfg -o serial-beds --quiet > /dev/null
-  for n in 2 3; do
-    on "$n" sphsolve-mpi run beds.cfg -o beds --quiet > /dev/null
-    same serial-beds beds
-  done
+  same_on_ranks beds
 }
 
 @test "isph: rain on water, a roof and soil, the same bits on 1, 2, 3 ranks" {
@@ -280,11 +284,7 @@ regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.1 m"]; },
   { type = "rain"; box = ["0", "0.15 m", "0.3 m", "0.2 m"]; rate = "3 cm/s"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  sphsolve run rain.cfg -o serial-rain --quiet > /dev/null
-  for n in 2 3; do
-    on "$n" sphsolve-mpi run rain.cfg -o rain --quiet > /dev/null
-    same serial-rain rain
-  done
+  same_on_ranks rain
 }
 
 @test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {

@@ -3,6 +3,7 @@
 #define TOSUI_TESTS_UNIT_ISPH_SCENE_H
 
 #include <math.h>
+#include <omp.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,6 +67,37 @@ static inline int advance(struct run *run, double until) {
     steps++;
   }
   return steps;
+}
+
+/* The same bits on one thread, on two, and on one after a state was gone back to: `begin` starts a
+ * scene and marches it to where that is kept, `lost` steps of dt are taken back, `steps` follow;
+ * `read` gives two numbers of what is tested. */
+static inline void same_on_threads_and_back(void (*begin)(struct run *), double dt, int lost,
+                                            int steps,
+                                            void (*read)(const struct isph *, double[2])) {
+  double found[3][4];
+  const int threads = omp_get_max_threads();
+  for (int k = 0; k < 3; k++) {
+    struct run run;
+    struct isph_copy copy = {0};
+    omp_set_num_threads(k == 1 ? 2 : 1);
+    begin(&run);
+    if (k == 2) {
+      assert_int_equal(isph_keep(&run.s, &copy), STATUS_OK);
+      for (int n = 0; n < lost; n++) assert_int_equal(isph_advance(&run.s, dt), STATUS_OK);
+      assert_int_equal(isph_go_back(&run.s, &copy), STATUS_OK);
+      isph_copy_free(&copy);
+    }
+    for (int n = 0; n < steps; n++) assert_int_equal(isph_advance(&run.s, dt), STATUS_OK);
+    read(&run.s, found[k]);
+    found[k][2] = (double)run.s.count, found[k][3] = 0;
+    for (size_t i = 0; i < run.s.count; i++)
+      found[k][3] += run.s.position[i][0] * run.s.pressure[i];
+    finish(&run);
+  }
+  omp_set_num_threads(threads);
+  assert_memory_equal(found[0], found[1], sizeof found[0]);
+  assert_memory_equal(found[0], found[2], sizeof found[0]);
 }
 
 #endif

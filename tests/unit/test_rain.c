@@ -7,7 +7,6 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <omp.h>
 
 #include "sphsolve/isph/rain.h"
 #include "tests/unit/isph_scene.h"
@@ -22,14 +21,6 @@ static void start_tank(struct run *run, const char *regions) {
            "regions = ( %s ); force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };",
            regions);
   start(run, text);
-}
-
-static void march(struct run *run, double until) {
-  const char *limit;
-  while (run->s.time < until - 1e-9)
-    assert_int_equal(
-        isph_advance(&run->s, fmin(isph_stable_dt(&run->s, &limit), until - run->s.time)),
-        STATUS_OK);
 }
 
 static double mass_of(const struct isph *s) {
@@ -53,7 +44,7 @@ static void two_millimetres_arrive(void **state) {
   start_tank(&run, "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
                    "rate = \"1 mm/s\"; }");
   assert_int_equal(run.s.count, 0);
-  march(&run, 2); /* 4 to rounding */
+  advance(&run, 2); /* 4 to rounding */
   const struct isph_rain *rain = &run.s.rains[0];
   double at[5];
   assert_int_equal(run.s.count, 4);
@@ -79,9 +70,9 @@ static void a_level_rises(void **state) {
                          "times = [\"0 s\", \"2 s\", \"2.1 s\"]; "
                          "rate = [\"0\", \"3 cm/s\", \"0\"]; }");
   const double mass = mass_of(&run.s), fell = 0.5 * 2.1 * 0.03;
-  march(&run, 4);
+  advance(&run, 4);
   for (int n = 0; n < 20; n++)
-    march(&run, 4 + 0.05 * n), pressure += pressure_at(&run.s, floor) / 20;
+    advance(&run, 4 + 0.05 * n), pressure += pressure_at(&run.s, floor) / 20;
   const struct isph_rain *rain = &run.s.rains[0];
   printf("level %g of %g m\n", pressure / 9810, 0.1 + fell);
   assert_true(fabs((rain->fallen + rain->pending) / (1000 * 0.2 * fell) - 1) < 1e-12);
@@ -103,9 +94,9 @@ static void what_soil_cannot_take_stands_on_it(void **state) {
                    "head = \"0\"; }, "
                    "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
                    "rate = \"3 cm/s\"; }");
-  march(&run, 20);
+  advance(&run, 20);
   for (int n = 0; n < 20; n++) {
-    march(&run, 20 + 0.1 * n);
+    advance(&run, 20 + 0.1 * n);
     for (size_t i = 0; i < run.s.count; i++) {
       const double above = 0.5 + (run.s.position[i][2] - 0.1) / 0.01; /* of its own height */
       pond += run.s.mass[i] / 200 * fmax(0, fmin(1, above)) / 20;
@@ -125,7 +116,7 @@ static void a_roof_keeps_it_off(void **state) {
   start_tank(&run, "{ type = \"wall\"; box = [\"0\", \"0.1 m\", \"0.1 m\", \"0.12 m\"]; }, "
                    "{ type = \"rain\"; box = [\"0\", \"0.2 m\", \"0.2 m\", \"0.3 m\"]; "
                    "rate = \"1 mm/s\"; }");
-  march(&run, 2.001);
+  advance(&run, 2.001);
   for (size_t i = 0; i < run.s.count; i++) {
     const double *x = run.s.position[i], ground = x[0] < 0.1 ? 0.12 : 0;
     assert_true(fabs(x[2] - ground - 0.005) < 1e-3);
@@ -133,33 +124,19 @@ static void a_roof_keeps_it_off(void **state) {
   finish(&run);
 }
 
+static void begin_rain(struct run *run) {
+  start_tank(run, WATER "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
+                        "rate = \"9 mm/s\"; }");
+  advance(run, 0.3);
+}
+
+static void read_rain(const struct isph *s, double found[2]) {
+  found[0] = s->rains[0].fallen, found[1] = s->rains[0].pending;
+}
+
 static void threads_agree_and_a_state_comes_back(void **state) {
   (void)state;
-  double found[3][4];
-  const int threads = omp_get_max_threads();
-  for (int k = 0; k < 3; k++) {
-    struct run run;
-    struct isph_copy copy = {0};
-    omp_set_num_threads(k == 1 ? 2 : 1);
-    start_tank(&run, WATER "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
-                           "rate = \"9 mm/s\"; }");
-    march(&run, 0.3);
-    if (k == 2) { /* on, and back again */
-      assert_int_equal(isph_keep(&run.s, &copy), STATUS_OK);
-      for (int n = 0; n < 30; n++) assert_int_equal(isph_advance(&run.s, 2e-3), STATUS_OK);
-      assert_int_equal(isph_go_back(&run.s, &copy), STATUS_OK);
-      isph_copy_free(&copy);
-    }
-    for (int n = 0; n < 100; n++) assert_int_equal(isph_advance(&run.s, 2e-3), STATUS_OK);
-    found[k][0] = run.s.rains[0].fallen, found[k][1] = run.s.rains[0].pending;
-    found[k][2] = (double)run.s.count, found[k][3] = 0;
-    for (size_t i = 0; i < run.s.count; i++)
-      found[k][3] += run.s.position[i][0] * run.s.pressure[i];
-    finish(&run);
-  }
-  omp_set_num_threads(threads);
-  assert_memory_equal(found[0], found[1], sizeof found[0]);
-  assert_memory_equal(found[0], found[2], sizeof found[0]);
+  same_on_threads_and_back(begin_rain, 2e-3, 30, 100, read_rain);
 }
 
 int main(void) {

@@ -6,7 +6,6 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <omp.h>
 
 #include "sphsolve/isph/well.h"
 #include "tests/unit/isph_scene.h"
@@ -128,32 +127,18 @@ static void a_drain_never_gives(void **state) {
   finish(&run);
 }
 
+static void begin_drain(struct run *run) {
+  start_square(run, "type = \"drain\"; centre = [\".5 m\", \".5 m\"]; radius = \".15 m\"");
+  march(run, 0.6);
+}
+
+static void read_drain(const struct isph *s, double found[2]) {
+  found[0] = s->wells[0].taken, found[1] = s->wells[0].pending;
+}
+
 static void threads_agree_and_a_state_comes_back(void **state) {
   (void)state;
-  double found[3][4];
-  const int threads = omp_get_max_threads();
-  for (int k = 0; k < 3; k++) {
-    struct run run;
-    struct isph_copy copy = {0};
-    omp_set_num_threads(k == 1 ? 2 : 1);
-    start_square(&run, "type = \"drain\"; centre = [\".5 m\", \".5 m\"]; radius = \".15 m\"");
-    march(&run, 0.6);
-    if (k == 2) { /* on, and back again */
-      assert_int_equal(isph_keep(&run.s, &copy), STATUS_OK);
-      for (int n = 0; n < 10; n++) assert_int_equal(isph_advance(&run.s, 0.04), STATUS_OK);
-      assert_int_equal(isph_go_back(&run.s, &copy), STATUS_OK);
-      isph_copy_free(&copy);
-    }
-    for (int n = 0; n < 15; n++) assert_int_equal(isph_advance(&run.s, 0.04), STATUS_OK);
-    found[k][0] = run.s.wells[0].taken, found[k][1] = run.s.wells[0].pending;
-    found[k][2] = (double)run.s.count, found[k][3] = 0;
-    for (size_t i = 0; i < run.s.count; i++)
-      found[k][3] += run.s.position[i][0] * run.s.pressure[i];
-    finish(&run);
-  }
-  omp_set_num_threads(threads);
-  assert_memory_equal(found[0], found[1], sizeof found[0]);
-  assert_memory_equal(found[0], found[2], sizeof found[0]);
+  same_on_threads_and_back(begin_drain, 0.04, 10, 15, read_drain);
 }
 
 int main(void) {

@@ -48,8 +48,8 @@ struct stokes_rows {
 };
 
 /* For eight sites whose pores are the bits of a byte, filled by stokes_rows_best: which of the
- * packed values each site takes, EMPTY none; which site each packed value is of. And of `first` a
- * table of the first n of eight, EMPTY. */
+ * packed values each site takes, EMPTY none; which site each packed value is of. And for each n to
+ * eight a mask of the first n values, EMPTY where it holds. */
 #define STOKES_ROWS_EMPTY 0x80
 extern uint8_t stokes_rows_expand[256][8], stokes_rows_compress[256][8], stokes_rows_first[9][8];
 
