@@ -27,7 +27,8 @@ static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
 static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
   const double dx = context->spacing, time = context->scene->end_time;
-  const double force = context->driving > 0 ? 0.25 * sqrt(dx / context->driving) : INFINITY;
+  const double driving = fmax(context->driving, isph_head_drive(context->scene));
+  const double force = driving > 0 ? 0.25 * sqrt(dx / driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
   if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
   const double displacement = (context->has_surface ? 0.2 : 0.1) * dx;

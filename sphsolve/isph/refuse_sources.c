@@ -13,6 +13,7 @@
 enum status isph_refuse_wells(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
+  const double width_least = WELL_LEAST * context->spacing;
   bool source = context->has_surface;
   for (size_t r = 0; r < scene->region_count; r++)
     source = source || scene->regions[r].boundary == BOUNDARY_HEAD;
@@ -29,13 +30,12 @@ enum status isph_refuse_wells(const struct effect_context *context) {
                   scene->path, well->line, kind);
     for (int a = 0; a < 3; a++)
       if (isph_scene_uses_axis(context, a) &&
-          well->extent[a + 3] - well->extent[a] < WELL_LEAST * context->spacing * (1 - 1e-6))
+          well->extent[a + 3] - well->extent[a] < width_least * (1 - 1e-6))
         return FAIL(STATUS_INPUT,
                     "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
                     "three spacings, or domain.spacing %g m",
                     scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
-                    WELL_LEAST * context -> spacing,
-                    (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
+                    width_least, (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
     if (is_well && !source && well->rate > 0)
       return FAIL(STATUS_INPUT,
                   "%s:%d: nothing gives what this well takes; let an inflow region of given head, "

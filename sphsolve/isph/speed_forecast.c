@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "common/memory.h"
+#include "common/units.h"
 
 /* Drag of layers in series on the Darcy velocity v, f = a v + b v^2, as means over their length: a
  * (1/s) of M15 eq. 9c, b (1/m) of eq. 9d (M15: Morimoto et al. 2015); and the least porosity. */
@@ -33,23 +34,47 @@ static int axis_of_force(const struct scene *scene) {
   return axis;
 }
 
-double isph_prescribed_speed(const struct scene *scene) {
-  double fastest = 0;
-  for (size_t k = 0; k < scene->region_count; k++) {
-    const struct region *r = &scene->regions[k];
-    const double *v = r->velocity, *u = r->soil_velocity;
-    fastest = fmax(fastest, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
-    fastest = fmax(fastest, sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
-    if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
-      fastest = fmax(fastest, fabs(r->flux));
-    if (r->type == REGION_RAIN) fastest = fmax(fastest, r->rate);
-    if (r->type == REGION_WELL) { /* through the faces of its extent */
-      const double *e = r->extent, x = e[3] - e[0], y = e[4] - e[1], z = e[5] - e[2];
-      fastest = fmax(fastest, r->rate / 2 /
-                                  (scene->dimensions == 3 ? x * y + y * z + z * x : x + z));
-    }
+static double size(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+double isph_region_speed(const struct scene *scene, const struct region *r) {
+  double fastest = fmax(size(r->velocity), size(r->soil_velocity));
+  if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
+    fastest = fmax(fastest, fabs(r->flux));
+  if (r->type == REGION_RAIN) fastest = fmax(fastest, r->rate);
+  if (r->type == REGION_WELL) {
+    const double *e = r->extent, x = e[3] - e[0], y = e[4] - e[1], z = e[5] - e[2];
+    fastest = fmax(fastest, r->rate / 2 / (scene->dimensions == 3 ? x * y + y * z + z * x : x + z));
   }
   return fastest;
+}
+
+double isph_prescribed_speed(const struct scene *scene) {
+  double fastest = 0;
+  for (size_t k = 0; k < scene->region_count; k++)
+    fastest = fmax(fastest, isph_region_speed(scene, &scene->regions[k]));
+  return fastest;
+}
+
+/* The g that heads are given with (isph_open_pressure). */
+static double gravity_of_heads(const struct scene *scene) {
+  const double g = size(scene->gravity);
+  return g > 0 ? g : GRAVITY_STANDARD;
+}
+
+double isph_head_drive(const struct scene *scene) {
+  double high = -INFINITY, low = INFINITY, length = INFINITY;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *r = &scene->regions[k];
+    const bool drain = r->type == REGION_DRAIN;
+    if (!drain && !(r->type == REGION_INFLOW && r->boundary == BOUNDARY_HEAD)) continue;
+    const double head = r->boundary == BOUNDARY_HEAD ? r->head : 0;
+    high = fmax(high, head), low = fmin(low, head);
+  }
+  for (int a = 0; a < 3; a++)
+    if (scene->dimensions == 3 || a != 1) length = fmin(length, scene->domain_size[a]);
+  return high > low ? gravity_of_heads(scene) * (high - low) / length : 0;
 }
 
 /* Round a periodic box: through its soil in layers along the force or in columns beside each other,
@@ -105,7 +130,7 @@ static double head_speed(const struct effect_context *context, double surface) {
     if (r->type == REGION_POROUS)
       add_layer(context, r, (r->extent[axis + 3] - r->extent[axis]) / length, &all);
   }
-  const double force = context->driving * (high - low);
+  const double force = gravity_of_heads(scene) * (high - low);
   return all.a + all.b > 0 ? through(&all, force / length) : sqrt(2 * force);
 }
 

@@ -11,8 +11,14 @@ struct isph_speed_forecast {
   double speed_after; /* m/s */
 };
 
-/* The largest velocity, m/s, that the scene gives to walls, soils, inflows and water. */
+/* The largest velocity, m/s, that a region gives to the water or itself has: walls, soils, inflows,
+ * water at the start, rain, and a well through the faces of its extent. */
+double isph_region_speed(const struct scene *scene, const struct region *region);
+/* The same of all regions. */
 double isph_prescribed_speed(const struct scene *scene);
+/* What heads drive water with, m/s^2: g times their difference over the domain's length from one to
+ * another. */
+double isph_head_drive(const struct scene *scene);
 
 /* From the lattice and the regions alone, before a run; fails for want of memory. */
 enum status isph_speed_predict(const struct effect_context *context,

@@ -251,6 +251,8 @@ void isph_free(struct isph *s);
 enum status isph_refresh(struct isph *s);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
+/* A wall that has left the domain drives nothing any more. */
+bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
 

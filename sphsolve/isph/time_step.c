@@ -2,10 +2,10 @@
 #include <math.h>
 
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
 
-/* A wall that has left the domain drives nothing any more. */
-static bool wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
+bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
   for (int a = 0; a < 3; a++)
     if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
   return true;
@@ -15,20 +15,27 @@ static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Fastest of the walls, soils and windows, m/s: what will move the water, when it is still at rest.
- */
+/* Fastest of what is given, m/s: what will move the water, when it is still at rest. */
 static double fastest_drive(const struct isph *s) {
   double fastest = 0;
   for (size_t b = 1; b < s->wall_box_count; b++)
-    if (wall_is_inside(s, &s->wall_boxes[b]))
+    if (isph_wall_is_inside(s, &s->wall_boxes[b]))
       fastest = fmax(fastest, length(s->wall_boxes[b].region->velocity));
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *r = &s->scene->regions[k];
-    if (r->type == REGION_POROUS) fastest = fmax(fastest, length(r->soil_velocity));
-    if (r->type == REGION_INFLOW && r->boundary == BOUNDARY_FLUX)
-      fastest = fmax(fastest, fabs(r->flux));
+    if (r->type != REGION_WALL && r->type != REGION_WATER && r->type != REGION_RAIN)
+      fastest = fmax(fastest, isph_region_speed(s->scene, r));
   }
   return fastest;
+}
+
+/* In which the well of the highest rate takes a particle, s: they go one by one. */
+static double time_of_a_particle(const struct isph *s) {
+  const double size = s->spacing;
+  double rate = 0;
+  for (size_t k = 0; k < s->scene->region_count; k++)
+    if (s->scene->regions[k].type == REGION_WELL) rate = fmax(rate, s->scene->regions[k].rate);
+  return rate > 0 ? size * size * (s->scene->dimensions == 3 ? size : 1) / rate : INFINITY;
 }
 
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
@@ -39,7 +46,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
   }
   fastest = ranks_max(fastest);
-  double force = length(s->force);
+  const double force = fmax(length(s->force), isph_head_drive(s->scene));
   const struct {
     const char *name;
     double dt;
@@ -47,6 +54,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
       {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
       {"isph_viscosity", s->on.viscous ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
+      {"isph_wells", time_of_a_particle(s)},
       {s->on.dt_most_by, s->on.dt_most},
   };
   size_t least = 0;

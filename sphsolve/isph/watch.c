@@ -185,13 +185,31 @@ static const char *remedy_of(const struct isph *s, const struct isph_trip *trip)
          "or a smaller isph.dt";
 }
 
+/* The fastest wall that moves within the domain, NULL where none does. */
+static const struct region *piston_of(const struct isph *s) {
+  const struct region *piston = NULL;
+  double fastest = 0;
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *box = &s->wall_boxes[b];
+    const double speed = isph_region_speed(s->scene, box->region);
+    if (isph_wall_is_inside(s, box) && speed > fastest) fastest = speed, piston = box->region;
+  }
+  return piston;
+}
+
 enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double dt,
                            const struct isph_trip *trip, struct recorder *recorder) {
   enum status status = STATUS_OK;
   const double time = s->time;
   const char *remedy = remedy_of(s, trip);
   const bool go_on = watchdog_trip(&s->dog, time);
-  char saved[4200] = "", place[96] = "";
+  const struct region *piston = piston_of(s);
+  char saved[4200] = "", place[96] = "", pushed[192] = "";
+  if (piston != NULL)
+    snprintf(pushed, sizeof pushed,
+             "regions.[%zu], a wall that moves at %.3g m/s, may leave water no room: let it go "
+             "slower, or end the run before; else ",
+             piston->number, isph_region_speed(s->scene, piston));
   if (trip->bound != WATCH_RESIDUAL) name_place(s, trip->position, place, sizeof place);
   if (s->dog.kept) {
     TRY(isph_go_back(s, copy));
@@ -212,9 +230,9 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
   }
   status = FAIL(STATUS_NUMERIC,
                 "step %lld, t = %.4g s: %s%s%s, after %d halvings of the time step "
-                "(now %.3g s): %s%s",
+                "(now %.3g s): %s%s%s",
                 (long long)s->step, time, trip->what, *place ? ", " : "", place, s->dog.halvings,
-                dt, remedy, saved);
+                dt, pushed, remedy, saved);
 cleanup:
   return status;
 }

@@ -38,11 +38,19 @@ taken() { # END REGION
 @test "inflows: room for what comes in, and a row at least" {
   corner='{ type = "inflow"; box = ["0", "0.2 m", "0.01 m", "0.3 m"]; flux = "0.1 m/s"; }'
   refused "room for 0.02, full after 2 s" 6s "$WATER, $corner"
+  refused "full after 0.002 s" 6s "$WATER, ${corner/0.1 m\/s/100 m/s}"
   taken 1s "$WATER, $corner"
   taken 6s "$WATER, $corner, { type = \"inflow\"; box = [\"0.19 m\", \"0\", \"0.2 m\", \"0.2 m\"]; head = \"0.2 m\"; }"
   rain='{ type = "inflow"; box = ["0", "0.29 m", "0.2 m", "0.3 m"]; flux = "1 mm/s"; }'
   refused "use a domain.spacing below 0.002 m" 2s "$WATER, $rain"
   taken 12s "$WATER, $rain"
+}
+
+@test "a wall that leaves water no room is named" {
+  run sphsolve run "$TANK" --set 'scene.end_time="0.2 s"' --set 'domain.periodic=[false, false]' -o pressed --quiet --set "regions=( $WATER,
+    { type = \"wall\"; box = [\"0\", \"0\", \"0.04 m\", \"0.3 m\"]; velocity = [\"3 m/s\", \"0\"]; })"
+  [ "$status" -eq 4 ]
+  [[ "$output" == *"regions.[1], a wall that moves at 3 m/s, may leave water no room: let it go slower"* ]]
 }
 
 @test "rain: less than a row arrives; none, more than there is room for, or faster than it falls, is refused" {
@@ -214,6 +222,14 @@ END
     grep -oE '"k": ?[0-9.e-]+' given.json | awk -v k=$k -F: 'NR == 1 { exit !($2 > 0.97 * k && $2 < 1.03 * k) }'
     grep -qE '"k": ?[0-9]' given.json
   done
+}
+
+@test "heads drive water without gravity too" {
+  # Nothing moves at the start and no force limits the first step: heads of 0.1 m over 0.1 m do, as gravity would.
+  sed '/^force/d; /^gauges/d; s/dt = "2 ms"; //' "$ROOT/data-samples/scenes/seepage-heads.cfg" > level.cfg
+  sphsolve run level.cfg --set 'scene.end_time="1 s"' -o level --quiet --json > level.json 2> level.err
+  [ ! -s level.err ]
+  grep -oE '"k": ?[0-9.e-]+' level.json | awk -F: 'NR == 1 { exit !($2 > 0.97 * 0.0369 && $2 < 1.03 * 0.0369) }'
 }
 
 @test "analyze seepage says what it cannot do, and takes the grains' density" {

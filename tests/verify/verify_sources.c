@@ -11,17 +11,11 @@ static double taken_by(const struct run *run) {
   return (well->taken + well->pending) / run->s.density;
 }
 
-/* Without a force no step from rest is too long for the effects: none over .02 s. */
-static void march(struct run *run, double until) {
-  while (run->s.time < until - 1e-9) advance(run, fmin(until, run->s.time + .02));
-}
-
 /* Means of a well's flow, m^2/s, from one time to another. */
-static double flow_between(struct run *run, double from, double to,
-                           void (*go)(struct run *run, double until)) {
-  go(run, from);
+static double flow_between(struct run *run, double from, double to) {
+  advance(run, from);
   const double before = taken_by(run), since = run->s.time;
-  go(run, to);
+  advance(run, to);
   return (taken_by(run) - before) / (run->s.time - since);
 }
 
@@ -99,7 +93,7 @@ static void drained_square(void) {
     const double exact = 2 * M_PI * CONDUCTIVITY * .5 / log(1.08 * .5 / .15);
     char name[96];
     start_square(&run, dx, "type = \"drain\"; centre = [\".5 m\", \".5 m\"]; radius = \".15 m\";");
-    const double flow = flow_between(&run, .6, 1.6, march);
+    const double flow = flow_between(&run, .6, 1.6);
     snprintf(name, sizeof name, "drain in a square: flow, spacing %g mm", 1e3 * dx);
     report(name, exact, flow, (fine ? .04 : .06) * exact, started);
     finish(&run);
@@ -121,9 +115,9 @@ static void pumped_square(void) {
     start_square(&run, dx,
                  "type = \"well\"; rate = \"5e-3 m^2/s\"; centre = [\".5 m\", \".5 m\"]; "
                  "radius = \".1 m\";");
-    march(&run, 1);
+    advance(&run, 1);
     for (int n = 0; n < rows; n++) {
-      march(&run, 1 + .1 * (n + 1));
+      advance(&run, 1 + .1 * (n + 1));
       fall += (pressure_at(&run.s, far) - pressure_at(&run.s, near)) / (9806.65 * rows);
     }
     snprintf(name, sizeof name, "well in a square: fall of head beside it, spacing %g mm",
@@ -157,7 +151,7 @@ static void drained_strip(void) {
         "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n"
         "isph = { wall = { slip = true; }; };\n",
         dx, CONDUCTIVITY);
-    const double flow = flow_between(&run, 1, fine ? 2 : 4, advance);
+    const double flow = flow_between(&run, 1, fine ? 2 : 4);
     snprintf(name, sizeof name, "drain between two heads: flow, spacing %g mm", 1e3 * dx);
     report(name, exact, flow, (fine ? .03 : .05) * exact, started);
     finish(&run);
@@ -184,7 +178,7 @@ static void ditch(void) {
       "isph = { wall = { slip = true; }; };\n",
       CONDUCTIVITY);
   report("ditch through soil with a free surface: flow, 50 mm", exact,
-         flow_between(&run, 120, 200, advance), .04 * exact, started);
+         flow_between(&run, 120, 200), .04 * exact, started);
   finish(&run);
 }
 
