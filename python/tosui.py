@@ -12,6 +12,7 @@ import dataclasses
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import warnings
@@ -108,11 +109,16 @@ class Run:
 
     @property
     def k(self):
-        return float(self.attributes["k"])
+        return self._found("k")
 
     @property
     def K(self):
-        return float(self.attributes["intrinsic_permeability"])
+        return self._found("intrinsic_permeability")
+
+    def _found(self, name):
+        if name not in self.attributes:
+            raise TosuiError(f"{self.path}: a run without a k: nothing drives its water through, or it has not settled")
+        return float(self.attributes[name])
 
     def __repr__(self):
         flow = f", k={self.k:.4g} m/s" if "k" in self.attributes else ""
@@ -120,6 +126,8 @@ class Run:
 
     def snapshot(self, number=-1):
         """The snapshot of that number, the last by default."""
+        if not -len(self.snapshot_names) <= number < len(self.snapshot_names):
+            raise TosuiError(f"{self.path}: no snapshot {number}; it has {len(self.snapshot_names)}, counted from 0")
         return load(os.path.join(os.path.dirname(self.path), self.snapshot_names[number]))
 
 
@@ -149,13 +157,18 @@ def _load_snapshot(path, file):
 def load(path):
     """A model, a run or a snapshot, by what the file holds."""
     path = os.fspath(path)
-    if os.path.isdir(path):
-        raise TosuiError(f"{path}: a folder; name a file in it")
+    if not path or os.path.isdir(path):
+        raise TosuiError(f"{path}: a folder; name a file in it" if path else "the name of a file is wanted, not ''")
     try:
         with h5py.File(path, "r") as file:
             for name, read in (("model/solid", _load_model), ("run", _load_run), ("VTKHDF/Points", _load_snapshot)):
                 if name in file:
                     return read(path, file)
+            if "VTKHDF/PointData" in file:
+                raise TosuiError(f"{path}: the image that stands beside a run, for ParaView; its fields are in"
+                                 " /VTKHDF/PointData, [z, y, x]; load the run, or read them with h5py")
+    except KeyError as error:
+        raise TosuiError(f"{path}: not as Tosui writes it: {error.args[0]}") from None
     except FileNotFoundError:
         raise TosuiError(f"{path}: No such file or directory") from None
     except OSError as error:
@@ -177,16 +190,28 @@ def _program(name):
 
 def _run(name, *words):
     """The JSON object that a program prints; what it says goes into the error."""
-    done = subprocess.run([_program(name), *map(str, words), "--json"], capture_output=True, text=True)
+    program = _program(name)
+    try:
+        done = subprocess.run([program, *map(str, words), "--json"], capture_output=True, text=True)
+    except OSError as error:
+        raise TosuiError(f"{program}: {error.strerror}") from None
+    if done.returncode < 0:
+        memory = "; the system does so where memory is short" if done.returncode == -signal.SIGKILL else ""
+        raise TosuiError(f"{program} was ended by {signal.Signals(-done.returncode).name}{memory}", done.returncode)
     if done.returncode != 0:
         raise TosuiError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else name, done.returncode)
-    return json.loads(done.stdout), done.stderr
+    try:
+        return json.loads(done.stdout), done.stderr
+    except ValueError:
+        raise TosuiError(f"{program} printed no JSON: is it Tosui's?") from None
 
 
 def table(command, *runs, **options):
     """What `analyze COMMAND RUN...` finds, as a dictionary: table("darcy", "a.hdf", "b.hdf", mix=True)."""
     words = []
     for name, value in options.items():
+        if value is None or value is False:
+            continue
         words += ["--" + name.replace("_", "-")] + ([] if value is True else [value])
     return _run("analyze", command, *map(os.fspath, runs), *words)[0]
 
@@ -230,14 +255,45 @@ force = {{ body_acceleration = ["0", "0", "-9.80665 m/s^2"]; }};
 """
 
 
+def _number(name, value):
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TosuiError(f"{name} {value!r}: a number is wanted") from None
+
+
 def _length(value):
-    return value if isinstance(value, str) else f"{float(value):.9g} m"
+    return value if isinstance(value, str) else f"{_number('voxel_size', value):.9g} m"
+
+
+def _volume(image):
+    """The array as ct2model reads it, every value what it was."""
+    if np.ma.isMaskedArray(image):
+        raise TosuiError("the image is a masked array, and a mask is neither pore nor grain;"
+                         " fill it (image.filled(label)) or cut it out")
+    try:
+        image = np.asarray(image)
+    except ValueError:
+        raise TosuiError("the image's rows are not of one length") from None
+    if image.dtype.kind not in "biuf":
+        raise TosuiError(f"the image is an array of {image.dtype}; integers, truth values or floats are wanted,"
+                         " [z, y, x], not the name of a file")
+    if image.ndim != 3 or image.size == 0:
+        raise TosuiError(f"the image has the shape {image.shape}; 3 axes are wanted, [z, y, x], none of them empty")
+    if image.dtype.kind == "f" and image.dtype.itemsize not in (4, 8):
+        return image.astype(np.float32 if image.dtype.itemsize < 4 else np.float64)
+    if image.dtype.itemsize == 8 and image.dtype.kind in "iu":
+        small = image.astype(np.int32)
+        if not np.array_equal(small, image):
+            raise TosuiError("the image holds integers beyond 32 bits; scale them, or number the labels anew")
+        return small
+    return image
 
 
 def _phases(image, pore):
     """--segmented and its list: the labels in `pore`, the others grain."""
     labels = np.unique(image)
-    pores = {float(label) for label in np.atleast_1d(pore)}
+    pores = {_number("pore", label) for label in np.atleast_1d(pore).tolist()}
     if len(labels) > 32:
         raise TosuiError("the image holds more than 32 labels; give void_ratio for an image of greys")
     if not pores & {float(label) for label in labels}:
@@ -255,45 +311,40 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
     of them for x, y and z. `error`: relative; None for that of the voxels as they are. `size`: (nx, ny, nz) to resample
     to. `mirror`: the image and its mirror image stand one behind the other along the flow, so that pores fit; False
     for an image that is periodic. `folder` keeps the files. Raises TosuiError with the program's message."""
-    image = np.asarray(image)
-    if image.ndim != 3:
-        raise TosuiError(f"the image has {image.ndim} axes; 3 are wanted: [z, y, x]")
-    axis = axis if isinstance(axis, str) else "zyx"[axis]
+    image = _volume(image)
+    axis = dict(enumerate("zyxzyx", -3)).get(axis, axis)
     if axis not in ("x", "y", "z"):
         raise TosuiError(f"axis {axis!r}: 'x', 'y' or 'z' is wanted")
     if image.dtype == bool:
         if void_ratio is None and pore is not True and pore is not False:
             warnings.warn(f"a boolean image: pores are where it is {bool(pore)}; name pore=True or pore=False", stacklevel=2)
         image = image.astype(np.uint8)
-    elif image.dtype.itemsize == 8 and image.dtype.kind in "iu":
-        image = image.astype(np.int32)
     lengths = [voxel_size] if isinstance(voxel_size, str) else np.atleast_1d(voxel_size)
     words = ["--voxel-size", ",".join(_length(length) for length in lengths), "--flow", axis]
     words += ["--mirror", "z" if mirror else "none"]
     words += [_phases(image, pore)] if void_ratio is None else ["--void-ratio", void_ratio]
-    words += ["--size", "x".join(str(int(n)) for n in size)] if size is not None else []
+    if size is not None and (isinstance(size, str) or np.size(size) != 3):
+        raise TosuiError(f"size {size!r}: three numbers are wanted, (nx, ny, nz)")
+    words += ["--size", "x".join(f"{_number('size', n):g}" for n in size)] if size is not None else []
+    water = {"density": _number("density", density), "viscosity": _number("viscosity", viscosity)}
+    goal = []
+    if error is not None:
+        goal = ["--error", error if isinstance(error, str) else f"{100 * _number('error', error):g}%"]
     common = ["--threads", threads] if threads else []
     with tempfile.TemporaryDirectory(prefix="tosui-") as own:
         at = os.fspath(folder) if folder is not None else own
         try:
             os.makedirs(at, exist_ok=True)
-        except OSError as error:
-            raise TosuiError(f"folder {at}: {error.strerror}") from None
-        np.save(os.path.join(at, "image.npy"), np.ascontiguousarray(image))
-        with open(os.path.join(at, "scene.cfg"), "w") as scene:
-            scene.write(_SCENE.format(density=density, viscosity=viscosity))
+            np.save(os.path.join(at, "image.npy"), np.ascontiguousarray(image))
+            with open(os.path.join(at, "scene.cfg"), "w") as scene:
+                scene.write(_SCENE.format(**water))
+        except OSError as failed:
+            raise TosuiError(f"folder {at}: {failed.strerror or failed}") from None
         model, said = _run("ct2model", "build", os.path.join(at, "image.npy"), *words, *common, "-o",
                            os.path.join(at, "model.hdf"))
-        goal = ["--error", f"{100 * error:g}%"] if error is not None and _takes_error() else []
         run, more = _run("sphsolve", "run", os.path.join(at, "scene.cfg"), *goal, *common, "-o", os.path.join(at, "run"))
     k = run["k"]
     relative = run.get("k_relative_error") or 0.0
     low, high = run.get("k_low"), run.get("k_high")
     return Permeability(k, k * max(0.0, 1 - relative) if low is None else low, k * (1 + relative) if high is None else high,
                         run["intrinsic_permeability"], model["void_ratio"], run["status"], model, run, said + more)
-
-
-def _takes_error():
-    """Whether sphsolve run solves to a wanted error."""
-    said = subprocess.run([_program("sphsolve"), "run", "--help"], capture_output=True, text=True).stdout
-    return "--error" in said

@@ -24,9 +24,9 @@ setup() { /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3
 }
 
 @test "python: make install puts the module where Python finds it" {
-  make -s -C "$ROOT" BUILD="$(dirname "$TOSUI_BIN")" install PREFIX=/usr DESTDIR="$BATS_TEST_TMPDIR/root" > made
+  make -s -C "$ROOT" BUILD="$(dirname "$TOSUI_BIN")" install PREFIX=/usr DESTDIR="$BATS_TEST_TMPDIR/root" > "$BATS_TEST_TMPDIR/made"
   # Other tests run what was built: installing builds nothing anew.
-  run ! grep -E "^ *(CC|LINK|MPICC) " made
+  run ! grep -E "^ *(CC|LINK|MPICC) " "$BATS_TEST_TMPDIR/made"
   cd "$BATS_TEST_TMPDIR"
   PYTHONPATH="$PWD/root/usr/lib/python3/dist-packages" /usr/bin/python3 -c "import tosui; print(tosui.__file__)" | grep -q "$PWD/root"
 }

@@ -66,9 +66,10 @@ class Module(unittest.TestCase):
     def test_table(self):
         table = tosui.table("darcy", os.path.join(self.folder.name, "run.hdf"))
         self.assertAlmostEqual(table["k_m_per_s"] / self.result.k, 1, places=4)
+        self.assertEqual(tosui.table("darcy", os.path.join(self.folder.name, "run.hdf"), mix=False, output=None), table)
 
     def test_errors_say_what_is_wrong(self):
-        for words, image, size in ((("axes",), np.zeros((4, 4)), 1e-6), (("label 5",), self.grain, 1e-6),
+        for words, image, size in ((("3 axes",), np.zeros((4, 4)), 1e-6), (("label 5",), self.grain, 1e-6),
                                    (("1 nm to 1 cm",), self.grain, 5.0)):
             with self.assertRaises(tosui.TosuiError) as caught:
                 tosui.permeability(image, size, pore=5 if words == ("label 5",) else False)
@@ -86,6 +87,61 @@ class Module(unittest.TestCase):
         with self.assertRaises(tosui.TosuiError) as caught:
             tosui.permeability(np.ones((4, 4, 4), int) * np.arange(4), 1e-6, void_ratio=-1)
         self.assertEqual(caught.exception.code, 2)
+
+    def test_arrays_that_are_no_image(self):
+        grain = self.grain.astype(np.uint8)
+        for said, image in (("none of them empty", np.zeros((4, 0, 4))), ("not of one length", [[[1, 2], [3]]]),
+                            ("not the name of a file", "scan.tif"), ("not the name of a file", None), ("complex128", grain * 1j),
+                            ("a mask is neither", np.ma.masked_array(grain, mask=grain)),
+                            ("beyond 32 bits", grain.astype(np.int64) * 5_000_000_000)):
+            with self.assertRaisesRegex(tosui.TosuiError, said):
+                tosui.permeability(image, "5 um")
+        # Whatever holds the same values is the same image.
+        for image in (grain.tolist(), np.asfortranarray(grain), grain.astype(">i4"), grain.astype(np.float16), grain.astype(np.uint64)):
+            self.assertTrue(np.array_equal(tosui._volume(image), grain))
+
+    def test_words_that_are_no_number(self):
+        for said, options in (("voxel_size None", {"voxel_size": None}), ("pore 'x'", {"pore": "x"}), ("axis 3", {"axis": 3}),
+                              ("axis None", {"axis": None}), ("size 4", {"size": 4}), ("size", {"size": (4, 4)}),
+                              ("viscosity '1 Pa s'", {"viscosity": "1 Pa s"}), ("density None", {"density": None})):
+            with self.assertRaisesRegex(tosui.TosuiError, said):
+                tosui.permeability(self.grain, **{"voxel_size": "5 um", "pore": False, **options})
+        with self.assertRaises(tosui.TosuiError) as caught:
+            tosui.permeability(self.grain, "5 um", pore=False, error="5")
+        self.assertIn("5", str(caught.exception))
+
+    def test_files_that_are_no_run(self):
+        import h5py
+        at = self.folder.name
+        for said, path in (("for ParaView; its fields", os.path.join(at, "run-image.hdf")), ("not ''", "")):
+            with self.assertRaisesRegex(tosui.TosuiError, said):
+                tosui.load(path)
+        with h5py.File(os.path.join(at, "half.hdf"), "w") as half:
+            half["model/solid"] = np.zeros((2, 2, 2))
+            half["run/history"] = 0
+        with self.assertRaisesRegex(tosui.TosuiError, "half.hdf: not as Tosui writes it"):
+            tosui.load(os.path.join(at, "half.hdf"))
+        run = tosui.load(os.path.join(at, "run.hdf"))
+        with self.assertRaisesRegex(tosui.TosuiError, "no snapshot 1; it has 1"):
+            run.snapshot(1)
+        del run.attributes["k"]
+        with self.assertRaisesRegex(tosui.TosuiError, "without a k"):
+            run.k
+
+    def test_programs_that_are_none(self):
+        here, before = os.path.join(self.folder.name, "bin"), os.environ.get("TOSUI_BIN")
+        os.makedirs(here)
+        os.environ["TOSUI_BIN"] = here
+        try:
+            for said, script in (("Exec format error", "no program"), ("SIGKILL; .* memory is short", "#!/bin/sh\nkill -9 $$\n"),
+                                 ("printed no JSON", "#!/bin/sh\necho so\n")):
+                with open(os.path.join(here, "ct2model"), "w") as program:
+                    program.write(script)
+                os.chmod(program.name, 0o755)
+                with self.assertRaisesRegex(tosui.TosuiError, said):
+                    tosui.permeability(self.grain, "5 um", pore=False)
+        finally:
+            os.environ["TOSUI_BIN"] = before or ""
 
 
 if __name__ == "__main__":
