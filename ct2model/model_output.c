@@ -156,9 +156,11 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "local_thickness_median", morphology->thickness_median));
   TRY(write_number(file, "/model", "expected_error_of_k", morphology->expected_error));
   TRY(write_curves(file, pipeline));
-  double voxel = 1.0;
+  double voxel = 1.0, longest = 0.0;
   for (int a = 0; a < 3; a++) voxel *= pipeline->region.voxel[a];
+  for (int a = 0; a < 3; a++) longest = fmax(longest, pipeline->region.voxel[a]);
   TRY(write_number(file, "/model", "voxel_scanned", cbrt(voxel)));
+  TRY(write_number(file, "/model", "voxel_scanned_longest", longest));
   static const char *const SCAN_AXES[] = {"yzx", "zxy", "xyz"};
   TRY(h5_write_attribute_text(file, "/model", "scan_axes",
                               SCAN_AXES[pipeline->request->flow_axis]));

@@ -33,6 +33,32 @@ static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, s
            nx++ < in[0]);
 }
 
+/* Slices so many times as far apart as their pixels are wide tell little of the pores between them,
+ * and models of cubes would have as many times the scan's voxels. */
+#define DRAWN_AT_MOST 10.0
+#define DRAWN_TOLD 2.5
+static enum status judge_drawn(const size_t in[3], const double voxel[3], const size_t out[3]) {
+  const double least = fmin(fmin(voxel[0], voxel[1]), voxel[2]);
+  const double most = fmax(fmax(voxel[0], voxel[1]), voxel[2]);
+  if (most > DRAWN_AT_MOST * least) {
+    size_t cubes[3];
+    advise_cubes(in, voxel, (size_t)fmax(1.0, round((double)in[0] * voxel[0] / most)), cubes);
+    return FAIL(
+        STATUS_INPUT,
+        "voxels of %.4g x %.4g x %.4g um are %.3g times as long as wide, and what lies "
+        "between slices so far apart is not known; --size %zux%zux%zu makes voxels as large "
+        "as they are long, --size %zux%zux%zu cubes of the short edge, drawn in between",
+        voxel[0] * 1e6, voxel[1] * 1e6, voxel[2] * 1e6, most / least, cubes[0], cubes[1], cubes[2],
+        out[0], out[1], out[2]);
+  }
+  if (most > DRAWN_TOLD * least)
+    log_warning(
+        "the scan's voxels are %.3g times as long as wide: what lies between is drawn from "
+        "neighbours, and k may be a quarter too low; its share scan of the error holds that",
+        most / least);
+  return STATUS_OK;
+}
+
 enum status model_size_choose(struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   size_t in[3], out[3]; /* in the model's axes, as --size */
@@ -65,11 +91,15 @@ enum status model_size_choose(struct pipeline *pipeline) {
         "--size %zux%zux%zu is finer than the scan's own %zux%zux%zu voxels: it adds voxels, "
         "but no detail",
         out[0], out[1], out[2], in[0], in[1], in[2]);
-  if (!request->size_given && memcmp(in, out, sizeof in) != 0)
+  if (!request->size_given && memcmp(in, out, sizeof in) != 0) {
+    if (pipeline->distances) {
+      const enum status status = judge_drawn(in, voxel, out);
+      if (status != STATUS_OK) return status;
+    }
     log_info("voxels of %.4g x %.4g x %.4g um become cubes: %zux%zux%zu", voxel[0] * 1e6,
              voxel[1] * 1e6, voxel[2] * 1e6, out[0], out[1], out[2]);
-  else if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 ||
-           fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
+  } else if (fabs(spacing[1] / spacing[0] - 1.0) > 1e-3 ||
+             fabs(spacing[2] / spacing[0] - 1.0) > 1e-3) {
     const double ny = (double)in[1] * voxel[1] / spacing[0];
     const double nz = (double)in[2] * voxel[2] / spacing[0];
     size_t cubes[3];

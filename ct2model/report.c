@@ -319,7 +319,7 @@ static void print_morphology(const struct pipeline *pipeline) {
     quantity_format((double)m->window[i] * spacing, "m", length, sizeof length);
     const double percent = 100.0 * m->window_deviation[i] / m->window_mean[i];
     if (m->window_places[i] > 1)
-      printf(percent < 100.0 ? "%s +-%.2g %%, " : "%s +-%.0f %%, ", length, percent);
+      printf(percent < 99.5 ? "%s +-%.2g %%, " : "%s +-%.0f %%, ", length, percent);
   }
   printf("void ratio from one window of this size to the next\n");
 }

@@ -96,7 +96,8 @@ static void write_geometry(const struct page_model *model, struct cited *cited, 
             model->threshold, model->void_ratio);
     break;
   case RULE_LABELS:
-    fprintf(stream, " that was segmented before, with a void ratio of %.4g", model->void_ratio);
+    fprintf(stream, " that was segmented before; the model has a void ratio of %.4g",
+            model->void_ratio);
     break;
   default:
     fprintf(stream, "; it has a void ratio of %.4g", model->void_ratio);

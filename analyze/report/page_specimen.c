@@ -302,6 +302,11 @@ static enum status scan_pictures(FILE *stream, struct h5_file *file,
   double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
   double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
   TRY(h5_read(file, "/calibration/slice", H5_F32, 2, size, &grey));
+  if (facts->rule == RULE_LABELS) { /* its greys are no scan's */
+    TRY(picture(stream, grey, size[1], size[0], pore, grain,
+                "The middle slice: distance to the walls that were drawn through the labels"));
+    goto cleanup;
+  }
   if (!(fabs(grain - pore) > 0.0)) goto cleanup;
   TRY(picture(stream, grey, size[1], size[0], pore - 0.3 * (grain - pore),
               grain + 0.3 * (grain - pore), "A slice through the middle of the scan"));

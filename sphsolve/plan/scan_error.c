@@ -31,6 +31,18 @@ static const double SHAPE = 0.32;  /* ln 1.38 */
 static const double MIDDLE = 0.05; /* off the middle, of the peaks' distance, as in sands */
 static const double OFF = 0.12;    /* over so much more the shape is lost */
 
+/* Voxels longer than wide become cubes by lines between neighbours: a triangle's weights, whose
+ * variance is a sixth of the square of its half base. What the short edges have of it anyway is in
+ * the blur; along one of three axes it counts a third. */
+static const double DRAWN = 0.3; /* of k at most: of sands it grows no more from four times on */
+static double drawn_between(struct h5_file *file) {
+  const double longest = h5_attribute_or_nan(file, "/model", "voxel_scanned_longest");
+  const double short_squared =
+      pow(h5_attribute_or_nan(file, "/model", "voxel_scanned"), 3.0) / longest;
+  const double more = longest * longest - short_squared;
+  return more > 1e-6 * short_squared ? more / 18.0 : 0.0;
+}
+
 static double shape_lost(struct h5_file *file) {
   const double pore = h5_attribute_or_nan(file, "/calibration", "pore_peak");
   const double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
@@ -61,7 +73,9 @@ bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   /* Labels have no blur to be measured; what smooths their steps blurs them. */
   const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
   if (smoothing > 0.0) {
-    *scan = (struct scan_quality){.resolution = RESOLUTION_DEVIATIONS * smoothing, .labels = true};
+    *scan = (struct scan_quality){.resolution = RESOLUTION_DEVIATIONS * smoothing,
+                                  .between = drawn_between(file),
+                                  .labels = true};
     h5_close(file);
     return true;
   }
@@ -79,6 +93,7 @@ bool scan_quality_read(const char *model_path, struct scan_quality *scan) {
   bool known = scan->blur > 0.0 && scan->blur_error > 0.0 && scan->resolution > 0.0 && ratio > 0.0;
   if (!known) known = assume(file, scan);
   scan->shape = shape_lost(file);
+  scan->between = drawn_between(file);
   h5_close(file);
   return known;
 }
@@ -97,7 +112,7 @@ double scan_shape_error(const struct scan_quality *scan, double width) {
  * of every voxel. Where it was taken out, a share of it is left, beside what the uncertainty of the
  * blur makes (its variance twice, for 95 %), and walls are rough by a length that the noise power
  * has. */
-double scan_error(const struct scan_quality *scan, double change, double width) {
+static double error_of_blur(const struct scan_quality *scan, double change, double width) {
   if (scan->labels)
     return hypot(LABELS * (1.0 + GROWTH * fabs(change)) * fabs(change),
                  PLACED * scan_deviation(scan) / width);
@@ -106,6 +121,12 @@ double scan_error(const struct scan_quality *scan, double change, double width) 
   const double share = sharp ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
   return hypot(hypot(VOXELS, scan_shape_error(scan, width)),
                hypot(share * change, ROUGH * cbrt(scan->noise_power) / width));
+}
+
+/* What is drawn between slices is left in, like a blur. */
+double scan_error(const struct scan_quality *scan, double change, double width) {
+  const double between = scan->between / pow(scan_deviation(scan), 2.0);
+  return hypot(error_of_blur(scan, change, width), fmin(DRAWN, KEPT * between * fabs(change)));
 }
 
 double scan_change_expected(const struct scan_quality *scan, double width) {

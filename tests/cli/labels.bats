@@ -239,6 +239,23 @@ assert all(abs(v / w - 1) < 1e-9 for v, w in zip(a["voxel_size_m"], (5e-6, 5e-6,
 END
 }
 
+@test "slices far apart: told, in the error of k, and refused where nothing is known between them" {
+  mkdir -p apart
+  for i in $(seq 0 4 55); do cp "$(printf '%s/slice_%04d.png' "$ROOT/data-samples/small" "$i")" apart; done
+  far() { ct2model build apart --void-ratio 0.725 --voxel-size "8.745um,8.745um,$1" --crop 0,0,0,64,64,14 -o far.hdf; }
+  run --separate-stderr far 34.98um
+  [ "$status" -eq 0 ] && [[ "$stderr" == *"4 times as long as wide: what lies between is drawn"* ]]
+  scene stokes far.hdf > far.cfg
+  share() { sphsolve run far.cfg -o far-run --set lattice.spacing='"35 um"' --json 2> /dev/null | sed -n 's/.*"scan": \([0-9.e-]*\),*/\1/p'; }
+  drawn=$(share)
+  /usr/bin/python3 -c 'import h5py; del h5py.File("far.hdf", "r+")["model"].attrs["voxel_scanned_longest"]'
+  awk -v drawn="$drawn" -v other="$(share)" 'BEGIN { print drawn, other; exit !(drawn > 1.05 * other && other > 0) }'
+  run --separate-stderr far 17.49um
+  [ "$status" -eq 0 ] && [[ "$stderr" != *"times as long as wide"* ]]
+  run --separate-stderr far 446um
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"51 times as long as wide"*"not known; --size 1x1x11 "*"--size 64x64x714 "* ]] || { echo "$stderr"; false; }
+}
+
 @test "--sides: an octant mirrored on all sides is the whole; closed sides are walls" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   # The eighth of a sphere of share 0.216 in a cube of 17 voxels, cut through its middle voxel.

@@ -71,7 +71,7 @@ GEOMETRY = [
      + unmatched, lambda t, e, told, axis: given[1] == "otsu" and near(t, model["threshold"]) and is_unmatched(e, told, axis)),
     (r", made by ct2model from an image at a given grey threshold of ([\d.]+), which gives a void ratio of ([\d.]+)" + unmatched,
      lambda t, e, told, axis: near(t, given[1]) and is_unmatched(e, told, axis)),
-    (r", made by ct2model from an image that was segmented before, with a void ratio of ([\d.]+)" + unmatched,
+    (r", made by ct2model from an image that was segmented before; the model has a void ratio of ([\d.]+)" + unmatched,
      lambda e, told, axis: model["segmented"] and is_unmatched(e, told, axis)),
 ]
 WALLS = {"the model's signed distances to the grain surface": lambda: model["wall_distance"],
@@ -125,6 +125,8 @@ if cited != list(range(1, listed + 1)):
     bad.append(f"references {cited} are cited and {listed} are listed")
 for caption in re.findall(r"<figcaption>(.*?)</figcaption>", page, re.S):
     if re.search(r"gives the measured void ratio|it was set to give", caption) and not matched:
+        bad.append(caption)
+    if re.search(r"^A slice through the middle of the scan|^The slice at", caption.strip()) and model and model["segmented"]:
         bad.append(caption)
     if "which it was not set to give" in caption and (matched or not measured > 0):
         bad.append(caption)

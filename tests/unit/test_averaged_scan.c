@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <setjmp.h>
+#include <math.h>
 #include <cmocka.h>
 
 #include "ct2model/scanner/restore.h"
@@ -47,7 +48,25 @@ static void test_error(void **state) {
   assert_true(scan_error(&scan, 0.064, 110e-6) == means);
 }
 
+/* Slices four times as far apart as pixels: the triangle's variance counts beside the blur's, up to
+ * three tenths of k. */
+static void test_drawn(void **state) {
+  (void)state;
+  struct scan_quality scan = {.blur = 11e-6,
+                              .blur_error = 0.5e-6,
+                              .resolution = 29.278e-6, /* a deviation of 10 um */
+                              .noise_power = 1e-17,
+                              .removed = true};
+  const double cubes = scan_error(&scan, 0.064, 110e-6);
+  scan.between = 15.0 * VOXEL * VOXEL / 18.0;
+  const double drawn = 1.5 * (15.0 * 5.83 * 5.83 / 18.0 / 100.0) * 0.064;
+  assert_float_equal(scan_error(&scan, -0.064, 110e-6), hypot(cubes, drawn), 1e-5);
+  scan.between *= 1e3;
+  assert_float_equal(scan_error(&scan, 0.064, 110e-6), hypot(cubes, 0.3), 1e-9);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_step), cmocka_unit_test(test_error)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_step), cmocka_unit_test(test_error),
+                                     cmocka_unit_test(test_drawn)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
