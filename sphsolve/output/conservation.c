@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 
 void conservation_integrate(struct conservation *conservation, size_t rows,
@@ -242,6 +243,13 @@ static void print_budget(const struct budget *budget) {
   double open[3] = {0}, energy_open, largest = 0;
   double momentum_share = budget_momentum_open(budget, open);
   double energy_share = budget_energy_open(budget, &energy_open);
+  if (log_level() < LOG_VERBOSE) {
+    printf(
+        "           momentum, energy: of the largest term %.2g %%, %.2g %% are not accounted for "
+        "(-v: all terms)\n",
+        100 * momentum_share, 100 * energy_share);
+    return;
+  }
   const double(*p)[3] = budget->momentum;
   int column =
       printf("           momentum (kg m/s): (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g):", p[0][0],

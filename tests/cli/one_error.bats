@@ -97,6 +97,22 @@ END
   run ! grep -q "averaging 0" darcy.txt
 }
 
+@test "of each method twelve lines, a verdict among them; the terms of its budget with -v" {
+  scene wcsph m.hdf > wcsph.cfg
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o m16.hdf --quiet
+  wcsph() { sphsolve run wcsph.cfg --set model.file=m16.hdf -o lines "$@"; }
+  isph() { sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set scene.end_time='"0.2 s"' -o lines "$@"; }
+  for method in wcsph isph; do
+    $method > brief.txt
+    $method -v > all.txt
+    [ "$(wc -l < brief.txt)" -le 12 ] || { cat brief.txt; false; }
+    grep -q "^verdict " brief.txt
+    grep -qE "momentum, energy: of the largest term [0-9.e-]+ %, [0-9.e-]+ % are not accounted for" brief.txt
+    grep -q "momentum (kg m/s)" all.txt
+    grep -q "energy (J)" all.txt
+  done
+}
+
 @test "what lessens the error of resolution: a finer lattice, past the model's voxels a model, past the scan's a scan" {
   needs() { # WORD ...: of a run, on stdout's verdict, in its record and in darcy
     local word=$1

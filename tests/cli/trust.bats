@@ -32,7 +32,7 @@ refused() {
 python() { /usr/bin/python3 "$@"; }
 
 @test "every run ends with a budget that closes" {
-  run --separate-stderr sphsolve run flow.cfg -o flow
+  run --separate-stderr sphsolve run flow.cfg -o flow -v
   [ "$status" -eq 0 ]
   # 20 x 10 of free water, and the soil's .08 kg in rows of 6 x 13.
   [[ "$output" == *"budget     particles: 278 + "* ]]
