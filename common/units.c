@@ -242,3 +242,8 @@ void duration_format(double seconds, char *text, size_t size) {
   else
     snprintf(text, size, "%.1f h", seconds / 3600);
 }
+
+const char *percent_format(double share, char text[32]) {
+  snprintf(text, 32, fabs(share) < 0.995 ? "%.2g" : "%.0f", 100.0 * share);
+  return text;
+}

@@ -41,4 +41,7 @@ void quantity_format(double value, const char *base_unit, char *text, size_t siz
 /* "under 1 s", "5 s", "12 min", "3.4 h", "unknown" for what is not finite. */
 void duration_format(double seconds, char *text, size_t size);
 
+/* A share in percent, two digits: 0.0123 as "1.2", 1.57 as "157". */
+const char *percent_format(double share, char text[32]);
+
 #endif

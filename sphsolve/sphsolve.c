@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -197,6 +198,10 @@ static enum status run_scene(const struct options *options, struct job *job, con
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
     enum status written = recorder_finish(recorder, result);
     if (status == STATUS_OK) status = written;
+    char history[4096];
+    snprintf(history, sizeof history, "%s.history.csv", prefix);
+    if (written == STATUS_RUN && access(history, F_OK) == 0)
+      error_context(status, "the history of the run is kept in %s", history);
   }
   if (status == STATUS_RUN &&
       isfinite(result->k)) { /* a full disk at the end: k is worth keeping */

@@ -225,7 +225,8 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
              labels->porosity <= 0.0 ? "grain"
              : labels->micro.kind != NULL
                  ? "pore or soil: a model's surface is that between grain and "
-                   "the rest, and there is none without grain"
+                   "the rest, and there is none without grain; name a few voxels amid the "
+                   "soil grain (2x2x2 are enough)"
                  : "pore");
   TRY(memory_allocate(&labels->smooth, count, 1, "the smoothed labels"));
   TRY(label_walls(grain, region->size, reflect, labels->smooth));

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "common/json_number.h"
+#include "common/units.h"
 
 void micropores_add(struct micropores *m, const struct micropores_point *point) {
   int at = m->count++;
@@ -12,17 +13,18 @@ void micropores_add(struct micropores *m, const struct micropores_point *point) 
 }
 
 void micropores_print(const struct micropores *m) {
-  printf("soil       %.2g %% of the sites, k_micro %.3g m^2: %.2g %% of the flux goes through it\n",
-         100 * m->sites, m->permeability, 100 * m->own.flux);
-  printf("           its drag takes %.2g %% of the power: 10 %% more k_micro is %.2g %% more k\n",
-         100 * m->own.slope, 10 * m->own.slope);
+  char sites[32], flux[32];
+  printf("soil       %s %% of the sites, k_micro %.3g m^2: %s %% of the flux goes through it\n",
+         percent_format(m->sites, sites), m->permeability, percent_format(m->own.flux, flux));
+  printf("           its drag takes %s %% of the power: 10 %% more k_micro is %.2g %% more k\n",
+         percent_format(m->own.slope, sites), 10 * m->own.slope);
   if (m->count == 0) return;
   printf("              k_micro      k      flux through  10 %% more\n");
   printf("                m^2       cm/s        soil      k_micro\n");
   for (int i = 0; i < m->count; i++) {
     const struct micropores_point *p = &m->curve[i];
-    printf("           %10.3g %10.4g %8.2g %% %+9.2g %%\n", p->factor * m->permeability, 100 * p->k,
-           100 * p->flux, 10 * p->slope);
+    printf("           %10.3g %10.4g %8s %% %+9.2g %%\n", p->factor * m->permeability, 100 * p->k,
+           percent_format(p->flux, flux), 10 * p->slope);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/json_number.h"
 #include "common/log.h"
+#include "common/units.h"
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/output/uncertainty.h"
@@ -87,15 +88,9 @@ enum status run_print_json(const struct run_result *result) {
   return STATUS_OK;
 }
 
-/* 0.0123 as "1.2", 1.57 as "157". */
-static const char *percent(double share, char text[32]) {
-  snprintf(text, 32, share < 0.995 ? "%.2g" : "%.0f", 100 * share);
-  return text;
-}
-
 static void print_part(const char *what, double share) {
   char text[32];
-  if (isfinite(share)) printf("%s %s %%", what, percent(share, text));
+  if (isfinite(share)) printf("%s %s %%", what, percent_format(share, text));
 }
 
 /* The parts of the error, and how the resolution's was found. */
@@ -189,7 +184,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
                      : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
                                                           : " (resolution not counted)";
   if (isfinite(result->k) && largest > ERROR_NONE)
-    snprintf(error, sizeof error, " +- %s %% (%.4g to %.4g)%s", percent(largest, text),
+    snprintf(error, sizeof error, " +- %s %% (%.4g to %.4g)%s", percent_format(largest, text),
              100 * result->k * (1 - fmin(low, 1)), 100 * result->k * (1 + high), from);
   else if (isfinite(result->k) && largest > 0)
     snprintf(error, sizeof error, " +- under 0.001 %%%s", from);
@@ -215,8 +210,8 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   if (isfinite(result->k)) print_verdict(&result->error);
   if (result->k > 0 && largest > wanted) {
     char asked[32], reached[32];
-    printf("           the error asked for, %s %%, was not reached", percent(wanted, asked));
-    if (!strcmp(asked, percent(largest, reached))) printf(" (%.4g %%)", 100.0 * largest);
+    printf("           the error asked for, %s %%, was not reached", percent_format(wanted, asked));
+    if (!strcmp(asked, percent_format(largest, reached))) printf(" (%.4g %%)", 100.0 * largest);
     printf(": %s\n", result->ended != NULL ? result->ended : "the parts named above are more");
   }
   if (result->pair_interactions_per_second > 0 && log_level() >= LOG_VERBOSE)

@@ -47,7 +47,7 @@ static void print_levels(const struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
   const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
-  char spacing[64], time[64];
+  char spacing[64], time[64], error[32];
   if (count == 0) return;
   printf("\nrun with --error or --time, %d %s: what it will state of resolution%s, to a factor of "
          "two\n",
@@ -56,9 +56,10 @@ static void print_levels(const struct plan *plan) {
   for (int i = 0; i < count; i++) {
     quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);
     duration_format(levels[i].seconds / plan->threads, time, sizeof time);
-    printf("  k to about %.2g %% after %s, lattices down to %s (%.3g M sites), %.0f MB%s\n",
-           100 * with_scan(plan, levels[i].error), time, spacing, 1e-6 * levels[i].sites,
-           1e-6 * levels[i].bytes, levels[i].few ? "; with --time alone" : "");
+    printf("  k to about %s %% after %s, lattices down to %s (%.3g M sites), %.0f MB%s\n",
+           percent_format(with_scan(plan, levels[i].error), error), time, spacing,
+           1e-6 * levels[i].sites, 1e-6 * levels[i].bytes,
+           levels[i].few ? "; with --time alone" : "");
   }
 }
 
@@ -136,8 +137,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   if (ranks != NULL) print_ranks(ranks);
   const struct error_forecast *e = &plan->expected;
   if (isfinite(e->error))
-    printf("error      %s %.2g %%: %s\n", e->least > 0 ? "about" : "at most", 100 * e->error,
-           e->why);
+    printf("error      %s %s %%: %s\n", e->least > 0 ? "about" : "at most",
+           percent_format(e->error, text), e->why);
   else
     printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
   if (isfinite(plan->expected_scan))

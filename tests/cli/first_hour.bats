@@ -329,6 +329,7 @@ END
     [ "$status" -eq 1 ] && [[ "$stderr" == *"k = "*"lone.hdf"* ]] || { echo "$stderr"; false; }
     [ ! -e lone-0000.hdf ] && [ ! -e lone-image.hdf ] && [ ! -e lone.hdf.series ] || { ls lone*; false; }
     [ $method = wcsph ] || [ ! -e lone.history.csv ]
+    [[ $method = stokes || "$stderr" == *"history of the run is kept in lone.history.csv: lone.hdf"* ]]
   done
   [ -e lone.history.csv ] # the way to the steady state is more than its end
   # What a run showed while it went on stays, as does all that --resume goes on from.

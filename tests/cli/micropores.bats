@@ -211,10 +211,21 @@ END
   wrong 2 "the label 3 stands there twice" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2),3=grain"
   wrong 3 "square of a voxel" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-9m^2)"
   wrong 3 "no voxel has the label 4" $LAYERS --segmented "1=pore,2=grain,3=grain,4=soil(0.35,1e-15m^2)"
+  wrong 3 "a few voxels amid the soil grain" $LAYERS --segmented "1=pore,2=soil(0.35,1e-15m^2),3=soil(0.35,1e-15m^2)"
   wrong 2 "the lower first" $GREYS --micro 160..90 --micro-permeability 2um
   wrong 2 "both are wanted" $GREYS --micro 90..160
   wrong 2 "leave --segmented out" $GREYS --micro 90..160 --micro-permeability 2um --segmented 0
   wrong 3 "not the measured 0.1" $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 0.1
+}
+
+@test "soil and no grain but a few voxels: k of the soil alone within 1 %" {
+  /usr/bin/python3 -c 'open("alone.raw", "wb").write(bytes(1 + (7 < x < 10 and 7 < y < 10 and 7 < z < 10)
+                                                     for z in range(16) for y in range(16) for x in range(16)))'
+  ct2model build alone.raw --raw 16x16x16:u8 --voxel-size 10um --mirror none --segmented "1=soil(0.4, 9e-13 m^2),2=grain" -o alone.hdf -q
+  scene stokes alone.hdf > alone.cfg
+  sphsolve run alone.cfg -o alone-run --json > alone.json
+  sphsolve run alone.cfg -o alone-run | grep "^soil  *100 % of the sites.*: 100 % of the flux"
+  /usr/bin/python3 -c 'import json; k = json.load(open("alone.json"))["intrinsic_permeability"]; assert abs(k / 9e-13 - 1) < 0.01, k'
 }
 
 @test "stokes solves soil with the pores; wcsph and bad fields are refused" {

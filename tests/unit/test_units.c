@@ -87,6 +87,11 @@ static void test_format(void **state) {
   assert_string_equal(text, "m/s^2");
   dimension_format(DIM_NONE, text, sizeof text);
   assert_string_equal(text, "a plain number");
+  char share[32];
+  assert_string_equal(percent_format(0.01234, share), "1.2");
+  assert_string_equal(percent_format(0.994, share), "99");
+  assert_string_equal(percent_format(0.9996, share), "100");
+  assert_string_equal(percent_format(3.62, share), "362");
 }
 
 int main(void) {
