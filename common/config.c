@@ -1,6 +1,7 @@
 #include "common/config.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <libconfig.h>
 #include <math.h>
 #include <stdarg.h>
@@ -67,7 +68,7 @@ static enum status read_text(const char *path, char **text) {
     if (capacity > (1 << 24)) TRY_FAIL(STATUS_INPUT, "%s: over 8 MB: no scene file", path);
     TRY(memory_resize(text, capacity, 1, "the scene's text"));
   }
-  if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  if (ferror(file)) TRY_FAIL(STATUS_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
   if (used > 8 && memcmp(*text, "\211HDF\r\n\032\n", 8) == 0)
     TRY_FAIL(
         STATUS_INPUT,

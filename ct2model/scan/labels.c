@@ -113,6 +113,13 @@ cleanup:
   return status;
 }
 
+static enum status name_greys(const struct region *region, const char *or_else) {
+  return FAIL(STATUS_INPUT,
+              "%s: --segmented, but it holds more than %d greys: leave --segmented out and give "
+              "--void-ratio%s",
+              region->stack->files[0].path, LABELS_MOST, or_else);
+}
+
 static enum status name_unknown(const struct region *region, size_t z, double value) {
   char name[160];
   stack_slice_name(region->stack, region->origin[2] + z, name, sizeof name);
@@ -142,7 +149,8 @@ static enum status classify(const struct region *region, const struct label_rule
           *fits = false;
           break;
         }
-        if (!rules->rest_is_grain || at == LABELS_MOST) TRY(name_unknown(region, z, value));
+        if (!rules->rest_is_grain) TRY(name_unknown(region, z, value));
+        if (at == LABELS_MOST) TRY(name_greys(region, ""));
         labels->value[labels->count++] = value;
       }
       const bool open = labels->pore[at] || labels->soily[at];
@@ -182,11 +190,7 @@ static enum status find_labels(const struct region *region, const struct label_r
   labels->on = few && labels->count == 2;
   if (labels->on) labels->pore[dark ? 1 : 0] = true;
   if (labels->on || !rules->given) return STATUS_OK;
-  if (!few)
-    return FAIL(STATUS_INPUT,
-                "%s: --segmented, but it holds more than %d greys: leave --segmented out and give "
-                "--void-ratio, or name the labels, as --segmented 0=pore,1=grain",
-                region->stack->files[0].path, LABELS_MOST);
+  if (!few) return name_greys(region, ", or name the labels, as --segmented 0=pore,1=grain");
   char list[200] = "";
   for (size_t i = 0; i < labels->count; i++)
     snprintf(list + strlen(list), sizeof list - strlen(list), "%s%g", i > 0 ? ", " : "",

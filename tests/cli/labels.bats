@@ -135,6 +135,7 @@ END
     [ "$status" -eq "$code" ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
   }
   wrong 3 "labels 3, 7, 8" three.raw $CUBE --segmented
+  wrong 3 "more than 32 greys: leave --segmented out" "$ROOT/data-samples/small" --voxel-size 8.745um --segmented 0
   wrong 2 "void-ratio is missing" three.raw $CUBE
   wrong 3 "label 8" three.raw $CUBE --segmented 3=pore,7=grain
   wrong 3 "all of the region is grain" sphere.raw $CUBE --segmented 5

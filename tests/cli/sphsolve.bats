@@ -79,6 +79,9 @@ END
   run --separate-stderr "$SPH" run model.hdf -o x
   [ "$status" -eq 3 ]
   [[ "$stderr" == *"is an HDF5 file; a scene is text"* ]]
+  run --separate-stderr "$SPH" explain .
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"Is a directory"* ]]
   slit
   run --separate-stderr "$SPH" explain slit.cfg --set model.file=slit.cfg
   [ "$status" -eq 3 ]
