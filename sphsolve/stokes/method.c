@@ -369,6 +369,10 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
     status = solve_level(&job, spacing);
   if (status == STATUS_OK) status = cascade_finish(&job.cascade);
+  /* Of a run with a time the part of the sides comes last: with it the error may be more than was
+   * wanted. */
+  while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
+    status = solve_level(&job, spacing);
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
   const bool solved = job.cascade.coarse.grid.active_all > 0;
   const bool blocked = status == STATUS_OK && !solved;
@@ -378,7 +382,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                 scene->path, base.micro_porosity != NULL ? " or soil" : "",
                 base.micro_porosity != NULL ? "greys or labels taken as soil" : "threshold");
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
-  result->ended = job.cascade.ended;
+  result->ended = strcmp(why, "converged") != 0 ? job.cascade.ended : NULL;
   if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
     struct throats throats;
     TRY(throats_compare(&base, &job.lattice, &throats));

@@ -206,6 +206,27 @@ END
   run ! grep -q "was not reached" run.txt
 }
 
+@test "the part of the sides, which a run with a time solves last, counts in whether its error was reached, and why not" {
+  /usr/bin/python3 -c 'import numpy' 2> /dev/null || skip "numpy is not installed"
+  /usr/bin/python3 - <<'END'
+import numpy as np
+n = 20
+at = np.indices((n, n, n)) + 0.5
+balls = ((5, 7, 6), 5.0), ((15, 13, 14), 5.5), ((12, 15, 5), 4.5)
+solid = [sum(np.minimum(abs(p - q), n - abs(p - q)) ** 2 for p, q in zip(at, c)) < r * r for c, r in balls]
+np.save("balls.npy", np.any(solid, axis=0).astype(np.uint8))
+END
+  ct2model build balls.npy --segmented 0 --voxel-size 10um --mirror none -q -o balls.hdf
+  scene stokes balls.hdf > balls.cfg
+  for time in "" "--time 60s"; do
+    sphsolve run balls.cfg -o balls-run --error 12% $time --json > balls.json 2> /dev/null
+    sphsolve run balls.cfg -o balls-run --error 12% $time > balls.txt 2> /dev/null
+    /usr/bin/python3 -c 'import json; run = json.load(open("balls.json")); e = run["error"]
+assert run["status"] == "budget" and e["sides"] > 0.12 > e["resolution"] + e["scan"], run'
+    grep -q "12 %, was not reached: what no lattice lessens is more" balls.txt || { echo "$time"; cat balls.txt; false; }
+  done
+}
+
 @test "a run replaces no model, a model no run, unless by force; its own kind as ever" {
   cp m.hdf kept.hdf
   cp run.hdf kept-run.hdf
