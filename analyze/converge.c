@@ -169,7 +169,12 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   s->uncertainty.resolution_expected = false;
   s->uncertainty.resolution_index = true;
   find_better(levels, s);
-  if (s->count > 2 && !s->result.monotone)
+  if (s->result.near)
+    log_warning(
+        "%s, %s walls: the spacings are too near each other to tell the resolution's error; "
+        "give runs whose spacings differ by a third and more",
+        run->method, run->wall[0] ? run->wall : "no");
+  else if (s->count > 2 && !s->result.monotone)
     log_warning("%s, %s walls: k does not converge monotonically; the finest value stands, with "
                 "three times the range as its error: add a finer run",
                 run->method, run->wall[0] ? run->wall : "no");
@@ -214,6 +219,7 @@ static void series_json(const struct level *levels, const struct series *s, json
   json_object_set_new(object, "monotone", json_boolean(s->result.monotone));
   json_object_set_new(object, "extrapolated",
                       json_boolean(ok && s->result.monotone && !s->result.far));
+  json_object_set_new(object, "spacings_too_near", json_boolean(s->result.near));
   json_put_number(object, "grid_convergence_index", ok ? s->result.index : NAN);
   json_put_number(object, "safety_factor", ok ? s->result.safety : NAN);
   if (s->better != NULL)
@@ -269,7 +275,9 @@ static void write_summary(const struct level *levels, const struct series *serie
                            " cm/s");
     fprintf(stream, "\n    = %.5g m/s = %.5g m^2 = %.5g darcy\n", k, s->result.value,
             s->result.value / DARCY);
-    if (s->result.far)
+    if (s->result.near)
+      fputs("  TOO NEAR each other to extrapolate, ", stream);
+    else if (s->result.far)
       fputs("  TOO COARSE to extrapolate, ", stream);
     else if (isfinite(s->result.order))
       fprintf(stream, "  observed order %.2f (formal %g, %s), ", s->result.order, s->formal_order,

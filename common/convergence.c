@@ -47,6 +47,7 @@ static double best_order(const double *h, const double *f, size_t n) {
   return 0.5 * (low + high);
 }
 
+#define NEAREST 1.3
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result) {
   double low = f[0], high = f[0];
@@ -59,6 +60,12 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     falling = falling && f[i] <= f[i - 1];
   }
   result->monotone = rising || falling;
+  if (h[n - 1] < NEAREST * h[0]) {
+    result->near = result->far = true;
+    result->value = f[0];
+    result->index = 1.0;
+    return;
+  }
   if (n > 2 && !result->monotone) {
     result->value = f[0];
     result->index = 3.0 * (high - low) / fabs(f[0]);

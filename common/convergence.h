@@ -11,6 +11,7 @@ struct convergence {
   bool monotone;     /* differences keep their sign from the coarsest to the finest */
   bool credible;     /* monotone, and the observed order within half the formal one of it */
   bool far; /* extrapolation would move k by more than half, or the order is under .5: not done */
+  bool near; /* spacings too near each other to tell anything: not done either, and index is 1 */
   double value, slope; /* f = value + slope h^order_used through the data */
   double safety;       /* 1.25, or 3 where the order was not observed close to the formal one */
   double index;        /* relative grid convergence index of the finest value */
@@ -21,9 +22,10 @@ struct convergence {
  * the formal order. Index after Roache (1994) in the form of ASME V&V 20 (Celik et al. 2008, JFE
  * 130, 078001), with the safety factor and the order's limits of Oberkampf, Roy (2010, sec. 8.6):
  * 1.25 where the observed order is within 10 % of the formal one, else 3 and the order held between
- * 0.5 and the formal one. Without monotone convergence the value is the finest one and the index
- * three times the range; where the extrapolation would move the value by more than half, three
- * times the difference of the two finest. */
+ * 0.5 and the formal one. Spacings within 1.3 of each other (Celik et al.) differ by where the
+ * sites lie more than by the resolution. Without monotone convergence the value is the finest one
+ * and the index three times the range; where the extrapolation would move the value by more than
+ * half, three times the difference of the two finest. */
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result);
 

@@ -115,16 +115,34 @@ static void write_outlines(const struct canvas *canvas, FILE *stream) {
   fputs("\"/>\n", stream);
 }
 
+/* The unit in which a colour bar's numbers are short. */
+struct map_unit {
+  double factor;
+  const char *name;
+};
+
+static struct map_unit unit_of(bool speed, double high) {
+  static const struct map_unit units[2][4] = {
+      {{1e-3, "kPa"}, {1.0, "Pa"}, {1e3, "mPa"}, {1e6, "&#181;Pa"}},
+      {{1.0, "m/s"}, {1e3, "mm/s"}, {1e6, "&#181;m/s"}, {1e9, "nm/s"}}};
+  const struct map_unit *unit = units[speed];
+  int i = 1;
+  if (unit[1].factor * high >= 1000.0) i = 0;
+  while (i < 3 && unit[i].factor * high < 0.01) i++;
+  return unit[i];
+}
+
 static void write_scales(const struct canvas *canvas, FILE *stream) {
   const struct plane *plane = canvas->plane;
   const bool speed = canvas->what == MAP_SPEED;
-  const double high = speed ? 1e3 * plane->speed_high : plane->pressure_high;
+  const struct map_unit unit = unit_of(speed, speed ? plane->speed_high : plane->pressure_high);
+  const double high = unit.factor * (speed ? plane->speed_high : plane->pressure_high);
   const double x = canvas->width + 14.0, tall = fmin(canvas->height, 320.0);
   for (int i = 0; i < 64; i++)
     fprintf(stream, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%06x\"/>", x,
             32.0 + (tall - 40.0) * i / 64.0, (tall - 40.0) / 64.0 + 0.4,
             colour(canvas->what, 1.0 - (i + 0.5) / 64.0));
-  fprintf(stream, "<text x=\"%.1f\" y=\"18\">%s</text>", x, speed ? "mm/s" : "Pa");
+  fprintf(stream, "<text x=\"%.1f\" y=\"18\">%s</text>", x, unit.name);
   for (int i = 0; i <= 4; i++) {
     const double value = speed ? high * (4 - i) / 4.0 : high * (2 - i) / 2.0;
     fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%s%.2g</text>", x + 20.0,

@@ -139,8 +139,9 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
         extrapolated ? "Extrapolated to spacing 0, from the spacings" : "At the finest spacing",
         json_array_size(json_object_get(fit, "runs")), string(fit, "method"), string(fit, "wall"));
     add(results, runs, n, fit, name,
-        extrapolated
-            ? "Richardson extrapolation; the error holds the grid convergence index."
+        extrapolated ? "Richardson extrapolation; the error holds the grid convergence index."
+        : json_is_true(json_object_get(fit, "spacings_too_near"))
+            ? "The spacings are too near each other to tell the error of the resolution."
             : "The spacings do not converge well enough to extrapolate; the error is three "
               "times what they differ by.");
   }

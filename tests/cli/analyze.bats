@@ -251,6 +251,26 @@ print(re.search(r'<script type="application/json" id="data">(.*?)</script>', ope
 PY
 }
 
+@test "converge, report: spacings too near each other tell nothing; a run's own lattices do" {
+  /usr/bin/python3 "$MAKE_RUN" near1.hdf n=40 spacing=2e-5 k=1.3e-3 method=stokes model= levels=1 resolution=0.2
+  /usr/bin/python3 "$MAKE_RUN" near2.hdf n=36 spacing=2.2222222e-5 k=1.301e-3 method=stokes model= levels=1 resolution=0.25
+  analyze converge near1.hdf near2.hdf > near.txt 2> said.txt
+  grep -q "too near each other" said.txt
+  grep -q "TOO NEAR" near.txt
+  grep -q "near1 alone tells more, by its own lattices" near.txt
+  analyze report near1.hdf near2.hdf -o near.html -q
+  absent -q "Richardson extrapolation; the error holds" near.html
+  grep -q "From the lattices of this run" near.html
+  # Without lattices of their own the finest stands, and its error is all of it.
+  for n in 1 2; do /usr/bin/python3 "$MAKE_RUN" bare$n.hdf n=$((44 - 4 * n)) spacing=$((2000 + 222 * (n - 1)))e-8 k=1.3${n}e-3 method=stokes model=; done
+  analyze converge bare1.hdf bare2.hdf --json 2> /dev/null > bare.json
+  /usr/bin/python3 -c 'import json
+s = json.load(open("bare.json"))["series"][0]
+assert s["k_relative_error"] >= 1 and not s["extrapolated"] and abs(s["k_m_per_s"] / 1.31e-3 - 1) < 1e-6, s'
+  analyze report bare1.hdf bare2.hdf -o bare.html -q 2> /dev/null
+  grep -q "too near each other to tell the error of the resolution" bare.html
+}
+
 @test "report: one self-contained page whose numbers are those of the JSON" {
   analyze report d1.hdf d5.hdf d10.hdf -o page.html > /dev/null
   [ "$(stat -c %s page.html)" -lt 3000000 ]

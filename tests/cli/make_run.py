@@ -11,7 +11,7 @@ import numpy as np
 o = dict(k=1.5e-3, i=1.0, n=20, rows=200, tau=0.005, end=0.1, noise=0.0, hash="0x1234", name="slit", method="wcsph",
          wall="subvoxel", snapshots=1, density=1000.0, viscosity=1e-3, drift=0.0, spacing=4.6e-5, k_error=0.01,
          b=0.0, gauge=0, wall_time=12.5, model="slit.hdf", status="steady", driving=1.0, solid=1,
-         levels=0, pressure=0, resolution=0.0)
+         levels=0, pressure=0.0, resolution=0.0)
 out = sys.argv[1]
 for item in sys.argv[2:]:
     key, value = item.split("=", 1)
@@ -99,5 +99,5 @@ if o["snapshots"]:
         f["/VTKHDF/Points"] = (np.stack([x, y, z], 1) + 0.5) * dx
         f["/VTKHDF/PointData/velocity"] = velocity
         if o["pressure"]:
-            f["/VTKHDF/PointData/pressure"] = 100 * np.cos(2 * np.pi * (x + z) / n)
+            f["/VTKHDF/PointData/pressure"] = 100 * o["pressure"] * np.cos(2 * np.pi * (x + z) / n)
         f["/VTKHDF/PointData/density"] = 1000 * (1 + 0.01 * o["i"] * rng.random(x.size))

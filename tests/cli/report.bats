@@ -162,6 +162,15 @@ END
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf model= pressure=1
   analyze report made.hdf -o made.html -q > /dev/null
   [ "$(grep -o 'class="map"' made.html | wc -l)" -eq 2 ]
+  # A gas moves by millipascals: the colour bar's numbers stay short enough for their place.
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" gas.hdf model= pressure=5e-6
+  analyze report gas.hdf -o gas.html -q > /dev/null
+  grep -q '">mPa</text>' gas.html
+  /usr/bin/python3 -c '
+import html, re
+for svg in re.findall("<svg class=.map.*?</svg>", open("gas.html").read(), re.S):
+    numbers = [html.unescape(t) for t in re.findall("<text [^>]*>([^<]*)</text>", svg)][1:6]
+    assert len(numbers) == 5 and all(len(t.lstrip("≥≤ ")) <= 6 for t in numbers), numbers'
 }
 
 @test "a run that solved several lattices: its own interval, and k of each against time" {
