@@ -342,6 +342,7 @@ static enum status explain(const struct options *options, struct job *job) {
     return job->scene.method->explain_on_flow(&job->scene, thread_count(), options_json(options));
   if (wanted) TRY(parse_wanted_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
+  job->plan.goal.error = recommended.wanted;
   if (options_given(options, "ranks")) {
     TRY(options_integers(options, "ranks", ',', 1, &count));
     if (count < 1 || count > RANKS_MOST)

@@ -49,9 +49,12 @@ static void print_levels(const struct plan *plan) {
   const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
   char spacing[64], time[64], error[32];
   if (count == 0) return;
-  printf("\nrun with --error or --time, %d %s: what it will state of resolution%s, to a factor of "
-         "two\n",
-         plan->threads, plan->threads == 1 ? "thread" : "threads",
+  if (plan->goal.error > 0)
+    printf("\nrun with --error %.3g%%", 100 * plan->goal.error);
+  else
+    printf("\nrun with --error or --time");
+  printf(", %d %s: what it will state of resolution%s, to a factor of two\n", plan->threads,
+         plan->threads == 1 ? "thread" : "threads",
          isfinite(plan->expected_scan) ? " and scan" : "");
   for (int i = 0; i < count; i++) {
     quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);

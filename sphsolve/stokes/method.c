@@ -14,6 +14,7 @@
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
 #include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/stokes/cascade/cascade_next.h"
 #include "sphsolve/stokes/cascade/soil_response.h"
 #include "sphsolve/stokes/output.h"
 #include "sphsolve/stokes/step.h"

@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/stokes/cascade/cascade_next.h"
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 #include "sphsolve/stokes/cascade/start.h"
 
@@ -16,11 +16,6 @@
 #define SOLVER_SHARE 0.02
 #define GOAL_FINEST 3e-4
 #define GOAL_COARSEST 1e-3
-/* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
-const double cascade_few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
-/* Lattices of a scene's own spacing and coarser err so too, where a mean pore has fewer sites than
- * this. */
-#define COARSE 4.5
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
@@ -29,75 +24,14 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
   *c = (struct cascade){.scene = scene, .plan = plan, .base = base, .seconds = INFINITY};
   c->uncertainty = uncertainty_none();
   c->started = clock_seconds();
+  if (cascade_is_possible(scene, plan)) c->noise_scale = cascade_noise_scale(plan, base);
   if (possible && (plan->goal.error > 0.0 || plan->goal.seconds > 0.0)) {
     c->wanted = fmax(plan->goal.error, 1e-12);
     if (plan->goal.seconds > 0.0) c->seconds = plan->goal.seconds;
+    c->left = cascade_open_steps(plan, base) + CASCADE_STEPS;
   } else {
     c->fixed = possible ? CASCADE_FIXED : 1;
   }
-}
-
-double cascade_next_seconds(const struct cascade *c) {
-  const int n = c->uncertainty.level_count;
-  if (n == 0) return 0.0;
-  return c->uncertainty.levels[n - 1].seconds * pow(CASCADE_SHRINKS, 3.2);
-}
-
-/* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
-static bool finer_is_in_vain(const struct cascade *c) {
-  struct uncertainty rest = c->uncertainty;
-  rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
-  const double left = uncertainty_largest(&rest);
-  return c->plan->goal.error > 0.0 && left > c->wanted && c->uncertainty.resolution < 0.5 * left;
-}
-
-/* Processor seconds that the part of the sides will take, at the last lattice's for each site. */
-static double sides_seconds(const struct cascade *c) {
-  const int n = c->uncertainty.level_count;
-  size_t size[3], count;
-  if (n == 0 || !cascade_sides_wait(c)) return 0.0;
-  const double spacing = cascade_sides_spacing(c->plan, c->base);
-  if (lattice_resampled_size(c->base, spacing, size, &count) != STATUS_OK) {
-    error_clear();
-    return 0.0;
-  }
-  const struct error_level *l = &c->uncertainty.levels[n - 1];
-  return l->seconds * CASCADE_SIDES_SITES * (double)count / l->sites;
-}
-
-bool cascade_next(struct cascade *c, double *spacing, const char **why) {
-  const double h = c->plan->context.spacing;
-  *why = "converged";
-  if (c->fixed > 0) {
-    if (c->tried == c->fixed) return false;
-    *spacing = h * cascade_fixed_ratios[CASCADE_FIXED - c->fixed + c->tried];
-    return true;
-  }
-  *spacing = h * pow(CASCADE_SHRINKS, cascade_open_steps(c->plan, c->base) - c->tried);
-  const int last = cascade_open_steps(c->plan, c->base);
-  const bool enough = c->uncertainty.level_count >= CASCADE_ENOUGH || c->tried > last;
-  if (enough && uncertainty_largest(&c->uncertainty) <= c->wanted) return false;
-  *why = "budget";
-  c->ended = "what no lattice lessens is more than that alone";
-  if (enough && finer_is_in_vain(c)) return false;
-  c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
-  if (c->tried > last) return false;
-  /* One thread does a processor second in a second, several less. */
-  const double next =
-      (cascade_next_seconds(c) + sides_seconds(c)) / fmax(1.0, 0.85 * c->plan->threads);
-  /* One lattice is no k: its error is not known. */
-  c->ended = "the next lattice would take longer than --time";
-  if (c->uncertainty.level_count > 1 && clock_seconds() - c->started + next > c->seconds)
-    return false;
-  c->ended = "the next lattice would take more memory than there is";
-  size_t size[3], count;
-  if (lattice_resampled_size(c->base, *spacing, size, &count) != STATUS_OK) {
-    error_clear();
-    return false;
-  }
-  const double share = (double)c->base->fluid_count / (double)c->base->count;
-  return stokes_solver_bytes((double)count, share * (double)count,
-                             c->base->micro_porosity != NULL) < memory_available();
 }
 
 struct stokes_goal cascade_goal(const struct cascade *c) {
@@ -140,48 +74,12 @@ cleanup:
   return status;
 }
 
-/* The estimate from all lattices so far. */
-static void estimate(struct cascade *c) {
-  struct uncertainty *u = &c->uncertainty;
-  struct limit_estimate limit;
-  double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
-  const int n = u->level_count;
-  for (int i = 0; i < n; i++) {
-    h[i] = u->levels[n - 1 - i].spacing;
-    k[i] = u->levels[n - 1 - i].permeability;
-  }
-  converge_limit(h, k, (size_t)n, cascade_noise_scale(c->plan, c->base), &limit);
-  /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
-  if (n > 1 && c->plan->shape.flat)
-    limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
-  const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
-  if (few && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
-    limit.low *= cascade_few_lattices[n];
-    limit.high *= cascade_few_lattices[n];
-  }
-  struct error_level *level = &u->levels[n - 1];
-  level->estimate = limit.value;
-  level->low = limit.low, level->high = limit.high;
-  /* The error of one lattice alone is that expected of its pores. */
-  if (n == 1 && c->fixed != 1)
-    limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
-                                               WALL_SUBVOXEL, c->plan->context.spacing / h[0])
-                                 .error;
-  u->needs = cascade_needs(c->plan, h[0]);
-  u->extrapolated = limit.value;
-  u->finest = k[0];
-  u->order = limit.order;
-  const double model = isfinite(u->model) ? u->model : 0.0;
-  u->resolution_low = fmin(hypot(limit.low, model), 1.0); /* k is above 0 */
-  u->resolution_high = hypot(limit.high, model);
-  u->resolution = fmax(u->resolution_low, u->resolution_high);
-}
-
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
                        const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
   struct uncertainty *u = &c->uncertainty;
   c->tried++;
+  c->left_tried = c->left;
   c->counted = u->level_count;
   if (!(k > 0.0)) return STATUS_OK;
   u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
@@ -198,7 +96,7 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
    * be its last. */
   if (u->level_count == (c->fixed > 0 ? 2 : 4) || (u->level_count == 3 && isfinite(c->seconds)))
     TRY(cascade_add_scan_part(c, lattice, k, from));
-  estimate(c);
+  cascade_estimate(c);
 cleanup:
   return status;
 }
@@ -291,17 +189,18 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 13
+#define CASCADE_NUMBERS 14
 #define LEVEL_NUMBERS 5
 
 enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *file) {
   const struct uncertainty *u = &c->uncertainty;
   const int levels = solved ? c->counted : u->level_count;
+  const int left = c->fixed > 0 ? -1 : solved ? c->left_tried : c->left;
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
-      c->tried - solved, levels,     c->model_parts, u->slope_void_ratio,
-      u->void_ratio,  u->threshold,   u->model,       u->slope_threshold,
-      u->sides,       u->slope_blur,  u->scan,        u->sides_closed,
-      u->blur_assumed};
+      c->tried - solved, levels,        c->model_parts, u->slope_void_ratio,
+      u->void_ratio,     u->threshold,  u->model,       u->slope_threshold,
+      u->sides,          u->slope_blur, u->scan,        u->sides_closed,
+      u->blur_assumed,   left};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < levels; i++) {
     const struct error_level *l = &u->levels[i];
@@ -325,7 +224,14 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
         numbers[0] <= ERROR_LEVELS_MAX &&
         count == CASCADE_NUMBERS + LEVEL_NUMBERS * (size_t)levels))
     TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
+  if ((c->fixed > 0) != (numbers[13] < 0.0) || !(numbers[13] < CASCADE_STEPS * ERROR_LEVELS_MAX))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: is of a run on other lattices; go on with the --error, --time or lattice.spacing "
+             "that it had, or remove it to start anew",
+             h5_path(file));
   c->tried = (int)numbers[0];
+  c->left = (int)numbers[13] + CASCADE_STEPS;
+  c->resumed = true;
   c->model_parts = numbers[2] != 0.0;
   u->slope_void_ratio = numbers[3], u->void_ratio = numbers[4], u->threshold = numbers[5];
   u->model = numbers[6], u->slope_threshold = numbers[7], u->sides = numbers[8];
@@ -339,7 +245,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
                                                        .sites = n[2],
                                                        .seconds = n[3],
                                                        .iterations = (long)n[4]};
-    estimate(c);
+    cascade_estimate(c);
   }
 cleanup:
   memory_free(&numbers);

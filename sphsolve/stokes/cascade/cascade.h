@@ -18,8 +18,11 @@ struct cascade {
   double wanted;               /* relative error of k to reach; 0: none, the base is the last */
   double seconds;              /* to spend, wall time; INFINITY */
   double started;              /* clock, s */
+  double noise_scale;          /* cascade_noise_scale, m */
   int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
   int tried;                   /* lattices so far, those without a flow included */
+  int left, left_tried;        /* steps to the base from the lattice given last, and tried last */
+  bool resumed;                /* the next lattice is that of a checkpoint */
   int counted;                 /* levels of the estimate before the last of them */
   const char *ended;           /* why it ends short of what was wanted, in words; NULL */
   bool model_parts;            /* the parts by void ratio and model voxels are found */
@@ -31,8 +34,6 @@ struct cascade {
  * cascade_end. */
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *cascade);
-/* The next lattice's spacing, m; false when the cascade is at its end: *why is the run's status. */
-bool cascade_next(struct cascade *cascade, double *spacing, const char **why);
 /* Its sites: base itself, not to be freed, where the spacing is its own. */
 enum status cascade_lattice(const struct cascade *cascade, double spacing, struct lattice *lattice,
                             bool *own);
@@ -58,8 +59,6 @@ void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);
  * next one for who reads it; else of one that is not added yet. */
 enum status cascade_write(const struct cascade *cascade, bool solved, struct h5_file *file);
 enum status cascade_read(struct cascade *cascade, struct h5_file *file);
-/* What the next lattice will take, s of processor time. */
-double cascade_next_seconds(const struct cascade *cascade);
 void cascade_end(struct cascade *cascade);
 
 /* The resolution of a run whose k was found otherwise, by another method or with other walls:

@@ -59,12 +59,16 @@ double cascade_noise_scale(const struct plan *plan, const struct lattice *base) 
   return few_sites(plan, shortest);
 }
 
-/* Lattices of an open cascade but one: the last is the scene's own, as below the voxels of a model
- * it is their interpolation that a lattice resolves, not the walls. */
+/* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
+ * that a lattice resolves, not the walls. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base) {
   const double steps =
       log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_SHRINKS);
-  return (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+  return CASCADE_STEPS * (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+}
+
+double cascade_step_ratio(int left) {
+  return pow(CASCADE_SHRINKS, (double)left / CASCADE_STEPS);
 }
 
 /* A lattice as fine as the voxels, or as the scene's own, is the end of what a model can tell;
@@ -152,6 +156,34 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
 /* Of a site of the base while the scan's share is found: itself, its blurred form, what blurs. */
 #define BLUR_BYTES 14.0
 
+/* What a run will state of resolution with so many lattices, the last so many steps before the
+ * base.
+ */
+static double expected_of_open(const struct plan *plan, int lattices, int left) {
+  const double error = error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL,
+                                         1.0 / cascade_step_ratio(left))
+                           .error;
+  const double few =
+      lattices < CASCADE_ENOUGH && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
+  return fmin(1.0, few * OPEN_SHARE * error);
+}
+
+/* Whether an error of resolution is expected to end the cascade: together with the scan's it is
+ * what was wanted, or a finer lattice is in vain. */
+static bool is_expected_enough(const struct plan *plan, double error) {
+  const double wanted = plan->goal.error;
+  const double scan = isfinite(plan->expected_scan) ? plan->expected_scan : 0.0;
+  return hypot(error, scan) <= wanted || (wanted > 0.0 && scan > wanted && error < 0.5 * scan);
+}
+
+/* Steps from the last of so many lattices to the next, as the run will choose them. */
+static int expected_steps(const struct plan *plan, int lattices, int left) {
+  for (int steps = 1; lattices >= CASCADE_ENOUGH && steps <= CASCADE_STEPS_MOST && steps <= left;
+       steps++)
+    if (is_expected_enough(plan, expected_of_open(plan, lattices + 1, left - steps))) return steps;
+  return left == 1 ? 1 : CASCADE_STEPS;
+}
+
 int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels) {
   const struct lattice *base = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
@@ -164,9 +196,10 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
   struct scan_quality scan;
   const bool scanned = *scene->model_path && scan_quality_read(scene->model_path, &scan);
-  const int steps = cascade_open_steps(plan, base);
-  for (int i = 0; i <= steps && count < most; i++) {
-    const double refined = pow(CASCADE_SHRINKS, i - steps);
+  int left = cascade_open_steps(plan, base);
+  double before = 0.0; /* sites of the lattice before */
+  for (int i = 0; left >= 0 && count < most; i++) {
+    const double refined = 1.0 / cascade_step_ratio(left);
     const double sites = (double)base->count * pow(refined, base->dimensions);
     /* Beside a lattice: the void ratio and the model's voxels with the second, the scan with the
      * third and the fourth. */
@@ -177,22 +210,21 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
                        stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
     if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal);
-    const struct error_forecast e =
-        error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL, refined);
-    if (i < LEVELS_LEAST - 1) continue; /* no estimate of use from fewer */
-    const double few =
-        i + 1 < CASCADE_ENOUGH && !plan->shape.flat ? cascade_few_lattices[i + 1] : 1.0;
-    const double before = sites / pow(CASCADE_SHRINKS, base->dimensions);
+    const double error = expected_of_open(plan, i + 1, left);
     const double solving =
         BASE_BYTES * (double)base->count + BEFORE_BYTES * before +
         stokes_solver_bytes(half * sites, half * phi * sites, base->micro_porosity != NULL);
-    levels[count++] = (struct predicted_level){
-        .spacing = h / refined,
-        .sites = sites,
-        .error = fmin(1.0, few * OPEN_SHARE * e.error),
-        .few = i + 1 < CASCADE_ENOUGH,
-        .seconds = seconds,
-        .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model_count)};
+    if (i >= LEVELS_LEAST - 1) /* no estimate of use from fewer */
+      levels[count++] = (struct predicted_level){
+          .spacing = h / refined,
+          .sites = sites,
+          .error = error,
+          .few = i + 1 < CASCADE_ENOUGH,
+          .seconds = seconds,
+          .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model_count)};
+    before = sites;
+    if (i + 1 >= CASCADE_ENOUGH && is_expected_enough(plan, error)) break;
+    left -= expected_steps(plan, i + 1, left);
   }
   return count;
 }

@@ -10,8 +10,11 @@
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/step.h"
 
-/* From one lattice to the next of an open cascade the spacing shrinks by this. */
+/* From one lattice to the next of an open cascade the spacing shrinks by the square root of 2, and
+ * by one to four steps of its own root to one with which the cascade is to end. */
 #define CASCADE_SHRINKS 1.4142135623730951
+#define CASCADE_STEPS 2
+#define CASCADE_STEPS_MOST 4
 /* From so many on, from the coarsest, an open cascade has an estimate that it may end with: fewer
  * have seen little of how k scatters from lattice to lattice. */
 #define CASCADE_ENOUGH 4
@@ -36,13 +39,16 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
 /* Steps from the first of its lattices to the last, the scene's own sites. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
+/* The spacing so many steps before the scene's own, over that. */
+double cascade_step_ratio(int left);
 /* What would lessen the error of resolution once a lattice of that spacing has been solved. */
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing);
 /* Where the effect of the sides is solved, and whether that of a model is. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
 bool cascade_sides_are_wrapped(const char *model_path);
 
-/* What an open cascade of a planned scene will solve (struct method, levels). */
+/* What an open cascade of a planned scene will solve (struct method, levels): with plan->goal.error
+ * up to the lattice that is expected to reach it. */
 int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels);
 /* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
 double cascade_sides_sites(const struct plan *plan);

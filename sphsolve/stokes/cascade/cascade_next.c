@@ -1,0 +1,195 @@
+#include "sphsolve/stokes/cascade/cascade_next.h"
+
+#include <math.h>
+
+#include "common/convergence.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "sphsolve/geometry/resample.h"
+#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/plan/method.h"
+#include "sphsolve/stokes/cascade/cascade_parts.h"
+
+/* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
+const double cascade_few_lattices[CASCADE_ENOUGH] = {1.0, 1.0, 3.2, 2.0};
+/* Lattices of a scene's own spacing and coarser err so too, where a mean pore has fewer sites than
+ * this. */
+#define COARSE 4.5
+
+/* Spacing and k of the lattices so far, the finest first. */
+static size_t list_values(const struct uncertainty *u, double *h, double *k) {
+  const int n = u->level_count;
+  for (int i = 0; i < n; i++) {
+    h[i] = u->levels[n - 1 - i].spacing;
+    k[i] = u->levels[n - 1 - i].permeability;
+  }
+  return (size_t)n;
+}
+
+/* The limit of k [n] at h [n], the finest first. */
+static struct limit_estimate limit_of(const struct cascade *c, const double *h, const double *k,
+                                      size_t n) {
+  struct limit_estimate limit;
+  converge_limit(h, k, n, c->noise_scale, &limit);
+  /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
+  if (n > 1 && c->plan->shape.flat)
+    limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
+  const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
+  if (few && n < CASCADE_ENOUGH && !c->plan->shape.flat) {
+    limit.low *= cascade_few_lattices[n];
+    limit.high *= cascade_few_lattices[n];
+  }
+  return limit;
+}
+
+/* The part of the resolution, from the limit's. */
+static void set_resolution(const struct limit_estimate *limit, struct uncertainty *u) {
+  const double model = isfinite(u->model) ? u->model : 0.0;
+  u->resolution_low = fmin(hypot(limit->low, model), 1.0); /* k is above 0 */
+  u->resolution_high = hypot(limit->high, model);
+  u->resolution = fmax(u->resolution_low, u->resolution_high);
+}
+
+void cascade_estimate(struct cascade *c) {
+  struct uncertainty *u = &c->uncertainty;
+  double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
+  const size_t n = list_values(u, h, k);
+  struct limit_estimate limit = limit_of(c, h, k, n);
+  struct error_level *level = &u->levels[n - 1];
+  level->estimate = limit.value;
+  level->low = limit.low, level->high = limit.high;
+  /* The error of one lattice alone is that expected of its pores. */
+  if (n == 1 && c->fixed != 1)
+    limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
+                                               WALL_SUBVOXEL, c->plan->context.spacing / h[0])
+                                 .error;
+  u->needs = cascade_needs(c->plan, h[0]);
+  u->extrapolated = limit.value;
+  u->finest = k[0];
+  u->order = limit.order;
+  set_resolution(&limit, u);
+}
+
+/* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
+static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *u) {
+  struct uncertainty rest = *u;
+  rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
+  const double left = uncertainty_largest(&rest);
+  return c->plan->goal.error > 0.0 && left > c->wanted && u->resolution < 0.5 * left;
+}
+
+/* What the uncertainty will be with one lattice more, so many steps on, if its k lies where the fit
+ * of those before expects it. The error that is then stated is within some per cent of this: it
+ * comes from how far apart the lattices' values are, and hardly from their noise. */
+#define FORETOLD_MARGIN 1.05
+static struct uncertainty foretold(const struct cascade *c, int steps) {
+  struct uncertainty u = c->uncertainty;
+  double h[ERROR_LEVELS_MAX + 1], k[ERROR_LEVELS_MAX + 1];
+  const size_t n = list_values(&u, h + 1, k + 1);
+  h[0] = h[1] / cascade_step_ratio(steps);
+  k[0] = u.extrapolated + (k[1] - u.extrapolated) * pow(h[0] / h[1], u.order);
+  struct limit_estimate limit = limit_of(c, h, k, n + 1);
+  limit.low *= FORETOLD_MARGIN;
+  limit.high *= FORETOLD_MARGIN;
+  set_resolution(&limit, &u);
+  return u;
+}
+
+/* Steps to the lattice that is expected to be the last, the coarsest that will do; 0: none yet. */
+static int steps_to_end(const struct cascade *c) {
+  const struct uncertainty *u = &c->uncertainty;
+  /* Where the estimate is the finest's own value there is no fit to go by. */
+  if (u->level_count < CASCADE_ENOUGH || u->extrapolated == u->finest) return 0;
+  for (int steps = 1; steps <= CASCADE_STEPS_MOST && steps <= c->left; steps++) {
+    const struct uncertainty then = foretold(c, steps);
+    if (uncertainty_largest(&then) <= c->wanted || finer_is_in_vain(c, &then)) return steps;
+  }
+  return 0;
+}
+
+/* Processor seconds of a lattice so many steps finer than the last. */
+static double lattice_seconds(const struct cascade *c, int steps) {
+  const int n = c->uncertainty.level_count;
+  return n > 0 ? c->uncertainty.levels[n - 1].seconds * pow(cascade_step_ratio(steps), 3.2) : 0.0;
+}
+
+double cascade_next_seconds(const struct cascade *c) {
+  const int end = steps_to_end(c);
+  return lattice_seconds(c, end > 0 ? end : CASCADE_STEPS);
+}
+
+/* Processor seconds that the part of the sides will take, at the last lattice's for each site. */
+static double sides_seconds(const struct cascade *c) {
+  const int n = c->uncertainty.level_count;
+  size_t size[3], count;
+  if (n == 0 || !cascade_sides_wait(c)) return 0.0;
+  const double spacing = cascade_sides_spacing(c->plan, c->base);
+  if (lattice_resampled_size(c->base, spacing, size, &count) != STATUS_OK) {
+    error_clear();
+    return 0.0;
+  }
+  const struct error_level *l = &c->uncertainty.levels[n - 1];
+  return l->seconds * CASCADE_SIDES_SITES * (double)count / l->sites;
+}
+
+/* Whether there is time for so many processor seconds, and for the sides after them. */
+static bool has_time(const struct cascade *c, double seconds) {
+  /* One thread does a processor second in a second, several less. */
+  const double next = (seconds + sides_seconds(c)) / fmax(1.0, 0.85 * c->plan->threads);
+  return clock_seconds() - c->started + next <= c->seconds;
+}
+
+/* Steps to the next lattice: to the last, if it is that, else those of any other; where no other
+ * after that would fit into the time asked for, to the finest that does. 0: none fits. */
+static int steps_to_next(const struct cascade *c) {
+  const int end = steps_to_end(c), usual = c->left < CASCADE_STEPS ? c->left : CASCADE_STEPS;
+  /* One lattice is no k: its error is not known. */
+  if (c->resumed || c->uncertainty.level_count < 2) return usual;
+  if (end > 0 && has_time(c, lattice_seconds(c, end))) return end;
+  if (c->uncertainty.level_count < CASCADE_ENOUGH)
+    return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
+  if (has_time(c, lattice_seconds(c, usual) + lattice_seconds(c, usual + 1))) return usual;
+  int steps = c->left < CASCADE_STEPS_MOST ? c->left : CASCADE_STEPS_MOST;
+  while (steps > 0 && !has_time(c, lattice_seconds(c, steps))) steps--;
+  return steps;
+}
+
+static bool has_memory(const struct cascade *c, double spacing) {
+  size_t size[3], count;
+  if (lattice_resampled_size(c->base, spacing, size, &count) != STATUS_OK) {
+    error_clear();
+    return false;
+  }
+  const double share = (double)c->base->fluid_count / (double)c->base->count;
+  return stokes_solver_bytes((double)count, share * (double)count,
+                             c->base->micro_porosity != NULL) < memory_available();
+}
+
+bool cascade_next(struct cascade *c, double *spacing, const char **why) {
+  const double h = c->plan->context.spacing;
+  const struct uncertainty *u = &c->uncertainty;
+  *why = "converged";
+  if (c->fixed > 0) {
+    if (c->tried == c->fixed) return false;
+    *spacing = h * cascade_fixed_ratios[CASCADE_FIXED - c->fixed + c->tried];
+    return true;
+  }
+  const bool last = c->left == 0 || c->tried == ERROR_LEVELS_MAX;
+  const bool enough = u->level_count >= CASCADE_ENOUGH || last;
+  if (enough && uncertainty_largest(u) <= c->wanted) return false;
+  *why = "budget";
+  c->ended = "what no lattice lessens is more than that alone";
+  if (enough && finer_is_in_vain(c, u)) return false;
+  c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
+  if (last) return false;
+  c->ended = "the next lattice would take longer than --time";
+  int steps = steps_to_next(c);
+  if (steps == 0) return false;
+  c->ended = "the next lattice would take more memory than there is";
+  while (steps > 0 && !has_memory(c, h * cascade_step_ratio(c->left - steps))) steps--;
+  if (steps == 0) return false;
+  *spacing = h * cascade_step_ratio(c->left - steps);
+  c->left -= steps;
+  c->resumed = false;
+  return true;
+}
