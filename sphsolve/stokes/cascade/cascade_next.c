@@ -81,7 +81,7 @@ static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *
 /* What the uncertainty will be with one lattice more, so many steps on, if its k lies where the fit
  * of those before expects it. The error that is then stated is within some per cent of this: it
  * comes from how far apart the lattices' values are, and hardly from their noise. */
-#define FORETOLD_MARGIN 1.05
+#define FORETOLD_MARGIN 1.02
 static struct uncertainty foretold(const struct cascade *c, int steps) {
   struct uncertainty u = c->uncertainty;
   double h[ERROR_LEVELS_MAX + 1], k[ERROR_LEVELS_MAX + 1];
