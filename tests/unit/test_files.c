@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -116,12 +117,12 @@ static void write_foreign(const char *name) {
   H5Fclose(file);
 }
 
-/* A byte in the middle of the file, which lies in a packed chunk, is another. */
-static void damage_file(void) {
+/* A byte of the file, after that share of it, is another; another time it is itself again. */
+static void damage_file(double share) {
   FILE *file = fopen(path, "r+b");
   assert_non_null(file);
   fseek(file, 0, SEEK_END);
-  fseek(file, ftell(file) / 2, SEEK_SET);
+  fseek(file, (long)(share * (double)ftell(file)), SEEK_SET);
   const int byte = fgetc(file);
   fseek(file, -1, SEEK_CUR);
   fputc(byte ^ 0x55, file);
@@ -156,11 +157,47 @@ static void test_chunks(void **state) {
     memory_free(&others);
     free(values);
     if (count < 1000000) continue;
-    damage_file();
+    damage_file(0.5);
     assert_int_equal(h5_open(path, &file), STATUS_OK);
     refused(h5_read(file, "/values", H5_F32, 3, found, &again), "damaged");
     h5_close(file);
   }
+}
+
+/* Numbers whose lower bytes are noise, which is stored and not packed, take no more room than they
+ * are long, and a byte that was changed is found wherever it lies. */
+static void test_noise(void **state) {
+  (void)state;
+  const size_t dims[3] = {40, 250, 1000}, count = dims[0] * dims[1] * dims[2];
+  float *values = malloc(count * sizeof *values), *again = NULL;
+  double *others = NULL;
+  size_t found[3];
+  struct h5_file *file = NULL;
+  struct stat info;
+  uint32_t random = 1;
+  for (size_t i = 0; i < count; i++) {
+    random = random * 1664525u + 1013904223u;
+    values[i] = 1.0f + (float)(random >> 9) / 8388608.0f;
+  }
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_write(file, "/values", H5_F32, 3, dims, values, true), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  assert_int_equal(stat(path, &info), 0);
+  assert_true((double)info.st_size < 0.8 * (double)(count * sizeof *values));
+  assert_int_equal(h5_open(path, &file), STATUS_OK);
+  assert_int_equal(h5_read(file, "/values", H5_F32, 3, found, &again), STATUS_OK);
+  h5_close(file);
+  assert_memory_equal(again, values, count * sizeof *values);
+  memory_free(&again);
+  for (int i = 1; i < 20; i++) {
+    damage_file(i / 20.0);
+    assert_int_equal(h5_open(path, &file), STATUS_OK);
+    refused(h5_read(file, "/values", H5_F32, 3, found, &again), "damaged");
+    refused(h5_read(file, "/values", H5_F64, 3, found, &others), "damaged");
+    h5_close(file);
+    damage_file(i / 20.0);
+  }
+  free(values);
 }
 
 static void test_foreign(void **state) {
@@ -420,15 +457,12 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
-                                     cmocka_unit_test(test_round_trip),
-                                     cmocka_unit_test(test_chunks),
-                                     cmocka_unit_test(test_foreign),
-                                     cmocka_unit_test(test_not_hdf5),
-                                     cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_series),
-                                     cmocka_unit_test(test_damaged_checkpoints),
-                                     cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_hash_of_a_start), cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_chunks),          cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
+      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
+      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
+      cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
