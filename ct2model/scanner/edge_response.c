@@ -15,28 +15,32 @@ double edge_bin_distance(size_t bin) {
 
 /* ---- fit ---- */
 
-/* Least squares of a + b u + c v to the bins, u and v the two parts of the response; the sum of the
- * squares left. */
+/* Least squares of a + b u + c v to the bins, u and v the two parts of the response, or with c = b
+ * times a fringe that is not NAN; the sum of the squares left. */
 static double fit_linear(const struct edge_response *response, double reach, double deviation,
-                         double shift, double out[3]) {
+                         double shift, double fringe, double out[3]) {
+  const bool given = isfinite(fringe);
+  const int sought = given ? 2 : 3;
   double m[3][4] = {{0}}, left = 0.0;
   for (size_t i = 0; i < EDGE_BINS; i++) {
     if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
     const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
-    const double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * PI),
-                           response->sum[i] / n};
-    for (int a = 0; a < 3; a++)
+    double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * PI),
+                     response->sum[i] / n};
+    if (given) row[1] += fringe * row[2];
+    for (int a = 0; a < sought; a++)
       for (int b = 0; b < 4; b++) m[a][b] += n * row[a] * row[b];
   }
-  for (int p = 0; p < 3; p++) { /* positive definite: no pivots needed */
+  for (int p = 0; p < sought; p++) { /* positive definite: no pivots needed */
     if (!(m[p][p] > 0.0)) return INFINITY;
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < sought; a++) {
       if (a == p) continue;
       const double factor = m[a][p] / m[p][p];
       for (int b = p; b < 4; b++) m[a][b] -= factor * m[p][b];
     }
   }
-  for (int p = 0; p < 3; p++) out[p] = m[p][3] / m[p][p];
+  for (int p = 0; p < sought; p++) out[p] = m[p][3] / m[p][p];
+  if (given) out[2] = fringe * out[1];
   for (size_t i = 0; i < EDGE_BINS; i++) {
     if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
     const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
@@ -47,7 +51,8 @@ static double fit_linear(const struct edge_response *response, double reach, dou
   return left;
 }
 
-bool edge_fit_find(const struct edge_response *response, double reach, struct edge_fit *fit) {
+bool edge_fit_find(const struct edge_response *response, double reach, double fringe,
+                   struct edge_fit *fit) {
   double count = 0.0, least = INFINITY, deviation = 0.0, shift = 0.0, linear[3] = {0};
   size_t filled = 0;
   *fit = (struct edge_fit){.deviation = NAN};
@@ -65,7 +70,7 @@ bool edge_fit_find(const struct edge_response *response, double reach, struct ed
         const double s = wide[0] * pow(wide[1] / wide[0], i / 20.0);
         const double d = far[0] + (far[1] - far[0]) * j / 12.0;
         double found[3] = {0};
-        const double left = fit_linear(response, reach, s, d, found);
+        const double left = fit_linear(response, reach, s, d, fringe, found);
         if (!(left < least) || !(found[1] > 0.0) || !(found[2] > -0.3 * found[1])) continue;
         least = left;
         best[0] = s;
@@ -88,6 +93,17 @@ bool edge_fit_find(const struct edge_response *response, double reach, struct ed
                            .shift = shift,
                            .residual = sqrt(least / count)};
   return true;
+}
+
+/* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
+static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
+
+double edge_fit_blur(const struct edge_fit *fit) {
+  return sqrt(fmax(fit->deviation * fit->deviation - OWN, 0.01));
+}
+
+double edge_fit_deviation(double blur) {
+  return hypot(blur, sqrt(OWN));
 }
 
 double edge_fit_transfer(const struct edge_fit *fit, double frequency) {

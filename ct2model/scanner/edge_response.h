@@ -26,8 +26,14 @@ struct edge_fit {
 
 /* The middle of a bin, voxels, positive in the pore. */
 double edge_bin_distance(size_t bin);
-/* Over the bins within `reach` voxels; false where too few hold anything. */
-bool edge_fit_find(const struct edge_response *response, double reach, struct edge_fit *fit);
+/* Over the bins within `reach` voxels, with that fringe (NAN: the one that fits best); false where
+ * too few hold anything. */
+bool edge_fit_find(const struct edge_response *response, double reach, double fringe,
+                   struct edge_fit *fit);
+/* Standard deviation (voxels) of the blur itself, without the widths of voxel and bin; and S of a
+ * blur. */
+double edge_fit_blur(const struct edge_fit *fit);
+double edge_fit_deviation(double blur);
 /* Modulation transfer at `frequency` (cycles a voxel): the Fourier transform of the fit's line
  * spread. */
 double edge_fit_transfer(const struct edge_fit *fit, double frequency);

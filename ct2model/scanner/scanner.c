@@ -5,6 +5,7 @@
 
 #include "common/model_file.h"
 #include "ct2model/scan/survey.h"
+#include "ct2model/scanner/fringe.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
@@ -12,6 +13,7 @@ enum { WINDOWS_LEAST = 3, CORRECTIONS = 2 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
 static const double REACH = 2.6;
+static const double FAINT = 0.1; /* a fringe that the fit cannot tell from none */
 /* A phase shows its own grey where a twentieth of it is as deep (voxels). Where a hundredth is not,
  * each surface has another one near, and the blur is known to a quarter (1 sigma). */
 static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
@@ -19,14 +21,6 @@ static const double ENOUGH = 500.0; /* voxels, for a mean grey */
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
  * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
 static const double SOFT = 0.1;
-/* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
-static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
-
-/* Standard deviation of the blur itself. */
-static double blur_of(const struct edge_fit *fit) {
-  return sqrt(fmax(fit->deviation * fit->deviation - OWN, 0.01));
-}
-
 /* The response of all windows, its fit, and how far the windows' own fits scatter about it. */
 static bool fit_windows(const struct windows *all, double reach, struct scanner *scanner,
                         struct edge_fit *fit) {
@@ -41,13 +35,13 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
       scanner->response.sum[b] += own.sum[b];
       scanner->response.count[b] += own.count[b];
     }
-    if (!edge_fit_find(&own, reach, &mine)) continue;
-    sum += blur_of(&mine);
-    square += blur_of(&mine) * blur_of(&mine);
+    if (!edge_fit_find(&own, reach, NAN, &mine)) continue;
+    sum += edge_fit_blur(&mine);
+    square += edge_fit_blur(&mine) * edge_fit_blur(&mine);
     n += 1.0;
   }
-  if (!edge_fit_find(&scanner->response, reach, fit)) return false;
-  const double mean = sum / fmax(n, 1.0), own = blur_of(fit);
+  if (!edge_fit_find(&scanner->response, reach, NAN, fit)) return false;
+  const double mean = sum / fmax(n, 1.0), own = edge_fit_blur(fit);
   const double scatter = n > 1.0 ? sqrt(fmax(square / n - mean * mean, 0.0) / (n - 1.0)) : 0.0;
   scanner->blur = own * all->unit;
   /* Few windows say little of their scatter: a twentieth at least. */
@@ -94,22 +88,26 @@ static enum status correct_fit(const struct windows *all, double contrast_to_noi
   for (int again = 0; again < CORRECTIONS && length >= 0.0; again++) {
     struct scanner its_scanner = *scanner;
     struct edge_fit its;
-    const double blur = blur_of(fit), fringe = fmax(fit->fringe, 0.0);
+    const double blur = edge_fit_blur(fit), fringe = fmax(fit->fringe, 0.0);
     TRY(windows_make_up(all, blur, fringe, noise, length, &made));
     TRY(windows_find_surfaces(&made, contrast_to_noise, reach));
     if (!fit_windows(&made, reach, &its_scanner, &its) || !(its.grain - its.pore > 0.3)) break;
     windows_end(&made);
-    fit->deviation = hypot(blur * blur_of(&seen) / blur_of(&its), sqrt(OWN));
+    fit->deviation = edge_fit_deviation(blur * edge_fit_blur(&seen) / edge_fit_blur(&its));
     fit->fringe = fmax(fringe + seen.fringe - its.fringe, 0.0);
     const double contrast = (seen.grain - seen.pore) / (its.grain - its.pore);
     fit->pore = seen.pore - contrast * its.pore;
     fit->grain = fit->pore + contrast;
   }
-  scanner->blur = blur_of(fit) * all->unit;
+  if (fit->fringe < FAINT && length >= 0.0)
+    TRY(fringe_find(all, &scanner->response,
+                    &(struct fringe_request){contrast_to_noise, reach, noise, length},
+                    edge_fit_blur(fit) / edge_fit_blur(&seen), fit));
+  scanner->blur = edge_fit_blur(fit) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   scanner->contrast_to_noise *= (fit->grain - fit->pore) / (seen.grain - seen.pore);
   scanner->blur_error =
-      hypot(scanner->blur_error, 0.5 * (blur_of(fit) - blur_of(&seen)) * all->unit);
+      hypot(scanner->blur_error, 0.5 * (edge_fit_blur(fit) - edge_fit_blur(&seen)) * all->unit);
 cleanup:
   windows_end(&made);
   return status;
@@ -195,7 +193,7 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
   if (!survey_levels_by_mean(survey, &pore, &grain)) return;
   const double less = fmin(survey->porosity, 1.0 - survey->porosity);
   if (survey_between(survey, pore, grain) < SOFT * less) return;
-  const struct edge_fit fit = {.deviation = hypot(MODEL_BLUR_ASSUMED, sqrt(OWN))};
+  const struct edge_fit fit = {.deviation = edge_fit_deviation(MODEL_BLUR_ASSUMED)};
   *scanner = (struct scanner){.assumed = true,
                               .blur = MODEL_BLUR_ASSUMED * all->unit,
                               .pore = pore,

@@ -34,7 +34,7 @@ void windows_bound_depth(struct windows *windows);
 /* Up to three of the windows with the grains of `scan`, as its distances show them (a voxel's share
  * of grain is 1/2 less its distance, within 0 and 1), under a scanner of that blur, noise and
  * length of the noise's correlation (voxels, of the contrast, voxels). The same noise at every
- * call. Free with windows_end, on failure too. */
+ * call, its negative where `noise` is below 0. Free with windows_end, on failure too. */
 enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
                             double length, struct windows *made);
 
