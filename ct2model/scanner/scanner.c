@@ -18,6 +18,8 @@ static const double FAINT = 0.1; /* a fringe that the fit cannot tell from none 
  * each surface has another one near, and the blur is known to a quarter (1 sigma). */
 static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
 static const double ENOUGH = 500.0; /* voxels, for a mean grey */
+/* For the noise, of which some tens of voxels are alike where it is correlated over one. */
+static const double PAIRS = 5000.0;
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
  * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
 static const double SOFT = 0.1;
@@ -56,7 +58,7 @@ static void measure_noise(struct windows *all, double noise_ratio, const struct 
   const double levels[2] = {fit->pore, fit->grain}, most = fmax(0.5, 4.5 / noise_ratio);
   windows_bound_depth(all);
   for (int phase = 0; phase < 2 && sums.count < 2000.0; phase++)
-    for (double depth = 3.0; depth >= 2.0 && sums.count < 2000.0; depth -= 0.5) {
+    for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < PAIRS; depth -= 0.5) {
       sums = (struct noise_sums){0};
       for (size_t i = 0; i < all->count; i++)
         noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
