@@ -112,7 +112,7 @@ END
   ./sphsolve explain box.cfg > plan.txt
   grep -q 'on   wind  *the wind blows' plan.txt
   grep -q '12.5 us' plan.txt
-  ./sphsolve run box.cfg -o box --threads 1 > run.txt
+  ./sphsolve run box.cfg -o box --threads 1 -v > run.txt # all terms of the budget
   grep -q 'wind' run.txt
   /usr/bin/python3 - <<'END'
 import h5py
