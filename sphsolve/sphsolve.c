@@ -124,6 +124,13 @@ static enum status parse_wanted_error(const char *text, double *wanted) {
   return STATUS_OK;
 }
 
+/* Whether --error and --time can choose the lattices of this run. */
+static bool chooses_lattices(const struct job *job) {
+  const struct method *method = job->plan.context.method;
+  return method->solves_creeping && cascade_is_possible(&job->scene, &job->plan) &&
+         method->wall(&job->scene) == WALL_SUBVOXEL && ranks_count() == 1;
+}
+
 /* --error and --time, into the plan. */
 static enum status take_goal(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
@@ -143,8 +150,7 @@ static enum status take_goal(const struct options *options, struct job *job) {
         "--error and --time are of method stokes, steady creeping flow; this scene runs by "
         "%s: %s; --set scene.method=stokes gives the k of slow flow",
         method->name, job->plan.method_why));
-  if (!method->solves_creeping || !cascade_is_possible(&job->scene, &job->plan) ||
-      method->wall(&job->scene) != WALL_SUBVOXEL || ranks_count() > 1)
+  if (!chooses_lattices(job))
     TRY_FAIL(STATUS_USAGE,
              "--error and --time choose lattices for steady creeping flow past resting subvoxel "
              "walls (method stokes) in one process; leave them out of this run");
@@ -173,6 +179,9 @@ static enum status run_scene(const struct options *options, struct job *job, con
                                 .intrinsic_permeability = NAN,
                                 .k_finest = NAN,
                                 .error = uncertainty_none()};
+  result->finer_by = chooses_lattices(job)     ? "--error"
+                     : *job->scene.model_path ? "lattice.spacing"
+                                              : "domain.spacing";
   TRY(take_goal(options, job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));

@@ -9,6 +9,23 @@
 /* Fewer spacings across a well hold too few particles to take some out. */
 #define WELL_LEAST 3.0
 
+/* Whether soil that stays is at a site. The lattice knows the last region there alone, which may be
+ * the water that fills the soil. */
+static bool soil_stays_at(const struct effect_context *context, size_t site, const double x[3]) {
+  const struct scene *scene = context->scene;
+  const struct region *soil = NULL;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    bool inside = region->type == REGION_POROUS;
+    for (int a = 0; a < 3; a++)
+      if (isph_scene_uses_axis(context, a))
+        inside = inside && x[a] > region->box[a] && x[a] < region->box[a + 3];
+    if (inside) soil = region;
+  }
+  if (soil == NULL || context->lattice->kind[site] == SITE_WALL) return false;
+  return soil->soil_velocity[0] == 0 && soil->soil_velocity[1] == 0 && soil->soil_velocity[2] == 0;
+}
+
 /* Wells stand in soil that stays; what they take has to come from somewhere. */
 enum status isph_refuse_wells(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -45,25 +62,19 @@ enum status isph_refuse_wells(const struct effect_context *context) {
       for (size_t j = 0; j < l->size[1]; j++)
         for (size_t i = 0; i < l->size[0]; i++, site++) {
           const size_t at[3] = {i, j, k};
+          double x[3];
           bool inside = true;
           for (int a = 0; a < 3; a++) {
-            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
+            x[a] = l->origin[a] + (double)at[a] * l->spacing[a];
             if (isph_scene_uses_axis(context, a))
-              inside = inside && x > well->box[a] && x < well->box[a + 3];
+              inside = inside && x[a] > well->box[a] && x[a] < well->box[a + 3];
           }
-          if (!inside) continue;
-          const struct region *soil = l->region != NULL && l->region[site] > 0
-                                          ? &scene->regions[l->region[site] - 1]
-                                          : NULL;
-          bool stays = soil != NULL && soil->type == REGION_POROUS;
-          for (int a = 0; a < 3; a++) stays = stays && soil->soil_velocity[a] == 0;
-          if (!stays)
+          if (inside && !soil_stays_at(context, site, x))
             return FAIL(
                 STATUS_INPUT,
                 "%s:%d: a %s takes water out of soil that stays; at (%g, %g, %g) m there is "
                 "none: keep it within a porous region",
-                scene->path, well->line, kind, l->origin[0] + (double)i * l->spacing[0],
-                l->origin[1] + (double)j * l->spacing[1], l->origin[2] + (double)k * l->spacing[2]);
+                scene->path, well->line, kind, x[0], x[1], x[2]);
         }
   }
   return STATUS_OK;

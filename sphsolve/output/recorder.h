@@ -43,6 +43,7 @@ struct run_result {
   double k_finest;          /* m/s, of the finest lattice alone; NAN: k itself */
   double k_error;           /* relative, of averaging, steadiness or residual; NAN unknown */
   struct uncertainty error; /* what k_error and the rest is made of */
+  const char *finer_by;     /* what makes the lattice of this run finer: an option or a key */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double hydraulic_gradient[3]; /* between two heads, over the length of soil; 0 without */

@@ -141,9 +141,11 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
 #define LATTICE_HELPS 0.9
 
 /* What takes most of the error, and what lessens it. */
-static void print_verdict(const struct uncertainty *u) {
-  static const char *const finer[] = {
-      [NEEDS_LATTICE] = "a finer lattice lessens it (--error)",
+static void print_verdict(const struct uncertainty *u, const char *finer_by) {
+  char lattice[80];
+  snprintf(lattice, sizeof lattice, "a finer lattice lessens it (%s)", finer_by);
+  const char *const finer[] = {
+      [NEEDS_LATTICE] = lattice,
       [NEEDS_MODEL] = "a model with smaller voxels lessens it (ct2model build --size)",
       [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
   const struct {
@@ -170,7 +172,8 @@ static void print_verdict(const struct uncertainty *u) {
   rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
   const double left = uncertainty_largest(&rest);
   if (most > 0 && u->needs == NEEDS_LATTICE && left < LATTICE_HELPS * total) {
-    print_part("           a finer lattice (--error) takes it to", left);
+    printf("           a finer lattice (%s)", finer_by);
+    print_part(" takes it to", left);
     printf(" at best\n");
   }
 }
@@ -207,7 +210,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   }
   if (result->tensor != NULL) tensor_print(result->tensor);
   if (isfinite(result->k) && result->micropores.sites > 0) micropores_print(&result->micropores);
-  if (isfinite(result->k)) print_verdict(&result->error);
+  if (isfinite(result->k)) print_verdict(&result->error, result->finer_by);
   if (result->k > 0 && largest > wanted) {
     char asked[32], reached[32];
     printf("           the error asked for, %s %%, was not reached", percent_format(wanted, asked));

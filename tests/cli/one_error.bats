@@ -107,6 +107,7 @@ END
     $method -v > all.txt
     [ "$(wc -l < brief.txt)" -le 12 ] || { cat brief.txt; false; }
     grep -q "^verdict " brief.txt
+    run ! grep -q -e "--error" brief.txt # which neither takes
     grep -qE "momentum, energy: of the largest term [0-9.e-]+ %, [0-9.e-]+ % are not accounted for" brief.txt
     grep -q "momentum (kg m/s)" all.txt
     grep -q "energy (J)" all.txt

@@ -224,6 +224,14 @@ END
   done
 }
 
+@test "a well stands in soil, whether the water that fills it is written before or after" {
+  soil='{ type = "porous"; box = ["0.05 m", "0", "0.2 m", "0.1 m"]; porosity = 0.4; grain_size = "5 mm"; }'
+  well() { echo "{ type = \"well\"; rate = \"1e-6 m^2/s\"; centre = [\"$1 m\", \"0.05 m\"]; radius = \"3 cm\"; }"; }
+  taken "0.1 s" "$soil, $WATER, $(well 0.12)"
+  taken "0.1 s" "$WATER, $soil, $(well 0.12)"
+  refused "there is none: keep it within a porous region" "0.1 s" "$soil, $WATER, $(well 0.04)"
+}
+
 @test "heads drive water without gravity too" {
   # Nothing moves at the start and no force limits the first step: heads of 0.1 m over 0.1 m do, as gravity would.
   sed '/^force/d; /^gauges/d; s/dt = "2 ms"; //' "$ROOT/data-samples/scenes/seepage-heads.cfg" > level.cfg
