@@ -179,7 +179,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
                                 .intrinsic_permeability = NAN,
                                 .k_finest = NAN,
                                 .error = uncertainty_none()};
-  result->finer_by = chooses_lattices(job)     ? "--error"
+  result->finer_by = chooses_lattices(job)    ? "--error"
                      : *job->scene.model_path ? "lattice.spacing"
                                               : "domain.spacing";
   TRY(take_goal(options, job));

@@ -144,10 +144,10 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
 static void print_verdict(const struct uncertainty *u, const char *finer_by) {
   char lattice[80];
   snprintf(lattice, sizeof lattice, "a finer lattice lessens it (%s)", finer_by);
-  const char *const finer[] = {
-      [NEEDS_LATTICE] = lattice,
-      [NEEDS_MODEL] = "a model with smaller voxels lessens it (ct2model build --size)",
-      [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
+  const char *const finer[] = {[NEEDS_LATTICE] = lattice,
+                               [NEEDS_MODEL] =
+                                   "a model with smaller voxels lessens it (ct2model build --size)",
+                               [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
   const struct {
     double share;
     const char *what, *remedy;

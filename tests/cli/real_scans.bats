@@ -113,3 +113,17 @@ assert all(error > 0.005 for error in found["longitudinal_error"] + found["trans
 assert all(0.2 < share < 2 for share in found["longitudinal_sample"])
 END
 }
+
+@test "fiberform, mirrored: fibres that no coarse lattice has are in the error of a quick k" {
+  ct2model build "$DATA/fiberform/100_fiberform.tif" --voxel-size 1.3um --threshold 100 --crop 50,0,0,50,50,50 \
+    --sides mirrored -o half.hdf --quiet
+  for error in 12% 5%; do
+    sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=half.hdf --set scene.method=stokes -o quick \
+      --error $error --json > "half-$error.json"
+  done
+  python3 - << 'EOF'
+import json
+quick, long = json.load(open("half-12%.json")), json.load(open("half-5%.json"))
+assert quick["k_low"] < long["k"] < quick["k_high"], (quick["k_low"], long["k"], quick["k_high"])
+EOF
+}

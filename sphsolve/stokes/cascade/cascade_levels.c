@@ -26,6 +26,32 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
          scene->fluid.viscosity > 0.0;
 }
 
+/* Whether the sides of a model are as `word` says (`--sides` of ct2model). */
+static bool sides_are(const char *path, const char *word) {
+  struct h5_file *file = NULL;
+  char *sides = NULL;
+  bool same = false;
+  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
+      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
+    same = !strcmp(sides, word);
+  error_clear();
+  h5_close(file);
+  memory_free(&sides);
+  return same;
+}
+
+/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
+bool cascade_sides_are_wrapped(const char *path) {
+  return sides_are(path, "periodic");
+}
+
+/* How much of a model's length is the sample itself: mirrored in all axes it holds itself twice,
+ * and what is seen twice is resolved no better. */
+static double own_share(const struct plan *plan) {
+  const char *path = plan->context.scene->model_path;
+  return *path && sides_are(path, "mirrored") ? 0.5 : 1.0;
+}
+
 /* Few sites across a mean pore and along a body so long. */
 static double few_sites(const struct plan *plan, double body) {
   const double h = plan->context.spacing, width = plan->shape.width;
@@ -36,7 +62,7 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, shortest);
+  return few_sites(plan, own_share(plan) * shortest);
 }
 
 /* Whether walls change along an axis: not along a duct or a cylinder. */
@@ -56,7 +82,7 @@ double cascade_noise_scale(const struct plan *plan, const struct lattice *base) 
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, shortest);
+  return few_sites(plan, own_share(plan) * shortest);
 }
 
 /* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
@@ -96,20 +122,6 @@ enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
  * has twice the scene's sites at most. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
   return fmax(cbrt(2.0) * plan->context.spacing, 0.5 * cascade_first_spacing(plan, base));
-}
-
-/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
-bool cascade_sides_are_wrapped(const char *path) {
-  struct h5_file *file = NULL;
-  char *sides = NULL;
-  bool wrapped = false;
-  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
-      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
-    wrapped = !strcmp(sides, "periodic");
-  error_clear();
-  h5_close(file);
-  memory_free(&sides);
-  return wrapped;
 }
 
 double cascade_sides_sites(const struct plan *plan) {
