@@ -26,32 +26,6 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
          scene->fluid.viscosity > 0.0;
 }
 
-/* Whether the sides of a model are as `word` says (`--sides` of ct2model). */
-static bool sides_are(const char *path, const char *word) {
-  struct h5_file *file = NULL;
-  char *sides = NULL;
-  bool same = false;
-  if (h5_open(path, &file) == STATUS_OK && h5_attribute_exists(file, "/model", "sides") &&
-      h5_read_attribute_text(file, "/model", "sides", &sides) == STATUS_OK)
-    same = !strcmp(sides, word);
-  error_clear();
-  h5_close(file);
-  memory_free(&sides);
-  return same;
-}
-
-/* Whether the model is a sample whose sides were wrapped, which no real sample's are. */
-bool cascade_sides_are_wrapped(const char *path) {
-  return sides_are(path, "periodic");
-}
-
-/* How much of a model's length is the sample itself: mirrored in all axes it holds itself twice,
- * and what is seen twice is resolved no better. */
-static double own_share(const struct plan *plan) {
-  const char *path = plan->context.scene->model_path;
-  return *path && sides_are(path, "mirrored") ? 0.5 : 1.0;
-}
-
 /* Few sites across a mean pore and along a body so long. */
 static double few_sites(const struct plan *plan, double body) {
   const double h = plan->context.spacing, width = plan->shape.width;
@@ -62,7 +36,7 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, own_share(plan) * shortest);
+  return few_sites(plan, plan->sample_share * shortest);
 }
 
 /* Whether walls change along an axis: not along a duct or a cylinder. */
@@ -82,7 +56,7 @@ double cascade_noise_scale(const struct plan *plan, const struct lattice *base) 
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, own_share(plan) * shortest);
+  return few_sites(plan, plan->sample_share * shortest);
 }
 
 /* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
@@ -128,7 +102,7 @@ double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
   if (!cascade_is_possible(scene, plan) || !*scene->model_path ||
-      !cascade_sides_are_wrapped(scene->model_path))
+      !plan->sides_wrapped)
     return 0.0;
   return 4.0 * (double)l->count *
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);

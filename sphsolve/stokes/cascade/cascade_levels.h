@@ -43,9 +43,8 @@ int cascade_open_steps(const struct plan *plan, const struct lattice *base);
 double cascade_step_ratio(int left);
 /* What would lessen the error of resolution once a lattice of that spacing has been solved. */
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing);
-/* Where the effect of the sides is solved, and whether that of a model is. */
+/* Where the effect of the sides is solved. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
-bool cascade_sides_are_wrapped(const char *model_path);
 
 /* What an open cascade of a planned scene will solve (struct method, levels): with plan->goal.error
  * up to the lattice that is expected to reach it. */
