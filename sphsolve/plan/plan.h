@@ -86,7 +86,7 @@ struct plan {
   /* How much of a model's length is the sample itself: mirrored in all axes it holds itself twice,
    * and what is seen twice is resolved no better. */
   double sample_share;
-  bool sides_wrapped; /* of a sample, though no real sample's are */
+  bool sides_wrapped;             /* of a sample, though no real sample's are */
   double steps, seconds;          /* predicted */
   struct error_forecast expected; /* error of the headline number */
   double expected_scan;           /* what the scanner adds to it; NAN: not known */

@@ -101,9 +101,7 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
 double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
-  if (!cascade_is_possible(scene, plan) || !*scene->model_path ||
-      !plan->sides_wrapped)
-    return 0.0;
+  if (!cascade_is_possible(scene, plan) || !*scene->model_path || !plan->sides_wrapped) return 0.0;
   return 4.0 * (double)l->count *
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }
