@@ -43,12 +43,7 @@ static void list_readers(char *text, size_t size) {
 
 enum status image_file_size(const char *path, uint64_t *size) {
   struct stat info;
-  if (stat(path, &info) != 0)
-    return FAIL(STATUS_INPUT, "%s: %s%s", path, strerror(errno),
-                errno == ENOENT && strpbrk(path, "*?[") != NULL
-                    ? "; the shell puts names in the place of * and ?: write them without quotes, "
-                      "and where there are such files"
-                    : "");
+  if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   if (!S_ISREG(info.st_mode)) /* to read a pipe might never end */
     return FAIL(STATUS_INPUT, "%s: a %s, not an image file", path,
                 S_ISDIR(info.st_mode) ? "folder" : "pipe or device");

@@ -112,7 +112,11 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
       TRY(names_add(list, "", paths[i]));
       continue;
     }
-    if (stat(paths[i], &info) != 0) TRY_FAIL(STATUS_INPUT, "%s: %s", paths[i], strerror(errno));
+    if (stat(paths[i], &info) != 0)
+      TRY_FAIL(STATUS_INPUT, "%s: %s%s", paths[i], strerror(errno),
+               strpbrk(paths[i], "*?[") != NULL
+                   ? "; the shell puts names in the place of * and ?: write them without quotes"
+                   : "");
     if (S_ISDIR(info.st_mode))
       TRY(list_folder(paths[i], raw, list));
     else

@@ -69,7 +69,9 @@ double isph_head_drive(const struct scene *scene) {
     const struct region *r = &scene->regions[k];
     const bool drain = r->type == REGION_DRAIN;
     if (!drain && !(r->type == REGION_INFLOW && r->boundary == BOUNDARY_HEAD)) continue;
-    const double head = r->boundary == BOUNDARY_HEAD ? r->head : 0;
+    /* At the pressure of the air a drain's head is where it lies, which without gravity is 0. */
+    const double air = size(scene->gravity) > 0 ? r->extent[2] : 0;
+    const double head = r->boundary == BOUNDARY_HEAD ? r->head : air;
     high = fmax(high, head), low = fmin(low, head);
   }
   for (int a = 0; a < 3; a++)

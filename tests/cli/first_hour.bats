@@ -217,6 +217,7 @@ END
   said 2 "numbers take a point" sphsolve run a.cfg -o comma --error 5,5%
   said 3 "decimal comma" sphsolve run a.cfg -o comma --set 'fluids.[0].density="1,0 kg/m^3"'
   said 3 "the name of a file" analyze darcy ""
+  said 3 "write them without quotes" ct2model build 'slice_*.tif' --void-ratio 0.7 -o star.hdf
   said 2 "first comes one of run" sphsolve --resume run a.cfg -o comma
   [ ! -e page.pdf ] && [ ! -e m.stl ] && [ ! -e comma.hdf ] || { ls; false; }
 }
