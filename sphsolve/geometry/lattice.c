@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/model_file.h"
 #include "common/node_memory.h"
@@ -55,6 +56,21 @@ cleanup:
   return status;
 }
 
+static enum status read_sides(const char *path, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char *sides = NULL;
+  TRY(h5_open(path, &file));
+  if (!h5_attribute_exists(file, "/model", "sides")) goto cleanup;
+  TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
+  lattice->sides_wrapped = !strcmp(sides, "periodic");
+  lattice->sides_mirrored = !strcmp(sides, "mirrored");
+cleanup:
+  h5_close(file);
+  memory_free(&sides);
+  return status;
+}
+
 /* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
@@ -66,6 +82,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
     error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
   TRY(status);
   TRY(hash_file(scene->model_path, &lattice->model_hash));
+  TRY(read_sides(scene->model_path, lattice));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
   if (most > MODEL_LONGEST_EDGE * least)

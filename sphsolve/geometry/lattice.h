@@ -43,6 +43,9 @@ struct lattice {
   double micro_moved;
   uint64_t model_hash; /* of the model file; 0 without */
   size_t model_count;  /* voxels of that model, whatever sites the lattice has; 0 without */
+  /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or mirrored,
+   * so that it holds its sample twice along each axis. */
+  bool sides_wrapped, sides_mirrored;
 };
 
 /* Arrays of a lattice that are set aside in a file on disk, and which. */

@@ -4,8 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
-#include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
@@ -93,24 +91,6 @@ void plan_switch(const struct plan *plan, void *settings) {
   }
 }
 
-/* What the model says of its sides (`--sides` of ct2model). */
-static enum status read_sides(const struct scene *scene, struct plan *plan) {
-  enum status status = STATUS_OK;
-  struct h5_file *file = NULL;
-  char *sides = NULL;
-  plan->sample_share = 1.0;
-  if (!*scene->model_path) return STATUS_OK;
-  TRY(h5_open(scene->model_path, &file));
-  if (!h5_attribute_exists(file, "/model", "sides")) goto cleanup;
-  TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
-  if (!strcmp(sides, "mirrored")) plan->sample_share = 0.5;
-  plan->sides_wrapped = !strcmp(sides, "periodic");
-cleanup:
-  h5_close(file);
-  memory_free(&sides);
-  return status;
-}
-
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan) {
@@ -121,7 +101,6 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                         .expected = {NAN, NAN, ""},
                         .expected_scan = NAN};
   snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
-  TRY(read_sides(scene, plan));
   struct effect_context *context = &plan->context;
   plan_context(scene, lattice, context);
   context->method = method;

@@ -83,10 +83,6 @@ struct plan {
    * beside its results while it lasts. */
   double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
-  /* How much of a model's length is the sample itself: mirrored in all axes it holds itself twice,
-   * and what is seen twice is resolved no better. */
-  double sample_share;
-  bool sides_wrapped;             /* of a sample, though no real sample's are */
   double steps, seconds;          /* predicted */
   struct error_forecast expected; /* error of the headline number */
   double expected_scan;           /* what the scanner adds to it; NAN: not known */

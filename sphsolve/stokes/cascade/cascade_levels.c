@@ -26,6 +26,11 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
          scene->fluid.viscosity > 0.0;
 }
 
+/* How much of a model's length is the sample itself: what is seen twice is resolved no better. */
+static double own_share(const struct lattice *base) {
+  return base->sides_mirrored ? 0.5 : 1.0;
+}
+
 /* Few sites across a mean pore and along a body so long. */
 static double few_sites(const struct plan *plan, double body) {
   const double h = plan->context.spacing, width = plan->shape.width;
@@ -36,7 +41,7 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, plan->sample_share * shortest);
+  return few_sites(plan, own_share(base) * shortest);
 }
 
 /* Whether walls change along an axis: not along a duct or a cylinder. */
@@ -56,7 +61,7 @@ double cascade_noise_scale(const struct plan *plan, const struct lattice *base) 
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, plan->sample_share * shortest);
+  return few_sites(plan, own_share(base) * shortest);
 }
 
 /* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
@@ -101,7 +106,7 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
 double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
-  if (!cascade_is_possible(scene, plan) || !*scene->model_path || !plan->sides_wrapped) return 0.0;
+  if (!cascade_is_possible(scene, plan) || !l->sides_wrapped) return 0.0;
   return 4.0 * (double)l->count *
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }

@@ -22,7 +22,7 @@ const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
 
 bool cascade_sides_wait(const struct cascade *c) {
   return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
-         c->plan->sides_wrapped;
+         c->base->sides_wrapped;
 }
 
 double cascade_permeability(const struct stokes_solver *s) {
@@ -91,7 +91,7 @@ enum status cascade_add_sides(struct cascade *c) {
   struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
   double k, one, other, tube;
   const struct stokes_solver none = {0};
-  if (!c->plan->sides_wrapped) return STATUS_OK;
+  if (!c->base->sides_wrapped) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
   TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, &k));
