@@ -79,10 +79,14 @@ END
 @test "a flipped or truncated checkpoint is known, and the older one used" {
   for method in wcsph stokes isph; do
     rm -f bad*
-    (CHECKPOINT="10 ms" resumable_start $method bad > /dev/null 2>&1) &
-    until [ -s bad.ckpt.1.hdf ] || [ -s bad.hdf ]; do sleep 0.02; done
-    kill -9 $! 2> /dev/null || true
-    wait $! 2> /dev/null || true
+    # Once more where it was killed between the names of its two checkpoints, or had ended.
+    until [ -s bad.ckpt.1.hdf ] && [ -s bad.ckpt.hdf ]; do
+      rm -f bad*
+      (CHECKPOINT="10 ms" resumable_start $method bad > /dev/null 2>&1) &
+      until [ -s bad.ckpt.1.hdf ] || [ -s bad.hdf ]; do sleep 0.02; done
+      kill -9 $! 2> /dev/null || true
+      wait $! 2> /dev/null || true
+    done
     cp bad.ckpt.1.hdf whole.1
     size=$(stat -c %s bad.ckpt.hdf)
     for damage in flip cut; do
