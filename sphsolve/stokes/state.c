@@ -15,9 +15,11 @@
 #define MEMORY_GOAL 125.0
 #define SITE_BYTES 31.0
 #define ACTIVE_BYTES 108.0
-#define BASIS_MIN 3
+#define BASIS_MIN 6
 #define BASIS_MAX 24
-#define BASIS_SOIL 8 /* at least, where there is soil: a short one costs more there */
+/* At least, where there is soil or more pore than grain: a short one costs more there, and in open
+ * felts one of 3 does not converge. */
+#define BASIS_OPEN 8
 /* And where there is soil: two fields of the lattice and the unpacked fields of two more sums; and
  * of an active site five weights, mobility and its root, the force that links draw, permeability.
  */
@@ -25,7 +27,8 @@
 #define SOIL_ACTIVE_BYTES 44.0
 int stokes_solver_basis(double sites, double active, bool soil) {
   const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
-  return (int)fmax(soil ? BASIS_SOIL : BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
+  const bool open = soil || active > 0.5 * sites;
+  return (int)fmax(open ? BASIS_OPEN : BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
 }
 
 double stokes_solver_bytes(double sites, double active, bool soil) {
