@@ -2,9 +2,34 @@
 
 #include <math.h>
 
-/* The way from a voxel's centre to the nearer side. */
+/* The way from a voxel's centre to the nearer of the outermost layers of centres; of one that lies
+ * in such a layer, to the other. */
 static double room(size_t i, size_t n, double spacing) {
-  return spacing * ((double)(i < n - 1 - i ? i : n - 1 - i) + 0.5);
+  if (i == 0 || i + 1 == n) return spacing * (double)(n - 1);
+  return spacing * (double)(i < n - 1 - i ? i : n - 1 - i);
+}
+
+/* Nearly all of the way to the surface leads out, so that it says nothing of what is inside. */
+#define OUTWARD_MOST 0.95
+
+/* Of a voxel in an outermost layer: the distance to where its surface, taken as a plane, meets that
+ * layer. By the cosines of its normal with the axes that lead out, from how much nearer it is than
+ * the next voxel inside; of a surface that lies inside they are negative. INFINITY: nowhere near.
+ */
+static float within_layer(const size_t n[3], const double spacing[3], const float *distance,
+                          const size_t at[3], const bool axes[2]) {
+  const size_t step[2] = {1, n[0]}, i = at[0] + n[0] * (at[1] + at[2] * n[1]);
+  const double own = fabs((double)distance[i]);
+  double outward = 0.0;
+  for (int a = 0; a < 2; a++) {
+    if (!axes[a] || n[a] < 3 || (at[a] > 0 && at[a] + 1 < n[a])) continue;
+    const float next = distance[at[a] == 0 ? i + step[a] : i - step[a]];
+    if ((next < 0.0f) != (distance[i] < 0.0f)) continue;
+    const double cosine = fmin((fabs((double)next) - own) / spacing[a], 1.0);
+    if (cosine > 0.0) outward += cosine * cosine;
+  }
+  const bool meets = outward < OUTWARD_MOST * OUTWARD_MOST;
+  return copysignf(meets ? (float)(own / sqrt(1.0 - outward)) : INFINITY, distance[i]);
 }
 
 /* The distance that the voxel's neighbours of the other phase leave it, by the nearest: the surface
@@ -19,26 +44,40 @@ static float between(const size_t n[3], const double spacing[3], const float *di
     for (int side = -1; side <= 1; side += 2) {
       if (side < 0 ? at[a] == 0 : at[a] + 1 == n[a]) continue;
       const float other = distance[side < 0 ? i - step[a] : i + step[a]];
-      if ((other < 0.0f) == (own < 0.0f)) continue;
+      if ((other < 0.0f) == (own < 0.0f) || !isfinite(other)) continue;
       const double left = spacing[a] - fabs((double)other);
       least = fminf(least, (float)fmax(left, 0.05 * spacing[a]));
     }
-  return own < 0.0f ? -least : least;
+  return copysignf(least, own);
 }
 
 void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[2],
                           float *distance) {
   const size_t plane = n[0] * n[1];
-  /* First what is next to the other phase, from distances that are still all there. */
-  for (int pass = 0; pass < 2; pass++)
+  /* The outermost layers, then what is next to the other phase, from distances that are still all
+   * there; then what is left. What is unknown keeps its phase until the end. */
+  for (int pass = 0; pass < 3; pass++)
     for (size_t i = 0; i < plane * n[2]; i++) {
       const size_t at[3] = {i % n[0], i / n[0] % n[1], i / plane};
       double reach = INFINITY;
-      for (int a = 0; a < 2; a++)
-        if (axes[a]) reach = fmin(reach, room(at[a], n[a], spacing[a]));
-      if (!isfinite(distance[i]) || fabs((double)distance[i]) <= reach) continue;
+      bool outermost = false;
+      for (int a = 0; a < 2; a++) {
+        if (!axes[a]) continue;
+        outermost = outermost || at[a] == 0 || at[a] + 1 == n[a];
+        reach = fmin(reach, room(at[a], n[a], spacing[a]));
+      }
+      const bool beyond = fabs((double)distance[i]) > reach;
+      if (!isfinite(distance[i]) || !(outermost || beyond)) continue;
       const float near = between(n, spacing, distance, at);
-      if (pass == 0 && isfinite(near) && fabsf(near) > fabsf(distance[i])) distance[i] = near;
-      if (pass == 1 && !isfinite(near)) distance[i] = INFINITY;
+      if (pass == 0 && outermost && !beyond) {
+        distance[i] = within_layer(n, spacing, distance, at, axes);
+        if (!isfinite(distance[i])) distance[i] = near;
+      } else if (pass == 1 && beyond && isfinite(near) && fabsf(near) > fabsf(distance[i])) {
+        distance[i] = near;
+      } else if (pass == 2 && beyond && !isfinite(near)) {
+        distance[i] = near;
+      }
     }
+  for (size_t i = 0; i < plane * n[2]; i++)
+    if (!isfinite(distance[i])) distance[i] = INFINITY;
 }
