@@ -31,10 +31,14 @@ static double own_share(const struct lattice *base) {
   return base->sides_mirrored ? 0.5 : 1.0;
 }
 
-/* Few sites across a mean pore and along a body so long. */
+/* Few sites across a mean pore and along a body so long. Pores wider than the grains are thick,
+ * 2 V / S, as in felts, say nothing of the grains that slow the flow: from a void ratio of 1 to one
+ * of 2 the grains come to have few sites in place of the pores, as many as in sands. */
 static double few_sites(const struct plan *plan, double body) {
-  const double h = plan->context.spacing, width = plan->shape.width;
-  return fmin(isfinite(width) ? h * width / FIRST_PORE : h, body / FIRST_BODY);
+  const double h = plan->context.spacing;
+  const double width = plan->shape.width, grain = plan->shape.grain;
+  const double narrow = fmin(width, fmax(grain, 4.0 * grain * grain / width));
+  return fmin(isfinite(narrow) ? h * narrow / FIRST_PORE : h, body / FIRST_BODY);
 }
 
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
