@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/model_file.h"
 #include "common/node_memory.h"
@@ -56,21 +55,6 @@ cleanup:
   return status;
 }
 
-static enum status read_sides(const char *path, struct lattice *lattice) {
-  enum status status = STATUS_OK;
-  struct h5_file *file = NULL;
-  char *sides = NULL;
-  TRY(h5_open(path, &file));
-  if (!h5_attribute_exists(file, "/model", "sides")) goto cleanup;
-  TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
-  lattice->sides_wrapped = !strcmp(sides, "periodic");
-  lattice->sides_mirrored = !strcmp(sides, "mirrored");
-cleanup:
-  h5_close(file);
-  memory_free(&sides);
-  return status;
-}
-
 /* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
@@ -81,8 +65,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   if (status == STATUS_INPUT && scene->line_of[AT_MODEL] > 0)
     error_context(status, "%s:%d: model.file", scene->path, scene->line_of[AT_MODEL]);
   TRY(status);
-  TRY(hash_file(scene->model_path, &lattice->model_hash));
-  TRY(read_sides(scene->model_path, lattice));
+  TRY(model_facts_read(scene->model_path, &lattice->model));
   double least = fmin(fmin(model.spacing[0], model.spacing[1]), model.spacing[2]);
   double most = fmax(fmax(model.spacing[0], model.spacing[1]), model.spacing[2]);
   if (most > MODEL_LONGEST_EDGE * least)
@@ -91,8 +74,9 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
              "they are about as wide as high",
              scene->model_path, model.spacing[0], model.spacing[1], model.spacing[2]);
   lattice->dimensions = 3;
-  lattice->model_count = model_site_count(&model);
-  lattice->bulk_count = (double)lattice->model_count;
+  lattice->model.count = model_site_count(&model);
+  lattice->model.voxel = cbrt(model.spacing[0] * model.spacing[1] * model.spacing[2]);
+  lattice->bulk_count = (double)lattice->model.count;
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {

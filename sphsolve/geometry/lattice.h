@@ -13,6 +13,7 @@
 
 #include "common/error.h"
 #include "common/scratch_file.h"
+#include "sphsolve/geometry/model_facts.h"
 #include "sphsolve/scene/scene.h"
 
 enum site_kind { SITE_EMPTY = 0, SITE_FLUID = 1, SITE_WALL = 2 };
@@ -41,11 +42,7 @@ struct lattice {
   /* The factor by which micro_permeability has been multiplied to find how k responds; 0: none.
    * What the solver decides by a permeability it decides by that without the factor. */
   double micro_moved;
-  uint64_t model_hash; /* of the model file; 0 without */
-  size_t model_count;  /* voxels of that model, whatever sites the lattice has; 0 without */
-  /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or mirrored,
-   * so that it holds its sample twice along each axis. */
-  bool sides_wrapped, sides_mirrored;
+  struct model_facts model;
 };
 
 /* Arrays of a lattice that are set aside in a file on disk, and which. */

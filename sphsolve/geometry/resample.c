@@ -177,10 +177,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   struct target t;
   const bool mirrored = lattice_is_mirrored(fine);
   *out = (struct lattice){.dimensions = fine->dimensions,
-                          .model_hash = fine->model_hash,
-                          .model_count = fine->model_count,
-                          .sides_wrapped = fine->sides_wrapped,
-                          .sides_mirrored = fine->sides_mirrored};
+                          .model = fine->model};
   TRY(find_target(fine, spacing, mirrored, &t));
   out->count = t.count;
   out->bulk_count = fine->bulk_count;

@@ -184,7 +184,7 @@ static enum status open_history(struct recorder *recorder) {
                             recorder->columns[c].components > 1 ? axis[i % 3] : ",");
     }
   snprintf(header + n, room - n, "xxh3 (scene %016llx)",
-           (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model_hash));
+           (unsigned long long)(scene_hash(recorder) ^ recorder->lattice->model.hash));
   snprintf(path, sizeof path, "%s.history.csv", recorder->prefix);
   TRY(history_file_open(&recorder->history, path, header, recorder->width, recorder->row_count,
                         recorder->rows, recorder->resume));
@@ -344,7 +344,7 @@ enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file
   TRY(h5_write_attribute(file, "/recorder", "next_snapshot", H5_F64, 1, &recorder->next_snapshot));
   TRY(h5_write_attribute(file, "/recorder", "scene_hash", H5_U64, 1, &hash));
   TRY(h5_write_attribute(file, "/recorder", "model_hash", H5_U64, 1,
-                         &recorder->lattice->model_hash));
+                         &recorder->lattice->model.hash));
   TRY(step_log_write(&recorder->step_log, file, "/recorder"));
   status = checkpoint_commit(recorder->prefix, file);
   file = NULL;
@@ -388,7 +388,7 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   }
   TRY(h5_read_attribute(*file, "/recorder", "scene_hash", H5_U64, 1, &hash));
   TRY(h5_read_attribute(*file, "/recorder", "model_hash", H5_U64, 1, &model_hash));
-  if (model_hash != recorder->lattice->model_hash)
+  if (model_hash != recorder->lattice->model.hash)
     TRY_FAIL(STATUS_INPUT, "%s: belongs to another model; remove it to start anew", h5_path(*file));
   if (hash != scene_hash(recorder)) TRY(compare_settings(recorder, *file));
   memory_free(&recorder->rows);

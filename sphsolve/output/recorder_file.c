@@ -170,7 +170,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   const struct lattice *lattice = recorder->lattice;
   const struct effect_context *context = &recorder->plan->context;
   char hash[17];
-  snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model_hash);
+  snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model.hash);
   int dimensions = lattice->dimensions;
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
   /* What drives the flow of k: the force, or between two heads their fall. */
@@ -292,7 +292,7 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   uint64_t hashes[2];
   progress_end(&recorder->progress);
   hashes[0] = hash_bytes(recorder->scene->text, strlen(recorder->scene->text));
-  hashes[1] = recorder->lattice->model_hash;
+  hashes[1] = recorder->lattice->model.hash;
   TRY(integrate_history(recorder, &result->conservation));
   snprintf(path, sizeof path, "%s.hdf", recorder->prefix);
   TRY(h5_create(path, &file));

@@ -149,7 +149,7 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
                         const struct lattice *lattice, double wanted) {
   uint64_t size[3] = {0};
   char *text = NULL, *state = NULL, *hash = NULL, of_model[17];
-  snprintf(of_model, sizeof of_model, "%016llx", (unsigned long long)lattice->model_hash);
+  snprintf(of_model, sizeof of_model, "%016llx", (unsigned long long)lattice->model.hash);
   bool same =
       h5_exists(file, "/run/scene") && h5_read_text(file, "/run/scene", &text) == STATUS_OK &&
       h5_read_attribute_text(file, "/run", "status", &state) == STATUS_OK &&

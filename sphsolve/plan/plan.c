@@ -112,10 +112,10 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
-    struct scan_quality scan;
+    const struct scan_quality *scan = &lattice->model.scan;
     const double width = plan->shape.width * context->spacing;
-    if (isfinite(width) && scan_quality_read(scene->model_path, &scan))
-      plan->expected_scan = scan_error(&scan, scan_change_expected(&scan, width), width);
+    if (isfinite(width) && scan->known)
+      plan->expected_scan = scan_error(scan, scan_change_expected(scan, width), width);
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {
@@ -135,7 +135,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   TRY(method->cost(plan, threads));
   plan->bytes_total =
       PROGRAM_BYTES + fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
-                           MODEL_BYTES * (double)lattice->model_count);
+                           MODEL_BYTES * (double)lattice->model.count);
   plan->seconds += PROGRAM_SECONDS;
   if (plan->steps > STEPS_MOST)
     TRY(scene_error(

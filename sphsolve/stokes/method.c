@@ -249,7 +249,7 @@ static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s)
   struct micropores_point *own = &job->result->micropores.own;
   const enum status status = soil_response_measure(s, &job->lattice, own);
   u->slope_micro = own->slope;
-  const double unsure = soil_response_uncertainty(job->scene);
+  const double unsure = soil_response_uncertainty(job->scene, &job->lattice.model);
   if (unsure > 0.0) u->micro = (1.0 + SOIL_SLOPE_SMALL) * fabs(own->slope) * unsure;
   return status;
 }

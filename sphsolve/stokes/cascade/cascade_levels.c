@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/output/uncertainty.h"
@@ -28,7 +27,7 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
 
 /* How much of a model's length is the sample itself: what is seen twice is resolved no better. */
 static double own_share(const struct lattice *base) {
-  return base->sides_mirrored ? 0.5 : 1.0;
+  return base->model.sides_mirrored ? 0.5 : 1.0;
 }
 
 /* Few sites across a mean pore and along a body so long. Pores wider than the grains are thick,
@@ -83,22 +82,11 @@ double cascade_step_ratio(int left) {
 /* A lattice as fine as the voxels, or as the scene's own, is the end of what a model can tell;
  * a model as fine as its scan the end of what that can. */
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
-  struct h5_file *file = NULL;
-  double voxel[3] = {0}, scanned = NAN;
-  const char *path = plan->context.scene->model_path;
-  if (!*path) return NEEDS_LATTICE;
-  if (h5_open(path, &file) == STATUS_OK) {
-    if (h5_read_attribute(file, "/model", "spacing", H5_F64, 3, voxel) != STATUS_OK) voxel[0] = 0.0;
-    scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
-    h5_close(file);
-  }
-  error_clear();
-  const double own = cbrt(voxel[0] * voxel[1] * voxel[2]);
-  if (spacing >
-      1.01 *
-          fmax(own, isfinite(plan->context.scene->lattice_spacing) ? 0.0 : plan->context.spacing))
-    return NEEDS_LATTICE;
-  return own <= 1.01 * scanned ? NEEDS_SCAN : NEEDS_MODEL;
+  const struct model_facts *model = &plan->context.lattice->model;
+  const double chosen =
+      isfinite(plan->context.scene->lattice_spacing) ? 0.0 : plan->context.spacing;
+  if (model->count == 0 || spacing > 1.01 * fmax(model->voxel, chosen)) return NEEDS_LATTICE;
+  return model->voxel <= 1.01 * model->voxel_scanned ? NEEDS_SCAN : NEEDS_MODEL;
 }
 
 /* Where the effect of the sides is solved: coarse, but narrow throats are to stay open; mirrored it
@@ -110,7 +98,7 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
 double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
-  if (!cascade_is_possible(scene, plan) || !l->sides_wrapped) return 0.0;
+  if (!cascade_is_possible(scene, plan) || !l->model.sides_wrapped) return 0.0;
   return 4.0 * (double)l->count *
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }
@@ -187,8 +175,6 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  struct scan_quality scan;
-  const bool scanned = *scene->model_path && scan_quality_read(scene->model_path, &scan);
   int left = cascade_open_steps(plan, base);
   double before = 0.0; /* sites of the lattice before */
   for (int i = 0; left >= 0 && count < most; i++) {
@@ -198,7 +184,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
      * third and the fourth. */
     double solves = 1.0;
     if (i == 1 && *scene->model_path) solves += 2.0;
-    if ((i == 2 || i == 3) && scanned) solves += 1.0;
+    if ((i == 2 || i == 3) && base->model.scan.known) solves += 1.0;
     const double own = solves * stokes_soil_seconds(base) *
                        stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
@@ -214,7 +200,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
           .error = error,
           .few = i + 1 < CASCADE_ENOUGH,
           .seconds = seconds,
-          .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model_count)};
+          .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model.count)};
     before = sites;
     if (i + 1 >= CASCADE_ENOUGH && is_expected_enough(plan, error)) break;
     left -= expected_steps(plan, i + 1, left);

@@ -3,10 +3,8 @@
 #include <math.h>
 
 #include "common/convergence.h"
-#include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "common/model_file.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
@@ -22,7 +20,7 @@ const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
 
 bool cascade_sides_wait(const struct cascade *c) {
   return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
-         c->base->sides_wrapped;
+         c->base->model.sides_wrapped;
 }
 
 double cascade_permeability(const struct stokes_solver *s) {
@@ -70,20 +68,13 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   return status;
 }
 
-/* The error of the void ratio, from the model's file, times the slope d ln k / de found here. */
-static void add_calibration(const char *path, struct uncertainty *u) {
-  struct h5_file *file = NULL;
-  if (!*path || !isfinite(u->slope_void_ratio)) return;
-  if (h5_open(path, &file) != STATUS_OK) {
-    error_clear();
-    return;
-  }
-  const double slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
-  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
-  u->void_ratio = fabs(u->slope_void_ratio * model_void_ratio_error(file));
-  u->slope_threshold = u->slope_void_ratio / slope;
-  if (uncertainty > 0.0) u->threshold = fabs(u->slope_threshold) * uncertainty;
-  h5_close(file);
+/* The error of the void ratio, as the model says, times the slope d ln k / de found here. */
+static void add_calibration(const struct model_facts *model, struct uncertainty *u) {
+  if (!isfinite(u->slope_void_ratio)) return;
+  u->void_ratio = fabs(u->slope_void_ratio * model->void_ratio_error);
+  u->slope_threshold = u->slope_void_ratio / model->threshold_slope;
+  if (model->threshold_uncertainty > 0.0)
+    u->threshold = fabs(u->slope_threshold) * model->threshold_uncertainty;
 }
 
 enum status cascade_add_sides(struct cascade *c) {
@@ -91,7 +82,7 @@ enum status cascade_add_sides(struct cascade *c) {
   struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
   double k, one, other, tube;
   const struct stokes_solver none = {0};
-  if (!c->base->sides_wrapped) return STATUS_OK;
+  if (!c->base->model.sides_wrapped) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
   TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, &k));
@@ -121,7 +112,7 @@ enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lat
   TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &more));
   const double change = lattice_void_ratio(&moved, 0.0) - lattice_void_ratio(lattice, 0.0);
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
-  add_calibration(c->scene->model_path, &c->uncertainty);
+  add_calibration(&c->base->model, &c->uncertainty);
   lattice_free(&moved);
   /* The model from every second of its voxels. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
@@ -139,20 +130,20 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
                                   const struct stokes_solver *from) {
   enum status status = STATUS_OK;
   struct lattice blurred = {0};
-  struct scan_quality scan;
+  const struct scan_quality *scan = &c->base->model.scan;
   double scale, other = 0.0;
-  if (!scan_quality_read(c->scene->model_path, &scan)) return STATUS_OK;
-  TRY(lattice_blur(c->base, scan_deviation(&scan), lattice, &scale, &blurred));
+  if (!scan->known) return STATUS_OK;
+  TRY(lattice_blur(c->base, scan_deviation(scan), lattice, &scale, &blurred));
   TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
   const double width = c->plan->shape.width * c->plan->context.spacing;
   if (other > 0.0) {
-    c->uncertainty.blur_assumed = scan.assumed ? scan.blur : NAN;
+    c->uncertainty.blur_assumed = scan->assumed ? scan->blur : NAN;
     c->uncertainty.slope_blur = scale * log(other / k);
-    c->uncertainty.scan = scan_error(&scan, c->uncertainty.slope_blur, width);
-    if (scan_shape_error(&scan, width) > 0.05)
+    c->uncertainty.scan = scan_error(scan, c->uncertainty.slope_blur, width);
+    if (scan_shape_error(scan, width) > 0.05)
       log_warning("the scan's blur hides the shape of pores as narrow as these: that alone may be "
                   "%.0f %% of k; a sharper scan, or smaller voxels, would tell",
-                  100.0 * scan_shape_error(&scan, width));
+                  100.0 * scan_shape_error(scan, width));
   }
 cleanup:
   lattice_free(&blurred);

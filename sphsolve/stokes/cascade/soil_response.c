@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
@@ -70,16 +69,9 @@ cleanup:
   return status;
 }
 
-double soil_response_uncertainty(const struct scene *scene) {
+double soil_response_uncertainty(const struct scene *scene, const struct model_facts *model) {
   const double said = scene->micro.uncertainty > 1.0 ? log(scene->micro.uncertainty) : 0.0;
-  struct h5_file *file = NULL;
-  if (!*scene->model_path || h5_open(scene->model_path, &file) != STATUS_OK) {
-    error_clear();
-    return said;
-  }
-  const double greys = h5_attribute_or_nan(file, "/model", "micro_ln_permeability_uncertainty");
-  h5_close(file);
-  return greys > 0.0 ? hypot(said, greys) : said;
+  return model->soil_error > 0.0 ? hypot(said, model->soil_error) : said;
 }
 
 void soil_response_describe(const struct lattice *l, struct micropores *m) {

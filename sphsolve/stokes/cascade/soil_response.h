@@ -22,7 +22,7 @@ enum status soil_response_measure(struct stokes_solver *solver, const struct lat
 
 /* Half width (95 %) of the logarithm of the soil's permeability: what the scene says of it, and
  * what the model says that the peaks of its scan leave; 0: nothing is said. */
-double soil_response_uncertainty(const struct scene *scene);
+double soil_response_uncertainty(const struct scene *scene, const struct model_facts *model);
 
 /* Sites, porosity and permeability of the soil of a lattice. */
 void soil_response_describe(const struct lattice *lattice, struct micropores *micropores);

@@ -1,0 +1,100 @@
+#include "sphsolve/geometry/model_facts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/provenance.h"
+#include "common/hdf5_file.h"
+#include "common/memory.h"
+#include "common/model_file.h"
+
+/* Pores narrower than some standard deviations of the blur show no grey of their own: the
+ * threshold that encloses their volume then lies off the middle between the peaks of the greys, and
+ * blur has rounded their corners. A pore of circular section lets 1.38 times as much through as a
+ * triangular one of the same area (shape factors of Patzek, Silin 2001, J. Colloid Interface Sci.
+ * 236: .5 G against .6 G, G = area / perimeter^2); which it is the scan cannot tell. */
+static const double SHAPE = 0.32;  /* ln 1.38 */
+static const double MIDDLE = 0.05; /* off the middle, of the peaks' distance, as in sands */
+static const double OFF = 0.12;    /* over so much more the shape is lost */
+
+static double shape_lost(struct h5_file *file) {
+  const double pore = h5_attribute_or_nan(file, "/calibration", "pore_peak");
+  const double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
+  const double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
+  const double off = fabs((threshold - pore) / (grain - pore) - 0.5);
+  return isfinite(off) ? SHAPE * fmin(1.0, fmax(0.0, (off - MIDDLE) / OFF)) : 0.0;
+}
+
+/* Voxels longer than wide become cubes by lines between neighbours: a triangle's weights, whose
+ * variance is a sixth of the square of its half base. What the short edges have of it anyway is in
+ * the blur; along one of three axes it counts a third. */
+static double drawn_between(struct h5_file *file) {
+  const double longest = h5_attribute_or_nan(file, "/model", "voxel_scanned_longest");
+  const double short_squared =
+      pow(h5_attribute_or_nan(file, "/model", "voxel_scanned"), 3.0) / longest;
+  const double more = longest * longest - short_squared;
+  return more > 1e-6 * short_squared ? more / 18.0 : 0.0;
+}
+
+/* A scan in greys that told no blur: one is assumed, and counts as left in, taken out or not. */
+static void assume(struct h5_file *file, struct scan_quality *scan) {
+  const double voxel = h5_attribute_or_nan(file, "/model", "voxel_scanned");
+  const double ratio = h5_attribute_or_nan(file, "/calibration", "contrast_to_noise");
+  if (!(voxel > 0.0 && ratio > 0.0)) return;
+  *scan = (struct scan_quality){.known = true,
+                                .blur = MODEL_BLUR_ASSUMED * voxel,
+                                .resolution = RESOLUTION_DEVIATIONS * MODEL_BLUR_ASSUMED * voxel,
+                                .noise_power = pow(voxel, 3.0) / (ratio * ratio),
+                                .assumed = true};
+}
+
+static struct scan_quality read_scan(struct h5_file *file) {
+  struct scan_quality scan;
+  /* Labels have no blur to be measured; what smooths their steps blurs them. */
+  const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
+  if (smoothing > 0.0) {
+    return (struct scan_quality){.known = true,
+                                 .resolution = RESOLUTION_DEVIATIONS * smoothing,
+                                 .between = drawn_between(file),
+                                 .labels = true};
+  }
+  const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
+  const double alike =
+      2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
+  const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
+  scan =
+      (struct scan_quality){.blur = blur,
+                            .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
+                            .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
+                            .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
+                            .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
+                            .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
+  scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
+  if (!scan.known) assume(file, &scan);
+  scan.shape = shape_lost(file);
+  scan.between = drawn_between(file);
+  return scan;
+}
+
+enum status model_facts_read(const char *path, struct model_facts *facts) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char *sides = NULL;
+  *facts = (struct model_facts){0};
+  TRY(hash_file(path, &facts->hash));
+  TRY(h5_open(path, &file));
+  facts->voxel_scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
+  facts->void_ratio_error = model_void_ratio_error(file);
+  facts->threshold_slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");
+  facts->threshold_uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
+  facts->soil_error = h5_attribute_or_nan(file, "/model", "micro_ln_permeability_uncertainty");
+  facts->scan = read_scan(file);
+  if (!h5_attribute_exists(file, "/model", "sides")) goto cleanup;
+  TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
+  facts->sides_wrapped = !strcmp(sides, "periodic");
+  facts->sides_mirrored = !strcmp(sides, "mirrored");
+cleanup:
+  h5_close(file);
+  memory_free(&sides);
+  return status;
+}
