@@ -137,7 +137,7 @@ static enum status describe_stack(const char *const *paths, size_t count,
   enum status status = stack_open(paths, count, &request->raw, &stack);
   if (status != STATUS_OK) return status;
   double voxel[3];
-  stack_compare_voxel(&stack, request->voxel);
+  stack_compare_voxel(&stack, request->voxel, request->has_slice_distance);
   for (int d = 0; d < 3; d++)
     voxel[d] = isnan(request->voxel[d]) ? stack.voxel[d] : request->voxel[d];
   const char *source = isnan(request->voxel[0]) ? stack.voxel_source : "--voxel-size";

@@ -50,7 +50,7 @@ static enum status choose_voxel(struct pipeline *pipeline) {
     quantity_format(voxel[0], "m", text, sizeof text);
     log_info("voxel size %s from the %s", text, stack->voxel_source);
   }
-  stack_compare_voxel(stack, given);
+  stack_compare_voxel(stack, given, pipeline->request->has_slice_distance);
   return STATUS_OK;
 }
 

@@ -136,6 +136,7 @@ static enum status parse_voxel_size(const struct options *options, struct reques
   if (n != 1 && n != 3)
     return FAIL(STATUS_USAGE, "--voxel-size %s: one length is wanted, or three as 5um,5um,10um",
                 text);
+  request->has_slice_distance = n == 3;
   if (n == 1) request->voxel[1] = request->voxel[2] = request->voxel[0];
   return STATUS_OK;
 }

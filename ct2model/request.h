@@ -24,7 +24,8 @@ enum sides { SIDES_PERIODIC, SIDES_CLOSED, SIDES_MIRRORED };
 
 struct request {
   struct raw_layout raw;
-  double voxel[3]; /* m; x, y, z of the scan; NAN: the file's own */
+  double voxel[3];         /* m; x, y, z of the scan; NAN: the file's own */
+  bool has_slice_distance; /* of slices, given beside that of pixels */
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
   enum sides sides;
   int mirror_axis; /* of the model; 2 where nothing is mirrored */

@@ -58,6 +58,7 @@ static const struct option_table table = {
     entries};
 
 #define RANKS_MOST 10000000
+#define LONG_SECONDS 600.0 /* a run that is foretold to take longer says so before it begins */
 #define OVERRIDES_MOST 256
 
 struct job {
@@ -161,6 +162,22 @@ cleanup:
   return status;
 }
 
+/* What takes long is said before it begins; and what is faster, where "auto" chose to march to a
+ * steady flow because inertia counts. */
+static void say_how_long(const struct job *job) {
+  const struct method *method = job->plan.context.method;
+  const bool chosen = job->scene.method == NULL && method->resolves_pores && method->marches &&
+                      job->scene.steady_tolerance > 0 && job->plan.context.has_wall &&
+                      !job->plan.context.has_moving_wall;
+  char time[40];
+  if (job->plan.goal.error > 0 || job->plan.goal.seconds > 0 || !(job->plan.seconds > LONG_SECONDS))
+    return;
+  duration_format(job->plan.seconds, time, sizeof time);
+  log_info("about %s by method %s%s%s%s", time, method->name, chosen ? ": " : "",
+           chosen ? job->plan.method_why : "",
+           chosen ? "; --set scene.method=stokes gives the k of slow flow, sooner" : "");
+}
+
 /* The resolution of a run that is no cascade of lattices itself. */
 static enum status finish_error(struct job *job, struct run_result *result) {
   return cascade_measure(
@@ -186,6 +203,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
+  say_how_long(job);
   double started = clock_seconds();
   const struct method *method = job->plan.context.method;
   status = method->run(&job->scene, &job->plan, &job->lattice, recorder, result);

@@ -4,6 +4,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/readers/row_ends.h"
 
 /* Numbers drawn at random have a roughness of 1.3 (uniform) to 1.4 (normal). A scan is smooth, but
  * for its noise; its low bytes alone are random. */
@@ -86,8 +87,8 @@ static double lag_difference(const float *pixels, size_t n, size_t most, size_t 
 
 /* The width at which a pixel is like the one below as it is like the one beside it, where that is
  * clearly not so at the width given; else 0. A body that repeats along x passes: there pixels are
- * alike at the width given too; so does one of layers: at none of these lags more than at others.
- */
+ * alike at the width given too; so does one of layers: at none of these lags more than at others,
+ * unless they are inclined (row_ends.h). */
 static size_t better_width(const float *pixels, size_t width, size_t n) {
   enum { LEAST = 8, ASIDE = 4 };
   const size_t most = 4 * width + ASIDE < n / 2 ? 4 * width + ASIDE : n / 2;
@@ -138,7 +139,8 @@ enum status byte_order_check(const struct image *image) {
     goto cleanup;
   }
   pixels_to_float(pixels, stored, n, image->type);
-  const size_t better = better_width(pixels, image->size[0], n);
+  size_t better = better_width(pixels, image->size[0], n);
+  TRY(row_ends_judge(image, &better));
   if (better > 0) {
     log_warning("%s: rows of %zu pixels, one below the other, are not alike, rows of %zu are: is "
                 "that the width in --raw?",

@@ -190,14 +190,14 @@ static bool warn_of_other_names(const struct name_list *list) {
   return true;
 }
 
-/* Gaps are a warning. A uniform stride is none, as some scanners number every second slice; a
- * larger one may be of slices left out, which lie farther apart than pixels. */
-static void warn_of_gaps(const struct name_list *list) {
-  if (list->count < 3) return;
+/* Gaps are a warning. A uniform stride is none, as some scanners number every second slice; it is
+ * returned, else 0. */
+static long long warn_of_gaps(const struct name_list *list) {
+  if (list->count < 3) return 0;
   long long stride = 0;
   for (size_t i = 1; i < list->count; i++) {
     long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
-    if (a < 0 || b < 0) return;
+    if (a < 0 || b < 0) return 0;
     if (b > a && (stride == 0 || b - a < stride)) stride = b - a;
   }
   size_t gaps = 0;
@@ -212,11 +212,8 @@ static void warn_of_gaps(const struct name_list *list) {
       log_warning("the numbering jumps from %s to %s: slices missing?",
                   base_name(list->names[i - 1]), base_name(list->names[i]));
   }
-  if (gaps == 0 && stride > 2)
-    log_warning("the slices are numbered in steps of %lld (%s, %s, ...): where those between were "
-                "left out, give their distance too, as --voxel-size 5um,5um,10um",
-                stride, base_name(list->names[0]), base_name(list->names[1]));
   if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
+  return gaps == 0 ? stride : 0;
 }
 
 static void look_for_levels(struct stack *stack) {
@@ -283,7 +280,7 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   memset(stack, 0, sizeof *stack);
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
-  if (!warn_of_other_names(&list)) warn_of_gaps(&list);
+  if (!warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
   warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);
@@ -291,8 +288,14 @@ cleanup:
   return status;
 }
 
-void stack_compare_voxel(const struct stack *stack, const double given[3]) {
+void stack_compare_voxel(const struct stack *stack, const double given[3],
+                         bool has_slice_distance) {
   char text[2][40];
+  /* Slices left out lie farther apart than pixels. */
+  if (stack->stride > 2 && !has_slice_distance)
+    log_warning("the slices are numbered in steps of %lld (%s, %s, ...): where those between were "
+                "left out, give their distance too, as --voxel-size 5um,5um,10um",
+                stack->stride, base_name(stack->files[0].path), base_name(stack->files[1].path));
   static const char *const NAMES[] = {"pixel", "pixel", "slice"};
   for (int d = 0; d < 3; d += 2) {
     if (!(fabs(stack->voxel[d] / given[d] - 1.0) > 0.01)) continue;

@@ -17,6 +17,7 @@ struct stack {
   size_t file_count;
   struct image *files;
   size_t *first_slice; /* of each file; file_count + 1 values */
+  long long stride;    /* between the numbers of the files' names; 0: none, or not the same */
 };
 
 /* Opens files and folders (their images in natural order), reads all headers, checks that all
@@ -29,8 +30,9 @@ enum status stack_read(const struct stack *stack, size_t z, float *out);
 /* Of a stack that has levels: slice z as `type`, native byte order. */
 enum status stack_read_stored(const struct stack *stack, size_t z, void *out);
 /* Warns if the files say that a voxel is not as large as `given` (m; x, y, z; NAN: nothing is
- * given). */
-void stack_compare_voxel(const struct stack *stack, const double given[3]);
+ * given), and if their numbers come in steps of more than two while nobody gave a distance of
+ * slices for itself. */
+void stack_compare_voxel(const struct stack *stack, const double given[3], bool has_slice_distance);
 /* Files that say "white is zero" are inverted, unless slice `z` holds the two labels of a segmented
  * image: labels are no brightness and count as stored. */
 enum status stack_keep_labels(struct stack *stack, size_t z);

@@ -127,9 +127,12 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
     cp "scan/slice_000$i.png" second
     cp "scan/slice_000$i.png" "all/s$((i / 3)).png"
   done
-  said() { ct2model info "$1" --voxel-size 8.745um 2>&1 > /dev/null; }
+  said() { ct2model info "$1" --voxel-size "${2-8.745um}" 2>&1 > /dev/null; }
   [[ "$(said second)" == *"numbered in steps of 3 (slice_0000.png, slice_0003.png, ...)"*"their distance"* ]]
   [ -z "$(said all)" ]
+  # Who gave a distance, were it that of the pixels, is not asked for it.
+  [ -z "$(said second 8.745um,8.745um,26.235um)" ]
+  [ -z "$(said second 8.745um,8.745um,8.745um)" ]
 }
 
 @test "a folder that is absent or may not be written is named, before the work" {

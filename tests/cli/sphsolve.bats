@@ -372,3 +372,19 @@ mass, pressure = h["mass"][()], h["pressure_bottom"][()]
 assert abs(mass[0] / (7.4 * 9.3 * 1e-4 * 0.01 * 1000) - 1) < 1e-9 and mass[-1] == mass[0], mass
 assert abs(pressure[20:].mean() / (9810 * 0.093) - 1) < 0.01, pressure'
 }
+
+@test "a run that is foretold to take long says so before it begins, and what is faster" {
+  cat > channel.cfg << 'END'
+scene = { name = "channel"; };
+domain = { size = ["60 mm", "60 mm"]; spacing = "0.25 mm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "60 mm", "60 mm"]; },
+            { type = "wall"; box = ["0", "0", "4 mm", "60 mm"]; } );
+force = { body_acceleration = ["0", "-1e-5 m/s^2"]; };
+END
+  said() { timeout --preserve-status -s INT 2 "$SPH" run channel.cfg -o run "$@" 2>&1 || true; }
+  [[ "$(said)" == *"by method wcsph: Re about"*"--set scene.method=stokes gives the k of slow flow"* ]]
+  [[ "$(said --set scene.method=wcsph)" == *"by method wcsph"* ]]
+  [[ "$(said --set scene.method=wcsph)" != *stokes* ]]
+  [[ "$(said --set domain.spacing=4mm)" != *"by method"* ]]
+}

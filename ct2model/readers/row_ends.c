@@ -1,0 +1,84 @@
+#include "ct2model/readers/row_ends.h"
+
+#include <math.h>
+
+#include "common/memory.h"
+
+/* Widths that are looked at: that of the image, ASIDE to either side of it, and one more. */
+enum { ASIDE = 4, GIVEN = ASIDE, MORE = 2 * ASIDE + 1, WIDTHS, ROWS = 4000 };
+
+/* With a width that is off by few each row begins a little aside of the one before, and the image
+ * is sheared, which layers may be, too. But the last pixel of a row and the first of the next lie
+ * at opposite sides of the body, wherever those are: for the width that is right these pairs
+ * differ more than neighbours do, and for a wrong one they are neighbours. */
+struct pairs {
+  size_t width[WIDTHS];
+  double neighbours, usual; /* all in a row: how many, and the sum of their differences */
+  double ends[WIDTHS], sum[WIDTHS], square[WIDTHS];
+  double below[WIDTHS]; /* sum over pixels one width apart */
+};
+
+/* `first`: the place in the file of the first of these pixels. */
+static void add(const float *pixels, size_t n, size_t first, struct pairs *pairs) {
+  for (size_t i = 0; i + 1 < n; i++)
+    pairs->usual += fabs((double)pixels[i + 1] - (double)pixels[i]);
+  pairs->neighbours += (double)(n - 1);
+  for (size_t k = 0; k < WIDTHS; k++) {
+    const size_t w = pairs->width[k];
+    for (size_t i = w - 1 - first % w; i + 1 < n; i += w) {
+      const double step = fabs((double)pixels[i + 1] - (double)pixels[i]);
+      pairs->ends[k]++;
+      pairs->sum[k] += step;
+      pairs->square[k] += step * step;
+    }
+    for (size_t i = 0; k < MORE && i + pairs->width[MORE - 1] < n; i++)
+      pairs->below[k] += fabs((double)pixels[i + w] - (double)pixels[i]);
+  }
+}
+
+/* What differs by five standard errors is no chance; ends of the given width by three. */
+static size_t choose(const struct pairs *pairs, bool more) {
+  const double usual = pairs->usual / pairs->neighbours;
+  double mean[WIDTHS], deviation[WIDTHS], most = 1.2 * usual;
+  size_t best = 0;
+  for (size_t k = 0; k < WIDTHS; k++) {
+    mean[k] = pairs->sum[k] / pairs->ends[k];
+    deviation[k] =
+        sqrt(fmax(0.0, pairs->square[k] / pairs->ends[k] - mean[k] * mean[k]) / pairs->ends[k]);
+  }
+  const double given = mean[GIVEN] - 3.0 * deviation[GIVEN];
+  if (more) return given > fmax(usual, mean[MORE]) ? 0 : pairs->width[MORE];
+  if (!(given < usual)) return 0;
+  for (size_t k = 0; k < MORE; k++) {
+    if (k == GIVEN || !(mean[k] > most) || !(mean[k] - 5.0 * deviation[k] > usual) ||
+        !(pairs->below[k] < pairs->below[GIVEN]))
+      continue;
+    most = mean[k];
+    best = pairs->width[k];
+  }
+  return best;
+}
+
+enum status row_ends_judge(const struct image *image, size_t *width) {
+  enum status status = STATUS_OK;
+  const size_t rows = image->size[1], n = image->size[0] * rows;
+  const size_t step = image->pages / (ROWS / rows + 1) + 1;
+  struct pairs pairs = {0};
+  void *stored = NULL;
+  float *pixels = NULL;
+  if (image->size[0] <= 2 * ASIDE || rows <= 2 * ASIDE) return STATUS_OK;
+  for (size_t k = 0; k < MORE; k++) pairs.width[k] = image->size[0] - ASIDE + k;
+  pairs.width[MORE] = *width > 0 ? *width : image->size[0];
+  TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
+  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
+  for (size_t z = 0; z < image->pages; z += step) {
+    TRY(image->reader->read(image, z, stored));
+    pixels_to_float(pixels, stored, n, image->type);
+    add(pixels, n, z * n, &pairs);
+  }
+  *width = choose(&pairs, *width > 0);
+cleanup:
+  memory_free(&stored);
+  memory_free(&pixels);
+  return status;
+}
