@@ -140,6 +140,7 @@
             runs.map(r => ({name: r.name, step: true,
                             points: r.density_histogram ? steps(r.density_histogram, 100, 100, false) : []})), {includeZero: true});
       // The works of the energy budget stand in its table.
+      const extras = [];
       Object.keys(runs[0].columns).filter(name => !name.startsWith('work_')).forEach(name => {
         const column = runs[0].columns[name], list = [];
         runs.forEach(r => r.columns[name] && r.columns[name].series.forEach((values, d, all) => (
@@ -150,9 +151,18 @@
         const all = [].concat.apply([], list.map(s => s.points.map(p => p[1]))).filter(v => v !== null);
         const least = Math.min.apply(null, all), most = Math.max.apply(null, all);
         const words = name.replace(/_/g, ' '), title = words[0].toUpperCase() + words.slice(1);
-        chart(parent, title, time, title + ' (' + (column.unit === '1' ? '-' : column.unit || '-') + ')', list,
-              least > 0 && most > 1e3 * least ? {logscale: true} : {});
+        extras.push([title, time, title + ' (' + (column.unit === '1' ? '-' : column.unit || '-') + ')', list,
+                     least > 0 && most > 1e3 * least ? {logscale: true} : {}]);
       });
+      // More than a screen or two of them wait behind a fold.
+      let into = parent;
+      if (extras.length > 4) {
+        const fold = document.createElement('details');
+        parent.after(fold);
+        element(fold, 'summary', '', extras.length + ' more: ' + extras.map(e => e[0].toLowerCase()).join(', '));
+        into = element(fold, 'div', 'charts');
+      }
+      extras.forEach(e => chart(into, ...e));
     },
     pdf(parent, pdf) {
       chart(parent, 'Velocity along the force', 'Velocity (mm/s)', 'Probability density (s/mm)',
@@ -214,8 +224,6 @@
     element(tools, 'button', '', 'Save SVG').onclick = () =>
       save('map-' + (i + 1) + '.svg', 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(map.outerHTML));
   });
-  /* Charts behind a fold have no width until it opens. */
-  document.querySelectorAll('details').forEach(d => d.addEventListener('toggle', () => window.dispatchEvent(new Event('resize'))));
   if (window.Dygraph) {
     document.documentElement.classList.add('live');
     document.querySelectorAll('.charts').forEach(parent => {
@@ -223,6 +231,8 @@
       if (data[part]) draw[part](parent, data[part]);
     });
   }
+  /* Charts behind a fold have no width until it opens. */
+  document.querySelectorAll('details').forEach(d => d.addEventListener('toggle', () => window.dispatchEvent(new Event('resize'))));
   document.querySelectorAll('img.still').forEach(still => {
     const tools = element(still.parentNode, 'div', 'tools');
     element(tools, 'button', '', 'Save SVG').onclick = () => save(still.dataset.name + '.svg', still.src);

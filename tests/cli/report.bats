@@ -237,6 +237,14 @@ END
   grep -q 'class="tensor"' tensor.html
   grep -q "by the flow net" trench.html
   narrow matched tensor trench
+  # All that a run of isph records would be screens of charts: the last page's wait behind a fold.
+  /usr/bin/python3 - << 'END'
+import re
+section = re.search('<section id="history">(.*?)</section>', open("dom.html").read(), re.S)[1]
+open_part, fold = section.split("<details>")
+assert open_part.count('class="plot"') <= 3 < fold.count('class="plot"'), (open_part.count('class="plot"'), fold.count('class="plot"'))
+assert re.search("<summary>[0-9]+ more: [^<]*particles", fold), fold[:300]
+END
 }
 
 # Chromium has no window under 500 pixels: each page is held to 390, and its widest element is measured.
