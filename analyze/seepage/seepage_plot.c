@@ -100,7 +100,7 @@ void seepage_plot(const struct seepage *s, struct product *product) {
   fputs("EOD\n", stream);
   char flow[80];
   value_with_error(flow, sizeof flow, s->flow, s->flow_error, "+-");
-  snprintf(title, sizeof title, "%s m^2/s in %d tubes, head %.3g m in %d drops", flow, tubes,
+  snprintf(title, sizeof title, "%s m^2/s in %d tubes, %.3g m in %d drops", flow, tubes,
            s->drop, DROPS);
   fputs("set title ", stream);
   plot_text(stream, title);
