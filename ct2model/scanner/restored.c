@@ -16,7 +16,10 @@ enum { BATCH = 32 };
  * grain than there are edges. */
 static const double LEAST = 10.0, MOST = 245.0;
 
-/* Slices that are looked at for specks at a time, and beside them: a speck is no longer. */
+/* Slices that are looked at for specks at a time, and beside them: a speck is no longer. Beside the
+ * first slice stands the last, as first and last do in rows and columns (specks.h): at an end of
+ * their slab specks would be let be, and one on a face of the scan stands in the way of the flow
+ * like any other. */
 enum { CHUNK = 64, BESIDE = 12 };
 
 /* An island that is smaller than what the scanner resolves is noise: a grain that touches nothing
@@ -29,28 +32,36 @@ static size_t speck_limit(const struct region *region, const struct coarse *scan
   return (size_t)fmin(fmax(volume, 8.0), SPECK_MOST);
 }
 
-/* Levels of specks change to the other side of `threshold`, by as much. */
+/* Levels of specks change to the other side of `threshold`, by as much, and clearly: the threshold
+ * moves when what is left is matched once more, and must not bring them back. */
+static const double CLEARLY = 16.0;
 static enum status drop_specks(const struct region *region, const struct scanner *scanner,
                                double threshold, struct coarse *scan) {
   enum status status = STATUS_OK;
   const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2], plane = nx * ny;
   const size_t words = phase_words(nx), limit = speck_limit(region, scan, scanner);
-  const size_t most = nz < CHUNK + 2 * BESIDE ? nz : CHUNK + 2 * BESIDE;
+  const size_t most = (nz < CHUNK ? nz : CHUNK) + 2 * BESIDE, kept = nz < BESIDE ? nz : BESIDE;
   int16_t *field = NULL;
   uint64_t *bits = NULL, *scratch = NULL;
-  uint8_t *old = NULL; /* levels before the chunk, as they were */
+  uint8_t *old = NULL, *begin = NULL; /* levels before the chunk, and the first, as they were */
   TRY(memory_allocate(&field, most * plane, sizeof *field, "specks"));
   TRY(memory_allocate(&bits, most * ny * words, sizeof *bits, "specks"));
   TRY(memory_allocate(&scratch, 2 * most * ny * words, sizeof *scratch, "specks"));
   TRY(memory_allocate(&old, BESIDE * plane, 1, "specks"));
+  TRY(memory_allocate(&begin, kept * plane, 1, "specks"));
+  memcpy(begin, scan->levels, kept * plane);
+  for (size_t i = 0; i < BESIDE; i++)
+    memcpy(old + i * plane, scan->levels + (nz * BESIDE + i - BESIDE) % nz * plane, plane);
   for (size_t z = 0; z < nz; z += CHUNK) {
-    const size_t count = nz - z < CHUNK ? nz - z : CHUNK, first = z > BESIDE ? z - BESIDE : 0;
-    const size_t end = z + count + BESIDE < nz ? z + count + BESIDE : nz;
-    const size_t size[3] = {nx, ny, end - first};
+    const size_t count = nz - z < CHUNK ? nz - z : CHUNK;
+    const size_t size[3] = {nx, ny, count + 2 * BESIDE};
 #pragma omp parallel for schedule(static)
     for (size_t row = 0; row < size[2] * ny; row++) {
-      const uint8_t *levels =
-          row / ny < z - first ? old + row * nx : scan->levels + (first * ny + row) * nx;
+      const size_t layer = row / ny, at = z + layer - BESIDE;
+      const uint8_t *levels = (layer < BESIDE ? old + layer * plane
+                               : at < nz      ? scan->levels + at * plane
+                                              : begin + (at - nz) % nz * plane) +
+                              row % ny * nx;
       for (size_t x = 0; x < nx; x++)
         field[row * nx + x] = (int16_t)lrint(64.0 * ((double)levels[x] - threshold));
       phase_row(field + row * nx, nx, bits + row * words);
@@ -60,8 +71,10 @@ static enum status drop_specks(const struct region *region, const struct scanner
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < count * plane; i++) {
       uint8_t *level = &scan->levels[z * plane + i];
-      if ((field[(z - first) * plane + i] > 0) == ((double)*level > threshold)) continue;
-      *level = (uint8_t)lrint(fmin(fmax(2.0 * threshold - (double)*level, 0.0), 255.0));
+      if ((field[BESIDE * plane + i] > 0) == ((double)*level > threshold)) continue;
+      const double off = fmax(fabs((double)*level - threshold), CLEARLY);
+      const double to = (double)*level > threshold ? threshold - off : threshold + off;
+      *level = (uint8_t)lrint(fmin(fmax(to, 0.0), 255.0));
     }
   }
   memset(scan->histogram.counts, 0, scan->histogram.bins * sizeof *scan->histogram.counts);
@@ -71,6 +84,7 @@ cleanup:
   memory_free(&bits);
   memory_free(&scratch);
   memory_free(&old);
+  memory_free(&begin);
   return status;
 }
 
