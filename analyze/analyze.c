@@ -114,16 +114,21 @@ cleanup:
   return status;
 }
 
-/* What k is good for, and what would make it better, as the head of the page says. */
+/* What k is good for, and what would make it better, as the head of the page says; of several the
+ * first, with its name. */
 static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
   struct page_model model;
   json_t *results = verdict_results(runs, n, darcy, NULL);
   const json_t *first = json_array_get(results, 0);
   page_model_read(&runs[0], &model);
   verdict_judge(results, &runs[0], &model);
-  if (first != NULL)
-    printf("Verdict: %s. %s\n", json_string_value(json_object_get(first, "good_for")),
+  if (first != NULL) {
+    const bool one = json_array_size(results) == 1;
+    const char *name = one ? "" : json_string_value(json_object_get(first, "name"));
+    printf("Verdict%s%s: %s. %s\n", one ? "" : " of ", name,
+           json_string_value(json_object_get(first, "good_for")),
            json_string_value(json_object_get(first, "advice")));
+  }
   json_decref(results);
 }
 

@@ -71,6 +71,11 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
     [[ "$output" == *"2 models together: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"* ]]
     rm -r mixed.html
   done
+  # The verdict is of one of them, and says of which.
+  run analyze darcy d1.hdf l1.hdf d5.hdf --mix
+  [[ "$output" == *"Verdict of slit"* ]]
+  run analyze darcy d1.hdf d5.hdf
+  [[ "$output" == *"Verdict: "* ]]
   # Two spacings of one body are a study of the resolution; another model at one of them is not part of it.
   /usr/bin/python3 "$MAKE_RUN" m20.hdf n=20 spacing=4e-5 k=1.04e-3 method=stokes hash=0x20
   /usr/bin/python3 "$MAKE_RUN" m40.hdf n=40 spacing=2e-5 k=1.01e-3 method=stokes hash=0x40
