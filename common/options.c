@@ -456,8 +456,9 @@ enum status options_integers(const struct options *options, const char *name, ch
     values[i] = strtoll(at, &end, 10);
     bool last = i + 1 == count;
     if (end == at || errno != 0 || (last ? *end != '\0' : *end != separator))
-      return FAIL(STATUS_USAGE, "--%s %s: %d whole numbers parted by '%c' are wanted", name, text,
-                  count, separator);
+      return count == 1 ? FAIL(STATUS_USAGE, "--%s %s: a whole number is wanted", name, text)
+                        : FAIL(STATUS_USAGE, "--%s %s: %d whole numbers parted by '%c' are wanted",
+                               name, text, count, separator);
     at = end + 1;
   }
   return STATUS_OK;

@@ -87,6 +87,24 @@ static enum status open_mask(const struct roi *roi, const struct stack *stack, s
               stack->size[1], stack->size[2]);
 }
 
+/* A scan in the place of its mask would count as inside but for its black voxels. */
+static void warn_of_greys(const struct roi *roi, const float *slice, size_t pixels) {
+  enum { LABELS = 32 };
+  float seen[LABELS];
+  size_t values = 0;
+  for (size_t i = 0; i < pixels; i++) {
+    size_t v = 0;
+    while (v < values && seen[v] != slice[i]) v++;
+    if (v == LABELS) {
+      log_warning("--roi mask:%s holds more than %d greys, as a scan does: all but 0 counts as "
+                  "inside; is it the mask?",
+                  roi->path, LABELS);
+      return;
+    }
+    if (v == values) seen[values++] = slice[i];
+  }
+}
+
 enum status roi_count(const struct roi *roi, const struct region *region,
                       struct grey_histogram *histogram) {
   enum status status = STATUS_OK;
@@ -101,6 +119,8 @@ enum status roi_count(const struct roi *roi, const struct region *region,
   if (roi->kind == ROI_MASK) {
     TRY(open_mask(roi, stack, &mask));
     TRY(memory_allocate(&inside, pixels, sizeof *inside, "a slice of the mask"));
+    TRY(stack_read(&mask, mask.size[2] / 2, inside));
+    warn_of_greys(roi, inside, pixels);
   }
   const size_t batch = region_batch(&whole);
   size_t numbers[64];

@@ -149,6 +149,13 @@ enum status isph_find_k(const struct isph *s, const struct plan *plan,
                        recorder_mean(recorder, COLUMN_VELOCITY, late, s->time), sampling,
                        column.inertia, strength * fabs(column.fall), result))
     return STATUS_OK;
+  if (!(v * column.gradient > 0)) {
+    log_warning("%s: no k: the water does not flow from the higher head to the lower; does one lie "
+                "below its side, where no water stands?",
+                scene->path);
+    result->k_error = result->error.steadiness = result->error.averaging = NAN;
+    return STATUS_OK;
+  }
   memset(result->darcy_velocity, 0, sizeof result->darcy_velocity);
   result->darcy_velocity[column.axis] = v;
   result->k = v / column.gradient;

@@ -65,6 +65,17 @@ double isph_mean_given(const struct scene *scene, const struct region *region, d
   return time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time;
 }
 
+/* A head is a height above z = 0 that water falls from. */
+static enum status check_heads(const struct scene *scene) {
+  if (!(scene->gravity[2] > 0)) return STATUS_OK;
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (scene->regions[r].boundary == BOUNDARY_HEAD)
+      return scene_error(scene, AT_FORCE,
+                         "heads are heights above z = 0, and this gravity points up; let its z be "
+                         "negative");
+  return STATUS_OK;
+}
+
 /* What fluxes and rain bring needs room, or a side of given head or a drain to go out by. */
 static enum status check_inflows(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -171,6 +182,7 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_walls(context));
   TRY(isph_refuse_wells(context));
   TRY(isph_refuse_rain(context));
+  TRY(check_heads(context->scene));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));
     TRY(check_moving_soil(context));

@@ -297,6 +297,13 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
   done
   run_ct sweep tube.raw $RAW --void-ratio $e --roi cylinder:-100,24,3
   [ "$status" -eq 3 ]
+  # The scan itself is no mask of it.
+  awk 'BEGIN { for (i = 0; i < 2304; i++) printf "%c", 1 + i % 97 }' > greys.raw
+  sed 's/one.raw/greys.raw/' one.mhd > greys.mhd
+  run_ct sweep tube.raw ${RAW% --quiet} --void-ratio $e --roi mask:one.mhd
+  [[ "$stderr" != *"is it the mask?"* ]]
+  run_ct sweep tube.raw ${RAW% --quiet} --void-ratio $e --roi mask:greys.mhd
+  [[ "$stderr" == *"mask:greys.mhd holds more than 32 greys"*"is it the mask?"* ]] || { echo "$status $stderr"; false; }
   # What reaches beyond the scan is not what was meant; its edge itself is.
   local loud="${RAW/--quiet/}"
   for roi in cylinder:24,24,24 box:0,0,0,48,48,48; do

@@ -189,6 +189,7 @@ END
     wrong "decimal comma" --void-ratio $comma --voxel-size 5um
   done
   wrong "three as" --void-ratio 0.7 --voxel-size 5um,5um
+  wrong "2.5: a whole number is wanted" --void-ratio 0.7 --voxel-size 5um --levels 2.5
   wrong "98.04 %" --void-ratio 50 --voxel-size 5um
   wrong "0.9" --void-ratio 0.725+-0.9 --voxel-size 5um
   [[ "$stderr" == *"as large as the void ratio"* ]]
@@ -412,6 +413,16 @@ END
   chmod +x made-of/*
   PATH="$PWD/made-of:$PATH" KEPT=$PWD/own/kept run make -C "$ROOT" package BUILD="$PWD/own"
   [ -e own/kept ] || { echo "$output"; false; }
+}
+
+@test "isph: water that does not go from the higher head to the lower gives no k" {
+  scene="$ROOT/data-samples/scenes/seepage-heads.cfg"
+  sphsolve run "$scene" --set 'regions.[2].head="-1 m"' --set 'domain.spacing="2 cm"' -o below > below.txt 2> below.log
+  grep -q "no k: the water does not flow from the higher head to the lower" below.log
+  run ! grep -q "^k " below.txt
+  run --separate-stderr sphsolve explain "$scene" --set 'force.gravity=["0","9.81 m/s^2"]'
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"force: heads are heights above z = 0, and this gravity points up"* ]]
 }
 
 @test "isph: a k that has not settled is none, or its error says so" {
