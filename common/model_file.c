@@ -58,7 +58,10 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
                model->size[0]);
   size_t count = model_site_count(model);
   const double slack = 1e-5 * (high - low); /* of sums that round */
-  for (size_t i = 0; i < count; i++) {
+  size_t beyond = 0;
+#pragma omp parallel for schedule(static) reduction(+ : beyond)
+  for (size_t i = 0; i < count; i++) beyond += !((*values)[i] >= low && (*values)[i] <= high);
+  for (size_t i = 0; i < count && beyond > 0; i++) {
     if ((*values)[i] >= low && (*values)[i] <= high) continue;
     if (!((*values)[i] >= low - slack && (*values)[i] <= high + slack))
       TRY_FAIL(STATUS_INPUT, "%s: %s holds %g at x=%zu y=%zu z=%zu; %g to %g is possible",
@@ -82,12 +85,14 @@ static enum status check_distances(const char *path, const struct voxel_model *m
                                    size_t grains) {
   const size_t count = model_site_count(model);
   size_t wrong = 0;
-  double nearest = INFINITY, widest = 0;
+  double widest = 0;
+  float nearest = INFINITY;
   for (int a = 0; a < 3; a++) widest = fmax(widest, model->spacing[a]);
+#pragma omp parallel for schedule(static) reduction(+ : wrong) reduction(min : nearest)
   for (size_t i = 0; i < count; i++) {
-    const double d = (double)model->wall_distance[i];
+    const float d = model->wall_distance[i], size = fabsf(d);
     wrong += model->solid[i] ? d > 0 : d < 0;
-    nearest = fmin(nearest, fabs(d));
+    nearest = size < nearest ? size : nearest;
   }
   if (2 * wrong > count)
     return FAIL(
@@ -95,12 +100,12 @@ static enum status check_distances(const char *path, const struct voxel_model *m
         "%s: /model/wall_distance has the wrong sign in %zu of %zu voxels: it is positive in "
         "the pores (solid 0) and negative in the grains",
         path, wrong, count);
-  if (grains > 0 && grains < count && nearest > 2 * widest)
+  if (grains > 0 && grains < count && (double)nearest > 2 * widest)
     return FAIL(
         STATUS_INPUT,
         "%s: /model/wall_distance is nowhere below %g m, %.3g voxels: metres from the middle "
         "of a voxel to the surface are wanted",
-        path, nearest, nearest / widest);
+        path, (double)nearest, (double)nearest / widest);
   return STATUS_OK;
 }
 
@@ -155,13 +160,16 @@ enum status model_read(const char *path, struct voxel_model *model) {
       TRY_FAIL(STATUS_INPUT, "%s: /model/solid is %zux%zux%zu: impossible", path, dims[0], dims[1],
                dims[2]);
   }
-  size_t count = model_site_count(model);
+  size_t count = model_site_count(model), unknown = 0;
+#pragma omp parallel for schedule(static) reduction(+ : grains, unknown)
   for (size_t i = 0; i < count; i++) {
+    grains += model->solid[i];
+    unknown += model->solid[i] > 1;
+  }
+  for (size_t i = 0; i < count && unknown > 0; i++)
     if (model->solid[i] > 1)
       TRY_FAIL(STATUS_INPUT, "%s: /model/solid holds %d; only 0 (pore) and 1 (grain) are possible",
                path, model->solid[i]);
-    grains += model->solid[i];
-  }
   if (!h5_attribute_exists(file, "/model", "spacing"))
     TRY_FAIL(STATUS_INPUT, "%s: /model has no attribute 'spacing' (m; z, y, x)", path);
   TRY(h5_read_attribute(file, "/model", "spacing", H5_F64, 3, spacing));

@@ -16,12 +16,10 @@
 static void sign_distances(struct lattice *lattice, size_t first, size_t end) {
   double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
   float least = (float)(1e-3 * spacing);
+#pragma omp parallel for schedule(static)
   for (size_t i = first; i < end; i++) {
     float *d = &lattice->wall_distance[i];
-    if (lattice->kind[i] == SITE_WALL)
-      *d = fminf(*d, -least);
-    else
-      *d = fmaxf(*d, least);
+    *d = lattice->kind[i] == SITE_WALL ? fminf(*d, -least) : fmaxf(*d, least);
   }
 }
 
@@ -305,10 +303,13 @@ enum status lattice_build(const struct scene *scene, int wall_layers, struct lat
     TRY(from_model(scene, wall_layers, lattice));
   else
     TRY(from_domain(scene, wall_layers, lattice));
+  size_t fluid = 0, wall = 0;
+#pragma omp parallel for schedule(static) reduction(+ : fluid, wall)
   for (size_t i = 0; i < lattice->count; i++) {
-    lattice->fluid_count += lattice->kind[i] == SITE_FLUID;
-    lattice->wall_count += lattice->kind[i] == SITE_WALL;
+    fluid += lattice->kind[i] == SITE_FLUID;
+    wall += lattice->kind[i] == SITE_WALL;
   }
+  lattice->fluid_count = fluid, lattice->wall_count = wall;
 cleanup:
   if (status != STATUS_OK) lattice_free(lattice);
   return status;

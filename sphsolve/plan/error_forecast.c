@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "sphsolve/plan/method.h"
 
@@ -21,44 +22,69 @@ static bool is_edge(const struct lattice *l, const size_t step[3], size_t site) 
   return axes > 1;
 }
 
+/* Sums over the faces between sites of two kinds. */
+struct face_sums {
+  double count, half, surface, outer, middle;
+};
+
+/* From site to site the distance changes by the normal's component n_a, and a unit of surface has
+ * n_a such faces: d + depth is the surface that belongs to this one. */
+static void add_face(const struct lattice *l, double unit, size_t site, size_t next,
+                     struct face_sums *sums) {
+  const size_t fluid = l->kind[site] == SITE_FLUID ? site : next, wall = site + next - fluid;
+  const double d = (double)l->wall_distance[fluid] / unit;
+  const double depth = -(double)l->wall_distance[wall] / unit;
+  sums->count += 1.0;
+  sums->half += fabs(d - 0.5) < 1e-3;
+  sums->surface += d + depth;
+  sums->outer += (d + depth) * depth;
+  sums->middle += (d + depth) * 0.5 * (depth - d);
+}
+
+/* Faces of `count` sites from `site` on with as many from `next` on. Few are unlike: eight kinds
+ * are compared at once. */
+static void add_faces(const struct lattice *l, double unit, size_t site, size_t next, size_t count,
+                      struct face_sums *sums) {
+  const uint8_t *own = l->kind + site, *other = l->kind + next;
+  for (size_t i = 0; i < count; i++) {
+    if (i + 8 <= count && memcmp(own + i, other + i, 8) == 0)
+      i += 7;
+    else if (own[i] != other[i])
+      add_face(l, unit, site + i, next + i, sums);
+  }
+}
+
 void pore_shape_find(const struct scene *scene, const struct lattice *l, struct pore_shape *shape) {
-  const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  const size_t *n = l->size, step[3] = {1, n[0], n[0] * n[1]}, rows = n[1] * n[2];
   const double unit =
       l->dimensions == 2 ? l->spacing[0] : cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
-  double faces = 0.0, half = 0.0, surface = 0.0, outer = 0.0, middle = 0.0;
+  struct face_sums sums = {0};
   double before = 0.0, behind = 0.0, edges = 0.0;
   int axes = 0;
   bool across = false;
   *shape = (struct pore_shape){.width = INFINITY, .grain = INFINITY};
   if (l->wall_count == 0) return;
   for (int a = 0; a < 3; a++) {
-    double here = 0.0;
-    for (size_t site = 0; site < l->count; site++) {
-      const bool last = site / step[a] % l->size[a] + 1 == l->size[a];
-      const size_t next = last ? site - (l->size[a] - 1) * step[a] : site + step[a];
-      if (l->kind[site] == l->kind[next]) continue;
-      const size_t fluid = l->kind[site] == SITE_FLUID ? site : next, wall = site + next - fluid;
-      const double d = (double)l->wall_distance[fluid] / unit;
-      const double depth = -(double)l->wall_distance[wall] / unit;
-      /* From site to site the distance changes by the normal's component n_a, and a unit of surface
-       * has n_a such faces: d + depth is the surface that belongs to this one. */
-      here += 1.0;
-      half += fabs(d - 0.5) < 1e-3;
-      surface += d + depth;
-      outer += (d + depth) * depth;
-      middle += (d + depth) * 0.5 * (depth - d);
+    const double counted = sums.count;
+    for (size_t row = 0; row < rows; row++) {
+      const size_t site = row * n[0], round = (n[a] - 1) * step[a];
+      const bool last = a == 0 || (a == 1 ? row % n[1] : row / n[1]) + 1 == n[a];
+      if (a == 0) add_faces(l, unit, site, site + 1, n[0] - 1, &sums);
+      if (a == 0 && l->kind[site + round] != l->kind[site])
+        add_face(l, unit, site + round, site, &sums);
+      if (a > 0) add_faces(l, unit, site, last ? site - round : site + step[a], n[0], &sums);
     }
-    axes += here > 0.0;
-    across = across || (here > 0.0 && scene->driving[a] != 0.0);
-    faces += here;
+    axes += sums.count > counted;
+    across = across || (sums.count > counted && scene->driving[a] != 0.0);
   }
+  const double faces = sums.count, surface = sums.surface;
   if (!(surface > 0.0)) return;
   const double fluid = (double)l->fluid_count;
   const bool boxes = !*scene->model_path;
   /* -d ln S: of grains between balls (2/3) and cylinders (1/2); of pores that run along the force
    * that of a tube; between boxes what the sites before and behind the walls say. */
   double shrinks = across ? 0.6 * surface / (l->bulk_count - fluid) : -0.5 * surface / fluid;
-  const bool sharp = boxes || half > 0.9 * faces;
+  const bool sharp = boxes || sums.half > 0.9 * faces;
   for (size_t site = 0; site < l->count && sharp; site++) {
     const double d = (double)l->wall_distance[site] / unit;
     before += l->kind[site] == SITE_FLUID && d < 1.0;
@@ -70,8 +96,8 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   shape->width = 4.0 * fluid / surface;
   if (!boxes) shape->grain = 2.0 * (l->bulk_count - fluid) / surface;
   shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
-  shape->outer = outer / surface;
-  shape->middle = middle / surface;
+  shape->outer = sums.outer / surface;
+  shape->middle = sums.middle / surface;
   shape->sharp = sharp;
   shape->flat = sharp && axes == 1;
 }
