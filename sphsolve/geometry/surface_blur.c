@@ -27,20 +27,48 @@ static double spacing_of(const struct lattice *l) {
   return cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
 }
 
-/* Along the axis of `stride` values: out [outer][n][stride] from in, periodic. Of a mirrored axis,
- * where i and n - 1 - i are alike, in and out hold the first `held`. */
+/* An axis of n values, periodic: where the one `reach` before `i` lies. Of a mirrored axis, where i
+ * and n - 1 - i are alike, the first `held` are there. */
+static size_t held_at(size_t i, size_t n, size_t held, size_t reach) {
+  const size_t j = (i + n * (reach / n + 1) - reach) % n;
+  return j < held ? j : n - 1 - j;
+}
+
+/* Values that stay in the fastest cache while the taps are gone through. */
+enum { BLOCK = 1024 };
+
+/* Along x: out [outer][held]. */
+static void blur_lines(const float *in, size_t n, size_t held, size_t outer, const float *taps,
+                       size_t reach, float *out) {
+#pragma omp parallel for schedule(static)
+  for (size_t o = 0; o < outer; o++)
+    for (size_t first = 0; first < held; first += BLOCK) {
+      const size_t count = held - first < BLOCK ? held - first : BLOCK;
+      float padded[BLOCK + 2 * TAPS_MOST], *row = out + o * held + first;
+      for (size_t i = 0; i < count + 2 * reach; i++)
+        padded[i] = in[o * held + held_at(first + i, n, held, reach)];
+      for (size_t i = 0; i < count; i++) row[i] = 0.0f;
+      for (size_t t = 0; t <= 2 * reach; t++)
+        for (size_t i = 0; i < count; i++) row[i] += taps[t] * padded[i + t];
+    }
+}
+
+/* Along the axis of `stride` values: out [outer][held][stride]. */
 static void blur_axis(const float *in, size_t n, size_t held, size_t stride, size_t outer,
                       const float *taps, size_t reach, float *out) {
+  const size_t blocks = (stride + BLOCK - 1) / BLOCK;
 #pragma omp parallel for schedule(static) collapse(2)
   for (size_t o = 0; o < outer; o++)
-    for (size_t i = 0; i < held; i++) {
-      const float *base = in + o * held * stride;
-      float *row = out + (o * held + i) * stride;
-      for (size_t s = 0; s < stride; s++) row[s] = 0.0f;
-      for (size_t t = 0; t <= 2 * reach; t++) {
-        const size_t j = (i + t + n * (reach / n + 1) - reach) % n;
-        const float *from = base + (j < held ? j : n - 1 - j) * stride;
-        for (size_t s = 0; s < stride; s++) row[s] += taps[t] * from[s];
+    for (size_t b = 0; b < blocks; b++) {
+      const size_t first = b * BLOCK, count = stride - first < BLOCK ? stride - first : BLOCK;
+      const float *base = in + o * held * stride + first;
+      for (size_t i = 0; i < held; i++) {
+        float *row = out + (o * held + i) * stride + first;
+        for (size_t s = 0; s < count; s++) row[s] = 0.0f;
+        for (size_t t = 0; t <= 2 * reach; t++) {
+          const float *from = base + held_at(i + t, n, held, reach) * stride;
+          for (size_t s = 0; s < count; s++) row[s] += taps[t] * from[s];
+        }
       }
     }
 }
@@ -62,7 +90,11 @@ static void blur(const struct lattice *l, double deviation, size_t planes, float
       sum += exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0));
     for (size_t t = 0; t <= 2 * reach; t++)
       taps[t] = (float)(exp(-0.5 * pow(((double)t - (double)reach) / sigma, 2.0)) / sum);
-    blur_axis(*image, n, held[a], stride, count / held[a] / stride, taps, reach, *work);
+    const size_t outer = count / held[a] / stride;
+    if (stride == 1)
+      blur_lines(*image, n, held[a], outer, taps, reach, *work);
+    else
+      blur_axis(*image, n, held[a], stride, outer, taps, reach, *work);
     float *blurred = *work;
     *work = *image, *image = blurred;
     stride *= held[a];

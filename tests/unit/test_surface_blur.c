@@ -153,10 +153,43 @@ static void test_level(void **state) {
   lattice_free(&balls);
 }
 
+/* Rows longer than the pieces they are blurred in: each copy of a body along them has the same
+ * bits. */
+static void test_long_rows(void **state) {
+  (void)state;
+  enum { LONG = 1536, COPY = 64, WIDE = 6 };
+  struct lattice l = {.dimensions = 3,
+                      .size = {LONG, WIDE, WIDE},
+                      .spacing = {H, H, H},
+                      .count = (size_t)LONG * WIDE * WIDE,
+                      .bulk_count = (double)LONG * WIDE * WIDE};
+  struct lattice blurred;
+  double scale;
+  assert_int_equal(memory_allocate(&l.kind, l.count, 1, "test"), STATUS_OK);
+  assert_int_equal(memory_allocate(&l.wall_distance, l.count, sizeof(float), "test"), STATUS_OK);
+  for (size_t s = 0; s < l.count; s++) {
+    const double x = (double)(s % COPY) + 0.5, y = (double)(s / LONG % WIDE) + 0.5;
+    const double d = fabs(x - 30.0) - 8.0 - sin(2.0 * M_PI * y / WIDE);
+    l.wall_distance[s] = (float)(d * H);
+    l.kind[s] = d > 0.0 ? SITE_FLUID : SITE_WALL;
+    *(d > 0.0 ? &l.fluid_count : &l.wall_count) += 1;
+  }
+  assert_int_equal(lattice_blur(&l, 1.5 * H, &l, &scale, &blurred), STATUS_OK);
+  size_t changed = 0;
+  for (size_t s = 0; s < l.count; s++) {
+    const size_t first = s / LONG * LONG + s % COPY;
+    assert_true(blurred.wall_distance[s] == blurred.wall_distance[first]);
+    changed += fabsf(blurred.wall_distance[s] - l.wall_distance[s]) > 1e-3f * (float)H;
+  }
+  assert_true(changed > l.count / 20);
+  lattice_free(&blurred);
+  lattice_free(&l);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_slits),
-                                     cmocka_unit_test(test_sheets),
-                                     cmocka_unit_test(test_flat_walls_stay),
-                                     cmocka_unit_test(test_level)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_balls),           cmocka_unit_test(test_long_rows),
+      cmocka_unit_test(test_slits),           cmocka_unit_test(test_sheets),
+      cmocka_unit_test(test_flat_walls_stay), cmocka_unit_test(test_level)};
   return cmocka_run_group_tests_name("surface_blur", tests, NULL, NULL);
 }
