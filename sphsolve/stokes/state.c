@@ -97,19 +97,22 @@ static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   return ranks_sum(sum);
 }
 
-/* The residual in double precision, and the divergence that is left of it. */
-static void find_residual(struct stokes_solver *s) {
+/* The residual in double precision; `at_rest`: x is 0. */
+static void find_residual(struct stokes_solver *s, bool at_rest) {
   /* In the second vector of the basis, from where doubles may begin. */
   const size_t begin = s->krylov.length + s->krylov.length % 2;
   double *component = (double *)(void *)(s->krylov.basis + begin);
-  stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
+  if (at_rest && s->operator.soil == NULL)
+    stokes_operator_right_side(&s->operator, s->force, s->residual);
+  else
+    stokes_operator_residual(&s->operator, s->force, s->x, component, s->residual);
   stokes_operator_clear_plane(&s->operator, s->residual);
   scale_rows(&s->operator, s->residual);
   s->exact = true;
 }
 
 void stokes_solver_measure(struct stokes_solver *s, bool anew) {
-  if (anew) find_residual(s);
+  if (anew) find_residual(s, false);
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_operator *op = &s->operator;
   double sums[2] = {0.0}, flux[3], moved = 0.0, length = 0.0;
@@ -204,7 +207,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   s->krylov.precondition = precondition;
   s->residual_now = INFINITY;
   TRY(interrupt_look());
-  find_residual(s);
+  find_residual(s, true);
   TRY(interrupt_look());
   stokes_solver_measure(s, false);
 cleanup:

@@ -269,6 +269,34 @@ static void test_bits_do_not_depend_on_threads(void **state) {
   omp_set_num_threads(threads);
 }
 
+/* What drives still water is found without the sums over neighbours, to the same bits. */
+static void test_right_side(void **state) {
+  (void)state;
+  const size_t size[3] = {20, 20, 20};
+  const double driving[3] = {0.0, 1.0, 0.3};
+  const enum wall_scheme walls[] = {WALL_SUBVOXEL, WALL_ADAMI};
+  for (int w = 0; w < 2; w++) {
+    struct lattice lattice;
+    struct stokes_solver s;
+    double *work = NULL;
+    float *summed = NULL;
+    lattice_fill(&lattice, size, 0.05, sphere_distance, 0.3);
+    assert_int_equal(stokes_solver_build(&lattice, NULL, 2.9 * 0.05, walls[w], 1.0, driving, &s),
+                     STATUS_OK);
+    const size_t n = s.grid.active;
+    assert_int_equal(memory_allocate(&work, n, sizeof *work, "test"), STATUS_OK);
+    assert_int_equal(memory_allocate(&summed, 4 * n, sizeof *summed, "test"), STATUS_OK);
+    stokes_operator_residual(&s.operator, s.force, s.x, work, summed);
+    stokes_operator_right_side(&s.operator, s.force, s.residual);
+    for (size_t i = 0; i < 4 * n; i++) assert_true(summed[i] == s.residual[i]);
+    assert_true(summed[n] != 0.0f);
+    memory_free(&work);
+    memory_free(&summed);
+    stokes_solver_free(&s);
+    lattice_empty(&lattice);
+  }
+}
+
 /* Every instruction set against the sum written out, rows shorter than the support included. */
 static void check_row_loops(double support) {
   const struct stokes_rows *sets[] = {&stokes_rows_base, &stokes_rows_avx2, stokes_rows_best()};
@@ -350,6 +378,7 @@ int main(void) {
       cmocka_unit_test(test_walls_of_a_slit),
       cmocka_unit_test(test_couette),
       cmocka_unit_test(test_bits_do_not_depend_on_threads),
+      cmocka_unit_test(test_right_side),
       cmocka_unit_test(test_row_loops),
       cmocka_unit_test(test_pores_are_packed),
       cmocka_unit_test(test_throat_one_site_wide),

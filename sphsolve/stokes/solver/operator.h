@@ -94,6 +94,9 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
  * number (x, y, z); work [n]. */
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
                               double *work, float *residual);
+/* The same of x = 0, without soil, which holds still water too. */
+void stokes_operator_right_side(const struct stokes_operator *op, const double force[3],
+                                float *residual);
 /* Volume integral of the velocity over the pores; p_gradient: G p as apply_gradient gives it. */
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
                           const float *p_gradient, double flux[3]);

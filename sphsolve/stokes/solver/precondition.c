@@ -113,12 +113,52 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
   }
 }
 
+/* What a row adds to the couplings between its blocks and the next; kappa and Darcy's mobility by
+ * lattice site. */
+static void add_row(struct stokes_preconditioner *pc, const float *kappa, const float *darcy,
+                    size_t row) {
+  const struct stokes_operator *op = pc->op;
+  const struct stokes_grid *grid = op->grid;
+  const size_t nx = grid->size[0], *size = grid->size;
+  const size_t j = row % size[1], k = row / size[1];
+  struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
+  for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
+    const float here = kappa[row * grid->stride + i];
+    if (here == 0.0f) continue;
+    const size_t at[3] = {i, j, k};
+    const size_t c = ((k / 2) * v->size[1] + j / 2) * v->size[0] + i / 2;
+    /* An odd pressure is zero on the mirror planes, half a spacing away. */
+    if (grid->mirrored && grid->parity[3] < 0.0f && (k == 0 || k + 1 == stokes_grid_planes(grid)))
+      p->mass[c] += (float)(1.0 / (op->stencil->spacing[2] * op->stencil->spacing[2])) *
+                    darcy[row * grid->stride + i];
+    for (int a = 0; a < op->stencil->axis_count; a++) {
+      const int axis = op->stencil->axes[a];
+      const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
+      if (!edge || v->size[axis] == 1) continue;
+      const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
+      if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;
+      size_t next[3] = {i, j, k};
+      next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
+      const size_t beside = (next[2] * size[1] + next[1]) * grid->stride + next[0];
+      const float there = kappa[beside];
+      if (there == 0.0f) continue;
+      v->face[axis][c] += t * here * there;
+      if (op->soil) { /* in series, as it jumps */
+        const float low = darcy[row * grid->stride + i], high = darcy[beside];
+        p->face[axis][c] += t * 2.0f * low * high / (low + high);
+      } else {
+        p->face[axis][c] += t * 0.5f * (here + there);
+      }
+    }
+  }
+}
+
 /* Couplings between neighbouring blocks from the faces between active sites. */
 static enum status fill_levels(struct stokes_preconditioner *pc) {
   struct stokes_operator *op = pc->op;
   const struct stokes_grid *grid = op->grid;
-  const size_t nx = grid->size[0], *size = grid->size;
-  struct stokes_multigrid_level *v = &pc->velocity.levels[0], *p = &pc->pressure.levels[0];
+  const size_t *size = grid->size;
+  struct stokes_multigrid_level *v = &pc->velocity.levels[0];
   float *kappa = op->field, *darcy = kappa; /* by lattice site */
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
@@ -136,38 +176,12 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
     ranks_wait();
   }
   restrict_packed(pc, pc->kappa, false, v, v->mass);
-  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    const size_t j = row % size[1], k = row / size[1];
-    for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
-      const float here = kappa[row * grid->stride + i];
-      if (here == 0.0f) continue;
-      const size_t at[3] = {i, j, k};
-      const size_t c = ((k / 2) * v->size[1] + j / 2) * v->size[0] + i / 2;
-      /* An odd pressure is zero on the mirror planes, half a spacing away. */
-      if (grid->mirrored && grid->parity[3] < 0.0f && (k == 0 || k + 1 == stokes_grid_planes(grid)))
-        p->mass[c] += (float)(1.0 / (op->stencil->spacing[2] * op->stencil->spacing[2])) *
-                      darcy[row * grid->stride + i];
-      for (int a = 0; a < op->stencil->axis_count; a++) {
-        const int axis = op->stencil->axes[a];
-        const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
-        if (!edge || v->size[axis] == 1) continue;
-        const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
-        if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;
-        size_t next[3] = {i, j, k};
-        next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
-        const size_t beside = (next[2] * size[1] + next[1]) * grid->stride + next[0];
-        const float there = kappa[beside];
-        if (there == 0.0f) continue;
-        v->face[axis][c] += t * here * there;
-        if (op->soil) { /* in series, as it jumps */
-          const float low = darcy[row * grid->stride + i], high = darcy[beside];
-          p->face[axis][c] += t * 2.0f * low * high / (low + high);
-        } else {
-          p->face[axis][c] += t * 0.5f * (here + there);
-        }
-      }
-    }
-  }
+  /* The two planes of a layer of blocks by one thread, row by row: sums in one order. */
+  const size_t begin = stokes_grid_begin(grid), end = stokes_grid_end(grid);
+#pragma omp parallel for schedule(static)
+  for (size_t first = begin; first < end; first += 2 * size[1])
+    for (size_t row = first; row < end && row < first + 2 * size[1]; row++)
+      add_row(pc, kappa, darcy, row);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->velocity);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->pressure);
   return interrupt_look();

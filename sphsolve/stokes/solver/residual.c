@@ -200,6 +200,20 @@ static void unpack_linked(struct stokes_operator *op, int component,
     unpack_double(op, component, packed);
 }
 
+void stokes_operator_right_side(const struct stokes_operator *op, const double force[3],
+                                float *residual) {
+  const size_t axes = (size_t)op->stencil->axis_count, n = op->n;
+  for (size_t a = 0; a < axes; a++) {
+    const double along = force[op->stencil->axes[a]];
+    const float *drag = op->drag ? op->drag + a * n : NULL;
+    float *momentum = residual + a * n;
+#pragma omp parallel for schedule(static) num_threads(op->threads)
+    for (size_t i = 0; i < n; i++)
+      momentum[i] = (float)((double)op->parabola[i] * along + (drag ? (double)drag[i] : 0.0));
+  }
+  memset(residual + axes * n, 0, n * sizeof *residual);
+}
+
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
                               double *work, float *residual) {
   const int axes = op->stencil->axis_count;
