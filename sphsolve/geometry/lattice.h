@@ -43,6 +43,7 @@ struct lattice {
    * What the solver decides by a permeability it decides by that without the factor. */
   double micro_moved;
   struct model_facts model;
+  bool y_mirrored; /* made so that sites j and size[1] - 1 - j are alike */
 };
 
 /* Arrays of a lattice that are set aside in a file on disk, and which. */

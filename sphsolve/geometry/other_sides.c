@@ -40,6 +40,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
   mirrored->micro_porosity = mirrored->micro_permeability = NULL;
   TRY(distances_inside(wrapped, axes, &distance));
   mirrored->size[0] = times[0] * n[0], mirrored->size[1] = times[1] * n[1];
+  mirrored->y_mirrored = axes[1];
   mirrored->count = copies * wrapped->count;
   mirrored->bulk_count = (double)copies * wrapped->bulk_count;
   mirrored->fluid_count = copies * wrapped->fluid_count;

@@ -269,6 +269,51 @@ static void test_bits_do_not_depend_on_threads(void **state) {
   omp_set_num_threads(threads);
 }
 
+/* Balls that are no mirror image of themselves within a box, in two that mirror each other in y. */
+static double mirrored_balls(const double at[3], double radius) {
+  const double y = at[1] < 1.0 ? at[1] : 2.0 - at[1];
+  const double balls[2][3] = {{0.31, 0.23, 0.4}, {0.7, 0.71, 0.87}};
+  double least = INFINITY;
+  for (int b = 0; b < 2; b++)
+    for (int i = 0; i < 18; i++) {
+      const double image = i / 9 == 0 ? balls[b][1] : -balls[b][1];
+      const double away[3] = {at[0] - balls[b][0] - (double)(i % 3 - 1), y - image,
+                              at[2] - balls[b][2] - (double)(i / 3 % 3 - 1)};
+      least = fmin(least, sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]) - radius);
+    }
+  return least;
+}
+
+/* A lattice that is mirrored in y is solved by half: the same flow from half the sites. */
+static void test_half_along_y(void **state) {
+  (void)state;
+  const size_t size[3] = {14, 28, 14};
+  const double driving[3] = {0.0, 0.0, -2.0};
+  double k[2], across[2];
+  size_t active[2];
+  for (int half = 0; half < 2; half++) {
+    struct lattice lattice;
+    struct stokes_solver s;
+    lattice_fill(&lattice, size, 1.0 / 14.0, mirrored_balls, 0.36);
+    lattice.y_mirrored = half == 1;
+    assert_int_equal(
+        stokes_solver_build_half(&lattice, NULL, 2.9 / 14.0, WALL_SUBVOXEL, 1.0, driving, &s),
+        STATUS_OK);
+    assert_int_equal(stokes_solver_run(&s, &(struct stokes_goal){.residual = 1e-6}), STATUS_OK);
+    assert_true(fabs(s.mean[1]) < 1e-4 * fabs(s.mean[2]));
+    k[half] = -s.mean[2];
+    across[half] = s.mean[0];
+    active[half] = s.grid.active;
+    stokes_solver_free(&s);
+    lattice_empty(&lattice);
+  }
+  print_message("# mirrored in y: k %.9g, by half %.9g; across %.3g, %.3g of it\n", k[0], k[1],
+                across[0] / k[0], across[1] / k[0]);
+  assert_int_equal(active[0], 2 * active[1]);
+  assert_true(fabs(k[1] / k[0] - 1.0) < 1e-5);
+  assert_true(fabs(across[1] - across[0]) < 1e-5 * k[0]);
+}
+
 /* What drives still water is found without the sums over neighbours, to the same bits. */
 static void test_right_side(void **state) {
   (void)state;
@@ -378,6 +423,7 @@ int main(void) {
       cmocka_unit_test(test_walls_of_a_slit),
       cmocka_unit_test(test_couette),
       cmocka_unit_test(test_bits_do_not_depend_on_threads),
+      cmocka_unit_test(test_half_along_y),
       cmocka_unit_test(test_right_side),
       cmocka_unit_test(test_row_loops),
       cmocka_unit_test(test_pores_are_packed),

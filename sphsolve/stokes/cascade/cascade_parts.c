@@ -86,7 +86,8 @@ enum status cascade_add_sides(struct cascade *c) {
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
   TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, &k));
-  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, false}, &mirrored));
+  /* In y first: what is mirrored there is solved by half. */
+  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){false, true}, &mirrored));
   TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &one));
   lattice_free(&mirrored);
   TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));

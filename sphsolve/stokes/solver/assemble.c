@@ -371,7 +371,7 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
       const size_t begin = (size_t)a * op->n + grid->row_start[row];
       const size_t end = (size_t)a * op->n + grid->row_start[row + 1];
       const int axis = op->stencil->axes[a];
-      if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
+      if (stokes_grid_cancels(grid, axis)) continue;
       for (size_t i = begin; i < end; i++) sum[a] += x[i];
       for (size_t e = op->edge_start[row]; e < op->edge_start[row + 1]; e++) {
         const size_t at = begin + op->edges[e].at;

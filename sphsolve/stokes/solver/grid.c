@@ -50,31 +50,45 @@ enum status stokes_grid_build(const struct lattice *lattice, const double drivin
   }
   grid->active = grid->active_all = grid->flowing = grid->row_start[grid->rows];
   grid->row_end = grid->inner_end = grid->rows;
+  grid->columns = grid->size[1];
   return STATUS_OK;
 cleanup:
   stokes_grid_free(grid);
   return status;
 }
 
+/* Solves the rows before the mirror of each plane. */
+static void halve(struct stokes_grid *grid) {
+  size_t packed = 0, taken = 0;
+  grid->columns = grid->size[1] / 2;
+  for (size_t row = 0; row < grid->rows; row++) {
+    const size_t count = grid->row_start[row + 1] - taken;
+    taken = grid->row_start[row + 1];
+    packed += stokes_grid_is_beside(grid, row) ? 0 : count;
+    grid->row_start[row + 1] = packed;
+  }
+}
+
 void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
                         const double driving[3], int reach) {
-  const size_t nz = grid->size[2], half = (nz + 1) / 2;
+  const size_t ny = grid->size[1], nz = grid->size[2], least = 4 * (size_t)reach + 2;
   int along = -1, axes = 0;
   for (int a = 0; a < 3; a++)
     if (driving[a] != 0.0) {
       along = a;
       axes++;
     }
-  if (ranks_count() > 1 || axes != 1 || lattice->dimensions != 3 || nz < 4 * (size_t)reach + 2 ||
-      !lattice_is_mirrored(lattice))
-    return;
-  grid->mirrored = true;
+  if (ranks_count() > 1 || axes != 1 || lattice->dimensions != 3) return;
   grid->images = reach;
+  if (lattice->y_mirrored && along != 1 && ny >= least && lattice->micro_porosity == NULL)
+    halve(grid);
+  grid->mirrored = nz >= least && lattice_is_mirrored(lattice);
+  const size_t planes = grid->mirrored ? (nz + 1) / 2 : nz;
   /* The image of a flow is the flow of the image of its force: a force along z changes its sign,
    * and with it all fields, but for velocities along z, which change theirs once more. */
   const float force = along == 2 ? -1.0f : 1.0f;
   for (int c = 0; c < 4; c++) grid->parity[c] = c == 2 ? -force : force;
-  grid->row_end = grid->inner_end = half * grid->size[1];
+  grid->row_end = grid->inner_end = planes * ny;
   grid->active = grid->active_all = grid->row_start[grid->row_end];
 }
 

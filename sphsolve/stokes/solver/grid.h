@@ -33,6 +33,9 @@ struct stokes_grid {
    * pressure), and the rows beyond are images of those within. */
   bool mirrored;
   float parity[4];
+  /* The same in y, where the lattice says so: rows up to `columns` of each plane are solved, of
+   * size[1]. Velocities along y are odd there, all else is even. */
+  size_t columns;
   int images; /* planes of images on each side that a stencil reads */
   struct slabs slabs;
   uint16_t *mask;    /* [rows][chunks]: bit b of chunk c is site c * STOKES_LANES + b */
@@ -44,8 +47,8 @@ struct stokes_grid {
  * balanced by pressure. `keep_all`: walls move, every pore may flow. */
 enum status stokes_grid_build(const struct lattice *lattice, const double driving[3], int keep_all,
                               struct stokes_grid *grid);
-/* Takes the lower half only, where the lattice is mirrored, the flow with it, and one rank has all
- * of it. `reach` as below. */
+/* Takes the lower half only along z, y or both, where the lattice is mirrored, the flow with it,
+ * and one rank has all of it. `reach` as below. */
 void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
                         const double driving[3], int reach);
 /* Shares the rows out among the ranks; `reach`: planes a stencil reads on each side. Does nothing
@@ -78,38 +81,64 @@ static inline size_t stokes_grid_end(const struct stokes_grid *grid) {
 static inline size_t stokes_grid_planes(const struct stokes_grid *grid) {
   return grid->mirrored ? grid->row_end / grid->size[1] : grid->size[2];
 }
+static inline bool stokes_grid_is_halved(const struct stokes_grid *grid) {
+  return grid->columns < grid->size[1];
+}
+/* Whether a row within `row_end` is an image in y. */
+static inline bool stokes_grid_is_beside(const struct stokes_grid *grid, size_t row) {
+  return stokes_grid_is_halved(grid) && row % grid->size[1] >= grid->columns;
+}
 /* How often a row counts in sums over the lattice. */
 static inline double stokes_grid_weight(const struct stokes_grid *grid, size_t row) {
-  if (!grid->mirrored) return 1.0;
-  return grid->size[2] % 2 == 1 && row + grid->size[1] >= grid->row_end ? 1.0 : 2.0;
+  const double copies = stokes_grid_is_halved(grid) ? 2.0 : 1.0;
+  if (!grid->mirrored) return copies;
+  return grid->size[2] % 2 == 1 && row + grid->size[1] >= grid->row_end ? copies : 2.0 * copies;
+}
+/* Whether the velocities along an axis of the halves that are not solved take away those of the
+ * one that is. */
+static inline bool stokes_grid_cancels(const struct stokes_grid *grid, int axis) {
+  return (grid->mirrored && grid->parity[axis] < 0.0f) ||
+         (axis == 1 && stokes_grid_is_halved(grid));
 }
 /* The row whose image a row of a mirrored lattice is. */
 static inline size_t stokes_grid_image(const struct stokes_grid *grid, size_t row) {
   const size_t ny = grid->size[1];
   return (grid->size[2] - 1 - row / ny) * ny + row % ny;
 }
+static inline void stokes_grid_copy_row(const struct stokes_grid *grid, float sign, size_t from,
+                                        size_t row, void *field, bool wide) {
+  const size_t in = from * grid->stride, out = row * grid->stride;
+  float *narrow = field;
+  double *doubles = field;
+  if (wide)
+    for (size_t i = 0; i < grid->stride; i++) doubles[out + i] = (double)sign * doubles[in + i];
+  else
+    for (size_t i = 0; i < grid->stride; i++) narrow[out + i] = sign * narrow[in + i];
+}
 /* Within a parallel region: the ghost rows of a field of `stride` floats or doubles a row. Images
  * are there when it returns; rows of other ranks are put under way, and have come in before part 1.
  * component: 0 to 2 velocity, 3 pressure, -1 what is even. */
 static inline void stokes_grid_post(const struct stokes_grid *grid, int component, void *field,
                                     size_t bytes) {
+  const bool wide = bytes == grid->stride * sizeof(double);
+  if (stokes_grid_is_halved(grid)) {
+    const size_t ny = grid->size[1], images = (size_t)grid->images;
+    const size_t count = 2 * images * (grid->row_end / ny);
+#pragma omp for schedule(static)
+    for (size_t n = 0; n < count; n++) {
+      const size_t beyond = n % (2 * images), plane = n / (2 * images) * ny;
+      const size_t j = beyond < images ? grid->columns + beyond : ny - 1 - (beyond - images);
+      stokes_grid_copy_row(grid, component == 1 ? -1.0f : 1.0f, plane + ny - 1 - j, plane + j,
+                           field, wide);
+    }
+  }
   if (grid->mirrored) {
     const float sign = component < 0 ? 1.0f : grid->parity[component];
     const size_t ny = grid->size[1], first = grid->row_end, count = (size_t)grid->images * ny;
-    const bool wide = bytes == grid->stride * sizeof(double);
 #pragma omp for schedule(static)
     for (size_t n = 0; n < 2 * count; n++) {
       const size_t row = n < count ? first + n : grid->rows - 1 - (n - count);
-      const size_t from = stokes_grid_image(grid, row) * grid->stride;
-      if (wide) {
-        const double *in = (const double *)field + from;
-        double *out = (double *)field + row * grid->stride;
-        for (size_t i = 0; i < grid->stride; i++) out[i] = (double)sign * in[i];
-      } else {
-        const float *in = (const float *)field + from;
-        float *out = (float *)field + row * grid->stride;
-        for (size_t i = 0; i < grid->stride; i++) out[i] = sign * in[i];
-      }
+      stokes_grid_copy_row(grid, sign, stokes_grid_image(grid, row), row, field, wide);
     }
   }
   if (!RANKS || grid->reach == 0) return;

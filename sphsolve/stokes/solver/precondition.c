@@ -82,7 +82,7 @@ static void restrict_packed(const struct stokes_preconditioner *pc, const float 
     float *sum = out + c * coarse->size[0];
     memset(sum, 0, coarse->size[0] * sizeof *sum);
     for (size_t k = 2 * K; k < 2 * K + 2 && k < nz; k++)
-      for (size_t j = 2 * J; j < 2 * J + 2 && j < ny; j++) {
+      for (size_t j = 2 * J; j < 2 * J + 2 && j < grid->columns; j++) {
         const size_t row = k * ny + j;
         size_t at = grid->row_start[row];
         for (size_t chunk = 0; chunk < grid->chunks; chunk++)
@@ -102,6 +102,7 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % grid->size[1], k = row / grid->size[1];
+    if (stokes_grid_is_beside(grid, row)) continue;
     const float *from = coarse->u + ((k / 2) * coarse->size[1] + j / 2) * coarse->size[0];
     size_t at = grid->row_start[row];
     for (size_t chunk = 0; chunk < grid->chunks; chunk++)
@@ -137,6 +138,7 @@ static void add_row(struct stokes_preconditioner *pc, const float *kappa, const 
       if (!edge || v->size[axis] == 1) continue;
       const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
       if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;
+      if (stokes_grid_is_halved(grid) && axis == 1 && j + 1 == grid->columns) continue;
       size_t next[3] = {i, j, k};
       next[axis] = at[axis] + 1 < size[axis] ? at[axis] + 1 : 0;
       const size_t beside = (next[2] * size[1] + next[1]) * grid->stride + next[0];
@@ -162,8 +164,9 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
   float *kappa = op->field, *darcy = kappa; /* by lattice site */
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
-    op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
-                     pc->kappa + grid->row_start[row], kappa + row * grid->stride);
+    if (!stokes_grid_is_beside(grid, row))
+      op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
+                       pc->kappa + grid->row_start[row], kappa + row * grid->stride);
   if (RANKS) slabs_post(&grid->slabs, 0, kappa, size[1] * grid->stride * sizeof *kappa, 1);
   ranks_wait();
   if (op->soil) {
@@ -181,7 +184,7 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
 #pragma omp parallel for schedule(static)
   for (size_t first = begin; first < end; first += 2 * size[1])
     for (size_t row = first; row < end && row < first + 2 * size[1]; row++)
-      add_row(pc, kappa, darcy, row);
+      if (!stokes_grid_is_beside(grid, row)) add_row(pc, kappa, darcy, row);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->velocity);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->pressure);
   return interrupt_look();
@@ -192,9 +195,9 @@ enum status stokes_preconditioner_build(struct stokes_operator *op,
   enum status status = STATUS_OK;
   memset(pc, 0, sizeof *pc);
   pc->op = op;
+  const size_t solved[3] = {op->grid->size[0], op->grid->columns, stokes_grid_planes(op->grid)};
   size_t coarse[3];
-  for (int a = 0; a < 3; a++)
-    coarse[a] = ((a == 2 ? stokes_grid_planes(op->grid) : op->grid->size[a]) + 1) / 2;
+  for (int a = 0; a < 3; a++) coarse[a] = (solved[a] + 1) / 2;
   TRY(memory_allocate(&pc->kappa, op->n, sizeof *pc->kappa, "preconditioner"));
   if (op->soil) TRY(memory_allocate(&pc->darcy, op->n, sizeof *pc->darcy, "preconditioner"));
   TRY(solve_kappa(pc));
