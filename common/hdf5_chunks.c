@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include "common/hdf5_internal.h"
+#include "common/interrupt.h"
 #include "common/memory.h"
 
 /* Chunks on their way, three times a chunk each, take no more than a fifth of what is written: a
@@ -126,6 +127,7 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
   const bool by_runs = runs_will_do(&runs, chunks, room, &packed[0]);
   for (size_t first = 0; first < chunks && *written; first += batch) {
     const size_t n = chunks - first < batch ? chunks - first : batch;
+    if (h5_leaves_on_signal()) TRY(interrupt_look());
 #pragma omp parallel for schedule(dynamic)
     for (size_t i = 0; i < n; i++) pack(&runs, first + i, room, by_runs, &packed[i]);
     for (size_t i = 0; i < n && *written; i++) {

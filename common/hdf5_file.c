@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "common/hdf5_internal.h"
+#include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/ranks.h"
@@ -238,6 +239,14 @@ static bool is_little_endian(void) {
   return first == 1;
 }
 
+static bool leaves;
+void h5_leave_on_signal(bool leave) {
+  leaves = leave;
+}
+bool h5_leaves_on_signal(void) {
+  return leaves;
+}
+
 enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
                      const size_t *dims, const void *data, bool compress) {
   enum status status = STATUS_OK;
@@ -248,7 +257,8 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
     empty = empty || dims[i] == 0;
   }
   if (idle()) return STATUS_OK;
-  status = h5_make_groups(file, name, false);
+  if (leaves) status = interrupt_look();
+  if (status == STATUS_OK) status = h5_make_groups(file, name, false);
   if (status != STATUS_OK) return status;
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
   hid_t layout =

@@ -28,6 +28,9 @@ enum status h5_open_output(const char *path, struct h5_file **file);
 enum status h5_open_sealed(const char *path, struct h5_file **file);
 /* Flushes, syncs, renames to the final name, frees. On failure the part file is removed. */
 enum status h5_commit(struct h5_file *file);
+/* Whether, from here on, h5_write ends with STATUS_INTERRUPTED where a signal has come: for large
+ * files that can be written again. At first not: checkpoints are written after a signal. */
+void h5_leave_on_signal(bool leave);
 /* Closes; a file being written is removed. NULL is fine. */
 void h5_close(struct h5_file *file);
 const char *h5_path(const struct h5_file *file);

@@ -392,6 +392,9 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   }
   if (solved || blocked) set_result(&job);
   if (status == STATUS_OK) status = add_micropores(&job);
+  if (status == STATUS_OK)
+    status = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
+  /* Who interrupts waits: the checkpoint has the solution, and --resume leaves the snapshot. */
   if (status == STATUS_INTERRUPTED && !job.kept) status = keep_solved(&job);
   if (status == STATUS_INTERRUPTED) result->status = "interrupted";
   result->steps = job.iterations;
@@ -404,9 +407,6 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
                 lattice->micro_porosity != NULL ? "lower the hydraulic gradient"
                                                 : "run method = \"wcsph\"");
   recorder_count_traffic(recorder);
-  /* Who interrupts waits: the checkpoint has the solution, and --resume leaves the snapshot. */
-  if (status == STATUS_OK)
-    status = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
 cleanup:
   h5_close(job.checkpoint);
   cascade_end(&job.cascade);

@@ -1,6 +1,7 @@
 /* What method stokes leaves in snapshots: all fluid sites, those of blocked pores at rest. */
 #include "sphsolve/stokes/output.h"
 
+#include "common/hdf5_file.h"
 #include "common/memory.h"
 
 struct fields {
@@ -31,7 +32,6 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
   const size_t axes = (size_t)s->stencil.axis_count;
   const double density = scene->fluid.density;
   const double pressure_unit = density * s->acceleration * s->stencil.unit;
-  TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));
   TRY(memory_allocate(&f.velocity, 3 * count, sizeof *f.velocity, "velocity of the snapshot"));
   TRY(memory_allocate(&f.pressure, count, sizeof *f.pressure, "pressure of the snapshot"));
   TRY(memory_allocate(&f.density, count, sizeof *f.density, "density of the snapshot"));
@@ -44,9 +44,6 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
     const bool image = row >= s->grid.row_end;
     if (i == 0 && n > 0) packed = s->grid.row_start[image ? stokes_grid_image(&s->grid, row) : row];
     if (lattice->kind[site] != SITE_FLUID) continue;
-    const size_t xyz[3] = {i, row % lattice->size[1], row / lattice->size[1]};
-    for (int a = 0; a < 3; a++)
-      f.points[3 * at + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
     f.density[at] = (float)density;
     f.id[at] = site;
     if (f.micro_porosity != NULL) f.micro_porosity[at] = lattice->micro_porosity[site];
@@ -62,6 +59,18 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
     }
     at++;
   }
+  /* After a signal both are left: the solution goes into a checkpoint, and --resume writes them.
+   * The image comes first, as a snapshot counts from when it is written. */
+  h5_leave_on_signal(true);
+  TRY(recorder_image(recorder, lattice, 0.0, s->iterations, count, f.id, f.velocity, f.pressure));
+  TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));
+#pragma omp parallel for schedule(static)
+  for (size_t p = 0; p < count; p++) {
+    const size_t row = f.id[p] / nx;
+    const size_t xyz[3] = {f.id[p] % nx, row % lattice->size[1], row / lattice->size[1]};
+    for (int a = 0; a < 3; a++)
+      f.points[3 * p + (size_t)a] = lattice->origin[a] + (double)xyz[a] * lattice->spacing[a];
+  }
   const struct snapshot_field list[] = {
       {"velocity", "m/s", "velocity", H5_F32, 3, f.velocity, NULL, NULL},
       {"pressure", "Pa", "pressure without the part that drives the flow", H5_F32, 1, f.pressure,
@@ -73,9 +82,8 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
   const size_t fields = sizeof list / sizeof *list - (f.micro_porosity == NULL);
   const struct snapshot_field points = {.type = H5_F64, .components = 3, .data = f.points};
   TRY(recorder_snapshot(recorder, 0.0, s->iterations, count, &points, fields, list));
-  memory_free(&f.points);
-  TRY(recorder_image(recorder, lattice, 0.0, s->iterations, count, f.id, f.velocity, f.pressure));
 cleanup:
+  h5_leave_on_signal(false);
   fields_free(&f);
   return status;
 }

@@ -96,6 +96,14 @@ static struct found read_found(void) {
   return found;
 }
 
+static double number_of(const char *path, const char *group, const char *name) {
+  struct h5_file *file;
+  assert_int_equal(h5_open_output(path, &file), STATUS_OK);
+  const double number = h5_attribute_or_nan(file, group, name);
+  h5_close(file);
+  return number;
+}
+
 /* The run's looks for a signal. */
 static long run_whole(const char *command, int code) {
   interrupt_after(MANY);
@@ -104,6 +112,9 @@ static long run_whole(const char *command, int code) {
   assert_int_equal(found, code);
   return MANY - interrupt_after(0);
 }
+
+/* Looks while image and snapshot are written: one a dataset. */
+enum { WRITING = 9 };
 
 /* `last`: what the last lattice takes of all looks, at most. */
 static void stop_everywhere(const char *options, double last) {
@@ -115,8 +126,8 @@ static void stop_everywhere(const char *options, double last) {
   const struct found whole = read_found();
   for (int i = 0; i < NUMBERS; i++) assert_true(isfinite(whole.of[i]));
   assert_true(isfinite(whole.balance[0]) && isfinite(whole.balance[1]));
-  for (int i = 0; i < STOPS; i++) {
-    const long n = 1 + (looks - 1) * i / (STOPS - 1);
+  for (int i = 0; i < STOPS + WRITING; i++) {
+    const long n = i < STOPS ? 1 + (looks - 1) * i / (STOPS - 1) : looks + STOPS - 1 - i;
     faults_clear();
     const size_t held = memory_in_use();
     interrupt_after(n);
@@ -124,7 +135,10 @@ static void stop_everywhere(const char *options, double last) {
     interrupt_after(0);
     assert_int_equal(memory_in_use(), held);
     faults_check_files(".", "look", n);
+    /* Of what was being written nothing stays but whole files, and k in the record. */
+    if (n > looks - WRITING) assert_true(isfinite(number_of("out.hdf", "/run", "k")));
     const long left = run_whole(resume, 0);
+    assert_int_equal(access("out-0001.hdf", F_OK), -1);
     /* Coarser lattices are not solved again, only the last one is set up anew. */
     if (n > looks * 9 / 10 && (double)left > last * (double)looks)
       fail_msg("look %ld of %ld: %ld after it", n, looks, left);
