@@ -36,11 +36,11 @@ double uncertainty_parts_total(const struct uncertainty_parts *parts, double res
   return known ? sqrt(sum) : NAN;
 }
 
-double uncertainty_share_of_sides(double wrapped, double x_mirrored, double mirrored) {
+double uncertainty_share_of_sides(double wrapped, double y_mirrored, double mirrored) {
   if (!(wrapped > 0.0 && mirrored > 0.0)) return NAN;
   const double both = fabs(mirrored / wrapped - 1.0);
-  if (!(x_mirrored > 0.0)) return both;
-  return fmax(both, hypot(x_mirrored / wrapped - 1.0, mirrored / x_mirrored - 1.0));
+  if (!(y_mirrored > 0.0)) return both;
+  return fmax(both, hypot(y_mirrored / wrapped - 1.0, mirrored / y_mirrored - 1.0));
 }
 
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,

@@ -103,13 +103,19 @@ double cascade_sides_sites(const struct plan *plan) {
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }
 
+double cascade_sides_times(const struct lattice *base, bool open) {
+  const double part = open && base->micro_porosity == NULL ? 0.5 : 1.0;
+  return 1.0 + part * (2.0 + 4.0) + 1.0;
+}
+
 /* Processor seconds of all that the share of the sides takes. */
-static double sides_seconds(const struct plan *plan, const struct stokes_goal *goal) {
+static double sides_seconds(const struct plan *plan, const struct stokes_goal *goal, bool open) {
   const struct lattice *l = plan->context.lattice;
   const double sides = cascade_sides_sites(plan);
   if (!(sides > 0.0)) return 0.0;
   const double refined = pow(sides / 4.0 / (double)l->count, 1.0 / l->dimensions);
-  return CASCADE_SIDES_SITES * stokes_solver_seconds(&plan->shape, l, refined, goal, WALL_SUBVOXEL);
+  return cascade_sides_times(l, open) *
+         stokes_solver_seconds(&plan->shape, l, refined, goal, WALL_SUBVOXEL);
 }
 
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
@@ -122,7 +128,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
     seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / cascade_fixed_ratios[i], &goal,
                                               WALL_SUBVOXEL);
   }
-  return seconds + sides_seconds(plan, &goal);
+  return seconds + sides_seconds(plan, &goal, false);
 }
 
 /* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
@@ -188,7 +194,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     const double own = solves * stokes_soil_seconds(base) *
                        stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
-    if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal);
+    if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal, true);
     const double error = expected_of_open(plan, i + 1, left);
     const double solving =
         BASE_BYTES * (double)base->count + BEFORE_BYTES * before +

@@ -20,9 +20,9 @@
 #define CASCADE_ENOUGH 4
 /* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
 #define CASCADE_FIXED 3
-/* The effect of the sides is solved on a lattice as it is, mirrored in x, in x and y, and closed:
- * so many times its sites. */
-#define CASCADE_SIDES_SITES (1.0 + 2.0 + 4.0 + 1.0)
+/* The effect of the sides is solved on a lattice as it is, mirrored in y, in x and y, and closed:
+ * on so many times its sites. An open cascade solves what is mirrored in y by half. */
+double cascade_sides_times(const struct lattice *base, bool open);
 /* Other sides change k by per cents, on four times the sites. */
 extern const struct stokes_goal cascade_sides_goal;
 extern const double cascade_fixed_ratios[CASCADE_FIXED];

@@ -129,7 +129,7 @@ static double sides_seconds(const struct cascade *c) {
     return 0.0;
   }
   const struct error_level *l = &c->uncertainty.levels[n - 1];
-  return l->seconds * CASCADE_SIDES_SITES * (double)count / l->sites;
+  return l->seconds * cascade_sides_times(c->base, true) * (double)count / l->sites;
 }
 
 /* Whether there is time for so many processor seconds, and for the sides after them. */
