@@ -218,15 +218,15 @@ cleanup:
 }
 
 /* Of a site whose wall is so many spacings away. */
-static double share_of_pore(double away) {
-  const double share = 0.5 + away;
-  return share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share;
+static inline double share_of_pore(double away) {
+  const double share = 0.5 + away, least = share > 0.0 ? share : 0.0;
+  return least < 1.0 ? least : 1.0;
 }
 
 enum { SUMS = 8 };
 double lattice_void_ratio(const struct lattice *l, double moved) {
   double pores = 0.0;
-  const double h = cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
+  const double per_h = 1.0 / cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
   /* Planes are added up in their order, whatever the threads. */
 #pragma omp parallel for ordered schedule(static, 1)
   for (size_t k = 0; k < l->size[2]; k++) {
@@ -234,9 +234,12 @@ double lattice_void_ratio(const struct lattice *l, double moved) {
     const float *distance = l->wall_distance + k * plane;
     /* Several sums, as each has to wait for its last addition. */
     double sums[SUMS] = {0.0}, sum = 0.0;
-    for (size_t s = 0; s < plane; s += SUMS)
-      for (size_t i = 0; i < SUMS && s + i < plane; i++)
-        sums[i] += share_of_pore(((double)distance[s + i] + moved) / h);
+    const size_t whole = plane - plane % SUMS;
+    for (size_t s = 0; s < whole; s += SUMS)
+      for (size_t i = 0; i < SUMS; i++)
+        sums[i] += share_of_pore(((double)distance[s + i] + moved) * per_h);
+    for (size_t s = whole; s < plane; s++)
+      sum += share_of_pore(((double)distance[s] + moved) * per_h);
     for (size_t i = 0; i < SUMS; i++) sum += sums[i];
 #pragma omp ordered
     pores += sum;
