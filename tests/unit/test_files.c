@@ -15,7 +15,6 @@
 #include <hdf5.h>
 
 #include "common/hdf5_file.h"
-#include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/model_file.h"
@@ -198,35 +197,6 @@ static void test_noise(void **state) {
     h5_close(file);
     damage_file(i / 20.0);
   }
-  free(values);
-}
-
-/* A large file that may be left is left between two batches of chunks, and nothing of it stays; a
- * checkpoint, which is written after a signal, is written to its end. */
-static void test_left_on_signal(void **state) {
-  (void)state;
-  const size_t dims[3] = {40, 250, 1000}, count = dims[0] * dims[1] * dims[2];
-  float *values = calloc(count, sizeof *values);
-  char part[256];
-  struct h5_file *file = NULL;
-  snprintf(part, sizeof part, "%s.part", path);
-  for (int leave = 0; leave < 2; leave++) {
-    unlink(path);
-    assert_int_equal(h5_create(path, &file), STATUS_OK);
-    h5_leave_on_signal(leave == 1);
-    interrupt_after(3); /* not at the beginning of the dataset */
-    assert_int_equal(h5_write(file, "/values", H5_F32, 3, dims, values, true),
-                     leave ? STATUS_INTERRUPTED : STATUS_OK);
-    assert_int_equal(interrupt_after(0), leave ? 0 : 3);
-    h5_leave_on_signal(false);
-    if (leave)
-      h5_close(file);
-    else
-      assert_int_equal(h5_commit(file), STATUS_OK);
-    assert_int_equal(access(path, F_OK), leave ? -1 : 0);
-    assert_int_equal(access(part, F_OK), -1);
-  }
-  error_clear();
   free(values);
 }
 
@@ -487,17 +457,12 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
-                                     cmocka_unit_test(test_round_trip),
-                                     cmocka_unit_test(test_chunks),
-                                     cmocka_unit_test(test_noise),
-                                     cmocka_unit_test(test_left_on_signal),
-                                     cmocka_unit_test(test_foreign),
-                                     cmocka_unit_test(test_not_hdf5),
-                                     cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_series),
-                                     cmocka_unit_test(test_damaged_checkpoints),
-                                     cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_hash_of_a_start), cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_chunks),          cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
+      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
+      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
+      cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -175,9 +175,37 @@ static void test_fixed_lattices(void **state) {
   stop_everywhere("", 0.5);
 }
 
+/* A large file that may be left is left between two batches of chunks, and nothing of it stays; a
+ * checkpoint, which is written after a signal, is written to its end. */
+static void test_left_on_signal(void **state) {
+  (void)state;
+  const size_t dims[3] = {40, 250, 1000}, count = dims[0] * dims[1] * dims[2];
+  float *values = calloc(count, sizeof *values);
+  static const char path[] = "large.hdf", part[] = "large.hdf.part";
+  struct h5_file *file = NULL;
+  for (int leave = 0; leave < 2; leave++) {
+    unlink(path);
+    assert_int_equal(h5_create(path, &file), STATUS_OK);
+    h5_leave_on_signal(leave == 1);
+    interrupt_after(3); /* not at the beginning of the dataset */
+    assert_int_equal(h5_write(file, "/values", H5_F32, 3, dims, values, true),
+                     leave ? STATUS_INTERRUPTED : STATUS_OK);
+    assert_int_equal(interrupt_after(0), leave ? 0 : 3);
+    h5_leave_on_signal(false);
+    if (leave)
+      h5_close(file);
+    else
+      assert_int_equal(h5_commit(file), STATUS_OK);
+    assert_int_equal(access(path, F_OK), leave ? -1 : 0);
+    assert_int_equal(access(part, F_OK), -1);
+  }
+  error_clear();
+  free(values);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cascade),
-                                     cmocka_unit_test(test_chosen_lattice),
-                                     cmocka_unit_test(test_fixed_lattices)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_left_on_signal), cmocka_unit_test(test_cascade),
+      cmocka_unit_test(test_chosen_lattice), cmocka_unit_test(test_fixed_lattices)};
   return cmocka_run_group_tests(tests, faults_start, faults_end);
 }
