@@ -17,9 +17,10 @@ hid_t h5_disk_type(enum h5_type type);
 /* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
 hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress);
 enum { H5_DEFLATE = 2 }; /* level */
+/* What h5_leave_on_signal has set. */
+bool h5_leaves_on_signal(void);
 /* Writes all of a dataset of that layout, whose chunks are `chunk`, its parts compressed by several
  * threads to what HDF5's filters unpack. *written: whether the file took them. */
-bool h5_leaves_on_signal(void);
 enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
                             const hsize_t *chunk, const void *data, bool *written);
 /* Reads all of such a dataset, its chunks unpacked by several threads. *done: false where it is no

@@ -72,9 +72,7 @@ void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool
       if (pass == 0 && outermost && !beyond) {
         distance[i] = within_layer(n, spacing, distance, at, axes);
         if (!isfinite(distance[i])) distance[i] = near;
-      } else if (pass == 1 && beyond && isfinite(near) && fabsf(near) > fabsf(distance[i])) {
-        distance[i] = near;
-      } else if (pass == 2 && beyond && !isfinite(near)) {
+      } else if (beyond && pass == (isfinite(near) ? 1 : 2) && fabsf(near) > fabsf(distance[i])) {
         distance[i] = near;
       }
     }

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/provenance.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/model_file.h"
+#include "common/provenance.h"
 
 /* Pores narrower than some standard deviations of the blur show no grey of their own: the
  * threshold that encloses their volume then lies off the middle between the peaks of the greys, and
@@ -49,7 +49,6 @@ static void assume(struct h5_file *file, struct scan_quality *scan) {
 }
 
 static struct scan_quality read_scan(struct h5_file *file) {
-  struct scan_quality scan;
   /* Labels have no blur to be measured; what smooths their steps blurs them. */
   const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
   if (smoothing > 0.0) {
@@ -62,13 +61,13 @@ static struct scan_quality read_scan(struct h5_file *file) {
   const double alike =
       2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
-  scan =
-      (struct scan_quality){.blur = blur,
-                            .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
-                            .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
-                            .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
-                            .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
-                            .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
+  struct scan_quality scan = {.blur = blur,
+                              .blur_error =
+                                  h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
+                              .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
+                              .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
+                              .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
+                              .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
   scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
   if (!scan.known) assume(file, &scan);
   scan.shape = shape_lost(file);

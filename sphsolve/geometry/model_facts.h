@@ -26,11 +26,11 @@ struct scan_quality {
 
 /* All 0 without a model. What a file does not know is NAN. */
 struct model_facts {
-  uint64_t hash;        /* of the file */
-  size_t count;         /* its voxels, whatever sites a lattice has */
-  double voxel;         /* m: edge of a cube as large as one */
-  double voxel_scanned; /* m: the same of the scan */
-  double void_ratio_error;
+  uint64_t hash;                                 /* of the file */
+  size_t count;                                  /* its voxels, whatever sites a lattice has */
+  double voxel;                                  /* m: edge of a cube as large as one */
+  double voxel_scanned;                          /* m: the same of the scan */
+  double void_ratio_error;                       /* of the model less that measured */
   double threshold_slope, threshold_uncertainty; /* d threshold / d void ratio; greys */
   double soil_error;                             /* of ln k of its soil */
   /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or

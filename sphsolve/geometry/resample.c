@@ -108,7 +108,7 @@ static void resample_axis(const float *in, size_t from, size_t stride, const str
     }
 }
 
-/* Whether the sites are the same ones, of which the taps would take each by itself. */
+/* Whether the sites are the same ones: the taps would take each by itself, but for rounding. */
 static bool are_same_sites(const struct lattice *fine, const struct lattice *out) {
   for (int a = 0; a < 3; a++)
     if (fine->size[a] != out->size[a] ||
@@ -189,8 +189,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   enum status status = STATUS_OK;
   struct target t;
   const bool mirrored = lattice_is_mirrored(fine);
-  *out = (struct lattice){.dimensions = fine->dimensions,
-                          .model = fine->model};
+  *out = (struct lattice){.dimensions = fine->dimensions, .model = fine->model};
   TRY(find_target(fine, spacing, mirrored, &t));
   out->count = t.count;
   out->bulk_count = fine->bulk_count;

@@ -32,7 +32,8 @@ static double own_share(const struct lattice *base) {
 
 /* Few sites across a mean pore and along a body so long. Pores wider than the grains are thick,
  * 2 V / S, as in felts, say nothing of the grains that slow the flow: from a void ratio of 1 to one
- * of 2 the grains come to have few sites in place of the pores, as many as in sands. */
+ * of 2 the grains come to have few sites in place of the pores, as many as in sands
+ * (docs/notes/2026-11-25-felts.md). */
 static double few_sites(const struct plan *plan, double body) {
   const double h = plan->context.spacing;
   const double width = plan->shape.width, grain = plan->shape.grain;

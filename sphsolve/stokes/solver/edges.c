@@ -96,7 +96,7 @@ enum status stokes_edges_build(struct stokes_operator *op) {
   for (size_t row = begin; row < end; row++)
     for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      if (stokes_grid_is_beside(grid, row)) continue;
+      if (stokes_grid_is_y_image(grid, row)) continue;
       if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i)) start[row + 1]++;
     }
   TRY(interrupt_look());
@@ -108,7 +108,7 @@ enum status stokes_edges_build(struct stokes_operator *op) {
 #pragma omp parallel for schedule(dynamic, 16)
   for (size_t row = begin; row < end; row++) {
     size_t n = 0, e = start[row];
-    if (interrupt_alone() || stokes_grid_is_beside(grid, row)) continue;
+    if (interrupt_alone() || stokes_grid_is_y_image(grid, row)) continue;
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};

@@ -64,7 +64,7 @@ static void halve(struct stokes_grid *grid) {
   for (size_t row = 0; row < grid->rows; row++) {
     const size_t count = grid->row_start[row + 1] - taken;
     taken = grid->row_start[row + 1];
-    packed += stokes_grid_is_beside(grid, row) ? 0 : count;
+    packed += stokes_grid_is_y_image(grid, row) ? 0 : count;
     grid->row_start[row + 1] = packed;
   }
 }

@@ -84,8 +84,8 @@ static inline size_t stokes_grid_planes(const struct stokes_grid *grid) {
 static inline bool stokes_grid_is_halved(const struct stokes_grid *grid) {
   return grid->columns < grid->size[1];
 }
-/* Whether a row within `row_end` is an image in y. */
-static inline bool stokes_grid_is_beside(const struct stokes_grid *grid, size_t row) {
+/* Whether a row within `row_end` is not solved, but the image of one in y. */
+static inline bool stokes_grid_is_y_image(const struct stokes_grid *grid, size_t row) {
   return stokes_grid_is_halved(grid) && row % grid->size[1] >= grid->columns;
 }
 /* How often a row counts in sums over the lattice. */
@@ -105,6 +105,7 @@ static inline size_t stokes_grid_image(const struct stokes_grid *grid, size_t ro
   const size_t ny = grid->size[1];
   return (grid->size[2] - 1 - row / ny) * ny + row % ny;
 }
+/* A row of a field, floats or (`wide`) doubles, becomes `sign` times the one at `from`. */
 static inline void stokes_grid_copy_row(const struct stokes_grid *grid, float sign, size_t from,
                                         size_t row, void *field, bool wide) {
   const size_t in = from * grid->stride, out = row * grid->stride;

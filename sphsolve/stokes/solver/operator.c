@@ -12,7 +12,7 @@ void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int
   float *field = stokes_operator_field(op, slot);
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
-    if (!stokes_grid_is_beside(grid, row))
+    if (!stokes_grid_is_y_image(grid, row))
       op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, packed + grid->row_start[row],
                        field + row * grid->stride);
   stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
@@ -168,7 +168,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
-    for (int a = 0; a < axes && !stokes_grid_is_beside(grid, row); a++) {
+    for (int a = 0; a < axes && !stokes_grid_is_y_image(grid, row); a++) {
       memset(corrected, 0, count * sizeof *corrected);
       for (int b = 0; b < axes; b++) {
         const float *c = op->correction + stokes_symmetric(axes, a, b) * op->n + start;

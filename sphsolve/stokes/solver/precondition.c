@@ -102,7 +102,7 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     const size_t j = row % grid->size[1], k = row / grid->size[1];
-    if (stokes_grid_is_beside(grid, row)) continue;
+    if (stokes_grid_is_y_image(grid, row)) continue;
     const float *from = coarse->u + ((k / 2) * coarse->size[1] + j / 2) * coarse->size[0];
     size_t at = grid->row_start[row];
     for (size_t chunk = 0; chunk < grid->chunks; chunk++)
@@ -164,7 +164,7 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
   float *kappa = op->field, *darcy = kappa; /* by lattice site */
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
-    if (!stokes_grid_is_beside(grid, row))
+    if (!stokes_grid_is_y_image(grid, row))
       op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks,
                        pc->kappa + grid->row_start[row], kappa + row * grid->stride);
   if (RANKS) slabs_post(&grid->slabs, 0, kappa, size[1] * grid->stride * sizeof *kappa, 1);
@@ -184,7 +184,7 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
 #pragma omp parallel for schedule(static)
   for (size_t first = begin; first < end; first += 2 * size[1])
     for (size_t row = first; row < end && row < first + 2 * size[1]; row++)
-      if (!stokes_grid_is_beside(grid, row)) add_row(pc, kappa, darcy, row);
+      if (!stokes_grid_is_y_image(grid, row)) add_row(pc, kappa, darcy, row);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->velocity);
   if (!interrupt_alone()) stokes_multigrid_coarsen(&pc->pressure);
   return interrupt_look();

@@ -9,7 +9,7 @@ static void unpack_double(struct stokes_operator *op, int component, const doubl
   double *field = (double *)(void *)op->field;
 #pragma omp for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    if (stokes_grid_is_beside(grid, row)) continue;
+    if (stokes_grid_is_y_image(grid, row)) continue;
     const double *p = packed + grid->row_start[row];
     double *out = field + row * grid->stride;
     memset(out, 0, grid->stride * sizeof *out);
