@@ -269,6 +269,8 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   job->own = own;
   job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
+  /* Of a signal in the set-up: the coarser solution that it begins from is written in less time. */
+  if (c->coarse.grid.active_all > 0) TRY(interrupt_look());
   built = true;
   if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
