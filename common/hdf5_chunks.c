@@ -10,11 +10,14 @@
  * method's memory has room for that, see tests/cli/memory.bats. */
 #define SHARE_UNDER_WAY 16
 
-/* What h5_dataset_layout makes: chunks are runs of memory, cut along one axis. */
+/* What h5_dataset_layout makes: chunks are runs of memory, cut along one axis, or one component of
+ * each value there. */
 struct runs {
   const char *data;
-  size_t item, row;           /* bytes of a value; of one step along the axis that is cut */
+  size_t item, components;    /* bytes of a number; numbers apart that lie together in memory */
+  size_t row;                 /* bytes of one step along the axis that is cut */
   size_t length, step, count; /* of that axis, of a chunk along it, chunks along it */
+  size_t bytes;               /* of a chunk */
   int axis;
 };
 
@@ -65,15 +68,28 @@ static bool deflate_runs(const unsigned char *in, size_t planes, size_t n, unsig
   return good;
 }
 
+/* One number of each `components` that lie together, up to `bytes` of them. */
+static inline void take_component(size_t item, const char *from, size_t component,
+                                  size_t components, size_t bytes, unsigned char *to) {
+  for (size_t i = 0; i < bytes / item; i++)
+    memcpy(to + i * item, from + (i * components + component) * item, item);
+}
+
 /* `by_runs`: as above, where it fits; else as HDF5's filter does. */
 static void pack(const struct runs *runs, size_t chunk, size_t room, bool by_runs,
                  struct packed *packed) {
-  const size_t part = chunk % runs->count, first = part * runs->step,
-               bytes = runs->step * runs->row;
+  const size_t component = chunk % runs->components, at = chunk / runs->components;
+  const size_t first = at % runs->count * runs->step, bytes = runs->bytes, item = runs->item;
   const size_t steps = runs->length - first < runs->step ? runs->length - first : runs->step;
-  const char *from = runs->data + (chunk / runs->count * runs->length + first) * runs->row;
-  memcpy(packed->plain, from, steps * runs->row);
-  memset(packed->plain + steps * runs->row, 0, bytes - steps * runs->row);
+  const size_t filled = steps * runs->row / runs->components;
+  const char *from = runs->data + (at / runs->count * runs->length + first) * runs->row;
+  if (runs->components == 1)
+    memcpy(packed->plain, from, filled);
+  else if (item == 4)
+    take_component(4, from, component, runs->components, filled, packed->plain);
+  else
+    take_component(item, from, component, runs->components, filled, packed->plain);
+  memset(packed->plain + filled, 0, bytes - filled);
   const unsigned char *stored = packed->plain;
   if (runs->item > 1) {
     shuffle(packed->plain, bytes / runs->item, runs->item, packed->shuffled);
@@ -86,37 +102,45 @@ static void pack(const struct runs *runs, size_t chunk, size_t room, bool by_run
   if (compress2(packed->bytes, &packed->size, stored, bytes, H5_DEFLATE) != Z_OK) packed->size = 0;
 }
 
-/* Whether runs are as good as all that repeats, by the chunk in the middle. */
+/* Whether runs are as good as all that repeats, by the chunk in the middle, of each component. */
 static bool runs_will_do(const struct runs *runs, size_t chunks, size_t room,
                          struct packed *packed) {
+  const size_t middle = chunks / 2 / runs->components * runs->components;
+  uLong all = 0, by_runs = 0;
   if (runs->item == 1) return false;
-  pack(runs, chunks / 2, room, false, packed);
-  const uLong all = packed->size;
-  pack(runs, chunks / 2, room, true, packed);
-  return packed->size < all + all / 32;
+  for (size_t c = 0; c < runs->components; c++) {
+    pack(runs, middle + c, room, false, packed);
+    all += packed->size;
+    pack(runs, middle + c, room, true, packed);
+    by_runs += packed->size;
+  }
+  return by_runs < all + all / 32;
 }
 
 enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
                             const hsize_t *chunk, const void *data, bool *written) {
   enum status status = STATUS_OK;
   struct runs runs = {.data = data, .item = h5_type_size(type), .row = h5_type_size(type)};
+  const int axes = h5_chunk_axes(rank, dims, chunk);
   size_t batch = 2 * (size_t)omp_get_max_threads();
   struct packed *packed = NULL;
   size_t chunks = 1, made = 0;
-  for (int i = 0; i < rank; i++)
+  runs.components = axes < rank ? dims[rank - 1] : 1;
+  for (int i = 0; i < axes; i++)
     if (chunk[i] < dims[i]) runs.axis = i; /* what lies before it is cut into single steps */
   for (int i = 0; i < runs.axis; i++) chunks *= dims[i];
   for (int i = runs.axis + 1; i < rank; i++) runs.row *= dims[i];
   runs.length = dims[runs.axis];
   runs.step = chunk[runs.axis];
   runs.count = (runs.length + runs.step - 1) / runs.step;
-  chunks *= runs.count;
+  runs.bytes = runs.step * runs.row / runs.components;
+  chunks *= runs.count * runs.components;
   if (batch > chunks / SHARE_UNDER_WAY) batch = chunks / SHARE_UNDER_WAY;
   if (batch < 1) {
     *written = H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
     return STATUS_OK;
   }
-  const size_t bytes = runs.step * runs.row, room = compressBound(bytes);
+  const size_t bytes = runs.bytes, room = compressBound(bytes);
   TRY(memory_allocate(&packed, batch, sizeof *packed, "chunks"));
   for (; made < batch; made++) {
     TRY(memory_allocate(&packed[made].plain, 2 * bytes + room, 1, "chunks"));
@@ -132,8 +156,10 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
     for (size_t i = 0; i < n; i++) pack(&runs, first + i, room, by_runs, &packed[i]);
     for (size_t i = 0; i < n && *written; i++) {
       hsize_t at[H5S_MAX_RANK] = {0};
-      size_t before = (first + i) / runs.count;
-      at[runs.axis] = (first + i) % runs.count * runs.step;
+      size_t before = (first + i) / runs.components;
+      if (runs.components > 1) at[rank - 1] = (first + i) % runs.components;
+      at[runs.axis] = before % runs.count * runs.step;
+      before /= runs.count;
       for (int d = runs.axis; d-- > 0; before /= dims[d]) at[d] = before % dims[d];
       *written = packed[i].size > 0 &&
                  H5Dwrite_chunk(set, H5P_DEFAULT, 0, at, packed[i].size, packed[i].bytes) >= 0;

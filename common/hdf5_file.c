@@ -212,6 +212,12 @@ cleanup:
   return status;
 }
 
+#define CHUNK_BYTES ((size_t)1 << 20)
+
+int h5_chunk_axes(int rank, const size_t *dims, const hsize_t *chunk) {
+  return rank > 1 && chunk[rank - 1] == 1 && dims[rank - 1] > 1 ? rank - 1 : rank;
+}
+
 hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress) {
   hid_t list = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_obj_track_times(list, 0);
@@ -220,8 +226,10 @@ hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool co
   if (!compress || rank == 0 || total < 4096) return list;
   hsize_t chunk[H5S_MAX_RANK];
   size_t below = h5_type_size(type);
-  for (int i = rank; i-- > 0;) {
-    size_t room = (1 << 20) / below;
+  const bool parted = type == H5_F64 && rank > 1 && dims[rank - 1] == 3 && total > CHUNK_BYTES;
+  if (parted) chunk[rank - 1] = 1;
+  for (int i = parted ? rank - 1 : rank; i-- > 0;) {
+    size_t room = CHUNK_BYTES / below;
     chunk[i] = dims[i] < room ? dims[i] : room > 0 ? room : 1;
     below *= chunk[i];
   }

@@ -14,8 +14,12 @@ struct h5_file {
 
 hid_t h5_memory_type(enum h5_type type);
 hid_t h5_disk_type(enum h5_type type);
-/* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. */
+/* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. Vectors
+ * in double precision, as coordinates are, are parted into their components where there is more
+ * than a chunk of them: what is alike in a row of sites then lies together. */
 hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress);
+/* Axes along which chunks are runs of memory: `rank`, or one less where components are parted. */
+int h5_chunk_axes(int rank, const size_t *dims, const hsize_t *chunk);
 enum { H5_DEFLATE = 2 }; /* level */
 /* What h5_leave_on_signal has set. */
 bool h5_leaves_on_signal(void);

@@ -200,6 +200,50 @@ static void test_noise(void **state) {
   free(values);
 }
 
+/* Coordinates of a lattice's sites, which come and go in rows, take a sixth of their length, as
+ * each component lies apart; whole, in part, and through HDF5's own filters they are what was
+ * written. */
+static void test_points(void **state) {
+  (void)state;
+  const size_t nx = 190, count = 1000003, dims[2] = {count, 3}, first = 333,
+               share[2] = {count / 2, 3};
+  double *points = malloc(3 * count * sizeof *points), *again = NULL;
+  float *others = NULL;
+  size_t found[2];
+  struct h5_file *file = NULL;
+  struct stat info;
+  for (size_t i = 0, site = 0; i < count; i++, site += site % 7 < 4 ? 1 : 3) {
+    const size_t at[3] = {site % nx, site / nx % nx, site / nx / nx};
+    for (int a = 0; a < 3; a++) points[3 * i + (size_t)a] = 4.9e-6 + 9.82e-6 * (double)at[a];
+  }
+  assert_int_equal(h5_create(path, &file), STATUS_OK);
+  assert_int_equal(h5_write(file, "/points", H5_F64, 2, dims, points, true), STATUS_OK);
+  assert_int_equal(h5_commit(file), STATUS_OK);
+  assert_int_equal(stat(path, &info), 0);
+  assert_true((double)info.st_size < 0.17 * (double)(3 * count * sizeof *points));
+  assert_int_equal(h5_open(path, &file), STATUS_OK);
+  assert_int_equal(h5_read(file, "/points", H5_F64, 2, found, &again), STATUS_OK);
+  assert_memory_equal(found, dims, sizeof found);
+  assert_memory_equal(again, points, 3 * count * sizeof *points);
+  memory_free(&again);
+  assert_int_equal(h5_read(file, "/points", H5_F32, 2, found, &others), STATUS_OK);
+  for (size_t i = 0; i < 3 * count; i++) assert_true(others[i] == (float)points[i]);
+  memory_free(&others);
+  size_t rows[2] = {share[0], share[1]};
+  assert_int_equal(h5_read_rows(file, "/points", H5_F64, 2, count, first, rows, &again), STATUS_OK);
+  assert_memory_equal(again, points + 3 * first, 3 * share[0] * sizeof *points);
+  memory_free(&again);
+  h5_close(file);
+  for (int i = 1; i < 10; i++) {
+    damage_file(i / 10.0);
+    assert_int_equal(h5_open(path, &file), STATUS_OK);
+    refused(h5_read(file, "/points", H5_F64, 2, found, &again), "damaged");
+    h5_close(file);
+    damage_file(i / 10.0);
+  }
+  free(points);
+}
+
 static void test_foreign(void **state) {
   (void)state;
   struct h5_file *file;
@@ -457,12 +501,17 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_hash_of_a_start), cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_chunks),          cmocka_unit_test(test_noise),
-      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
-      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
-      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
-      cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
+                                     cmocka_unit_test(test_round_trip),
+                                     cmocka_unit_test(test_chunks),
+                                     cmocka_unit_test(test_noise),
+                                     cmocka_unit_test(test_points),
+                                     cmocka_unit_test(test_foreign),
+                                     cmocka_unit_test(test_not_hdf5),
+                                     cmocka_unit_test(test_model),
+                                     cmocka_unit_test(test_snapshot),
+                                     cmocka_unit_test(test_series),
+                                     cmocka_unit_test(test_damaged_checkpoints),
+                                     cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
