@@ -16,10 +16,45 @@
 #define VELOCITY_SWEEPS 2
 #define DAMPING 0.8f
 
-static double dot(size_t n, const float *x, const float *y) {
+/* Sums run over blocks, and over these in their order: the bits do not depend on the threads. */
+#define BLOCK ((size_t)4096)
+static size_t block_end(size_t block, size_t n) {
+  return (block + 1) * BLOCK < n ? (block + 1) * BLOCK : n;
+}
+static double total(size_t n, const double *partial) {
   double sum = 0.0;
-  for (size_t i = 0; i < n; i++) sum += (double)x[i] * (double)y[i];
+  for (size_t b = 0; b * BLOCK < n; b++) sum += partial[b];
   return ranks_sum(sum);
+}
+
+static double dot(size_t n, const float *x, const float *y, double *partial) {
+#pragma omp parallel for schedule(static)
+  for (size_t b = 0; b < (n + BLOCK - 1) / BLOCK; b++) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = b * BLOCK; i < block_end(b, n); i++) sum += (double)x[i] * (double)y[i];
+    partial[b] = sum;
+  }
+  return total(n, partial);
+}
+
+/* kappa += alpha d, r -= alpha Ad; returns r D^-1 r. */
+static double step_kappa(struct stokes_preconditioner *pc, float alpha, const float *d,
+                         const float *Ad, float *r, double *partial) {
+  const float *diagonal = pc->op->diagonal;
+  const size_t n = pc->op->n;
+#pragma omp parallel for schedule(static)
+  for (size_t b = 0; b < (n + BLOCK - 1) / BLOCK; b++) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = b * BLOCK; i < block_end(b, n); i++) {
+      pc->kappa[i] += alpha * d[i];
+      r[i] -= alpha * Ad[i];
+      sum += (double)r[i] * (double)r[i] / (double)diagonal[i];
+    }
+    partial[b] = sum;
+  }
+  return total(n, partial);
 }
 
 /* A kappa = 1 by conjugate gradients with the diagonal; a few per cent are good enough. */
@@ -28,28 +63,25 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
   struct stokes_operator *op = pc->op;
   const size_t n = op->n;
   float *r = NULL, *d = NULL, *Ad = NULL;
+  double *partial = NULL;
   TRY(memory_allocate(&r, n, sizeof *r, "preconditioner"));
   TRY(memory_allocate(&d, n, sizeof *d, "preconditioner"));
   TRY(memory_allocate(&Ad, n, sizeof *Ad, "preconditioner"));
-  double rho = 0.0, start = 0.0;
+  TRY(memory_allocate(&partial, n / BLOCK + 1, sizeof *partial, "preconditioner"));
+#pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < n; i++) {
     r[i] = 1.0f;
     d[i] = r[i] / op->diagonal[i];
-    rho += (double)r[i] * (double)d[i];
   }
-  rho = start = ranks_sum(rho);
+  const double start = dot(n, r, d, partial);
+  double rho = start;
   for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
     TRY(interrupt_look());
     stokes_operator_apply_viscous(op, -1, d, Ad);
-    const float alpha = (float)(rho / dot(n, d, Ad));
-    double next = 0.0;
-    for (size_t i = 0; i < n; i++) {
-      pc->kappa[i] += alpha * d[i];
-      r[i] -= alpha * Ad[i];
-      next += (double)r[i] * (double)r[i] / (double)op->diagonal[i];
-    }
-    next = ranks_sum(next);
+    const float alpha = (float)(rho / dot(n, d, Ad, partial));
+    const double next = step_kappa(pc, alpha, d, Ad, r, partial);
     const float beta = (float)(next / rho);
+#pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++) d[i] = r[i] / op->diagonal[i] + beta * d[i];
     rho = next;
   }
@@ -59,7 +91,11 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
     for (size_t i = 0; i < n; i++)
       if (op->soil->relative[i] < 1.0f) pc->kappa[i] += (1.0f - Ad[i]) / op->diagonal[i];
   }
-  for (size_t i = 0; i < n; i++) pc->kappa[i] = fmaxf(pc->kappa[i], 0.5f / op->diagonal[i]);
+#pragma omp parallel for simd schedule(static)
+  for (size_t i = 0; i < n; i++) {
+    const float least = 0.5f / op->diagonal[i];
+    if (!(pc->kappa[i] > least)) pc->kappa[i] = least;
+  }
   for (size_t i = 0; op->soil && i < n; i++) {
     const double m = (double)op->soil->relative[i];
     pc->darcy[i] = m < 1.0 ? fminf(pc->kappa[i], (float)stokes_soil_permeability(m)) : pc->kappa[i];
@@ -68,6 +104,7 @@ cleanup:
   memory_free(&r);
   memory_free(&d);
   memory_free(&Ad);
+  memory_free(&partial);
   return status;
 }
 
