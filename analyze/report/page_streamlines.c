@@ -41,7 +41,8 @@ static int *owner_at(const struct lines *lines, double x, double y) {
 static bool crowded(const struct lines *lines, double x, double y, int line) {
   const double cell = 0.5 * APART / lines->scale;
   for (int k = 0; k < 9; k++) {
-    const double a = fmax(x + (k % 3 - 1) * cell, 0.0), b = fmax(y + (k / 3 - 1) * cell, 0.0);
+    const int beside = k % 3 - 1, above = k / 3 - 1;
+    const double a = fmax(x + beside * cell, 0.0), b = fmax(y + above * cell, 0.0);
     const int owner = *owner_at(lines, a, b);
     if (owner != 0 && owner != line) return true;
   }
@@ -91,11 +92,13 @@ enum status map_streamlines(const struct plane *plane, double scale, double heig
   TRY(memory_allocate(&back, LONGEST, sizeof *back, "streamlines"));
   fputs("<path fill=\"none\" stroke=\"#fff\" stroke-width=\"1.1\" stroke-opacity=\".8\" d=\"",
         stream);
-  int line = 0;
   const double apart = 0.6 * APART / scale;
-  for (double y = 0.0; y < (double)plane->size[1]; y += apart)
-    for (double x = 0.0; x < (double)plane->size[0]; x += apart) {
-      line++;
+  const int columns = (int)ceil((double)plane->size[0] / apart);
+  const int rows = (int)ceil((double)plane->size[1] / apart);
+  for (int row = 0; row < rows; row++)
+    for (int column = 0; column < columns; column++) {
+      const int line = row * columns + column + 1;
+      const double x = column * apart, y = row * apart;
       const size_t behind = trace(&lines, line, -1.0, x, y, back);
       for (size_t i = 0; i < behind; i++) {
         points[i][0] = back[behind - 1 - i][0];

@@ -136,7 +136,7 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
  * the estimate as a share of what three lattices of nearly the same spacing leave. Set on sands of
  * 1.6 to 15 sites across a mean pore. */
 #define ITERATIONS_WARM 24.0
-#define OPEN_SHARE 0.65
+#define OPEN_SHARE 0.55
 /* Beside the solver: a site of the base, its kind and wall distance; of the lattice solved before,
  * its solution, indices, kind and wall distance. */
 #define BASE_BYTES 5.0
