@@ -42,8 +42,9 @@ struct limit_estimate {
 
 /* The limit of f [n] > 0 at spacings h [n], finest first, n >= 1, from the four finest: with n = 1
  * the value itself and no error (NAN). `scale`: the spacing with 1.6 sites across a mean pore,
- * where the value depends by some per cent on where the sites happen to lie. */
-void converge_limit(const double *h, const double *f, size_t n, double scale,
+ * where the value depends by some per cent on where the sites happen to lie; `across`: the body's
+ * length in mean pores. */
+void converge_limit(const double *h, const double *f, size_t n, double scale, double across,
                     struct limit_estimate *limit);
 
 #endif

@@ -20,7 +20,7 @@ static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
  * a tenth; lengths in voxels along x. */
 #define CUBE_ENOUGH 1.1
 static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, size_t size[3]) {
-  double edge[3];
+  double edge[3] = {0.0};
   do {
     size[0] = nx;
     edge[0] = voxel[0] * (double)in[0] / (double)nx;

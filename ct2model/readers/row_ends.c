@@ -39,7 +39,7 @@ static void add(const float *pixels, size_t n, size_t first, struct pairs *pairs
 /* What differs by five standard errors is no chance; ends of the given width by three. */
 static size_t choose(const struct pairs *pairs, bool more) {
   const double usual = pairs->usual / pairs->neighbours;
-  double mean[WIDTHS], deviation[WIDTHS], most = 1.2 * usual;
+  double mean[WIDTHS] = {0.0}, deviation[WIDTHS] = {0.0}, most = 1.2 * usual;
   size_t best = 0;
   for (size_t k = 0; k < WIDTHS; k++) {
     mean[k] = pairs->sum[k] / pairs->ends[k];

@@ -67,7 +67,9 @@ static size_t beyond(size_t i, long d, size_t n, bool reflect) {
     while (at < 0 || at >= count) at = at < 0 ? -1 - at : 2 * count - 2 - at;
     return (size_t)at;
   }
-  return (size_t)(((at % count) + count) % count);
+  while (at < 0) at += count;
+  while (at >= count) at -= count;
+  return (size_t)at;
 }
 
 static float clamp(float value, float low, float high) {

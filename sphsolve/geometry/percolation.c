@@ -135,16 +135,17 @@ static enum status join_all(struct runs *runs, bool corners) {
   const size_t ny = runs->lattice->size[1], nz = runs->lattice->size[2];
   const uint32_t last = (uint32_t)runs->lattice->size[0] - 1;
   static const int steps[4][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
-  for (size_t row = 0; row < ny * nz && !interrupt_alone(); row++) {
-    const size_t j = row % ny, k = row / ny, begin = runs->start[row], end = runs->start[row + 1];
+  for (size_t row = 0, j = 0, k = 0; row < ny * nz && !interrupt_alone(); row++, j++) {
+    if (j == ny) j = 0, k++;
+    const size_t begin = runs->start[row], end = runs->start[row + 1];
     if (begin == end) continue;
     if (runs->sites[begin][0] == 0 && runs->sites[end - 1][1] == last)
       join(runs, end - 1, begin, (const int[3]){1, 0, 0});
     for (int s = 0; s < (corners ? 4 : 2); s++) {
       const long y = (long)j + steps[s][0], z = (long)k + steps[s][1];
       const int turns[3] = {0, y < 0 ? -1 : y >= (long)ny, z >= (long)nz};
-      const size_t to_y = (size_t)((y + (long)ny) % (long)ny), to_z = (size_t)(z % (long)nz);
-      join_rows(runs, row, to_z * ny + to_y, turns, corners);
+      const long to_y = y - turns[1] * (long)ny, to_z = z - turns[2] * (long)nz;
+      join_rows(runs, row, (size_t)to_z * ny + (size_t)to_y, turns, corners);
     }
   }
   return interrupt_look();

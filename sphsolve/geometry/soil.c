@@ -42,8 +42,9 @@ struct covered {
 static struct covered cover(size_t i, double spacing, size_t size, double fine_spacing,
                             size_t more) {
   /* Whole boxes, so that no index is below 0. */
-  const double boxes = (double)((more + size - 1) / size * size);
-  const double low = (double)i * spacing / fine_spacing - (double)more + boxes;
+  const size_t boxes = (more + size - 1) / size;
+  const double low =
+      (double)i * spacing / fine_spacing - (double)more + (double)boxes * (double)size;
   const double high = low + spacing / fine_spacing + 2.0 * (double)more;
   const double first = floor(low + 1e-9);
   return (struct covered){low, high, (size_t)first, (size_t)ceil(high - 1e-9 - first), size};

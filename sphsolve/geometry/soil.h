@@ -15,7 +15,8 @@ enum status lattice_soil_allocate(struct lattice *lattice);
 /* That of one site of another lattice; walls have none. */
 static inline void lattice_soil_copy(const struct lattice *from, size_t site, struct lattice *to,
                                      size_t at) {
-  if (to->micro_porosity == NULL || to->kind[at] != SITE_FLUID) return;
+  if (from->micro_porosity == NULL || to->micro_porosity == NULL || to->kind[at] != SITE_FLUID)
+    return;
   to->micro_porosity[at] = from->micro_porosity[site];
   to->micro_permeability[at] = from->micro_permeability[site];
 }

@@ -95,7 +95,7 @@ void isph_anisotropy_at(struct isph *s, size_t i, const struct soil_point *soil)
 
 /* (1 + resistance tensor)^-1 over that of the number: (c + a d)^-1 (c + a) */
 static void relative_mobility(double c, double a, const double d[6], double relative[6]) {
-  double sum[6];
+  double sum[6] = {0};
   for (int k = 0; k < 6; k++) sum[k] = c * unit[k] + a * d[k];
   symmetric_inverse(sum, relative);
   for (int k = 0; k < 6; k++) relative[k] *= c + a;
@@ -133,7 +133,7 @@ static void find_shape(struct isph *s, const struct isph_chunk *chunk, size_t i)
   const struct isph_bed *bed = own->bed > 0 ? &s->beds[own->bed - 1] : NULL;
   const double *mobility = s->on.links ? (bed != NULL ? bed->mobility : unit) : own->relative;
   struct isph_directions around = {.count = 0};
-  double off = 0, root[6], even[6] = {0}, target[6];
+  double off = 0, root[6] = {0}, even[6] = {0}, target[6];
   memset(s->shape[i], 0, sizeof s->shape[i]);
   for (int k = 0; k < 6; k++) off = fmax(off, fabs(mobility[k] - unit[k]));
   if (!(off > 1e-6)) return;
@@ -164,7 +164,7 @@ void isph_anisotropy_begin(struct isph *s, double dt) {
 
 /* n.S.n, of single precision */
 static double along(const float shape[6], const double n[3]) {
-  double wide[6];
+  double wide[6] = {0};
   for (int k = 0; k < 6; k++) wide[k] = (double)shape[k];
   return symmetric_along(wide, n);
 }

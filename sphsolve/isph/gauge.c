@@ -63,7 +63,9 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
       double r[3], w, slope, length = scaled_separation(s, i, point, r);
       if (length >= 1) continue;
       isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
-      const double *v = s->velocity[i], basis[4] = {1, r[axis[0]], r[axis[1]], r[axis[2]]};
+      const double *v = s->velocity[i];
+      double basis[4] = {1};
+      for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]];
       const double values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
       for (int p = 0; p < n; p++) {
         for (int f = 0; f < VALUES; f++) sum[RIGHT + 4 * f + p] += w * basis[p] * values[f];

@@ -83,7 +83,7 @@ static void test_limit_of_a_sand(void **state) {
   for (int i = 0; i < 5; i++) spacing[i] = 46.64 * pow(2.0, 0.5 * (i - 4));
   for (int first = 0; first < 2; first++) {
     struct limit_estimate l;
-    converge_limit(spacing + first, k + first, 5 - (size_t)first, 46.64, &l);
+    converge_limit(spacing + first, k + first, 5 - (size_t)first, 46.64, 25.0, &l);
     const double off = l.value / limit - 1.0;
     assert_true(fabs(off) < (first == 0 ? .01 : .025));
     assert_true(fabs(off) < fmin(l.low, l.high));
@@ -100,7 +100,7 @@ static void test_limit_of_a_smooth_body(void **state) {
     k[i] = 1.0 + 0.005 * pow(spacing[i], 4.0);
   }
   struct limit_estimate l;
-  converge_limit(spacing, k, 4, 4.0, &l);
+  converge_limit(spacing, k, 4, 4.0, 4.0, &l);
   assert_true(fabs(l.value - 1.0) < .005 && fabs(l.value - 1.0) < l.high && l.order > 2.5);
 }
 

@@ -43,9 +43,31 @@ static void test_bodies_without_grains(void **state) {
   assert_true(first_of(INFINITY, INFINITY) == 1.0); /* no walls at all */
 }
 
+/* Of few pores along its shortest axis, but for one along which nothing changes, a body needs a
+ * lattice more; of a mirrored one half is its own. */
+static void test_few_pores_need_one_lattice_more(void **state) {
+  (void)state;
+  enum { NX = 32, NY = 24, NZ = 8 };
+  static float distance[NX * NY * NZ];
+  for (size_t i = 0; i < NX * NY * NZ; i++)
+    distance[i] = (float)sin(0.4 * (double)(i % NX) + 0.3 * (double)(i / NX % NY));
+  struct lattice base = {.dimensions = 3,
+                         .size = {NX, NY, NZ},
+                         .spacing = {1.0, 1.0, 1.0},
+                         .count = NX * NY * NZ,
+                         .wall_distance = distance};
+  struct plan plan = {.context = {.spacing = 1.0, .lattice = &base},
+                      .shape = {.width = 2.0, .grain = INFINITY}};
+  assert_true(cascade_pores_across(&plan, &base) == NY / 2.0);
+  assert_int_equal(cascade_enough(cascade_pores_across(&plan, &base)), 4);
+  base.model.sides_mirrored = true;
+  assert_int_equal(cascade_enough(cascade_pores_across(&plan, &base)), 5);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pores_of_sands_count),
                                      cmocka_unit_test(test_fibres_of_felts_count),
-                                     cmocka_unit_test(test_bodies_without_grains)};
+                                     cmocka_unit_test(test_bodies_without_grains),
+                                     cmocka_unit_test(test_few_pores_need_one_lattice_more)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

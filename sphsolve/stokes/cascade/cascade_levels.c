@@ -13,6 +13,9 @@
 /* The first has so many sites across a mean pore, 4 V / S, and across the body. */
 #define FIRST_PORE 1.6
 #define FIRST_BODY 8.0
+/* Of so few pores across, a sand's k scatters too much for four lattices
+ * (docs/notes/2026-11-25-sharper.md). */
+#define FEW_PORES 8.0
 /* An open cascade has so many lattices at least, if it is not ended before. */
 #define LEVELS_LEAST 3
 const struct stokes_goal cascade_sides_goal = {.mean = 1e-3};
@@ -30,15 +33,18 @@ static double own_share(const struct lattice *base) {
   return base->model.sides_mirrored ? 0.5 : 1.0;
 }
 
-/* Few sites across a mean pore and along a body so long. Pores wider than the grains are thick,
- * 2 V / S, as in felts, say nothing of the grains that slow the flow: from a void ratio of 1 to one
- * of 2 the grains come to have few sites in place of the pores, as many as in sands
- * (docs/notes/2026-11-25-felts.md). */
-static double few_sites(const struct plan *plan, double body) {
-  const double h = plan->context.spacing;
+/* The mean pore, m. Pores wider than the grains are thick, 2 V / S, as in felts, say nothing of the
+ * grains that slow the flow: from a void ratio of 1 to one of 2 the grains come to have few sites
+ * in place of the pores, as many as in sands (docs/notes/2026-11-25-felts.md). */
+static double narrow_pore(const struct plan *plan) {
   const double width = plan->shape.width, grain = plan->shape.grain;
-  const double narrow = fmin(width, fmax(grain, 4.0 * grain * grain / width));
-  return fmin(isfinite(narrow) ? h * narrow / FIRST_PORE : h, body / FIRST_BODY);
+  return plan->context.spacing * fmin(width, fmax(grain, 4.0 * grain * grain / width));
+}
+
+/* Few sites across a mean pore and along a body so long. */
+static double few_sites(const struct plan *plan, double body) {
+  const double pore = narrow_pore(plan);
+  return fmin(isfinite(pore) ? pore / FIRST_PORE : plan->context.spacing, body / FIRST_BODY);
 }
 
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
@@ -60,12 +66,25 @@ static bool walls_change(const struct lattice *base, int axis) {
   return false;
 }
 
-double cascade_noise_scale(const struct plan *plan, const struct lattice *base) {
+/* The sample's own length along the shortest axis along which walls change, m. */
+static double shortest_changing(const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, own_share(base) * shortest);
+  return own_share(base) * shortest;
+}
+
+double cascade_noise_scale(const struct plan *plan, const struct lattice *base) {
+  return few_sites(plan, shortest_changing(base));
+}
+
+double cascade_pores_across(const struct plan *plan, const struct lattice *base) {
+  return shortest_changing(base) / narrow_pore(plan);
+}
+
+int cascade_enough(double pores_across) {
+  return pores_across < FEW_PORES ? CASCADE_ENOUGH_MOST : CASCADE_ENOUGH;
 }
 
 /* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
@@ -147,12 +166,11 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
 /* What a run will state of resolution with so many lattices, the last so many steps before the
  * base.
  */
-static double expected_of_open(const struct plan *plan, int lattices, int left) {
+static double expected_of_open(const struct plan *plan, int enough, int lattices, int left) {
   const double error = error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL,
                                          1.0 / cascade_step_ratio(left))
                            .error;
-  const double few =
-      lattices < CASCADE_ENOUGH && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
+  const double few = lattices < enough && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
   return fmin(1.0, few * OPEN_SHARE * error);
 }
 
@@ -165,10 +183,10 @@ static bool is_expected_enough(const struct plan *plan, double error) {
 }
 
 /* Steps from the last of so many lattices to the next, as the run will choose them. */
-static int expected_steps(const struct plan *plan, int lattices, int left) {
-  for (int steps = 1; lattices >= CASCADE_ENOUGH && steps <= CASCADE_STEPS_MOST && steps <= left;
-       steps++)
-    if (is_expected_enough(plan, expected_of_open(plan, lattices + 1, left - steps))) return steps;
+static int expected_steps(const struct plan *plan, int enough, int lattices, int left) {
+  for (int steps = 1; lattices >= enough && steps <= CASCADE_STEPS_MOST && steps <= left; steps++)
+    if (is_expected_enough(plan, expected_of_open(plan, enough, lattices + 1, left - steps)))
+      return steps;
   return left == 1 ? 1 : CASCADE_STEPS;
 }
 
@@ -182,6 +200,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
+  const int enough = cascade_enough(cascade_pores_across(plan, base));
   int left = cascade_open_steps(plan, base);
   double before = 0.0; /* sites of the lattice before */
   for (int i = 0; left >= 0 && count < most; i++) {
@@ -196,7 +215,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
                        stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
     seconds += own;
     if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal, true);
-    const double error = expected_of_open(plan, i + 1, left);
+    const double error = expected_of_open(plan, enough, i + 1, left);
     const double solving =
         BASE_BYTES * (double)base->count + BEFORE_BYTES * before +
         stokes_solver_bytes(half * sites, half * phi * sites, base->micro_porosity != NULL);
@@ -205,12 +224,12 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
           .spacing = h / refined,
           .sites = sites,
           .error = error,
-          .few = i + 1 < CASCADE_ENOUGH,
+          .few = i + 1 < enough,
           .seconds = seconds,
           .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model.count)};
     before = sites;
-    if (i + 1 >= CASCADE_ENOUGH && is_expected_enough(plan, error)) break;
-    left -= expected_steps(plan, i + 1, left);
+    if (i + 1 >= enough && is_expected_enough(plan, error)) break;
+    left -= expected_steps(plan, enough, i + 1, left);
   }
   return count;
 }

@@ -16,8 +16,10 @@
 #define CASCADE_STEPS 2
 #define CASCADE_STEPS_MOST 4
 /* From so many on, from the coarsest, an open cascade has an estimate that it may end with: fewer
- * have seen little of how k scatters from lattice to lattice. */
+ * have seen little of how k scatters from lattice to lattice. A body of few pores, whose lattices
+ * are small and scatter more, takes one more. */
 #define CASCADE_ENOUGH 4
+#define CASCADE_ENOUGH_MOST 5
 /* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
 #define CASCADE_FIXED 3
 /* The effect of the sides is solved on a lattice as it is, mirrored in y, in x and y, and closed:
@@ -26,8 +28,8 @@ double cascade_sides_times(const struct lattice *base, bool open);
 /* Other sides change k by per cents, on four times the sites. */
 extern const struct stokes_goal cascade_sides_goal;
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
-/* Two and three coarse lattices err by more than their fits say, by up to so many times. */
-extern const double cascade_few_lattices[CASCADE_ENOUGH];
+/* Fewer coarse lattices than are enough err by more than their fits say, by up to so many times. */
+extern const double cascade_few_lattices[CASCADE_ENOUGH_MOST];
 
 /* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
@@ -37,6 +39,10 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
 /* The spacing at which where the sites happen to lie scatters k by all that converge_limit expects:
  * the same, but an axis along which no wall changes may be as short as one likes. */
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
+/* Mean pores along the shortest axis along which walls change. */
+double cascade_pores_across(const struct plan *plan, const struct lattice *base);
+/* Lattices that are enough for a body of so many pores across. */
+int cascade_enough(double pores_across);
 /* Steps from the first of its lattices to the last, the scene's own sites. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
 /* The spacing so many steps before the scene's own, over that. */
