@@ -209,8 +209,9 @@ void converge_limit(const double *h, const double *f, size_t n, double scale, do
     limit->low = fmax(limit->low, limit->high);
     return;
   }
-  const double share =
-      fmin(fmax(LIMIT_STEP_PORES / fmax(across, 1.0), LIMIT_STEP_LEAST), LIMIT_STEP_MOST);
+  /* Of two or three values the caller widens all of the error (cascade_few_lattices). */
+  const double few_pores = window == LIMIT_WINDOW ? LIMIT_STEP_PORES / fmax(across, 1.0) : 0.0;
+  const double share = fmin(fmax(few_pores, LIMIT_STEP_LEAST), LIMIT_STEP_MOST);
   const double bound = LIMIT_COVERAGE * hypot(sqrt(square), share * (f[0] - mean));
   limit->value = mean;
   limit->low = fmin(1.0, bound / mean);

@@ -11,7 +11,7 @@
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 
 /* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
-const double cascade_few_lattices[CASCADE_ENOUGH_MOST] = {1.0, 1.0, 3.8, 2.4, 1.8};
+const double cascade_few_lattices[CASCADE_ENOUGH_MOST] = {1.0, 1.0, 3.8, 2.38, 1.8};
 /* Lattices of a scene's own spacing and coarser err so too, where a mean pore has fewer sites than
  * this. */
 #define COARSE 4.5
