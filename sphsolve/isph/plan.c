@@ -119,13 +119,12 @@ static void expect_isph(struct plan *plan) {
     thinnest = fmin(thinnest, (region->extent[axis + 3] - region->extent[axis]) / particle);
   }
   const double layer = thinnest_layer(&plan->context);
-  if (heads == 2 && isfinite(thinnest)) {
-    expect_ends(e, thinnest, plan->context.spacing);
-  } else if (round && isfinite(layer)) {
+  const bool between = heads == 2 && isfinite(thinnest);
+  if (round && isfinite(layer) && !between) {
     e->error = e->least = SOIL_LAYERS / layer;
     snprintf(e->why, sizeof e->why,
              "soils side by side, %.3g spacings thin, are known to %g of one", layer, SOIL_LAYERS);
-  } else if (round && beside_water(&plan->context)) {
+  } else if (between || (round && beside_water(&plan->context))) {
     expect_ends(e, thinnest, plan->context.spacing);
   } else if (round && isfinite(thinnest)) {
     snprintf(e->why, sizeof e->why,

@@ -117,7 +117,7 @@ static enum status check_inflows(const struct effect_context *context) {
         l->region != NULL && l->region[p] > 0 ? &scene->regions[l->region[p] - 1] : NULL;
     room += site * (region != NULL && region->type == REGION_POROUS ? region->porosity : 1);
   }
-  if (in * scene->end_time <= room) return STATUS_OK;
+  if (first == NULL || in * scene->end_time <= room) return STATUS_OK;
   return FAIL(STATUS_INPUT,
               "%s:%d: inflows and rain bring %g m^%d by scene.end_time into room for %g, full "
               "after %g s; end before that, or give water a way out: an inflow region of given "

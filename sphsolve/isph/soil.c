@@ -217,10 +217,10 @@ bool isph_soils_differ(const struct scene *scene) {
     const struct region *r = &scene->regions[k];
     if (r->type != REGION_POROUS) continue;
     if (first == NULL) first = r;
-    if (r->porosity != first->porosity || r->grain_size != first->grain_size ||
-        r->alpha != first->alpha || r->beta != first->beta ||
-        memcmp(r->anisotropy, first->anisotropy, sizeof r->anisotropy) != 0)
-      return !scene->isph.porosity_paper;
+    bool differs = r->porosity != first->porosity || r->grain_size != first->grain_size ||
+                   r->alpha != first->alpha || r->beta != first->beta;
+    for (int m = 0; m < 6; m++) differs = differs || r->anisotropy[m] != first->anisotropy[m];
+    if (differs) return !scene->isph.porosity_paper;
   }
   return false;
 }

@@ -26,7 +26,7 @@ void level_bar_draw(const struct uncertainty *u, double to_speed, char *text, si
   for (int i = 0; i < u->level_count; i++) seconds += u->levels[i].seconds;
   memset(bar, ' ', COLUMNS);
   bar[COLUMNS] = '\0';
-  memset(bar + from, '-', (size_t)(to - from + 1));
+  for (int i = from; i <= to; i++) bar[i] = '-';
   bar[column(last->estimate, most)] = 'o';
   snprintf(text, size, "%8.2f s |%s| %.4g cm/s", seconds, bar, 100.0 * to_speed * last->estimate);
 }

@@ -125,7 +125,8 @@ static enum status compare_line(const char *line, const char *other, const char 
   size_t length, before;
   const bool may = *line == '~';
   const char *value = value_in(line, line, &length), *was = value_in(other, line, &before);
-  if (was != NULL && (swapped || (length == before && strncmp(value, was, length) == 0)))
+  if (was != NULL &&
+      (swapped || (value != NULL && length == before && strncmp(value, was, length) == 0)))
     return STATUS_OK;
   const int name = (int)strcspn(line + may, "=") - 1;
   const char *then = swapped ? value : was != NULL ? was : "not there";

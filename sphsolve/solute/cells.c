@@ -29,6 +29,7 @@ void solute_cells_free(struct solute_cells *c) {
   memory_free(&c->volume);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a function's name and a type
 #define WRAP(name, type)                                                                           \
   void name(const struct solute_cells *c, type *x) {                                               \
     const size_t s1 = c->stride[1], s2 = c->stride[2];                                             \
@@ -45,6 +46,7 @@ void solute_cells_free(struct solute_cells *c) {
     memcpy(x, x + nz * s2, s2 * sizeof *x);                                                        \
     memcpy(x + (nz + 1) * s2, x + s2, s2 * sizeof *x);                                             \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 WRAP(solute_cells_wrap, float)
 WRAP(solute_cells_wrap_exact, double)
 

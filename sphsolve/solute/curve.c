@@ -119,7 +119,7 @@ static void take(const struct solute_flow *flow, const struct solute_state *stat
                                                         coarsest != NULL ? &coarsest->value : NULL);
   memcpy(out->tensor, limit.tensor, sizeof out->tensor);
   const double value[2] = {limit.longitudinal, limit.transverse};
-  double error[2];
+  double error[2] = {0};
   for (int t = 0; t < 2; t++) {
     double change = part(fine, t) - part(coarse, t);
     if (coarsest != NULL)

@@ -249,7 +249,8 @@ enum status solute_flow_build(const int n[3], const double spacing[3],
       if (!(f->aperture[a][at] > 0)) continue;
       for (int p = 0; p < POINTS * POINTS; p++) {
         double y[3], u[3];
-        const double share[2] = {(p % POINTS + 0.5) / POINTS, (p / POINTS + 0.5) / POINTS};
+        const int column = p % POINTS, row = p / POINTS;
+        const double share[2] = {(column + 0.5) / POINTS, (row + 0.5) / POINTS};
         for (int b = 0; b < 3; b++)
           y[b] = ((double)x[b] + (b == a ? 0 : share[(b - a + 3) % 3 - 1])) * spacing[b];
         if (!(distance(context, y) > 0)) continue;
