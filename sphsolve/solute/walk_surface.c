@@ -39,8 +39,9 @@ struct weights {
 
 static void set_weights(struct weights *weights) {
   for (int s = 0; s < SAMPLES; s++) {
-    const float x[3] = {((float)(s % SUB) + 0.5f) / SUB, ((float)(s / SUB % SUB) + 0.5f) / SUB,
-                        ((float)(s / SUB / SUB) + 0.5f) / SUB};
+    const int at[3] = {s % SUB, s / SUB % SUB, s / SUB / SUB};
+    const float x[3] = {((float)at[0] + 0.5f) / SUB, ((float)at[1] + 0.5f) / SUB,
+                        ((float)at[2] + 0.5f) / SUB};
     for (int c = 0; c < 8; c++)
       weights->of[c][s] =
           (c & 1 ? x[0] : 1 - x[0]) * (c & 2 ? x[1] : 1 - x[1]) * (c & 4 ? x[2] : 1 - x[2]);

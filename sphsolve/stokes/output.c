@@ -46,6 +46,7 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
     if (lattice->kind[site] != SITE_FLUID) continue;
     f.density[at] = (float)density;
     f.id[at] = site;
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): it is there if the lattice's is
     if (f.micro_porosity != NULL) f.micro_porosity[at] = lattice->micro_porosity[site];
     if (n > 0 && stokes_grid_is_active(&s->grid, row, i)) {
       for (size_t a = 0; a < axes; a++) {

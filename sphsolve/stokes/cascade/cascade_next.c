@@ -84,7 +84,7 @@ static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *
 #define FORETOLD_MARGIN 1.02
 static struct uncertainty foretold(const struct cascade *c, int steps) {
   struct uncertainty u = c->uncertainty;
-  double h[ERROR_LEVELS_MAX + 1], k[ERROR_LEVELS_MAX + 1];
+  double h[ERROR_LEVELS_MAX + 1] = {0}, k[ERROR_LEVELS_MAX + 1] = {0};
   const size_t n = list_values(&u, h + 1, k + 1);
   h[0] = h[1] / cascade_step_ratio(steps);
   k[0] = u.extrapolated + (k[1] - u.extrapolated) * pow(h[0] / h[1], u.order);

@@ -54,7 +54,7 @@ enum status engine_kick(struct engine *engine, bool sums) {
     if (!sums) continue;
     TRY(engine_gather_blocks(engine, SUM_BLOCK, block, sizeof *block));
     *own = (struct engine_force_sum){{0}, 0};
-    for (size_t b = 0; b < blocks; b++) {
+    for (size_t b = 0; block != NULL && b < blocks; b++) {
       for (int a = 0; a < 3; a++) own->impulse[a] += block[b].impulse[a];
       own->work += block[b].work;
     }
