@@ -154,9 +154,16 @@ def _load_snapshot(path, file):
     return Snapshot(path, float(file.attrs["time"]), Array(group["Points"][()], "m"), fields)
 
 
+def _path(name, value):
+    try:
+        return os.fsdecode(value)
+    except TypeError:
+        raise TosuiError(f"{name} {value!r}: the name of a file is wanted, as a text or a pathlib.Path") from None
+
+
 def load(path):
     """A model, a run or a snapshot, by what the file holds."""
-    path = os.fspath(path)
+    path = _path("path", path)
     if not path or os.path.isdir(path):
         raise TosuiError(f"{path}: a folder; name a file in it" if path else "the name of a file is wanted, not ''")
     try:
@@ -195,6 +202,8 @@ def _run(name, *words):
         done = subprocess.run([program, *map(str, words), "--json"], capture_output=True, text=True)
     except OSError as error:
         raise TosuiError(f"{program}: {error.strerror}") from None
+    except ValueError as error:  # a NUL or half a character, which no program can be given
+        raise TosuiError(f"{' '.join(map(str, words))!r}: {error}") from None
     if done.returncode < 0:
         memory = "; the system does so where memory is short" if done.returncode == -signal.SIGKILL else ""
         raise TosuiError(f"{program} was ended by {signal.Signals(-done.returncode).name}{memory}", done.returncode)
@@ -213,7 +222,7 @@ def table(command, *runs, **options):
         if value is None or value is False:
             continue
         words += ["--" + name.replace("_", "-")] + ([] if value is True else [value])
-    return _run("analyze", command, *map(os.fspath, runs), *words)[0]
+    return _run("analyze", command, *(_path("run", path) for path in runs), *words)[0]
 
 
 @dataclasses.dataclass
@@ -258,7 +267,7 @@ force = {{ body_acceleration = ["0", "0", "-9.80665 m/s^2"]; }};
 def _number(name, value):
     try:
         return float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TosuiError(f"{name} {value!r}: a number is wanted") from None
 
 
@@ -291,14 +300,18 @@ def _volume(image):
 
 
 def _phases(image, pore):
-    """--segmented and its list: the labels in `pore`, the others grain."""
-    labels = np.unique(image)
-    pores = {_number("pore", label) for label in np.atleast_1d(pore).tolist()}
-    if len(labels) > 32:
+    """--segmented and its list: the labels in `pore`, the others grain. ct2model reads pixels in single precision."""
+    values = np.unique(image)
+    if len(values) > 32:
         raise TosuiError("the image holds more than 32 labels; give void_ratio for an image of greys")
-    if not pores & {float(label) for label in labels}:
+    labels = np.unique(values.astype(np.float32))
+    if len(labels) < len(values):
+        raise TosuiError("the image holds labels that single precision does not part; number them anew")
+    named = pore if np.iterable(pore) and not isinstance(pore, (str, bytes)) else [pore]
+    pores = np.isin(labels, np.array([_number("pore", label) for label in named], np.float32))
+    if not pores.any():
         raise TosuiError(f"the image does not hold the label {pore}, only {', '.join(f'{x:g}' for x in labels[:8])}")
-    return "--segmented=" + ",".join(f"{float(x):g}={'pore' if float(x) in pores else 'grain'}" for x in labels)
+    return "--segmented=" + ",".join(f"{x:.9g}={'pore' if open else 'grain'}" for x, open in zip(labels, pores))
 
 
 def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=None, size=None, mirror=True,
@@ -312,34 +325,42 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
     to. `mirror`: the image and its mirror image stand one behind the other along the flow, so that pores fit; False
     for an image that is periodic. `folder` keeps the files. Raises TosuiError with the program's message."""
     image = _volume(image)
-    axis = dict(enumerate("zyxzyx", -3)).get(axis, axis)
-    if axis not in ("x", "y", "z"):
+    if isinstance(axis, (int, np.integer)) and -3 <= axis < 3:
+        axis = "zyx"[axis]
+    if not isinstance(axis, str) or axis not in ("x", "y", "z"):
         raise TosuiError(f"axis {axis!r}: 'x', 'y' or 'z' is wanted")
+    if not isinstance(mirror, (bool, np.bool_)):
+        raise TosuiError(f"mirror {mirror!r}: True or False is wanted")
     if image.dtype == bool:
         if void_ratio is None and pore is not True and pore is not False:
             warnings.warn(f"a boolean image: pores are where it is {bool(pore)}; name pore=True or pore=False", stacklevel=2)
         image = image.astype(np.uint8)
+    if void_ratio is not None and not isinstance(void_ratio, str):
+        void_ratio = f"{_number('void_ratio', void_ratio):.9g}"
+    if void_ratio is not None and "," in void_ratio:
+        raise TosuiError(f"void_ratio {void_ratio!r}: one is wanted here; call once for each")
     lengths = [voxel_size] if isinstance(voxel_size, str) else np.atleast_1d(voxel_size)
     words = ["--voxel-size", ",".join(_length(length) for length in lengths), "--flow", axis]
     words += ["--mirror", "z" if mirror else "none"]
     words += [_phases(image, pore)] if void_ratio is None else ["--void-ratio", void_ratio]
     if size is not None and (isinstance(size, str) or np.size(size) != 3):
         raise TosuiError(f"size {size!r}: three numbers are wanted, (nx, ny, nz)")
-    words += ["--size", "x".join(f"{_number('size', n):g}" for n in size)] if size is not None else []
+    words += ["--size", "x".join(f"{_number('size', n):.9g}" for n in size)] if size is not None else []
     water = {"density": _number("density", density), "viscosity": _number("viscosity", viscosity)}
     goal = []
     if error is not None:
         goal = ["--error", error if isinstance(error, str) else f"{100 * _number('error', error):g}%"]
     common = ["--threads", threads] if threads else []
+    at = _path("folder", folder) if folder is not None else None
     with tempfile.TemporaryDirectory(prefix="tosui-") as own:
-        at = os.fspath(folder) if folder is not None else own
+        at = own if at is None else at
         try:
             os.makedirs(at, exist_ok=True)
             np.save(os.path.join(at, "image.npy"), np.ascontiguousarray(image))
             with open(os.path.join(at, "scene.cfg"), "w") as scene:
                 scene.write(_SCENE.format(**water))
-        except OSError as failed:
-            raise TosuiError(f"folder {at}: {failed.strerror or failed}") from None
+        except (OSError, ValueError) as failed:
+            raise TosuiError(f"folder {at!r}: {getattr(failed, 'strerror', None) or failed}") from None
         model, said = _run("ct2model", "build", os.path.join(at, "image.npy"), *words, *common, "-o",
                            os.path.join(at, "model.hdf"))
         run, more = _run("sphsolve", "run", os.path.join(at, "scene.cfg"), *goal, *common, "-o", os.path.join(at, "run"))

@@ -18,11 +18,11 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
     if (rules->count == LABELS_MOST)
       return FAIL(STATUS_USAGE, "--segmented: more than %d labels", LABELS_MOST);
     const size_t i = rules->count++;
-    rules->value[i] = strtod(at, &end);
+    rules->value[i] = (double)strtof(at, &end); /* as pixels are read */
     if (end == at) goto wrong;
     for (size_t other = 0; other < i; other++)
       if (rules->value[other] == rules->value[i])
-        return FAIL(STATUS_USAGE, "--segmented %s: the label %g stands there twice", text,
+        return FAIL(STATUS_USAGE, "--segmented %s: the label %.9g stands there twice", text,
                     rules->value[i]);
     if (*end == '\0' && i == 0) {
       rules->pore[0] = rules->rest_is_grain = true;
@@ -124,7 +124,8 @@ static enum status name_unknown(const struct region *region, size_t z, double va
   char name[160];
   stack_slice_name(region->stack, region->origin[2] + z, name, sizeof name);
   return FAIL(STATUS_INPUT,
-              "%s: holds the label %g, of which --segmented says nothing; say %g=pore or %g=grain",
+              "%s: holds the label %.9g, of which --segmented says nothing; say %.9g=pore or "
+              "%.9g=grain",
               name, value, value, value);
 }
 

@@ -100,9 +100,23 @@ class Module(unittest.TestCase):
         for image in (grain.tolist(), np.asfortranarray(grain), grain.astype(">i4"), grain.astype(np.float16), grain.astype(np.uint64)):
             self.assertTrue(np.array_equal(tosui._volume(image), grain))
 
+    def test_labels_that_few_digits_do_not_name(self):
+        grain = self.grain.astype(np.float64)
+        for low, high in ((0.1, 0.2), (123456, 123457), (16777218, 16777220)):
+            said = tosui._phases(low + (high - low) * grain, low)
+            one = tosui.permeability(low + (high - low) * grain, "26.6666667 um", pore=low, mirror=False, error=None)
+            self.assertAlmostEqual(one.K / self.result.K, 1, places=6, msg=said)
+        with self.assertRaisesRegex(tosui.TosuiError, "single precision does not part"):
+            tosui.permeability(self.grain.astype(np.int32) + 123456789, "5 um", pore=123456789)
+
     def test_words_that_are_no_number(self):
         for said, options in (("voxel_size None", {"voxel_size": None}), ("pore 'x'", {"pore": "x"}), ("axis 3", {"axis": 3}),
-                              ("axis None", {"axis": None}), ("size 4", {"size": 4}), ("size", {"size": (4, 4)}),
+                              ("axis None", {"axis": None}), (r"axis \[\]", {"axis": []}), ("size 4", {"size": 4}), ("size", {"size": (4, 4)}),
+                              (r"pore \[0\]: a number", {"pore": [[0], [1, 2]]}), ("pore 1000", {"pore": 10**400}),
+                              ("mirror 'no'", {"mirror": "no"}), ("folder 3", {"folder": 3}), ("folder 'a", {"folder": "a\0b"}),
+                              ("null byte", {"voxel_size": "5\0um"}), ("one is wanted here", {"void_ratio": "0.6,0.7"}),
+                              (r"void_ratio \[", {"void_ratio": [0.6, 0.7]}),
+                              ("10000000 is out of range", {"size": (10000000, 4, 4)}),
                               ("viscosity '1 Pa s'", {"viscosity": "1 Pa s"}), ("density None", {"density": None})):
             with self.assertRaisesRegex(tosui.TosuiError, said):
                 tosui.permeability(self.grain, **{"voxel_size": "5 um", "pore": False, **options})
@@ -113,9 +127,12 @@ class Module(unittest.TestCase):
     def test_files_that_are_no_run(self):
         import h5py
         at = self.folder.name
-        for said, path in (("for ParaView; its fields", os.path.join(at, "run-image.hdf")), ("not ''", "")):
+        for said, path in (("for ParaView; its fields", os.path.join(at, "run-image.hdf")), ("not ''", ""), ("path 3: the name", 3),
+                           ("path None: the name", None), ("^nothere.hdf: No such", b"nothere.hdf")):
             with self.assertRaisesRegex(tosui.TosuiError, said):
                 tosui.load(path)
+        with self.assertRaisesRegex(tosui.TosuiError, r"run \['a.hdf'\]: the name"):
+            tosui.table("darcy", ["a.hdf"])
         with h5py.File(os.path.join(at, "half.hdf"), "w") as half:
             half["model/solid"] = np.zeros((2, 2, 2))
             half["run/history"] = 0
