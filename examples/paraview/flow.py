@@ -1,5 +1,4 @@
-"""The flow through the pores in ParaView 5.11 and newer: grain walls, a slice of the speed, the pores where the water is
-fast, and streamlines.
+"""The flow through the pores in ParaView 5.11 and newer: grain walls, a slice of the speed and streamlines.
 
     cd FOLDER_OF_THE_RUN; paraview --state=flow.py       or File > Load State, and this file
     pvpython flow.py OUT-image.hdf flow.png              a picture without a window
@@ -28,6 +27,8 @@ view.Background = [1, 1, 1]
 view.UseColorPaletteForBackground = 0
 view.OrientationAxesVisibility = 1
 
+if not flow.PointData["velocity"] or not flow.PointData["wall_distance"]:
+    raise SystemExit(f"{path}: not the OUT-image.hdf of a run: no velocity and no distance to walls in it")
 bounds = flow.GetDataInformation().GetBounds()
 low, high = bounds[::2], bounds[1::2]
 middle = [(a + b) / 2 for a, b in zip(low, high)]
@@ -37,7 +38,6 @@ fastest = flow.PointData["velocity"].GetRange(-1)[1]
 speed = GetColorTransferFunction("velocity")
 speed.VectorMode = "Magnitude"
 speed.ApplyPreset("Viridis (matplotlib)", True)
-speed.RescaleTransferFunction(0, 0.25 * fastest)
 
 
 def show(source, colours=True, opacity=1.0):
@@ -75,6 +75,7 @@ bar = GetScalarBar(speed, view)
 bar.Title, bar.ComponentTitle = "speed, m/s", ""
 bar.TitleColor = bar.LabelColor = [0, 0, 0]
 
+speed.RescaleTransferFunction(0, 0.25 * fastest)  # after the last show(), each of which sets the range of its own data
 Render(view)  # the first sets the camera
 view.CameraPosition = [middle[0] + 2.0 * size, middle[1] - 2.0 * size, middle[2] + 1.2 * size]
 view.CameraFocalPoint = middle

@@ -140,5 +140,18 @@ END
   if [ -n "$pv" ]; then
     $pv "$ROOT/examples/paraview/flow.py" pore-image.hdf flow.png
     [ "$(stat -c %s flow.png)" -gt 50000 ]
+    # The fast water is yellow: the colours' range is the flow's, not that of what was shown last.
+    /usr/bin/python3 - << 'END'
+from vtkmodules.vtkIOImage import vtkPNGReader
+from vtkmodules.util.numpy_support import vtk_to_numpy
+reader = vtkPNGReader()
+reader.SetFileName("flow.png")
+reader.Update()
+red, green, blue = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int).T[:3]
+share = ((red > 130) & (green > 110) & (blue < 80)).mean()
+assert share > 0.01, share
+END
+    run ! $pv "$ROOT/examples/paraview/flow.py" model.hdf flow.png
+    [[ $output == *"model.hdf: not the OUT-image.hdf of a run"* ]]
   fi
 }
