@@ -168,19 +168,22 @@ static void write_seepage(const json_t *seepage, FILE *out) {
                                       : json_number_or_nan(seepage, "flow_m2_per_s");
   const double error = through != NULL ? json_number_or_nan(through, "error95")
                                        : json_number_or_nan(seepage, "flow_error95_m2_per_s");
+  const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
+  const bool none = fabs(uptake) > 0.5 * flow;
   fputs("<p class=\"k\">", out);
-  quantity(out, flow, error / flow, "m&sup2;/s");
-  fputs(" <span class=\"interval\">through the soil, ", out);
-  if (through != NULL) {
-    fputs("at the plane ", out);
-    write_string(through, "plane", out);
+  if (none) {
+    fputs("No steady flow <span class=\"interval\">through the soil", out);
   } else {
-    fputs("by the flow net", out);
+    quantity(out, flow, error / flow, "m&sup2;/s");
+    fputs(" <span class=\"interval\">through the soil, ", out);
+    fputs(through != NULL ? "at the plane " : "by the flow net", out);
+    if (through != NULL) write_string(through, "plane", out);
   }
-  fprintf(out,
-          "</span></p>\n<p class=\"verdict\">For each metre along y; the head falls by "
-          "%.3g&nbsp;m in it",
-          json_number_or_nan(seepage, "head_drop_m"));
+  fprintf(out, "</span></p>\n<p class=\"verdict\">%s head falls by %.3g&nbsp;m in it",
+          none ? "The" : "For each metre along y; the", json_number_or_nan(seepage, "head_drop_m"));
+  if (seepage_is_filling(flow, error, uptake))
+    fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
+            uptake > 0 ? "fills with" : "drains of", fabs(uptake));
   if (isfinite(least))
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
             seepage_judge(least));

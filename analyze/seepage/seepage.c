@@ -89,6 +89,10 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
   char text[80];
   value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
   fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it\n", text, s->drop);
+  json_put_number(json, "soil_uptake_m2_per_s", s->uptake);
+  if (seepage_is_filling(s->flow, s->flow_error, s->uptake))
+    fprintf(summary, "unsteady   the soil %s %.3g m^2/s: what flows in is not what flows out\n",
+            s->uptake > 0 ? "fills with" : "drains of", fabs(s->uptake));
 }
 
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */

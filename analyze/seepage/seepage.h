@@ -38,7 +38,8 @@ struct seepage {
   double grain_density;
   double *psi;       /* m^2/s, at corners */
   double flow;       /* m^2/s: most of psi between two places in soil */
-  double flow_error; /* of it, 95 %: by what psi misses the velocities, and where the surface is */
+  double flow_error; /* of it, 95 %: what psi misses of the velocities, the surface, uptake */
+  double uptake;     /* m^2/s: that the soil fills with, below 0 drains of; NAN: not known */
   double drop;       /* m: of head in the soil */
   double low;        /* m: least head in soil */
   struct seepage_exit exit;
@@ -54,6 +55,9 @@ void seepage_free(struct seepage *seepage);
 
 /* (Gs - 1) / (1 + e), the gradient at which water carries the grains (Terzaghi 1922). */
 double seepage_critical(double grain_density, double density, double porosity);
+
+/* Whether the soil fills or drains so fast that what flows in it is no flow through it. */
+bool seepage_is_filling(double flow, double error, double uptake);
 
 /* Whether water seeps in a run so that a flow net says something: head falls in its soil by more
  * than a spacing. False also where there is no such field. */

@@ -15,6 +15,11 @@ static bool is_soil(const struct head_field *f, size_t i, size_t k) {
          !isnan(f->head[k * f->nx + i]);
 }
 
+static bool is_dry(const struct head_field *f, size_t i, size_t k) {
+  return i < f->nx && k < f->nz && f->soil[k * f->nx + i] != REGION_NONE &&
+         isnan(f->head[k * f->nx + i]);
+}
+
 /* Head in soil at an elevation between two cells of a column, NAN elsewhere. */
 static double head_at(const struct head_field *f, size_t i, double z) {
   const double row = z / f->dz - 0.5;
@@ -202,6 +207,31 @@ static double net_error(const struct seepage *s) {
              : NAN;
 }
 
+/* Where soil fills, streamlines end at its front; where the flow is steady the water's surface is
+ * one of them. So what the soil takes up is the flow by psi through faces between wet and dry
+ * soil. Under rain water steadily comes in there: NAN. */
+static double find_uptake(const struct head_field *f, const double *psi) {
+  const size_t corners = f->nx + 1;
+  double sum = 0;
+  for (size_t r = 0; r < f->region_count; r++)
+    if (!strcmp(f->regions[r].type, "rain")) return NAN;
+  for (size_t k = 0; k < f->nz; k++)
+    for (size_t i = 0; i < f->nx; i++) {
+      if (!is_soil(f, i, k)) continue;
+      const double *p = psi + k * corners + i;
+      if (is_dry(f, i + 1, k)) sum += p[corners + 1] - p[1];
+      if (i > 0 && is_dry(f, i - 1, k)) sum -= p[corners] - p[0];
+      if (is_dry(f, i, k + 1)) sum -= p[corners + 1] - p[corners];
+      if (k > 0 && is_dry(f, i, k - 1)) sum += p[1] - p[0];
+    }
+  return sum;
+}
+
+/* A tenth: less is told by the error alone. */
+bool seepage_is_filling(double flow, double error, double uptake) {
+  return fabs(uptake) > 0.1 * flow && fabs(uptake) > 0.5 * error;
+}
+
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *s) {
   enum status status = STATUS_OK;
   struct head_field *f = &s->field;
@@ -221,7 +251,9 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   TRY(memory_allocate(&s->loads, f->region_count, sizeof *s->loads, "walls"));
   TRY(memory_allocate(&s->phreatic, f->nx, sizeof *s->phreatic, "the phreatic line"));
   find_ranges(s);
+  s->uptake = find_uptake(f, s->psi);
   s->flow_error = net_error(s);
+  if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_exit(s);
   find_phreatic(s);
   for (size_t r = 0; r < f->region_count; r++)
