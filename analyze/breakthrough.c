@@ -248,12 +248,18 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 }
 
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
+  size_t rows = 0; /* of the key, one for each curve */
   for (size_t i = 0; i < n; i++)
-    if (drawn(&list[i]) != NULL) write_blocks(&list[i], drawn(&list[i]), i, stream);
-  fputs("set multiplot layout 2,1 margins 0.16,0.97,0.17,0.985 spacing 0,0.11\n"
-        "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
-        "set logscale x\nset yrange [0:1]\nset key at screen 0.5,0.01 center bottom horizontal samplen 1\n",
-        stream);
+    if (drawn(&list[i]) != NULL) {
+      write_blocks(&list[i], drawn(&list[i]), i, stream);
+      rows += rows < CURVES;
+    }
+  fprintf(stream,
+          "set multiplot layout 2,1 margins 0.16,0.97,%.3f,0.985 spacing 0,0.11\n"
+          "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
+          "set logscale x\nset yrange [0:1]\n"
+          "set key at screen 0.5,0.01 center bottom vertical maxcols 1 samplen 1\n",
+          0.12 + 0.027 * (double)rows);
   write_curves(list, n, false, stream);
   fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
         "set format y '10^{%T}'\nunset key\n",

@@ -76,10 +76,17 @@ static void write_frame(const struct film *f, size_t frame, FILE *stream) {
   fputs("EOD\n", stream);
 }
 
+/* Between tics, 1, 2 or 5 times a power of ten: 4 to 2 of them over a range, for panels are small.
+ */
+static double step_of(double range) {
+  const double least = range / 4.5, power = pow(10, floor(log10(least)));
+  return power * (least <= 2 * power ? 2 : least <= 5 * power ? 5 : 10);
+}
+
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES ? f->frames - FRAMES : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 3,2 margins 0.13,0.98,0.11,0.95 spacing 0.14,0.12\n"
+  fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.12\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);
@@ -87,9 +94,10 @@ static void write_plot(const struct film *f, FILE *stream) {
     const double *low = f->low + 2 * k, *width = f->width + 2 * k;
     fprintf(stream,
             "set title 'after %.3g s' offset 0,-0.6\nset xrange [%.5g:%.5g]\nset yrange "
-            "[%.5g:%.5g]\n%s%splot $frame%zu using 1:2:3 with image\n",
+            "[%.5g:%.5g]\nset xtics %g\nset ytics %g\n%s%splot $frame%zu using 1:2:3 with image\n",
             f->time[k], 1e3 * low[0], 1e3 * (low[0] + (double)f->columns * width[0]), 1e3 * low[1],
             1e3 * (low[1] + (double)f->rows * width[1]),
+            step_of(1e3 * (double)f->columns * width[0]), step_of(1e3 * (double)f->rows * width[1]),
             k - first >= FRAMES - 2 ? "set xlabel 'along the flow (mm)'\n" : "unset xlabel\n",
             (k - first) % 2 == 0 ? "set ylabel 'across (mm)'\n" : "unset ylabel\n", k);
   }

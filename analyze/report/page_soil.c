@@ -44,7 +44,7 @@ static enum status write_curve(struct page *page, const struct curve *c, double 
       plot,
       "EOD\nset logscale x\nset format x '10^{%%L}'\nset xlabel 'permeability of the soil (m^2)'\n"
       "set ylabel 'k (cm/s)'\nset yrange [0:*]\nset y2label 'flux through soil (%%)'\n"
-      "set y2range [0:*]\nset y2tics\nset ytics nomirror\nset key top left\n"
+      "set y2range [0:*]\nset y2tics\nset ytics nomirror\nset key outside below\n"
       "plot $curve using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
       "title 'k', $curve using 1:3 axes x1y2 with linespoints pointtype 5 linewidth 1.4 "
       "dashtype 2 linecolor rgb '%s' title 'flux through soil'\n",

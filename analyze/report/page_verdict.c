@@ -36,8 +36,13 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
     if (k != 0) permeability *= run->k / k; /* the run's own best estimate and interval */
     k = run->k;
     /* What was found of its history is in the fit's error alone. */
-    low = fmin(run->k_low, k * fmax(0.0, 1.0 - relative));
-    high = fmax(run->k_high, k * (1.0 + relative));
+    const double own = fmax(run->k_high - k, k - run->k_low) / k;
+    low = run->k_low;
+    high = run->k_high;
+    if (relative > 1.001 * own) {
+      low = fmin(low, k * fmax(0.0, 1.0 - relative));
+      high = fmax(high, k * (1.0 + relative));
+    }
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
   json_array_append_new(

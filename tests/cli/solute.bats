@@ -167,6 +167,15 @@ P
   analyze dispersion walked.hdf -o curves > curves.txt
   grep -q "^  Pe 30, D_L/D = " curves.txt
   [ -s curves/breakthrough.csv ]
+  # gnuplot leaves out an axis' name that it has no room for.
+  grep -q 'across (mm)' curves/film.svg && grep -q 'along the flow (mm)' curves/film.svg
+  /usr/bin/python3 -c '
+import re
+places = [(float(y), re.sub("<[^>]*>", "", text)) for y, text in
+          re.findall(r"translate\([\d.]+,([\d.]+)\)[^\n]*\n\t*<text>(.*)</text>", open("curves/breakthrough.svg").read())]
+axis = max(y for y, text in places if "distance" in text)
+key = min(y for y, text in places if text.startswith("Pe "))
+assert key > axis + 10, places'
   /usr/bin/python3 - <<'P'
 import json
 
