@@ -59,9 +59,14 @@ static void write_head(struct page *page) {
   write_asset(out, ASSET_STYLE, "<style>", "</style>\n");
   fputs("</head><body>\n<header><h1>", out);
   html_text(out, page->subject.runs[0].title);
+  size_t stopped = 0;
+  for (size_t i = 0; i < page->subject.n; i++)
+    stopped += strcmp(page->subject.runs[i].status, "interrupted") == 0;
   fprintf(out, "</h1><p>%zu run%s", page->subject.n, page->subject.n > 1 ? "s" : "");
   if (page->subject.solute_count > 0)
     fprintf(out, " of flow, %zu of a solute in it", page->subject.solute_count);
+  if (stopped > 0 && page->subject.n == 1) fputs(", interrupted", out);
+  if (stopped > 0 && page->subject.n > 1) fprintf(out, ", %zu of them interrupted", stopped);
   fputs("</p></header>\n<main>\n", out);
 }
 

@@ -8,6 +8,8 @@
 #define WIDTH 720.0 /* pixels of the longer side */
 #define BAR 124.0   /* pixels beside it, for the scale of colours */
 #define FOOT 38.0   /* and below, for that of lengths */
+#define LINE 28.0   /* pixels from line to line */
+#define NARROW 360  /* pixels: the axes' names stand on a line of their own below this width */
 #define FONT 22     /* to be read on a telephone, where half of it is left */
 #define GRAIN 255   /* colour of the grains */
 #define HATCH 254   /* and of the lines that mark soil with pores below the sites */
@@ -164,12 +166,14 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
   double length = pow(10.0, floor(log10(metres)));
   length *= metres / length >= 5.0 ? 5.0 : metres / length >= 2.0 ? 2.0 : 1.0;
   const double pixels = length / plane->spacing[0] * canvas->scale;
+  const bool narrow = canvas->width < NARROW;
   fprintf(stream,
           "<rect x=\"0\" y=\"%.1f\" width=\"%.1f\" height=\"4\" fill=\"#222\"/>"
           "<text x=\"%.1f\" y=\"%.1f\">%.4g &#181;m</text>"
-          "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%c across, %c up</text>\n",
+          "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%c across, %c up</text>\n",
           canvas->height + 16.0, pixels, pixels + 8.0, canvas->height + 26.0, 1e6 * length,
-          canvas->width, canvas->height + 26.0, "xyz"[plane->across], "xyz"[plane->up]);
+          narrow ? 0.0 : canvas->width, canvas->height + 26.0 + narrow * LINE,
+          narrow ? "start" : "end", "xyz"[plane->across], "xyz"[plane->up]);
 }
 
 enum status map_write(const struct plane *plane, enum map_of what, FILE *stream) {
@@ -178,11 +182,13 @@ enum status map_write(const struct plane *plane, enum map_of what, FILE *stream)
   struct canvas canvas = {.plane = plane, .what = what, .scale = WIDTH / longer};
   canvas.width = floor(canvas.scale * (double)plane->size[0]);
   canvas.height = floor(canvas.scale * (double)plane->size[1]);
+  const double width = fmax(canvas.width, 60.0) + BAR;
+  const double height = canvas.height + FOOT + (canvas.width < NARROW) * LINE;
   fprintf(stream,
           "<svg class=\"map\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
           "width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"%d\" "
           "role=\"img\" aria-label=\"%s\"><rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-          canvas.width + BAR, canvas.height + FOOT, canvas.width + BAR, canvas.height + FOOT, FONT,
+          width, height, width, height, FONT,
           what == MAP_SPEED ? "Speed with streamlines over the grains"
                             : "Pressure over the grains");
   TRY(write_pixels(&canvas, stream));

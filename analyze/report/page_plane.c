@@ -188,6 +188,10 @@ cleanup:
   return status;
 }
 
+static double extent_of(const struct run *run, int axis) {
+  return (double)run->size[axis] * run->spacing[axis];
+}
+
 enum status plane_read(const struct run *run, const struct particles *particles,
                        const struct voxel_model *model, struct plane *plane) {
   enum status status = STATUS_OK;
@@ -198,6 +202,10 @@ enum status plane_read(const struct run *run, const struct particles *particles,
     if (fabs(run->direction[d]) > fabs(run->direction[plane->up])) plane->up = d;
   plane->axis = plane->up == 0 ? 1 : 0;
   plane->across = 3 - plane->up - plane->axis;
+  if (extent_of(run, plane->across) < 0.5 * extent_of(run, plane->axis)) { /* a thin body */
+    plane->axis = plane->across;
+    plane->across = 3 - plane->up - plane->axis;
+  }
   const size_t layer = run->size[plane->axis] / 2;
   plane->at = run->origin[plane->axis] + (double)layer * run->spacing[plane->axis];
   for (int i = 0; i < 2; i++) {

@@ -219,6 +219,16 @@ static const struct {
 /* Nearer to the wanted error than this the other parts leave a lattice nothing that can be paid. */
 #define LATTICE_MOST 0.97
 
+/* Of a run that was stopped: nothing else is to be done first. */
+static bool judge_interrupted(json_t *result, const struct run *run) {
+  if (strcmp(run->path, string(result, "path")) != 0 || strcmp(run->status, "interrupted") != 0)
+    return false;
+  json_object_set_new(
+      result, "advice",
+      json_string("The run was interrupted: sphsolve run --resume goes on with it."));
+  return true;
+}
+
 /* `scanned`: the scan's voxel (m; NAN: unknown), below which a model tells nothing new. */
 static void judge_advice(json_t *result, double scanned) {
   const json_t *parts = json_object_get(result, "error_budget");
@@ -270,9 +280,9 @@ static void judge_advice(json_t *result, double scanned) {
                needs, spacing / finer, spacing);
     else
       snprintf(text, sizeof text,
-               "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.2g times as many "
+               "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.*f times as many "
                "points.",
-               spacing, spacing / finer, finer * finer * finer);
+               spacing, spacing / finer, finer < 2 ? 1 : 0, finer * finer * finer);
   }
   json_object_set_new(result, "advice", json_string(text));
 }
@@ -306,6 +316,6 @@ void verdict_judge(json_t *results, const struct run *run, const struct page_mod
                                            json_number_or_nan(result, "k_relative_error"))));
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
-  judge_advice(result, model->voxel_scanned);
+  if (!judge_interrupted(result, run)) judge_advice(result, model->voxel_scanned);
   judge_formulas(result, run, model);
 }

@@ -173,6 +173,42 @@ for svg in re.findall("<svg class=.map.*?</svg>", open("gas.html").read(), re.S)
     assert len(numbers) == 5 and all(len(t.lstrip("≥≤ ")) <= 6 for t in numbers), numbers'
 }
 
+@test "a run that was interrupted: the page's first lines say so" {
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" stopped.hdf method=stokes k=1e-3 model= status=interrupted
+  analyze report stopped.hdf -o stopped.html -q > /dev/null
+  grep -q '<p>1 run, interrupted</p>' stopped.html
+  grep -q '<p class="verdict">.*The run was interrupted: sphsolve run --resume goes on' stopped.html
+  analyze darcy stopped.hdf | grep -q '^Verdict: .*The run was interrupted'
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" ended.hdf method=stokes k=1e-3 model=
+  analyze report ended.hdf -o ended.html -q > /dev/null
+  ! grep -q 'interrupted' <(sed 's/<script.*//' ended.html)
+}
+
+@test "a body one voxel wide: its map is the plane along it; names of a narrow map have room" {
+  /usr/bin/python3 -c '
+import numpy as np
+z, x = np.indices((40, 30))
+np.save("plate.npy", np.repeat((((z % 20 - 10) ** 2 + (x % 15 - 7) ** 2) < 30).astype(np.uint8)[:, None, :], 1, 1))
+np.save("column.npy", np.repeat((((z % 20 - 10) ** 2 + (x % 15 - 7) ** 2) < 30).astype(np.uint8)[:, None, :12], 12, 1))'
+  for body in plate:"x across, z up" column:"y across, z up"; do
+    name=${body%%:*}
+    size=$([ $name = plate ] && echo "--size 30x1x40" || true)
+    ct2model build $name.npy --voxel-size 5um --segmented 0 --mirror none $size -o $name.hdf -q 2> /dev/null
+    printf '%s\n' "model = { file = \"$name.hdf\"; };" 'fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );' \
+      'scene = { name = "body"; method = "stokes"; };' 'force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };' > $name.cfg
+    sphsolve run $name.cfg -o $name-run -q > /dev/null 2>&1
+    analyze report $name-run.hdf -o $name.html -q > /dev/null 2>&1
+    grep -q "${body#*:}" $name.html
+  done
+  # On a line of their own, below the scale of lengths.
+  /usr/bin/python3 -c '
+import re
+for svg in re.findall("<svg class=.map.*?</svg>", open("column.html").read(), re.S):
+    (scale, _), (names, _) = re.findall(r"y=.([\d.]+).[^>]*>([^<]*(?:&#181;m|across)[^<]*)</text>", svg)[-2:]
+    assert float(names) >= float(scale) + 22, (scale, names)
+    assert float(names) < float(re.search(r"viewBox=.0 0 \d+ (\d+)", svg)[1])'
+}
+
 @test "a run that solved several lattices: its own interval, and k of each against time" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" levels.hdf method=stokes k=1e-3 model= levels=1
   analyze report levels.hdf -o levels.html -q > /dev/null
