@@ -74,6 +74,10 @@ static enum status read_text(const char *path, char **text) {
         STATUS_INPUT,
         "%s: is an HDF5 file; a scene is text, and names a model in model = { file = \"...\"; }",
         path);
+  if (used > 2 && (memcmp(*text, "\377\376", 2) == 0 || memcmp(*text, "\376\377", 2) == 0))
+    TRY_FAIL(STATUS_INPUT, "%s: is text in UTF-16; save it as UTF-8", path);
+  if (used > 3 && memcmp(*text, "\357\273\277", 3) == 0) /* what editors set before UTF-8 */
+    memset(*text, ' ', 3);
   if (memchr(*text, 0, used))
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
              line_at(*text, *text + strlen(*text)));
@@ -209,8 +213,13 @@ enum status config_open(const char *path, const char *const *overrides, size_t n
     TRY_FAIL(STATUS_INPUT, "%s:%d: this comment has no end; close it with */", path,
              line_at(config->text, comment));
   if (config_read_string(&config->tree, config->text) != CONFIG_TRUE)
-    TRY_FAIL(STATUS_INPUT, "%s:%d: %s; a setting is written name = value; and a text in quotes",
-             path, config_error_line(&config->tree), config_error_text(&config->tree));
+    TRY_FAIL(
+        STATUS_INPUT, "%s:%d: %s; %s", path, config_error_line(&config->tree),
+        config_error_text(&config->tree),
+        strstr(config_error_text(&config->tree), "mismatched") != NULL
+            ? "quantities are texts with their unit, like [\"0\", \"-9.8 m/s^2\"], and numbers "
+              "all have a point or none"
+            : "a setting is written name = value; and a text in quotes");
   size_t used = strlen(config->text);
   for (size_t i = 0; i < n; i++) {
     TRY(apply_override(config, overrides[i]));

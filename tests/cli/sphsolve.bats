@@ -79,6 +79,14 @@ END
   run --separate-stderr "$SPH" run model.hdf -o x
   [ "$status" -eq 3 ]
   [[ "$stderr" == *"is an HDF5 file; a scene is text"* ]]
+  # What Windows' editors write: with a mark before the text; in UTF-16.
+  printf '\357\273\277' | cat - "$BATS_TEST_DIRNAME/../../data-samples/scenes/still-tank.cfg" > mark.cfg
+  "$SPH" explain mark.cfg --quiet > explained
+  grep -q '^scene .*still-tank' explained
+  printf '\377\376s\0' > wide.cfg
+  run --separate-stderr "$SPH" explain wide.cfg
+  [ "$status" -eq 3 ]
+  [[ "$stderr" == *"save it as UTF-8"* ]]
   run --separate-stderr "$SPH" explain .
   [ "$status" -eq 3 ]
   [[ "$stderr" == *"Is a directory"* ]]
