@@ -156,6 +156,20 @@ END
   with seepage "GRAIN_SIZES=1 2"
 }
 
+@test "examples: where numbers are written with a comma, scenes still get a point" {
+  mkdir "$BATS_TEST_TMPDIR/locales"
+  localedef -i de_DE -f UTF-8 "$BATS_TEST_TMPDIR/locales/de_DE.UTF-8" 2> /dev/null || skip "no localedef, or without the locales' sources"
+  export LOCPATH="$BATS_TEST_TMPDIR/locales" LC_ALL=de_DE.UTF-8
+  [ "$(awk 'BEGIN { printf "%.1f", 0.5 }')" = 0,5 ] || skip "this awk writes a point"
+  make -s -C "$ROOT/examples/gradients" OUT="$BATS_TEST_TMPDIR" BIN="${PATH%%:*}/" SIZE=12x12x5 GRADIENTS=0.5 VOID_RATIOS=0.7 \
+    > /dev/null 2> "$BATS_TEST_TMPDIR/log" || { cat "$BATS_TEST_TMPDIR/log"; false; }
+  python3 -c '
+import json, sys
+assert json.load(open(sys.argv[1]))["k"] > 0' "$BATS_TEST_TMPDIR/e0.7-i0.5.json"
+  # The same of what pages show.
+  ! grep -n '=$(awk' "$ROOT"/README.md "$ROOT"/docs/*.md
+}
+
 @test "examples: a specimen's runs have one method and one limit, however coarse the first is" {
   make -s -C "$ROOT/examples/specimen" OUT="$BATS_TEST_TMPDIR" BIN="${PATH%%:*}/" SIZES="12x12x5 16x16x7" > /dev/null 2>&1
   python3 -c '
