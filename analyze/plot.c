@@ -181,12 +181,18 @@ cleanup:
 enum status plot_svg(const char *name, const char *body, int width, int height, char **svg) {
   enum status status = STATUS_OK;
   const char *temporary = getenv("TMPDIR");
+  const bool own = temporary != NULL && temporary[0] != '\0';
   char folder[1024], path[1400];
   bool ran = false;
   *svg = NULL;
-  snprintf(folder, sizeof folder, "%s/tosui-plot-XXXXXX",
-           temporary != NULL && temporary[0] != '\0' ? temporary : "/tmp");
-  if (mkdtemp(folder) == NULL) return FAIL(STATUS_RUN, "%s: %s", folder, strerror(errno));
+  snprintf(folder, sizeof folder, "%s/tosui-plot-XXXXXX", own ? temporary : "/tmp");
+  bool made = mkdtemp(folder) != NULL;
+  if (!made && own) { /* a TMPDIR of another machine, or one that is gone */
+    snprintf(folder, sizeof folder, "/tmp/tosui-plot-XXXXXX");
+    made = mkdtemp(folder) != NULL;
+  }
+  if (!made)
+    return FAIL(STATUS_RUN, "%s: no folder for a picture there: %s", folder, strerror(errno));
   TRY(write_script(folder, name, body, width, height));
   TRY(run_gnuplot(folder, name, "svg", &ran));
   snprintf(path, sizeof path, "%s/%s.svg", folder, name);

@@ -173,6 +173,14 @@ for svg in re.findall("<svg class=.map.*?</svg>", open("gas.html").read(), re.S)
     assert len(numbers) == 5 and all(len(t.lstrip("≥≤ ")) <= 6 for t in numbers), numbers'
 }
 
+@test "a TMPDIR that is not there costs the page no picture" {
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" placed.hdf method=stokes k=1e-3 model= levels=1
+  TMPDIR=/nothere analyze report placed.hdf -o placed.html > said 2>&1
+  run ! grep nothere said
+  analyze report placed.hdf -o usual.html -q > /dev/null
+  [ "$(grep -o '<svg' placed.html | wc -l)" -eq "$(grep -o '<svg' usual.html | wc -l)" ]
+}
+
 @test "a run that was interrupted: the page's first lines say so" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" stopped.hdf method=stokes k=1e-3 model= status=interrupted
   analyze report stopped.hdf -o stopped.html -q > /dev/null
