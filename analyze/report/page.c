@@ -138,7 +138,7 @@ static enum status write_body(struct page *page) {
   write_head(page);
   write_contents(page, budget);
   verdict_write(json_object_get(page->data, "verdict"), json_object_get(page->data, "seepage"),
-                has_tensor ? &tensor : NULL, out);
+                has_tensor ? &tensor : NULL, run_has_permeability(&page->subject.runs[0]), out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   TRY(page_soil(page));

@@ -29,8 +29,9 @@ bool verdict_one_body(const struct run *a, const struct run *b);
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
 /* The card, with the tensor of a run that holds one (NULL: none), and a table of further results;
- * without a result that of `seepage`, the JSON of that analysis, if it is there. */
+ * without a result that of `seepage`, the JSON of that analysis, if it is there, or that a flow
+ * which is `driven` has not settled. */
 void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
-                   FILE *stream);
+                   bool driven, FILE *stream);
 
 #endif

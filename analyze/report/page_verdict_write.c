@@ -169,7 +169,10 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   const double error = through != NULL ? json_number_or_nan(through, "error95")
                                        : json_number_or_nan(seepage, "flow_error95_m2_per_s");
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
-  const bool none = fabs(uptake) > 0.5 * flow;
+  const bool drifts =
+      through == NULL && json_number_or_nan(seepage, "flow_drift_m2_per_s") > 0.1 * flow;
+  const bool none = fabs(uptake) > 0.5 * flow ||
+                    (drifts && json_number_or_nan(seepage, "flow_drift_m2_per_s") > 0.5 * flow);
   fputs("<p class=\"k\">", out);
   if (none) {
     fputs("No steady flow <span class=\"interval\">through the soil", out);
@@ -184,6 +187,7 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   if (seepage_is_filling(flow, error, uptake))
     fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
             uptake > 0 ? "fills with" : "drains of", fabs(uptake));
+  if (drifts) fputs(". The velocities in it still go one way: run longer", out);
   if (isfinite(least))
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
             seepage_judge(least));
@@ -191,7 +195,7 @@ static void write_seepage(const json_t *seepage, FILE *out) {
 }
 
 void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
-                   FILE *out) {
+                   bool driven, FILE *out) {
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
   if (result == NULL && seepage != NULL) {
@@ -199,10 +203,13 @@ void verdict_write(const json_t *results, const json_t *seepage, const struct te
     return;
   }
   if (result == NULL) {
-    fputs("<p>Nothing drives a steady flow through the whole body, so there is no permeability to "
-          "give.</p>"
-          "</article></section>\n",
+    fputs(driven
+              ? "<p>The flow has not settled, so there is no permeability to give: run it "
+                "longer.</p>"
+              : "<p>Nothing drives a flow through the whole body, or it has not settled, so there "
+                "is no permeability to give.</p>",
           out);
+    fputs("</article></section>\n", out);
     return;
   }
   const double k = json_number_or_nan(result, "k_m_per_s"),

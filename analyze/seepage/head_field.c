@@ -157,12 +157,15 @@ static enum status add_snapshot(const struct run *run, const char *name, struct 
       TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a value that is not finite", path, i);
     scatter(f, x, size, value, sums);
   }
+  double speed = 0, soil = 0;
   for (size_t c = 0; c < f->nx * f->nz; c++) {
     const bool wet = sums[c].filled > FILLED_LEAST;
+    const double v[2] = {wet ? fit(&sums[c], 1) : NAN, wet ? fit(&sums[c], 2) : NAN};
     f->head[c] += wet ? fit(&sums[c], 0) : NAN;
-    for (int a = 0; a < 2; a++) f->velocity[a][c] += wet ? fit(&sums[c], 1 + a) : NAN;
+    for (int a = 0; a < 2; a++) f->velocity[a][c] += v[a];
+    if (wet && f->soil[c] != REGION_NONE) speed += hypot(v[0], v[1]), soil++;
   }
-  f->snapshots++;
+  f->speed[f->snapshots++] = soil > 0 ? speed / soil : 0;
 cleanup:
   snapshot_close(&snapshot);
   memory_free(&sums);
@@ -195,6 +198,7 @@ enum status head_field_read(const struct run *run, struct head_field *f) {
   TRY(memory_allocate(&f->head, f->nx * f->nz, sizeof *f->head, "the field of heads"));
   for (int a = 0; a < 2; a++)
     TRY(memory_allocate(&f->velocity[a], f->nx * f->nz, sizeof **f->velocity, "velocities"));
+  TRY(memory_allocate(&f->speed, run->snapshot_count, sizeof *f->speed, "velocities"));
   f->to = run->snapshot_times[run->snapshot_count - 1], f->from = f->to;
   for (size_t s = 0; s < run->snapshot_count; s++) {
     if (run->snapshot_times[s] < 0.5 * f->to) continue;
@@ -220,4 +224,5 @@ void head_field_free(struct head_field *f) {
   memory_free(&f->head);
   memory_free(&f->velocity[0]);
   memory_free(&f->velocity[1]);
+  memory_free(&f->speed);
 }

@@ -26,6 +26,7 @@ struct head_field {
   size_t region_count;
   struct head_region *regions;
   size_t snapshots;      /* in the mean */
+  double *speed;         /* [snapshots] m/s: mean size of the Darcy velocity in wet soil */
   double from, to;       /* s: of these */
   uint16_t *soil, *wall; /* region that the cell is in, REGION_NONE */
   double *head;          /* m, z + P/(rho g); NAN where there is no water */

@@ -10,11 +10,12 @@
 
 /* What a series that still goes one way leaves open: the means of its quarters all rise or all
  * fall, by more than chance. From the middle to the end it goes half of its way on, and as much
- * again as the whole way is taken to be still to come. 0: no drift. */
+ * again as the whole way is taken to be still to come. 0: no drift. Under four values tell from
+ * the first to the last. */
 static double drift_of(const double *values, size_t n, double error) {
   double quarter[4] = {0};
   const size_t each = n / 4;
-  if (each == 0) return 0;
+  if (each == 0) return n > 1 ? 1.5 * fabs(values[n - 1] - values[0]) : 0;
   for (int q = 0; q < 4; q++) {
     for (size_t i = 0; i < each; i++) quarter[q] += values[(size_t)q * each + i];
     quarter[q] /= (double)each;
@@ -37,6 +38,22 @@ static void late_mean(const struct run *run, const struct history_column *column
     first++;
   batch_means(column->values + first, column->rows - first, mean, error);
   *drift = drift_of(column->values + first, column->rows - first, *error);
+}
+
+/* What velocities in the soil that still go one way leave open of the flow: those that the run
+ * recorded between two heads, else those of the snapshots. */
+static void add_drift(struct seepage *s) {
+  const struct head_field *f = &s->field;
+  const struct history_column *column = run_column(s->run, "velocity_through_soil", 1);
+  double mean = 0, error, drift;
+  if (column != NULL) {
+    late_mean(s->run, column, &mean, &error, &drift);
+  } else {
+    for (size_t i = 0; i < f->snapshots; i++) mean += f->speed[i] / (double)f->snapshots;
+    drift = drift_of(f->speed, f->snapshots, 0);
+  }
+  if (drift > 0 && fabs(mean) > 0) s->drift = fmin(drift / fabs(mean), 1) * s->flow;
+  s->flow_error += s->drift;
 }
 
 /* The error of a plane's flux with what the balance of mass and a drift leave open; a word where
@@ -90,6 +107,9 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
   value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
   fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it\n", text, s->drop);
   json_put_number(json, "soil_uptake_m2_per_s", s->uptake);
+  json_put_number(json, "flow_drift_m2_per_s", s->drift);
+  if (s->drift > 0.1 * s->flow)
+    fprintf(summary, "unsteady   the velocities in the soil still go one way: run longer\n");
   if (seepage_is_filling(s->flow, s->flow_error, s->uptake))
     fprintf(summary, "unsteady   the soil %s %.3g m^2/s: what flows in is not what flows out\n",
             s->uptake > 0 ? "fills with" : "drains of", fabs(s->uptake));
@@ -230,6 +250,7 @@ static enum status analyze(const struct subject *subject, const struct options *
                       : options_quantity(options, "grain-density", DIM_DENSITY, &grain_density);
   if (status == STATUS_OK) status = seepage_find(run, grain_density, s);
   if (status != STATUS_OK) return status;
+  add_drift(s);
   json_object_set_new(json, "path", json_text(run->path));
   json_object_set_new(json, "name", json_text(run->name));
   json_object_set_new(json, "snapshots", json_integer((json_int_t)s->field.snapshots));

@@ -38,7 +38,8 @@ struct seepage {
   double grain_density;
   double *psi;       /* m^2/s, at corners */
   double flow;       /* m^2/s: most of psi between two places in soil */
-  double flow_error; /* of it, 95 %: what psi misses of the velocities, the surface, uptake */
+  double flow_error; /* of it, 95 %: velocities less psi, the surface, uptake, drift */
+  double drift;      /* m^2/s: what velocities that still go one way leave open of it */
   double uptake;     /* m^2/s: that the soil fills with, below 0 drains of; NAN: not known */
   double drop;       /* m: of head in the soil */
   double low;        /* m: least head in soil */
