@@ -155,39 +155,61 @@ static void write_others(const json_t *results, FILE *out) {
   fputs("</tbody></table></div>\n", out);
 }
 
+/* What the page gives of a seepage run, by the best that is known: what wells and drains take, the
+ * flux of a plane, that of the flow net. */
+static void find_flow(const json_t *seepage, double *flow, double *error, const char **where,
+                      const char **plane) {
+  const json_t *through = json_object_get(seepage, "through"), *sink;
+  json_t *taken = json_object_get(seepage, "taken_m2_per_s");
+  const char *name;
+  *flow = *error = 0;
+  *plane = "";
+  json_object_foreach(taken, name, sink) {
+    *flow += json_number_or_nan(sink, "mean");
+    *error += 2 * json_number_or_nan(sink, "standard_error");
+    *error += json_number_or_nan(sink, "drift_error");
+  }
+  *where = "taken out of the soil by wells and drains";
+  if (json_object_size(taken) > 0) return;
+  *where = "through the soil, by the flow net";
+  *flow = json_number_or_nan(seepage, "flow_m2_per_s");
+  *error = json_number_or_nan(seepage, "flow_error95_m2_per_s");
+  if (through == NULL) return;
+  *where = "through the soil, at the plane ";
+  *plane = json_string_value(json_object_get(through, "plane")); /* set with every "through" */
+  *flow = json_number_or_nan(through, "flux_m2_per_s");
+  *error = json_number_or_nan(through, "error95");
+}
+
 /* Where there is no k: what flows through the soil, and how far its surface is from being lifted.
  */
 static void write_seepage(const json_t *seepage, FILE *out) {
   const json_t *prism;
+  const char *where, *plane;
   size_t i;
+  double flow, error;
   double least = json_number_or_nan(json_object_get(seepage, "exit"), "factor_of_safety");
   json_array_foreach(json_object_get(seepage, "heave"), i, prism) least =
       fmin(least, json_number_or_nan(prism, "factor_of_safety")); /* NAN: the other */
-  const json_t *through = json_object_get(seepage, "through");
-  const double flow = through != NULL ? json_number_or_nan(through, "flux_m2_per_s")
-                                      : json_number_or_nan(seepage, "flow_m2_per_s");
-  const double error = through != NULL ? json_number_or_nan(through, "error95")
-                                       : json_number_or_nan(seepage, "flow_error95_m2_per_s");
+  find_flow(seepage, &flow, &error, &where, &plane);
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
-  const bool drifts =
-      through == NULL && json_number_or_nan(seepage, "flow_drift_m2_per_s") > 0.1 * flow;
-  const bool none = fabs(uptake) > 0.5 * flow ||
-                    (drifts && json_number_or_nan(seepage, "flow_drift_m2_per_s") > 0.5 * flow);
+  const double drift = plane[0] == '\0' ? json_number_or_nan(seepage, "flow_drift_m2_per_s")
+                                        : NAN; /* in the error */
+  const bool none = fabs(uptake) > 0.5 * flow || drift > 0.5 * flow;
   fputs("<p class=\"k\">", out);
   if (none) {
     fputs("No steady flow <span class=\"interval\">through the soil", out);
   } else {
-    quantity(out, flow, error / flow, "m&sup2;/s");
-    fputs(" <span class=\"interval\">through the soil, ", out);
-    fputs(through != NULL ? "at the plane " : "by the flow net", out);
-    if (through != NULL) write_string(through, "plane", out);
+    quantity(out, flow, error > 0 ? error / flow : NAN, "m&sup2;/s"); /* 0: of a given rate */
+    fprintf(out, " <span class=\"interval\">%s", where);
+    html_text(out, plane);
   }
   fprintf(out, "</span></p>\n<p class=\"verdict\">%s head falls by %.3g&nbsp;m in it",
           none ? "The" : "For each metre along y; the", json_number_or_nan(seepage, "head_drop_m"));
   if (seepage_is_filling(flow, error, uptake))
     fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
             uptake > 0 ? "fills with" : "drains of", fabs(uptake));
-  if (drifts) fputs(". The velocities in it still go one way: run longer", out);
+  if (drift > 0.1 * flow) fputs(". The velocities in it still go one way: run longer", out);
   if (isfinite(least))
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
             seepage_judge(least));

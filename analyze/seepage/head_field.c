@@ -52,6 +52,14 @@ cleanup:
   return status;
 }
 
+bool head_region_is_sink(const struct head_region *region) {
+  return !strcmp(region->type, "well") || !strcmp(region->type, "drain");
+}
+
+bool head_region_is_source(const struct head_region *region) {
+  return head_region_is_sink(region) || !strcmp(region->type, "rain");
+}
+
 /* Later regions overwrite earlier ones; water and soil share their place. */
 static enum status mark_cells(struct head_field *f) {
   enum status status = STATUS_OK;

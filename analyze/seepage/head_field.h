@@ -33,6 +33,10 @@ struct head_field {
   double *velocity[2];   /* Darcy velocity, m/s: x, z */
 };
 
+/* Water comes in or goes out of such a region inside the soil or over its top. */
+bool head_region_is_source(const struct head_region *region);
+bool head_region_is_sink(const struct head_region *region); /* wells, drains */
+
 /* Means over the snapshots of the run's second half, at least the last. An input error for runs
  * that have no such field: other methods, 3-D, no gravity along -z. */
 enum status head_field_read(const struct run *run, struct head_field *field);

@@ -32,8 +32,8 @@ static bool find_plane(const struct run *run, const char *name, int *axis, doubl
 /* Whether water may come in or go out between two places along an axis (0 x, 1 z). */
 static bool is_open_between(const struct head_field *f, int axis, double a, double b) {
   for (size_t r = 0; r < f->region_count; r++)
-    if (!strcmp(f->regions[r].type, "inflow") && f->regions[r].low[axis] < fmax(a, b) &&
-        f->regions[r].high[axis] > fmin(a, b))
+    if ((!strcmp(f->regions[r].type, "inflow") || head_region_is_source(&f->regions[r])) &&
+        f->regions[r].low[axis] < fmax(a, b) && f->regions[r].high[axis] > fmin(a, b))
       return true;
   return false;
 }

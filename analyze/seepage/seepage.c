@@ -52,7 +52,7 @@ static void add_drift(struct seepage *s) {
     for (size_t i = 0; i < f->snapshots; i++) mean += f->speed[i] / (double)f->snapshots;
     drift = drift_of(f->speed, f->snapshots, 0);
   }
-  if (drift > 0 && fabs(mean) > 0) s->drift = fmin(drift / fabs(mean), 1) * s->flow;
+  if (drift > 0 && fabs(mean) > 0 && !s->sinks) s->drift = fmin(drift / fabs(mean), 1) * s->flow;
   s->flow_error += s->drift;
 }
 
@@ -104,6 +104,11 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
   json_put_number(json, "flow_error95_m2_per_s", s->flow_error);
   json_put_number(json, "head_drop_m", s->drop);
   char text[80];
+  if (s->sinks) {
+    fprintf(summary, "flow net   none with wells or drains; head falls by %.4g m in soil\n",
+            s->drop);
+    return;
+  }
   value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
   fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it\n", text, s->drop);
   json_put_number(json, "soil_uptake_m2_per_s", s->uptake);
@@ -136,7 +141,10 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     if (!strcmp(word, "flux"))
       half = add_balance(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
     char text[80];
-    value_with_error(text, sizeof text, mean, half, "+-");
+    if (half == 0) /* a rate that was given */
+      snprintf(text, sizeof text, "%.4g", mean);
+    else
+      value_with_error(text, sizeof text, mean, half, "+-");
     fprintf(summary, "%-10s %s: %s %s%s\n", word, column->name + strlen(prefix), text, unit, note);
   }
 }
@@ -215,9 +223,11 @@ static void write_cells(const struct seepage *s, FILE *csv) {
       double psi = 0;
       if (isnan(f->head[c])) continue;
       for (size_t n = 0; n < 4; n++) psi += 0.25 * s->psi[(k + n / 2) * (f->nx + 1) + i + n % 2];
-      fprintf(csv, "%.6g,%.6g,%.7g,%.7g,%.6g,%.6g,%.6g,", head_field_x(f, i), head_field_z(f, k),
+      fprintf(csv, "%.6g,%.6g,%.7g,%.7g,%.6g,%.6g,", head_field_x(f, i), head_field_z(f, k),
               f->head[c], f->density * f->gravity * (f->head[c] - head_field_z(f, k)),
-              f->velocity[0][c], f->velocity[1][c], psi);
+              f->velocity[0][c], f->velocity[1][c]);
+      if (!s->sinks) fprintf(csv, "%.6g", psi);
+      fputc(',', csv);
       if (f->soil[c] != REGION_NONE) fprintf(csv, "%d", f->soil[c]);
       fputc('\n', csv);
     }
@@ -241,10 +251,11 @@ static enum status analyze(const struct subject *subject, const struct options *
   struct seepage seepage, *s = &seepage;
   FILE *summary = product->summary.stream;
   json_t *json = product->json, *heads = json_object(), *levels = json_object(),
-         *fluxes = json_object();
+         *fluxes = json_object(), *taken = json_object();
   json_object_set_new(json, "fluxes_m2_per_s", fluxes);
   json_object_set_new(json, "heads_m", heads);
   json_object_set_new(json, "levels_m", levels);
+  json_object_set_new(json, "taken_m2_per_s", taken);
   enum status status =
       options == NULL ? STATUS_OK
                       : options_quantity(options, "grain-density", DIM_DENSITY, &grain_density);
@@ -261,6 +272,7 @@ static enum status analyze(const struct subject *subject, const struct options *
           s->field.to, s->field.snapshots, s->field.snapshots == 1 ? "" : "s");
   show_columns(s, "flux_", "flux", 1 / s->field.thickness, "m^2/s (m^3/s for each m along y)",
                fluxes, summary);
+  show_columns(s, "outflow_", "taken", 1 / s->field.thickness, "m^2/s", taken, summary);
   show_flow(s, fluxes, json, summary);
   show_columns(s, "head_", "head", 1, "m", heads, summary);
   show_columns(s, "level_", "level", 1, "m", levels, summary);

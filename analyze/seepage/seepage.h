@@ -36,7 +36,8 @@ struct seepage {
   const struct run *run;
   struct head_field field;
   double grain_density;
-  double *psi;       /* m^2/s, at corners */
+  bool sinks;        /* wells or drains: what flows into them has no stream function */
+  double *psi;       /* m^2/s, at corners; NAN with sinks, as is all of the flow below */
   double flow;       /* m^2/s: most of psi between two places in soil */
   double flow_error; /* of it, 95 %: velocities less psi, the surface, uptake, drift */
   double drift;      /* m^2/s: what velocities that still go one way leave open of it */

@@ -251,8 +251,12 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   TRY(memory_allocate(&s->loads, f->region_count, sizeof *s->loads, "walls"));
   TRY(memory_allocate(&s->phreatic, f->nx, sizeof *s->phreatic, "the phreatic line"));
   find_ranges(s);
-  s->uptake = find_uptake(f, s->psi);
-  s->flow_error = net_error(s);
+  for (size_t r = 0; r < f->region_count; r++)
+    s->sinks = s->sinks || head_region_is_sink(&f->regions[r]);
+  for (size_t c = 0; s->sinks && c < (f->nx + 1) * (f->nz + 1); c++) s->psi[c] = NAN;
+  if (s->sinks) s->flow = NAN;
+  s->uptake = s->sinks ? NAN : find_uptake(f, s->psi);
+  s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_exit(s);
   find_phreatic(s);

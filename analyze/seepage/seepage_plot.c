@@ -100,8 +100,11 @@ void seepage_plot(const struct seepage *s, struct product *product) {
   fputs("EOD\n", stream);
   char flow[80];
   value_with_error(flow, sizeof flow, s->flow, s->flow_error, "+-");
-  snprintf(title, sizeof title, "%s m^2/s in %d tubes, %.3g m in %d drops", flow, tubes,
-           s->drop, DROPS);
+  if (s->sinks)
+    snprintf(title, sizeof title, "head falls by %.3g m, in %d drops", s->drop, DROPS);
+  else
+    snprintf(title, sizeof title, "%s m^2/s in %d tubes, %.3g m in %d drops", flow, tubes, s->drop,
+             DROPS);
   fputs("set title ", stream);
   plot_text(stream, title);
   fprintf(stream,
@@ -111,9 +114,12 @@ void seepage_plot(const struct seepage *s, struct product *product) {
           "plot $water with boxxyerror linecolor rgb '#d6eaf8' title 'water', "
           "$soil with boxxyerror linecolor rgb '#efe3c8' title 'soil', "
           "$walls with boxxyerror linecolor rgb '#555555' title 'wall', "
-          "$equipotentials with lines linewidth 1.4 linecolor rgb '%s' title 'equipotentials', "
-          "$streamlines with lines linewidth 1.4 linecolor rgb '%s' title 'streamlines'",
-          width, height, plot_colours[0], plot_colours[1]);
+          "$equipotentials with lines linewidth 1.4 linecolor rgb '%s' title 'equipotentials'",
+          width, height, plot_colours[0]);
+  if (!s->sinks)
+    fprintf(stream,
+            ", $streamlines with lines linewidth 1.4 linecolor rgb '%s' title 'streamlines'",
+            plot_colours[1]);
   if (surface)
     fprintf(stream, ", $phreatic with lines linewidth 2 linecolor rgb '%s' title 'phreatic line'",
             plot_colours[2]);
