@@ -132,6 +132,15 @@ static bool chooses_lattices(const struct job *job) {
          method->wall(&job->scene) == WALL_SUBVOXEL && ranks_count() == 1;
 }
 
+/* The time that the lattices take which a goal is expected to need, for that of the scene's own. */
+static void foretell_goal(struct plan *plan) {
+  struct predicted_level levels[PREDICTED_LEVELS_MAX];
+  const struct method *method = plan->context.method;
+  const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
+  if (count > 0) plan->seconds = PROGRAM_SECONDS + levels[count - 1].seconds / plan->threads;
+  if (plan->goal.seconds > 0) plan->seconds = fmin(plan->seconds, plan->goal.seconds);
+}
+
 /* --error and --time, into the plan. */
 static enum status take_goal(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
@@ -158,6 +167,7 @@ static enum status take_goal(const struct options *options, struct job *job) {
   if (isfinite(job->scene.lattice_spacing))
     TRY(scene_error(&job->scene, AT_LATTICE,
                     "--error and --time choose the lattices; leave the spacing out"));
+  foretell_goal(&job->plan);
 cleanup:
   return status;
 }
@@ -170,8 +180,7 @@ static void say_how_long(const struct job *job) {
                       job->scene.steady_tolerance > 0 && job->plan.context.has_wall &&
                       !job->plan.context.has_moving_wall;
   char time[40];
-  if (job->plan.goal.error > 0 || job->plan.goal.seconds > 0 || !(job->plan.seconds > LONG_SECONDS))
-    return;
+  if (job->plan.goal.seconds > 0 || !(job->plan.seconds > LONG_SECONDS)) return;
   duration_format(job->plan.seconds, time, sizeof time);
   log_info("about %s by method %s%s%s%s", time, method->name, chosen ? ": " : "",
            chosen ? job->plan.method_why : "",

@@ -86,3 +86,18 @@ END
   run sphsolve explain "$scene" --set wcsph.kernel=cubic
   [ "$status" -eq 3 ]
 }
+
+@test "a run to an error records the time that explain foretells for it" {
+  cd "$BATS_FILE_TMPDIR"
+  sphsolve explain "$ROOT/data-samples/scenes/demo.cfg" --set model.file=dense.hdf --error 30% --threads 2 --json > told.json
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=dense.hdf --error 30% --threads 2 -o told --quiet > /dev/null
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 - << 'END'
+import json
+import h5py
+told = json.load(open("told.json"))["levels"][-1]["seconds"]
+with h5py.File("told.hdf") as run:
+    kept = run["run/timing"].attrs["predicted_seconds"]
+assert abs(kept - told - 0.02) < 1e-6 * told, (kept, told)  # the program's own start beside it
+END
+}
