@@ -165,7 +165,8 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
                                          .fringe = NAN,
                                          .contrast_to_noise = NAN,
                                          .noise_correlation = NAN,
-                                         .resolution = NAN};
+                                         .resolution = NAN,
+                                         .smooth_walls = NAN};
   if (!scanner->known || unsized) scanner = &UNKNOWN;
   json_put_number(object, "blur_m", scanner->blur);
   json_put_number(object, "blur_uncertainty_m", scanner->blur_error);
@@ -173,6 +174,7 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   json_put_number(object, "contrast_to_noise", scanner->contrast_to_noise);
   json_put_number(object, "noise_correlation_m", scanner->noise_correlation);
   json_put_number(object, "resolution_m", scanner->resolution);
+  json_put_number(object, "smooth_walls", scanner->smooth_walls);
   return object;
 }
 
@@ -331,9 +333,10 @@ static void print_scan(const struct pipeline *pipeline) {
   if (scanner->known && !pipeline->unsized)
     printf("scanner           blur %.3g +- %.2g um (%.2g voxels), fringe %.2g, contrast %.3g times "
            "the "
-           "noise, noise correlated over %.2g um\n",
+           "noise, noise correlated over %.2g um%s\n",
            1e6 * scanner->blur, 1e6 * scanner->blur_error, scanner->blur / scanner->unit,
-           scanner->fringe, scanner->contrast_to_noise, 1e6 * scanner->noise_correlation);
+           scanner->fringe, scanner->contrast_to_noise, 1e6 * scanner->noise_correlation,
+           scanner->smooth_walls > 0.5 ? "; walls are smooth but for noise" : "");
   if (isfinite(survey->rings))
     printf("radial            grain %+.1f +- %.1f %% of the contrast from middle to rim%s; rings "
            "%.1f %%%s\n",

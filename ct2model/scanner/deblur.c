@@ -80,7 +80,8 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
                                  DEBLUR_CORRELATION_LEAST * DEBLUR_CORRELATION_LEAST,
                              0.0);
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
-  filters->cost = SURFACE * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
+  filters->cost =
+      SURFACE * scanner->surface * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
   filters->step = 1.05 * largest_transfer(scanner->fringe);
 }
 

@@ -20,6 +20,7 @@ struct deblur_scanner {
   double correlation; /* length that the noise is correlated over, of its Gaussian filter, in the
                          shortest voxel edges */
   double stretch[3];  /* voxel edges over their shortest */
+  double surface;     /* times the usual cost of surface; 1 where walls have relief */
 };
 
 struct deblur {

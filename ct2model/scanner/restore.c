@@ -12,6 +12,9 @@ enum { LEVELS = 255 };
 /* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
  * voxels are averaged as far as the blur allows. */
 static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
+/* Smooth walls have no relief for cheap surface to keep, and show all that noise makes: surface
+ * costs so many times as much there (docs/notes/2026-11-25-smooth-walls.md). */
+static const double SMOOTHER = 8.0;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 
@@ -79,31 +82,45 @@ static double noise_volume(double length, const double voxel[3]) {
   return noise;
 }
 
+void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
+                     size_t step, struct deblur_scanner *work) {
+  const double contrast = scanner->grain - scanner->pore;
+  double volume = 1.0, least = INFINITY;
+  *work = (struct deblur_scanner){.fringe = scanner->fringe};
+  for (int d = 0; d < 3; d++) {
+    const double voxel = region->voxel[d] * (double)step;
+    volume *= voxel;
+    least = fmin(least, voxel);
+    work->blur[d] = blur / voxel;
+  }
+  for (int d = 0; d < 3; d++) work->stretch[d] = region->voxel[d] * (double)step / least;
+  /* No longer than the blur: what is longer is the grains' texture. */
+  const double length =
+      fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(blur, least));
+  const double volume_alike = noise_volume(length, region->voxel);
+  work->correlation = length / least;
+  work->power = pow(scanner->noise / contrast, 2.0) * volume_alike / volume;
+  /* Noise finer than DEBLUR_CORRELATION_LEAST is overrated as it is. */
+  const double own = noise_volume(fmin(scanner->noise_correlation, length), region->voxel);
+  const double smoother = fmax(1.0, SMOOTHER * own / volume_alike);
+  work->surface = scanner->smooth_walls > 0.0 ? pow(smoother, scanner->smooth_walls) : 1.0;
+}
+
 enum status restore_run(const struct region *region, const struct scanner *scanner, double width,
                         struct coarse *restored) {
   enum status status = STATUS_OK;
   struct deblur slab = {0};
-  struct deblur_scanner work = {.fringe = scanner->fringe};
+  struct deblur_scanner work;
   struct progress progress;
   const size_t step = restore_step(region->size, region->voxel, width);
-  const double contrast = scanner->grain - scanner->pore;
-  double voxels = 1.0, volume = 1.0, least = INFINITY;
+  double voxels = 1.0;
   *restored = (struct coarse){.step = step, .unit = 1.0 / LEVELS};
   for (int d = 0; d < 3; d++) {
-    const double voxel = region->voxel[d] * (double)step;
     restored->size[d] = region->size[d] / step;
     voxels *= (double)restored->size[d];
-    volume *= voxel;
-    least = fmin(least, voxel);
-    work.blur[d] = width / voxel;
   }
   if (voxels > HELD) return STATUS_OK;
-  for (int d = 0; d < 3; d++) work.stretch[d] = region->voxel[d] * (double)step / least;
-  /* No longer than the blur: what is longer is the grains' texture. */
-  const double length =
-      fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(width, least));
-  work.correlation = length / least;
-  work.power = pow(scanner->noise / contrast, 2.0) * noise_volume(length, region->voxel) / volume;
+  restore_scanner(region, scanner, width, step, &work);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
   const size_t margin = (size_t)ceil(MARGIN * fmax(work.blur[2], 1.0));
   size_t depth = (size_t)(WORKED / (double)plane);

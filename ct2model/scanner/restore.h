@@ -5,6 +5,7 @@
 #define TOSUI_CT2MODEL_SCANNER_RESTORE_H
 
 #include "ct2model/scan/region.h"
+#include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/scanner.h"
 #include "ct2model/surface/coarse.h"
 
@@ -13,6 +14,10 @@
  * (docs/notes/2026-11-23-averaged.md). Beyond, voxels a side of the means, so many that `blur` (m)
  * still spans nine tenths of one. */
 size_t restore_step(const size_t size[3], const double voxel[3], double blur);
+
+/* What is told to deblur_start, of a region averaged over `step` voxels a side. */
+void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
+                     size_t step, struct deblur_scanner *work);
 
 /* Into `restored`, whose levels 0 .. 255 are shares 0 .. 1 (free with coarse_end). A region
  * too large is averaged first (restore_step). `blur` (m) is taken for that of

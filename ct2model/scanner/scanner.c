@@ -220,7 +220,8 @@ enum status scanner_measure(const struct region *region, const struct survey *su
                               .noise = NAN,
                               .contrast_to_noise = NAN,
                               .noise_correlation = NAN,
-                              .resolution = NAN};
+                              .resolution = NAN,
+                              .smooth_walls = NAN};
   if (!(phases->contrast_to_noise > 0.0)) return STATUS_OK;
   TRY(windows_read(region, phases, &all));
   TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH));

@@ -56,35 +56,55 @@ cleanup:
   return status;
 }
 
-enum status windows_read(const struct region *region, const struct grey_phases *phases,
-                         struct windows *all) {
-  enum status status = STATUS_OK;
-  const double contrast = phases->grain_peak - phases->pore_peak;
+static void windows_start(const struct region *region, const struct grey_phases *phases,
+                          struct windows *all) {
   *all = (struct windows){.region = region, .pore = phases->pore_peak, .grain = phases->grain_peak};
   all->unit = fmin(region->voxel[0], fmin(region->voxel[1], region->voxel[2]));
   for (int d = 0; d < 3; d++) all->stretch[d] = region->voxel[d] / all->unit;
+}
+
+/* One more, whose place and size are set. */
+static enum status windows_add(struct windows *all) {
+  enum status status = STATUS_OK;
+  struct window *window = &all->window[all->count++];
+  TRY(window_start(window));
+  TRY(window_read(all->region, window));
+  for (size_t v = 0; v < window_voxels(window); v++)
+    window->grey[v] = (float)(((double)window->grey[v] - all->pore) / (all->grain - all->pore));
+cleanup:
+  return status;
+}
+
+enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
+                                size_t side, struct windows *all) {
+  windows_start(region, phases, all);
+  for (int d = 0; d < 3; d++) {
+    all->window[0].size[d] = region->size[d] < side ? region->size[d] : side;
+    all->window[0].first[d] = (region->size[d] - all->window[0].size[d]) / 2;
+  }
+  return windows_add(all);
+}
+
+enum status windows_read(const struct region *region, const struct grey_phases *phases,
+                         struct windows *all) {
+  enum status status = STATUS_OK;
+  windows_start(region, phases, all);
   /* No more than would see all of the region twice. */
   double times = 1.0;
   for (int d = 0; d < 3; d++)
     times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? SIDE : DEPTH));
   const size_t wanted = times > 1.0 ? (size_t)fmin(fmax(ceil(2.0 * times), 3.0), WINDOWS) : 1;
   for (size_t i = 0; i < wanted; i++) {
-    struct window *window = &all->window[i];
+    struct window *window = &all->window[all->count];
     const size_t last = wanted - 1, spread = i * (WINDOWS - 1) / (last > 0 ? last : 1);
     const size_t part[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
-    size_t n = 1;
-    all->count++;
     for (int d = 0; d < 3; d++) {
       const size_t most = d < 2 ? SIDE : DEPTH, whole = region->size[d];
       window->size[d] = whole < most ? whole : most;
       window->first[d] = wanted > 1 ? (whole - window->size[d]) * part[d] / (WINDOWS - 1) : 0;
       if (window->first[d] + window->size[d] > whole) window->first[d] = whole - window->size[d];
-      n *= window->size[d];
     }
-    TRY(window_start(window));
-    TRY(window_read(region, window));
-    for (size_t v = 0; v < n; v++)
-      window->grey[v] = (float)(((double)window->grey[v] - all->pore) / contrast);
+    TRY(windows_add(all));
   }
 cleanup:
   return status;

@@ -26,6 +26,9 @@ struct windows {
 enum status windows_read(const struct region *region, const struct grey_phases *phases,
                          struct windows *windows);
 void windows_end(struct windows *windows);
+/* One window in the middle, of up to `side` voxels a side; likewise. */
+enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
+                                size_t side, struct windows *windows);
 /* The greys smoothed as their noise asks for, and the distances to where they are 1/2, as
  * edge_response_add wants them for that `reach` and all below. */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double reach);
