@@ -72,6 +72,7 @@ static struct scan_quality read_scan(struct h5_file *file) {
   if (!scan.known) assume(file, &scan);
   scan.shape = shape_lost(file);
   scan.between = drawn_between(file);
+  scan.smooth_walls = fmax(0.0, h5_attribute_or_nan(file, "/scanner", "smooth_walls"));
   return scan;
 }
 

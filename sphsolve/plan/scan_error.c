@@ -6,7 +6,8 @@
 static const double KEPT = 1.5; /* the error over the change of ln k, where the blur was left in, */
 static const double REMOVED = 0.3;  /* and where it was taken out, */
 static const double GROWTH = 3.0;   /* which grows by this times the change */
-static const double ROUGH = 0.4;    /* the error over (roughness by noise / width of a pore) */
+static const double ROUGH = 0.4;    /* the error over (roughness by noise / width of a pore), */
+static const double SMOOTH = 1.0;   /* where walls are smooth and no wedges make up for it */
 static const double VOXELS = 0.035; /* what the sharpest scan's voxels leave */
 static const double CHANGE = 9.5;   /* expected change of ln k, times (deviation / mean pore)^2 */
 /* Of the steps of a segmented image: fitted to spheres, packs, fibres and level sets of noise
@@ -42,9 +43,10 @@ static double error_of_blur(const struct scan_quality *scan, double change, doub
                  PLACED * scan_deviation(scan) / width);
   const double blur = 4.0 * scan->blur_error / scan->blur;
   const bool sharp = scan->removed && !scan->averaged;
+  const double rough = ROUGH + (SMOOTH - ROUGH) * scan->smooth_walls;
   const double share = sharp ? hypot(REMOVED, blur) * (1.0 + GROWTH * fabs(change)) : KEPT;
   return hypot(hypot(VOXELS, scan_shape_error(scan, width)),
-               hypot(share * change, ROUGH * cbrt(scan->noise_power) / width));
+               hypot(share * change, rough * cbrt(scan->noise_power) / width));
 }
 
 /* What is drawn between slices is left in, like a blur. */

@@ -65,8 +65,22 @@ static void test_drawn(void **state) {
   assert_float_equal(scan_error(&scan, 0.064, 110e-6), hypot(cubes, 0.3), 1e-9);
 }
 
+/* Of noise more is counted where walls are smooth: nothing makes up for what it leaves of it. */
+static void test_smooth(void **state) {
+  (void)state;
+  struct scan_quality scan = {.blur = 11e-6,
+                              .blur_error = 0.5e-6,
+                              .resolution = 24e-6,
+                              .noise_power = 125e-18, /* 5 um */
+                              .removed = true};
+  const double relief = scan_error(&scan, 0.0, 100e-6);
+  scan.smooth_walls = 1.0;
+  assert_float_equal(relief, hypot(0.035, 0.4 * 0.05), 1e-9);
+  assert_float_equal(scan_error(&scan, 0.0, 100e-6), hypot(0.035, 0.05), 1e-9);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_step), cmocka_unit_test(test_error),
-                                     cmocka_unit_test(test_drawn)};
+                                     cmocka_unit_test(test_drawn), cmocka_unit_test(test_smooth)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
