@@ -34,9 +34,19 @@ double pipeline_contrast(const struct pipeline *pipeline) {
   return contrast > 0.0 ? contrast : histogram->width * (double)histogram->bins;
 }
 
+/* No measured void ratio: the scan's own edges without its blur, in the middle between pore and
+ * grain, enclose another one than the threshold does. Those of fibres and balls under a blur are
+ * half of that off themselves (docs/notes/2026-11-25-smooth-walls.md). */
+static const double EDGES = 2.0;
+static double void_ratio_error(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  if (isfinite(request->void_ratio)) return request->void_ratio_error;
+  if (!pipeline->blur_removed) return NAN;
+  return EDGES * fabs(pipeline->restored.middle - pipeline->void_ratio_original);
+}
+
 double pipeline_threshold_error(const struct pipeline *pipeline) {
-  return fabs(pipeline_grey(pipeline, pipeline->threshold_slope)) *
-         pipeline->request->void_ratio_error;
+  return fabs(pipeline_grey(pipeline, pipeline->threshold_slope)) * void_ratio_error(pipeline);
 }
 
 bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3],

@@ -107,12 +107,13 @@ enum status restored_take(const struct region *region, const struct scanner *sca
                 region->size[0], region->size[1], region->size[2]);
     return STATUS_OK;
   }
+  const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
+  restored->middle = middle / (1.0 - middle);
   restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
   if (!(restored->threshold > LEAST && restored->threshold < MOST)) {
-    const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
     log_warning("the edges of the scan give a void ratio of %.3g, not %.3g: the surface is taken "
                 "where the threshold says, with the scanner's blur and noise",
-                middle / (1.0 - middle), void_ratio);
+                restored->middle, void_ratio);
     restored_end(restored);
     return STATUS_OK;
   }

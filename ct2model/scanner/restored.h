@@ -13,6 +13,7 @@
 struct restored {
   struct coarse scan; /* no levels: the scan is left as it is */
   double threshold;   /* the level at which walls enclose the void ratio */
+  double middle;      /* void ratio at the level in the middle: where its own edges lie */
   double void_ratio;  /* that they do enclose */
 };
 
