@@ -14,8 +14,8 @@
  * of the smoother of the two, with the scanner's blur and noise. What the higher cost takes away
  * is noise there, and nothing else. If it is as much in the scan, the scan has no relief either.
  * Its third moment is compared: edges, corners and contacts of grains are few, but lose more than
- * noise does anywhere. Of 47 sands of contrast 4 to 30 times the noise the ratio is 1.18 to 1.9, 1.24
- * and more in all but two; of 40 bodies with smooth walls it is .76 to 1.18
+ * noise does anywhere. Of 47 sands of contrast 4 to 30 times the noise the ratio is 1.18
+ * to 1.9, 1.24 and more in all but two; of 40 bodies with smooth walls it is .76 to 1.18
  * (docs/notes/2026-11-25-smooth-walls.md). */
 static const double SMOOTH = 1.16, ROUGH = 1.22;
 /* Voxels a side: walls enough, restored six times in a second. */
