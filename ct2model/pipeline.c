@@ -1,5 +1,4 @@
 #include "ct2model/pipeline.h"
-#include "ct2model/scanner/smooth_walls.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +17,7 @@
 #include "ct2model/model_size.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
+#include "ct2model/scanner/smooth_walls.h"
 #include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
 #include "ct2model/wall_level.h"

@@ -221,7 +221,8 @@ static const struct {
 
 /* Of a run that was stopped: nothing else is to be done first. */
 static bool judge_interrupted(json_t *result, const struct run *run) {
-  if (strcmp(run->path, string(result, "path")) != 0 || strcmp(run->status, "interrupted") != 0)
+  if (run->status == NULL || strcmp(run->status, "interrupted") != 0 ||
+      strcmp(run->path, string(result, "path")) != 0)
     return false;
   json_object_set_new(
       result, "advice",

@@ -62,7 +62,10 @@ void deblur_end(struct deblur *deblur) {
 /* The largest of H^T H. */
 static double largest_transfer(double fringe) {
   double most = 1.0;
-  for (double x = 0.0; x < 10.0; x += 0.01) most = fmax(most, exp(-0.5 * x) * (1.0 + fringe * x));
+  for (int i = 0; i < 1000; i++) {
+    const double x = 0.01 * i;
+    most = fmax(most, exp(-0.5 * x) * (1.0 + fringe * x));
+  }
   return most * most;
 }
 

@@ -14,7 +14,7 @@ struct scan_quality {
   double blur, blur_error; /* standard deviation as measured; 1 sigma of it */
   double resolution;       /* period seen at a tenth of its contrast */
   double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
-  double smooth_walls; /* 0: they have relief, to 1: none */
+  double smooth_walls;     /* 0: they have relief, to 1: none */
   double between; /* m^2: variance by what is drawn between slices far apart, of one axis */
   double shape;   /* relative error of k where pores are too narrow to show their shape */
   bool labels;    /* segmented before: `resolution` and `between` alone are known */

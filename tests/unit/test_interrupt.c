@@ -161,7 +161,7 @@ static void test_chosen_lattice(void **state) {
   double *spacing = NULL;
   size_t count;
   write_spheres(MOST, false);
-  stop_everywhere("--error 3%", 0.7);
+  stop_everywhere("--error 3%", 0.75);
   assert_int_equal(h5_open("out.hdf", &file), STATUS_OK);
   assert_int_equal(h5_read(file, "/run/levels/spacing", H5_F64, 1, &count, &spacing), STATUS_OK);
   h5_close(file);
