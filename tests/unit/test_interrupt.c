@@ -21,8 +21,8 @@ static double periodic(double x) {
   return x - round(x);
 }
 
-/* Two spheres in a periodic box of n voxels a side; with all parts of the error, as of a scan with a
- * blur whose sides were wrapped. */
+/* Two spheres in a periodic box of n voxels a side; with all parts of the error, as of a scan with
+ * a blur whose sides were wrapped. */
 static void write_spheres(size_t n, bool parts) {
   static float distance[MOST * MOST * MOST];
   static uint8_t solid[MOST * MOST * MOST];
