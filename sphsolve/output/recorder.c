@@ -300,6 +300,11 @@ enum status recorder_go_back(struct recorder *recorder, double time) {
   return history_file_truncate(&recorder->history, recorder->row_count);
 }
 
+enum status recorder_drop_row(struct recorder *recorder) {
+  recorder->row_count--;
+  return history_file_truncate(&recorder->history, recorder->row_count);
+}
+
 struct step_log *recorder_step_log(struct recorder *recorder) {
   return &recorder->step_log;
 }

@@ -73,6 +73,8 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
  * columns, in the order of registration. */
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra);
+/* Takes the last row back. */
+enum status recorder_drop_row(struct recorder *recorder);
 /* Mean of the rows' Darcy velocity over times from .. to, s; NAN where there is no row. */
 void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
                             double velocity[3]);

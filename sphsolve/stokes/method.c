@@ -176,6 +176,7 @@ cleanup:
 static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *solved) {
   enum status status = STATUS_OK;
   const struct stokes_goal goal = cascade_goal(&job->cascade);
+  const struct stokes_solver *coarse = &job->cascade.coarse;
   struct progress_state state = {.best = INFINITY};
   *solved = false;
   if (job->checkpoint != NULL) {
@@ -186,6 +187,12 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
     TRY(write_row(job, s));
   }
   while (!stokes_solver_converged(s, &goal)) {
+    /* Before its first round: the coarser solution tells as much, and is written in less time. */
+    if (s->iterations == 0 && coarse->grid.active_all > 0 && recorder_interrupted(job->recorder)) {
+      TRY(recorder_drop_row(job->recorder));
+      scale_darcy(job, coarse);
+      return FAIL(STATUS_INTERRUPTED, "interrupted");
+    }
     if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state, false));
     if (recorder_interrupted(job->recorder)) {
       job->kept = true;
@@ -269,16 +276,15 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   job->own = own;
   job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
-  /* Of a signal in the set-up: the coarser solution that it begins from is written in less time. */
-  if (c->coarse.grid.active_all > 0) TRY(interrupt_look());
   built = true;
   if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
     log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
                 job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
     status = solve(job, &s, &solved);
+    if (status == STATUS_INTERRUPTED && !job->kept) built = false; /* the coarser one is kept */
     /* Of an interrupted solve too, whose own error is then the one to report. */
-    if ((status == STATUS_OK && !solved) || status == STATUS_INTERRUPTED) {
+    if ((status == STATUS_OK && !solved) || job->kept) {
       const enum status balanced = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = balanced;
     }

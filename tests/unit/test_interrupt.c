@@ -105,6 +105,23 @@ static double number_of(const char *path, const char *group, const char *name) {
   return number;
 }
 
+/* Of a lattice that nothing is done on yet the coarser one's solution is kept, if there is one. */
+static void check_worth_keeping(void) {
+  struct h5_file *file;
+  double *numbers = NULL, *cascade = NULL;
+  size_t count;
+  if (access("out.ckpt.hdf", F_OK) != 0) return;
+  assert_int_equal(h5_open("out.ckpt.hdf", &file), STATUS_OK);
+  if (h5_exists(file, "/state/residual0")) {
+    assert_int_equal(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers), STATUS_OK);
+    assert_int_equal(h5_read(file, "/state/cascade", H5_F64, 1, &count, &cascade), STATUS_OK);
+    assert_true(numbers[10] > 0.0 || cascade[0] == 0.0); /* iterations; lattices before */
+  }
+  h5_close(file);
+  memory_free(&numbers);
+  memory_free(&cascade);
+}
+
 /* The run's looks for a signal. */
 static long run_whole(const char *command, int code) {
   interrupt_after(MANY);
@@ -138,6 +155,7 @@ static void stop_everywhere(const char *options, double last) {
     faults_check_files(".", "look", n);
     /* Of what was being written nothing stays but whole files, and k in the record. */
     if (n > looks - WRITING) assert_true(isfinite(number_of("out.hdf", "/run", "k")));
+    check_worth_keeping();
     const long left = run_whole(resume, 0);
     assert_int_equal(access("out-0001.hdf", F_OK), -1);
     /* Coarser lattices are not solved again, only the last one is set up anew. */
