@@ -187,14 +187,16 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
     TRY(write_row(job, s));
   }
   while (!stokes_solver_converged(s, &goal)) {
+    const bool stopped = recorder_interrupted(job->recorder);
     /* Before its first round: the coarser solution tells as much, and is written in less time. */
-    if (s->iterations == 0 && coarse->grid.active_all > 0 && recorder_interrupted(job->recorder)) {
+    if (stopped && s->iterations == 0 && coarse->grid.active_all > 0) {
       TRY(recorder_drop_row(job->recorder));
       scale_darcy(job, coarse);
       return FAIL(STATUS_INTERRUPTED, "interrupted");
     }
-    if (recorder_checkpoint_due(job->recorder)) TRY(write_checkpoint(job, s, &state, false));
-    if (recorder_interrupted(job->recorder)) {
+    if (stopped || recorder_checkpoint_due(job->recorder))
+      TRY(write_checkpoint(job, s, &state, false));
+    if (stopped) {
       job->kept = true;
       return FAIL(STATUS_INTERRUPTED, "interrupted at a residual of %.1e; go on with --resume",
                   s->residual_now);

@@ -105,21 +105,26 @@ static double number_of(const char *path, const char *group, const char *name) {
   return number;
 }
 
-/* Of a lattice that nothing is done on yet the coarser one's solution is kept, if there is one. */
-static void check_worth_keeping(void) {
+/* How far a run is that was stopped at the n-th look: twice the lattices before the one whose
+ * solution it keeps, and 1 where that is at its end; -1: it keeps none. */
+static int progress_at(const char *start, long n, double *iterations) {
   struct h5_file *file;
   double *numbers = NULL, *cascade = NULL;
   size_t count;
-  if (access("out.ckpt.hdf", F_OK) != 0) return;
+  faults_clear();
+  interrupt_after(n);
+  assert_int_equal(faults_run(sphsolve_main, start), 130);
+  interrupt_after(0);
+  if (access("out.ckpt.hdf", F_OK) != 0) return -1;
   assert_int_equal(h5_open("out.ckpt.hdf", &file), STATUS_OK);
-  if (h5_exists(file, "/state/residual0")) {
-    assert_int_equal(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers), STATUS_OK);
-    assert_int_equal(h5_read(file, "/state/cascade", H5_F64, 1, &count, &cascade), STATUS_OK);
-    assert_true(numbers[10] > 0.0 || cascade[0] == 0.0); /* iterations; lattices before */
-  }
+  assert_int_equal(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers), STATUS_OK);
+  assert_int_equal(h5_read(file, "/state/cascade", H5_F64, 1, &count, &cascade), STATUS_OK);
+  const int progress = 2 * (int)cascade[0] + !h5_exists(file, "/state/residual0");
+  *iterations = numbers[10];
   h5_close(file);
   memory_free(&numbers);
   memory_free(&cascade);
+  return progress;
 }
 
 /* The run's looks for a signal. */
@@ -155,7 +160,6 @@ static void stop_everywhere(const char *options, double last) {
     faults_check_files(".", "look", n);
     /* Of what was being written nothing stays but whole files, and k in the record. */
     if (n > looks - WRITING) assert_true(isfinite(number_of("out.hdf", "/run", "k")));
-    check_worth_keeping();
     const long left = run_whole(resume, 0);
     assert_int_equal(access("out-0001.hdf", F_OK), -1);
     /* Coarser lattices are not solved again, only the last one is set up anew. */
@@ -187,6 +191,24 @@ static void test_chosen_lattice(void **state) {
   assert_true(count > 4);
   assert_true(fabs(spacing[count - 2] / spacing[count - 1] - sqrt(2.0)) > 0.1);
   memory_free(&spacing);
+}
+/* Up to its first round a lattice has nothing worth keeping beside what it began from. */
+static void test_before_the_first_round(void **state) {
+  (void)state;
+  static const char start[] = "sphsolve run scene.cfg -o out --threads 1 --quiet --error 1%";
+  write_spheres(14, true);
+  faults_clear();
+  long before = 0, begun = run_whole(start, 0);
+  double iterations = 0.0;
+  while (begun - before > 1) { /* to the first look that keeps the second lattice */
+    const long middle = before + (begun - before) / 2;
+    if (progress_at(start, middle, &iterations) > 1)
+      begun = middle;
+    else
+      before = middle;
+  }
+  assert_int_equal(progress_at(start, begun, &iterations), 2);
+  assert_true(iterations > 0.0);
 }
 static void test_fixed_lattices(void **state) {
   (void)state;
@@ -225,6 +247,7 @@ static void test_left_on_signal(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_left_on_signal), cmocka_unit_test(test_cascade),
-      cmocka_unit_test(test_chosen_lattice), cmocka_unit_test(test_fixed_lattices)};
+      cmocka_unit_test(test_before_the_first_round), cmocka_unit_test(test_chosen_lattice),
+      cmocka_unit_test(test_fixed_lattices)};
   return cmocka_run_group_tests(tests, faults_start, faults_end);
 }
