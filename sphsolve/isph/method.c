@@ -60,16 +60,18 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       last = true;
       result->status = "steady";
     }
-    if (recorder_interrupted(recorder)) result->status = "interrupted";
+    const bool stopped = recorder_interrupted(recorder);
+    if (stopped) result->status = "interrupted";
     if (!resumed && (s->time >= next_row * (1 - 1e-12) || last)) {
       TRY(isph_write_row(s, recorder, isnan(dt) ? 0 : dt));
       next_row = row_after(s->time, row_interval);
     }
     if (!resumed && (s->time >= recorder_next_snapshot(recorder) * (1 - 1e-12) || last))
       TRY(isph_write_snapshot(s, recorder));
-    if (recorder_checkpoint_due(recorder) && s->step > 0) TRY(isph_write_checkpoint(s, recorder));
+    if ((stopped || recorder_checkpoint_due(recorder)) && s->step > 0)
+      TRY(isph_write_checkpoint(s, recorder));
     resumed = false;
-    if (recorder_interrupted(recorder)) {
+    if (stopped) {
       status = FAIL(STATUS_INTERRUPTED, "interrupted at t = %.4g s; go on with --resume", s->time);
       goto cleanup;
     }
