@@ -166,9 +166,9 @@ void h5_close(struct h5_file *file) {
 static enum status sync_path(const char *path, int flags) {
   int descriptor = open(path, flags);
   if (descriptor < 0) return FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
-  int failed = fsync(descriptor);
+  const bool synced = output_sync(descriptor);
   close(descriptor);
-  return failed ? FAIL(STATUS_RUN, "%s: %s", path, strerror(errno)) : STATUS_OK;
+  return !synced ? FAIL(STATUS_RUN, "%s: %s", path, strerror(errno)) : STATUS_OK;
 }
 
 enum status h5_commit(struct h5_file *file) {

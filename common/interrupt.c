@@ -46,6 +46,10 @@ bool interrupt_requested(void) {
   return requested != 0;
 }
 
+bool interrupt_came(void) {
+  return requested != 0;
+}
+
 bool interrupt_alone(void) {
   return ranks_count() == 1 && interrupt_requested();
 }

@@ -18,6 +18,9 @@ bool interrupt_alone(void);
 /* STATUS_INTERRUPTED then, between the stages of long work, and after loops that were left. */
 enum status interrupt_look(void);
 
+/* Whether one has come, for what is done at the end anyway: no question of those below. */
+bool interrupt_came(void);
+
 /* For tests: the n-th question from now on is answered as if a signal had come, as are those after
  * it; 0: none is. What came before is forgotten. Returns how many were left. */
 long interrupt_after(long n);

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/interrupt.h"
 #include "common/memory.h"
 
 #define LINKS_MOST 40 /* as Linux */
@@ -82,6 +83,10 @@ enum status output_follow(const char *path, char target[OUTPUT_NAME_MAX]) {
     target[length] = '\0';
   }
   return FAIL(STATUS_USAGE, "%s: is a link that leads back to itself", path);
+}
+
+bool output_sync(int descriptor) {
+  return interrupt_came() || fsync(descriptor) == 0;
 }
 
 enum status output_rename(const char *from, const char *to) {

@@ -19,6 +19,9 @@ enum status output_write(const char *path, const char *data, size_t size);
 enum status output_follow(const char *path, char target[OUTPUT_NAME_MAX]);
 /* rename(2) as a status; an input of this run is never replaced. */
 enum status output_rename(const char *from, const char *to);
+/* Waits until what was written to an open file is on the disk; not after a signal, as a gigabyte
+ * takes seconds: then the system writes it later. False: it failed. */
+bool output_sync(int descriptor);
 
 /* From here on inputs are noted: of a program, not of what writes and reads for itself alone. */
 void output_note_inputs(void);

@@ -34,7 +34,7 @@ static enum status append_seal(const char *path) {
   file = fopen(path, "ab");
   if (file == NULL) TRY_FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
   if (output_fails() || fwrite(seal_mark, sizeof seal_mark, 1, file) != 1 ||
-      fwrite(&hash, sizeof hash, 1, file) != 1 || fflush(file) != 0 || fsync(fileno(file)) != 0)
+      fwrite(&hash, sizeof hash, 1, file) != 1 || fflush(file) != 0 || !output_sync(fileno(file)))
     TRY_FAIL(STATUS_RUN, "%s: %s", path, strerror(errno));
 cleanup:
   if (file != NULL && fclose(file) != 0 && status == STATUS_OK)
