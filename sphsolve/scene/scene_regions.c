@@ -52,11 +52,17 @@ static enum status read_porous(struct config *config, config_node *group, struct
   region->beta = 1.1;
   TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
   TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
-  for (int a = 0; a < 3; a++)
-    if ((scene->dimensions == 3 || a != 1) && region->grain_size >= scene->domain_size[a])
-      TRY(config_error(config, config_child(config, group, "grain_size"),
-                       "grains of %g m are as large as the domain, %g m in %c; is %g mm meant?",
-                       region->grain_size, scene->domain_size[a], 'x' + a, region->grain_size));
+  double largest = 0.0;
+  bool cell = true; /* periodic all round: it stands for something larger */
+  for (int a = 0; a < 3; a++) {
+    if (scene->dimensions == 2 && a == 1) continue;
+    largest = fmax(largest, scene->domain_size[a]);
+    cell = cell && scene->periodic[a];
+  }
+  if (region->grain_size >= largest && !cell)
+    TRY(config_error(config, config_child(config, group, "grain_size"),
+                     "grains of %g m are as large as the domain, %g m; is %g mm meant?",
+                     region->grain_size, largest, region->grain_size));
   TRY(config_number(config, group, "alpha", &region->alpha, NULL));
   TRY(config_number(config, group, "beta", &region->beta, NULL));
   TRY(config_bool(config, group, "saturated", &region->saturated, &saturation_given));
