@@ -1,39 +1,10 @@
 /* Large datasets of the HDF5 layer, whose chunks are packed and unpacked by several threads. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
+#include "files_rig.h"
 
-#include <cmocka.h>
+#include <sys/stat.h>
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
-
-static char folder[] = "/tmp/tosui-chunks-XXXXXX";
-static char path[64];
-
-static int make_folder(void **state) {
-  (void)state;
-  if (mkdtemp(folder) == NULL) return 1;
-  snprintf(path, sizeof path, "%s/a.hdf", folder);
-  return 0;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[128];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
-}
-
-static void refused(enum status status, const char *because) {
-  assert_int_equal(status, STATUS_INPUT);
-  if (!strstr(error_message(), because)) fail_msg("%s", error_message());
-  error_clear();
-}
 
 /* A byte of the file, after that share of it, is another; another time it is itself again. */
 static void damage_file(double share) {

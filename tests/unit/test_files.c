@@ -1,16 +1,10 @@
 /* HDF5 layer and model file: what is written is read back, what is wrong is refused, nothing half
  * is left behind. */
+#include "files_rig.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
 #include <hdf5.h>
 
 #include "common/hdf5_file.h"
@@ -20,28 +14,6 @@
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
 #include "sphsolve/output/checkpoint_file.h"
-
-static char folder[] = "/tmp/tosui-files-XXXXXX";
-static char path[64];
-
-static int make_folder(void **state) {
-  (void)state;
-  if (mkdtemp(folder) == NULL) return 1;
-  snprintf(path, sizeof path, "%s/a.hdf", folder);
-  return 0;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[128];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
-}
-
-static void refused(enum status status, const char *because) {
-  assert_int_equal(status, STATUS_INPUT);
-  if (!strstr(error_message(), because)) fail_msg("%s", error_message());
-  error_clear();
-}
 
 static void test_round_trip(void **state) {
   (void)state;

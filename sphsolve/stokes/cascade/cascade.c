@@ -28,7 +28,6 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
     c->noise_scale = cascade_noise_scale(plan, base);
     c->pores_across = cascade_pores_across(plan, base);
   }
-  c->enough = cascade_enough(c->pores_across);
   if (possible && (plan->goal.error > 0.0 || plan->goal.seconds > 0.0)) {
     c->wanted = fmax(plan->goal.error, 1e-12);
     if (plan->goal.seconds > 0.0) c->seconds = plan->goal.seconds;

@@ -20,7 +20,6 @@ struct cascade {
   double started;              /* clock, s */
   double noise_scale;          /* cascade_noise_scale, m */
   double pores_across;         /* cascade_pores_across */
-  int enough;                  /* lattices that an open one may end with */
   int fixed;                   /* lattices of a cascade that ends with the base; 0: open */
   int tried;                   /* lattices so far, those without a flow included */
   int left, left_tried;        /* steps to the base from the lattice given last, and tried last */

@@ -35,7 +35,7 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
   const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
-  if (few && n < (size_t)c->enough && !c->plan->shape.flat) {
+  if (few && n < (size_t)cascade_enough(c->pores_across) && !c->plan->shape.flat) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
   }
@@ -99,7 +99,7 @@ static struct uncertainty foretold(const struct cascade *c, int steps) {
 static int steps_to_end(const struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
   /* Where the estimate is the finest's own value there is no fit to go by. */
-  if (u->level_count < c->enough || u->extrapolated == u->finest) return 0;
+  if (u->level_count < cascade_enough(c->pores_across) || u->extrapolated == u->finest) return 0;
   for (int steps = 1; steps <= CASCADE_STEPS_MOST && steps <= c->left; steps++) {
     const struct uncertainty then = foretold(c, steps);
     if (uncertainty_largest(&then) <= c->wanted || finer_is_in_vain(c, &then)) return steps;
@@ -146,7 +146,7 @@ static int steps_to_next(const struct cascade *c) {
   /* One lattice is no k: its error is not known. */
   if (c->resumed || c->uncertainty.level_count < 2) return usual;
   if (end > 0 && has_time(c, lattice_seconds(c, end))) return end;
-  if (c->uncertainty.level_count < c->enough)
+  if (c->uncertainty.level_count < cascade_enough(c->pores_across))
     return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
   if (has_time(c, lattice_seconds(c, usual) + lattice_seconds(c, usual + 1))) return usual;
   int steps = c->left < CASCADE_STEPS_MOST ? c->left : CASCADE_STEPS_MOST;
@@ -175,7 +175,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   const bool last = c->left == 0 || c->tried == ERROR_LEVELS_MAX;
-  const bool enough = u->level_count >= c->enough || last;
+  const bool enough = u->level_count >= cascade_enough(c->pores_across) || last;
   if (enough && uncertainty_largest(u) <= c->wanted) return false;
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";

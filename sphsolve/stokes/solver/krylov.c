@@ -6,13 +6,9 @@
 #include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/stokes/solver/sums.h"
 
-#define BLOCK 4096
 #define BASIS_MAX 64
-
-static size_t block_count(size_t length) {
-  return (length + BLOCK - 1) / BLOCK;
-}
 
 enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_krylov *k) {
   enum status status = STATUS_OK;
@@ -23,7 +19,7 @@ enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_kryl
   TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
                       "Krylov basis"));
   TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
-  TRY(memory_allocate(&k->partial, block_count(length), sizeof *k->partial, "partial sums"));
+  TRY(memory_allocate(&k->partial, stokes_sum_blocks(length), sizeof *k->partial, "partial sums"));
   return STATUS_OK;
 cleanup:
   stokes_krylov_free(k);
@@ -36,32 +32,9 @@ void stokes_krylov_free(struct stokes_krylov *k) {
   memory_free(&k->partial);
 }
 
-typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
-
-/* Sum of x y over a block: short runs in float lanes, then in double. */
-static double dot_block(size_t n, const float *x, const float *y) {
-  double sum = 0.0;
-  size_t i = 0;
-  while (i + 16 <= n) {
-    lanes run = {0};
-    for (const size_t end = i + 256; i + 16 <= n && i < end; i += 16)
-      run += *(const lanes *)(x + i) * *(const lanes *)(y + i);
-    for (int l = 0; l < 16; l++) sum += (double)run[l];
-  }
-  for (; i < n; i++) sum += (double)x[i] * (double)y[i];
-  return sum;
-}
-
 static double dot(struct stokes_krylov *k, const float *x, const float *y) {
-  const size_t blocks = block_count(k->length);
-#pragma omp parallel for schedule(static)
-  for (size_t b = 0; b < blocks; b++) {
-    const size_t start = b * BLOCK, left = k->length - start;
-    k->partial[b] = dot_block(left < BLOCK ? left : BLOCK, x + start, y + start);
-  }
-  double total = 0.0;
-  for (size_t b = 0; b < blocks; b++) total += k->partial[b];
-  return k->alone ? total : ranks_sum(total);
+  const double own = stokes_sum_dot(k->length, x, y, k->partial);
+  return k->alone ? own : ranks_sum(own);
 }
 
 double stokes_krylov_norm(struct stokes_krylov *k, const float *x) {

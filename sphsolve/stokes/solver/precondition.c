@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/solver/darcy.h"
+#include "sphsolve/stokes/solver/sums.h"
 
 #define KAPPA_TOLERANCE 0.03
 #define KAPPA_ITERATIONS 400
@@ -16,45 +17,24 @@
 #define VELOCITY_SWEEPS 2
 #define DAMPING 0.8f
 
-/* Sums run over blocks, and over these in their order: the bits do not depend on the threads. */
-#define BLOCK ((size_t)4096)
-static size_t block_end(size_t block, size_t n) {
-  return (block + 1) * BLOCK < n ? (block + 1) * BLOCK : n;
-}
-static double total(size_t n, const double *partial) {
-  double sum = 0.0;
-  for (size_t b = 0; b * BLOCK < n; b++) sum += partial[b];
-  return ranks_sum(sum);
-}
-
-static double dot(size_t n, const float *x, const float *y, double *partial) {
-#pragma omp parallel for schedule(static)
-  for (size_t b = 0; b < (n + BLOCK - 1) / BLOCK; b++) {
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t i = b * BLOCK; i < block_end(b, n); i++) sum += (double)x[i] * (double)y[i];
-    partial[b] = sum;
-  }
-  return total(n, partial);
-}
-
 /* kappa += alpha d, r -= alpha Ad; returns r D^-1 r. */
 static double step_kappa(struct stokes_preconditioner *pc, float alpha, const float *d,
                          const float *Ad, float *r, double *partial) {
   const float *diagonal = pc->op->diagonal;
   const size_t n = pc->op->n;
 #pragma omp parallel for schedule(static)
-  for (size_t b = 0; b < (n + BLOCK - 1) / BLOCK; b++) {
+  for (size_t b = 0; b < stokes_sum_blocks(n); b++) {
+    const size_t end = stokes_sum_block_end(b, n);
     double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
-    for (size_t i = b * BLOCK; i < block_end(b, n); i++) {
+    for (size_t i = b * STOKES_SUM_BLOCK; i < end; i++) {
       pc->kappa[i] += alpha * d[i];
       r[i] -= alpha * Ad[i];
       sum += (double)r[i] * (double)r[i] / (double)diagonal[i];
     }
     partial[b] = sum;
   }
-  return total(n, partial);
+  return ranks_sum(stokes_sum_total(n, partial));
 }
 
 /* A kappa = 1 by conjugate gradients with the diagonal; a few per cent are good enough. */
@@ -67,18 +47,18 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
   TRY(memory_allocate(&r, n, sizeof *r, "preconditioner"));
   TRY(memory_allocate(&d, n, sizeof *d, "preconditioner"));
   TRY(memory_allocate(&Ad, n, sizeof *Ad, "preconditioner"));
-  TRY(memory_allocate(&partial, n / BLOCK + 1, sizeof *partial, "preconditioner"));
+  TRY(memory_allocate(&partial, stokes_sum_blocks(n), sizeof *partial, "preconditioner"));
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < n; i++) {
     r[i] = 1.0f;
     d[i] = r[i] / op->diagonal[i];
   }
-  const double start = dot(n, r, d, partial);
+  const double start = ranks_sum(stokes_sum_dot(n, r, d, partial));
   double rho = start;
   for (int it = 0; it < KAPPA_ITERATIONS && rho > KAPPA_TOLERANCE * KAPPA_TOLERANCE * start; it++) {
     TRY(interrupt_look());
     stokes_operator_apply_viscous(op, -1, d, Ad);
-    const float alpha = (float)(rho / dot(n, d, Ad, partial));
+    const float alpha = (float)(rho / ranks_sum(stokes_sum_dot(n, d, Ad, partial)));
     const double next = step_kappa(pc, alpha, d, Ad, r, partial);
     const float beta = (float)(next / rho);
 #pragma omp parallel for simd schedule(static)
