@@ -77,7 +77,7 @@ struct progress_state {
   int stalled;
 };
 
-#define CHECKPOINT_NUMBERS 15
+#define CHECKPOINT_NUMBERS 16
 
 /* Of a solve that goes on or, `solved`, of the last one that is done. */
 static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
@@ -101,7 +101,8 @@ static enum status write_checkpoint(struct stokes_job *job, const struct stokes_
                                               (double)(job->iterations - solved * s->iterations),
                                               balance->flux_open,
                                               balance->force_open,
-                                              balance->power_open};
+                                              balance->power_open,
+                                              job->result->k_error};
   TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
@@ -162,6 +163,7 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
   balance->steady = *solved;
   balance->flux_open = numbers[12], balance->force_open = numbers[13];
   balance->power_open = numbers[14];
+  job->result->k_error = numbers[15];
 cleanup:
   memory_free(&x);
   memory_free(&residual);
@@ -169,6 +171,12 @@ cleanup:
   h5_close(file);
   job->checkpoint = NULL;
   return status;
+}
+
+/* Whether k will be what this solve has reached if it is interrupted: only of a first lattice. Of
+ * any other k is the estimate from those before it, whose error is known. */
+static bool is_reported(const struct stokes_job *job) {
+  return job->cascade.uncertainty.level_count == 0;
 }
 
 /* Rounds until converged, interrupted or stuck. *solved: it was, in the run that left the
@@ -285,8 +293,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   if (s.grid.active_all > 0) {
     status = solve(job, &s, &solved);
     if (status == STATUS_INTERRUPTED && !job->kept) built = false; /* the coarser one is kept */
-    /* Of an interrupted solve too, whose own error is then the one to report. */
-    if ((status == STATUS_OK && !solved) || job->kept) {
+    if ((status == STATUS_OK && !solved) || (job->kept && is_reported(job))) {
       const enum status balanced = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = balanced;
     }
@@ -307,7 +314,8 @@ cleanup:
     if (RANKS)
       recorder_set_fact(job->recorder, "imbalance",
                         s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
-    job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
+    if (!job->kept || is_reported(job))
+      job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
     /* Last, as it leaves nothing but the solution. */
     const bool last = c->fixed == 0 || c->tried == c->fixed;
     if (status == STATUS_OK && s.grid.active_all > 0 && job->lattice.micro_porosity != NULL && last)
@@ -329,7 +337,10 @@ static void set_result(struct stokes_job *job) {
   result->k_finest = result->k;
   result->reynolds = job->reynolds;
   if (!(u->extrapolated > 0.0 && u->finest > 0.0)) return;
-  const double scale = u->extrapolated / u->finest;
+  const double own = job->kept ? result->intrinsic_permeability : u->finest;
+  if (!(own > 0.0)) return;
+  const double scale = u->extrapolated / own;
+  result->k_finest *= u->finest / own;
   result->k *= scale;
   result->intrinsic_permeability *= scale;
   for (int a = 0; a < 3; a++) result->darcy_velocity[a] *= scale;

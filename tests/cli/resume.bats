@@ -76,6 +76,30 @@ END
   resumable_same whole-wcsph term
 }
 
+@test "stokes: after SIGTERM k is the estimate from the lattices that were solved, with its error; --resume goes on" {
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um -o full.hdf --quiet > /dev/null
+  term() { sphsolve run s06.cfg --set model.file=full.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --error 0.001% "$@"; }
+  (term -o stopped > stopped.txt 2> stopped.log) &
+  until [ "$(grep -c '^lattice' stopped.log)" -ge 4 ] || [ -s stopped.hdf ]; do sleep 0.02; done
+  rows=$(wc -l < stopped.history.csv) # of the next lattice one more, and one after its first round
+  until [ "$(wc -l < stopped.history.csv)" -ge $((rows + 2)) ] || [ -s stopped.hdf ]; do sleep 0.02; done
+  pkill -TERM -P $!
+  wait $! && false || [ $? -eq 130 ]
+  /usr/bin/python3 - << 'END'
+import re, h5py
+run = h5py.File("stopped.hdf")["run"]
+line = [l for l in open("stopped.log") if l.startswith("lattice")][-1]
+k, estimate = (float(x) / 100 for x in re.search(r"k (\S+), estimate (\S+) cm/s", line).groups())
+assert run.attrs["status"] in ("interrupted", b"interrupted")
+assert abs(run.attrs["k"] / estimate - 1) < 1e-3, (run.attrs["k"], line)
+assert abs(run.attrs["k_finest"] / k - 1) < 1e-3, (run.attrs["k_finest"], line)
+assert run["error"].attrs["steadiness"] < 1e-3, run["error"].attrs["steadiness"]
+END
+  term -o stopped --resume > /dev/null 2>&1
+  term -o never > /dev/null 2>&1
+  resumable_same never stopped
+}
+
 @test "a flipped or truncated checkpoint is known, and the older one used" {
   for method in wcsph stokes isph; do
     rm -f bad*
