@@ -194,7 +194,8 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
     case REGION_WELL:
     case REGION_DRAIN:
     case REGION_RAIN:
-      continue; /* boundaries, they fill nothing */
+    case REGION_ABSORBING:
+      continue; /* they fill nothing */
     }
     *region = (uint16_t)(r + 1);
   }

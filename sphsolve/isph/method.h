@@ -16,9 +16,10 @@ static inline bool isph_scene_uses_axis(const struct effect_context *context, in
 enum status isph_refuse(const struct effect_context *context);
 /* What a region gives as a table in the mean up to the end of the run; else `steady`. */
 double isph_mean_given(const struct scene *scene, const struct region *region, double steady);
-/* isph/refuse_sources.c: its part for wells, drains and rain. */
+/* isph/refuse_sources.c: its part for wells, drains, rain and absorbing sides. */
 enum status isph_refuse_wells(const struct effect_context *context);
 enum status isph_refuse_rain(const struct effect_context *context);
+enum status isph_refuse_absorbing(const struct effect_context *context);
 enum status isph_cost(struct plan *plan, int threads);
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 

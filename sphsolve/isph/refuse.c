@@ -182,6 +182,7 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_walls(context));
   TRY(isph_refuse_wells(context));
   TRY(isph_refuse_rain(context));
+  TRY(isph_refuse_absorbing(context));
   TRY(check_heads(context->scene));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));

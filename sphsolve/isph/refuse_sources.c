@@ -1,9 +1,10 @@
-/* Wells, drains and rain that method isph cannot do right: as isph/refuse.c. */
+/* Wells, drains, rain and absorbing sides that method isph cannot do right: as isph/refuse.c. */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
 
 #include "common/ranks.h"
+#include "sphsolve/isph/effects/absorbing.h"
 #include "sphsolve/isph/rain.h"
 
 /* Fewer spacings across a well hold too few particles to take some out. */
@@ -137,6 +138,45 @@ enum status isph_refuse_rain(const struct effect_context *context) {
                   scene->path, rain->line, brings, pow(brings * area, 1.0 / scene->dimensions));
     const enum status status = check_top(context, rain);
     if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
+/* Waves fade before one closed side, in free water. */
+enum status isph_refuse_absorbing(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    bool low;
+    if (region->type != REGION_ABSORBING) continue;
+    const int up = absorbing_vertical(scene), axis = absorbing_axis(scene, region, &low);
+    if (scene->gravity[up] == 0)
+      return FAIL(STATUS_INPUT, "%s:%d: an absorbing region takes waves, which need force.gravity",
+                  scene->path, region->line);
+    if (!context->has_surface)
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: water fills the domain, so there are no waves to absorb; leave room above "
+          "it, or the region out",
+          scene->path, region->line);
+    if (axis < 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: an absorbing region lies against one upright side of the domain that is "
+                  "not periodic; let its box reach one such side, or from side to side",
+                  scene->path, region->line);
+    for (size_t j = 0; j < scene->region_count; j++) {
+      const struct region *other = &scene->regions[j];
+      bool meets = other->type == REGION_POROUS || other->type == REGION_INFLOW ||
+                   (other->type == REGION_ABSORBING && j < k);
+      for (int a = 0; a < 3 && meets; a++)
+        meets = (scene->dimensions == 2 && a == 1) ||
+                (other->box[a] < region->box[a + 3] && region->box[a] < other->box[a + 3]);
+      if (meets)
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: the absorbing region would brake what flows in the %s region of line "
+                    "%d; let them not overlap",
+                    scene->path, region->line, region_type_names[other->type], other->line);
+    }
   }
   return STATUS_OK;
 }

@@ -131,10 +131,11 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
                        "model with such soil (ct2model build --micro)",
                        scene->model_path);
   if (method->resolves_pores) {
-    if (context.has_porous || context.has_inflow || context.has_rain)
-      return scene_error(scene, AT_METHOD,
-                         "method %s knows no soil, inflow or rain; write method = \"isph\"",
-                         method->name);
+    if (context.has_porous || context.has_inflow || context.has_rain || context.has_absorbing)
+      return scene_error(
+          scene, AT_METHOD,
+          "method %s knows no soil, inflow, rain or absorbing side; write method = \"isph\"",
+          method->name);
     if (context.has_surface)
       return scene_error(scene, AT_METHOD,
                          "method %s needs a filled domain, but %zu of %zu sites are empty; fill "

@@ -70,6 +70,7 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
                                      .has_porous = has_region(scene, REGION_POROUS),
                                      .has_inflow = has_region(scene, REGION_INFLOW),
                                      .has_rain = has_region(scene, REGION_RAIN),
+                                     .has_absorbing = has_region(scene, REGION_ABSORBING),
                                      .has_moving_wall = has_moving_wall(scene)};
   if (lattice == NULL) return;
   context->has_surface = lattice->fluid_count + lattice->wall_count < lattice->count;

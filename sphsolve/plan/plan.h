@@ -38,7 +38,7 @@ struct effect_context {
   double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
   double inertia;             /* fraction of the force that inertia takes up, by the same */
   char sound_why[EFFECT_WHY]; /* what decides the sound speed */
-  bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow, has_rain;
+  bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow, has_rain, has_absorbing;
 };
 
 struct planned_effect {

@@ -30,7 +30,8 @@ enum region_type {
   REGION_EMPTY,
   REGION_WELL,
   REGION_DRAIN,
-  REGION_RAIN
+  REGION_RAIN,
+  REGION_ABSORBING
 };
 extern const char *const region_type_names[]; /* as a scene writes them, ended by NULL */
 enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };

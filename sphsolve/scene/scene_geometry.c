@@ -68,7 +68,7 @@ static bool is_polygon(const struct region *region) {
 }
 
 /* A later region that covers an earlier one whole is taken for a mistake, except that water and
- * soil fill the same place, and rain falls through it. */
+ * soil fill the same place, and that rain falls and waves fade in what is there. */
 static enum status check_pair(struct config *config, config_node *list, const struct scene *scene,
                               size_t i, size_t j) {
   const struct region *early = &scene->regions[i], *late = &scene->regions[j];
@@ -89,6 +89,7 @@ static enum status check_pair(struct config *config, config_node *list, const st
   }
   const bool shared =
       early->type == REGION_RAIN || late->type == REGION_RAIN ||
+      (early->type == REGION_ABSORBING) != (late->type == REGION_ABSORBING) ||
       (early->type == REGION_WATER && late->type == REGION_POROUS) ||
       (early->type == REGION_POROUS && late->type == REGION_WATER) ||
       (early->type == REGION_INFLOW && late->type != REGION_WALL && late->type != REGION_EMPTY);

@@ -8,8 +8,8 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-const char *const region_type_names[] = {"water", "porous", "wall", "inflow", "empty",
-                                         "well",  "drain",  "rain", NULL};
+const char *const region_type_names[] = {"water", "porous", "wall", "inflow",    "empty",
+                                         "well",  "drain",  "rain", "absorbing", NULL};
 
 static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
                             double box[6]) {
@@ -249,7 +249,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(config_error(
           config, group,
           "type is missing: \"water\", \"porous\", \"wall\", \"inflow\", \"empty\", \"well\", "
-          "\"drain\" or \"rain\""));
+          "\"drain\", \"rain\" or \"absorbing\""));
     region->type = (enum region_type)type;
     TRY(scene_has_stl(config, group)     ? scene_read_stl(config, group, scene, region)
         : scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
@@ -273,6 +273,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(read_well(config, group, scene, region));
       break;
     case REGION_EMPTY:
+    case REGION_ABSORBING:
       break;
     }
   }

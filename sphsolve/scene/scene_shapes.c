@@ -106,6 +106,8 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
     return config_error(config, node, "an inflow region is a thin box on a side; give its box");
   if (region->type == REGION_RAIN)
     return config_error(config, node, "rain falls from a box; give its box");
+  if (region->type == REGION_ABSORBING)
+    return config_error(config, node, "waves fade in a box along a side; give its box");
   if (config_child(config, group, "box") != NULL ||
       (!circle && config_child(config, group, "centre") != NULL))
     return config_error(config, group, "one of box, corners and centre is wanted");

@@ -53,6 +53,32 @@ taken() { # END REGION
   [[ "$output" == *"regions.[1], a wall that moves at 3 m/s, may leave water no room: let it go slower"* ]]
 }
 
+@test "absorbing sides: told by explain, waves lose their energy to it; where it would do something else, refused" {
+  side() { echo "{ type = \"absorbing\"; box = [\"$1 m\", \"0\", \"$2 m\", \"0.1 m\"]; }"; }
+  refused "lies against one upright side of the domain" 2s "$WATER, $(side 0.05 0.15)"
+  refused "lies against one upright side of the domain" 2s "$WATER, $(side 0 0.2)"
+  refused "would brake what flows in the porous region of line" 2s "$WATER, $(side 0.1 0.2), { type = \"porous\"; box = [\"0.15 m\", \"0\", \"0.2 m\", \"0.05 m\"]; porosity = 0.4; grain_size = \"5 mm\"; }"
+  refused "no waves to absorb" 2s "{ type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.3 m\"]; }, $(side 0.1 0.2)"
+  refused "give its box" 2s "$WATER, { type = \"absorbing\"; corners = [\"0.1 m\", \"0\", \"0.2 m\", \"0\", \"0.2 m\", \"0.1 m\"]; }"
+  taken 2s "$WATER, $(side 0.1 0.2)"
+  grep -q 'on   isph_absorbing  *absorbing regions, for waves up to 0.1 m long' plan.txt
+  taken 2s "$WATER"
+  grep -q 'off  isph_absorbing  *no absorbing region' plan.txt || ! grep -q isph_absorbing plan.txt
+  local column='{ type = "water"; box = ["0", "0", "0.2 m", "0.1 m"]; }, { type = "water"; box = ["0", "0.1 m", "0.05 m", "0.2 m"]; }'
+  for regions in "$column" "$column, $(side 0.1 0.2)"; do
+    sphsolve run "$TANK" --set scene.end_time='"1 s"' -o waves --force --quiet \
+      --set "regions=($regions)" > /dev/null
+    mv waves.hdf "tank-${#regions}.hdf"
+  done
+  /usr/bin/python3 - tank-*.hdf << 'END'
+import sys, h5py
+runs = sorted((h5py.File(name) for name in sys.argv[1:]), key=lambda f: "work_isph_absorbing" in f["history"])
+plain, absorbing = (f["history/velocity_rms"][-1] for f in runs)
+work = runs[1]["history/work_isph_absorbing"][-1]
+assert absorbing < 0.5 * plain and work < 0, (plain, absorbing, work)
+END
+}
+
 @test "rain: less than a row arrives; none, more than there is room for, or faster than it falls, is refused" {
   rain() { echo "{ type = \"rain\"; name = \"sky\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; rate = \"$1\"; }"; }
   refused "use a domain.spacing below 0.00632 m" 2s "$WATER, $(rain "0.1 mm/s")"

@@ -1,0 +1,111 @@
+/* Absorbing sides (sponge layers; Larsen, Dancy 1983, Coastal Eng. 7, 285; Carmigniani, Violeau
+ * 2018, Ocean Eng. 163, 169): before a closed side of the domain friction that grows towards it
+ * takes the waves,
+ *
+ *   dv/dt = ... - gamma v,   gamma = 10 c/l (x/l)^2,   c = sqrt(g h),
+ *
+ * x from the inner edge of the region, l long to the side and h high. By the linear equations of
+ * long waves 5 % of the amplitude of a wave of length l comes back, 4 % of one of l/2, 8 % of one
+ * of 2 l, 39 % of one of 4 l. Still water stays still; a current is braked. */
+#ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ABSORBING_H
+#define TOSUI_SPHSOLVE_ISPH_EFFECTS_ABSORBING_H
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/isph/state.h"
+#include "sphsolve/plan/plan.h"
+
+/* Of 6 to 36 that which sends least of waves of l/2 to 2 l back. */
+#define ABSORBING_RATE 10.0
+
+/* The axis that weight acts along, or mostly. */
+static inline int absorbing_vertical(const struct scene *scene) {
+  const double *g = scene->gravity;
+  int axis = 2;
+  for (int a = 0; a < 3; a++)
+    if (fabs(g[a]) > fabs(g[axis])) axis = a;
+  return axis;
+}
+
+/* The axis of the one side that an absorbing region lies against, -1: of none or of several; *low:
+ * the lower side. A region across the whole domain lies against no side of that axis. */
+static inline int absorbing_axis(const struct scene *scene, const struct region *region,
+                                 bool *low) {
+  const double slack = 1e-6 * scene->spacing;
+  int found = -1;
+  for (int a = 0; a < 3; a++) {
+    if (a == absorbing_vertical(scene) || scene->periodic[a] || (scene->dimensions == 2 && a == 1))
+      continue;
+    const bool at_low = region->box[a] < slack;
+    if (at_low == (region->box[a + 3] > scene->domain_size[a] - slack)) continue;
+    if (found >= 0) return -1;
+    found = a;
+    *low = at_low;
+  }
+  return found;
+}
+
+/* The largest gamma of a region, 1/s. */
+static inline double absorbing_most(const struct scene *scene, const struct region *region,
+                                    int axis) {
+  const int up = absorbing_vertical(scene);
+  const double height = region->box[up + 3] - region->box[up];
+  return ABSORBING_RATE * sqrt(fabs(scene->gravity[up]) * height) /
+         (region->box[axis + 3] - region->box[axis]);
+}
+
+static inline void absorbing_force(const void *state, double (*acceleration)[3]) {
+  const struct isph *s = state;
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    double rate = 0;
+    for (size_t k = 0; k < s->scene->region_count; k++) {
+      const struct region *region = &s->scene->regions[k];
+      const double *box = region->box, *x = s->position[i];
+      bool in = region->type == REGION_ABSORBING, low = false;
+      for (int a = 0; a < 3 && in; a++)
+        in = (s->dimensions == 2 && a == 1) || (x[a] >= box[a] && x[a] <= box[a + 3]);
+      if (!in) continue;
+      const int axis = absorbing_axis(s->scene, region, &low);
+      const double length = box[axis + 3] - box[axis];
+      const double way = (low ? box[axis + 3] - x[axis] : x[axis] - box[axis]) / length;
+      rate = absorbing_most(s->scene, region, axis) * way * way;
+    }
+    for (int a = 0; a < 3; a++) acceleration[i][a] = -rate * s->velocity[i][a];
+  }
+}
+
+static inline bool absorbing_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  double longest = 0;
+  bool low;
+  for (size_t k = 0; k < context->scene->region_count; k++) {
+    const struct region *region = &context->scene->regions[k];
+    const int axis =
+        region->type == REGION_ABSORBING ? absorbing_axis(context->scene, region, &low) : -1;
+    if (axis >= 0) longest = fmax(longest, region->box[axis + 3] - region->box[axis]);
+  }
+  if (longest > 0)
+    snprintf(why, EFFECT_WHY, "absorbing regions, for waves up to %g m long", longest);
+  else
+    snprintf(why, EFFECT_WHY, "no absorbing region");
+  return longest > 0;
+}
+
+static inline double absorbing_dt(const struct effect_context *context) {
+  double most = 0;
+  bool low;
+  for (size_t k = 0; k < context->scene->region_count; k++) {
+    const struct region *region = &context->scene->regions[k];
+    const int axis =
+        region->type == REGION_ABSORBING ? absorbing_axis(context->scene, region, &low) : -1;
+    if (axis >= 0) most = fmax(most, absorbing_most(context->scene, region, axis));
+  }
+  return 0.25 / most;
+}
+
+#endif
+
+EFFECT(isph_absorbing, .model = "- gamma v, gamma = 10 c/l (x/l)^2 towards a side",
+       .citation = "Larsen, Dancy 1983; Carmigniani, Violeau 2018", .wanted = absorbing_wanted,
+       .dt_max = absorbing_dt, .limit = "the friction of absorbing sides", .force = absorbing_force)
