@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "common/ranks.h"
 #include "sphsolve/isph/effects/absorbing.h"
 #include "sphsolve/isph/rain.h"
 
@@ -32,20 +31,18 @@ enum status isph_refuse_wells(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
   const double width_least = WELL_LEAST * context->spacing;
-  bool source = context->has_surface;
-  for (size_t r = 0; r < scene->region_count; r++)
-    source = source || scene->regions[r].boundary == BOUNDARY_HEAD;
+  bool source = context->has_surface, inflow = context->has_surface;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    inflow = inflow || region->type == REGION_INFLOW;
+    source = source || (region->type == REGION_INFLOW && region->boundary == BOUNDARY_HEAD);
+  }
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *well = &scene->regions[r];
     const bool is_well = well->type == REGION_WELL;
     size_t site = 0;
     if (!is_well && well->type != REGION_DRAIN) continue;
     const char *kind = region_type_names[well->type];
-    if (ranks_count() > 1)
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: a %s takes particles out of all the water by turns, which is not done on "
-                  "several ranks; run without mpirun",
-                  scene->path, well->line, kind);
     for (int a = 0; a < 3; a++)
       if (isph_scene_uses_axis(context, a) &&
           well->extent[a + 3] - well->extent[a] < width_least * (1 - 1e-6))
@@ -54,11 +51,11 @@ enum status isph_refuse_wells(const struct effect_context *context) {
                     "three spacings, or domain.spacing %g m",
                     scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
                     width_least, (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
-    if (is_well && !source && well->rate > 0)
+    if (is_well ? !source && well->rate > 0 : !inflow)
       return FAIL(STATUS_INPUT,
-                  "%s:%d: nothing gives what this well takes; let an inflow region of given head, "
-                  "or a free surface, give it",
-                  scene->path, well->line);
+                  "%s:%d: nothing gives what this %s takes; let an inflow region%s, or a free "
+                  "surface, give it",
+                  scene->path, well->line, kind, is_well ? " of given head" : "");
     for (size_t k = 0; k < l->size[2]; k++)
       for (size_t j = 0; j < l->size[1]; j++)
         for (size_t i = 0; i < l->size[0]; i++, site++) {

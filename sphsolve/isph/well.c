@@ -16,6 +16,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/ranks.h"
 #include "common/units.h"
 #include "sphsolve/isph/ranks.h"
 
@@ -138,7 +139,7 @@ bool isph_wells_change(struct isph *s) {
     outlet->tie = gives;
     changed = true;
   }
-  return changed;
+  return ranks_any(changed);
 }
 
 void isph_wells_solved(struct isph *s) {
@@ -163,6 +164,7 @@ static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t n
   if (well->starved >= STEPS_STARVED || well->region->type != REGION_WELL) return;
   for (size_t i = s->local.begin; i < s->local.end; i++)
     if (s->outlet[i].well == number) lowest = fmin(lowest, s->pressure[i]);
+  lowest = -ranks_max(-lowest);
   const bool dry = lowest == INFINITY && well->region->rate > 0;
   well->starved = lowest < VACUUM || dry ? well->starved + 1 : 0;
   if (well->starved < STEPS_STARVED) return;
@@ -176,16 +178,24 @@ static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t n
                 s->scene->path, well->region->line, s->time, lowest);
 }
 
-/* The particle of a well that stands closest to its neighbours, and does not leave yet; SIZE_MAX:
- * none. */
-static size_t next_to_leave(const struct isph *s, size_t w) {
+/* The particle of a well, on any rank, that stands closest to its neighbours and does not leave
+ * yet; of several the first. Its mass; INFINITY: none. *here: its place on its own rank, else
+ * SIZE_MAX. */
+static double next_to_leave(const struct isph *s, size_t w, size_t *here) {
   size_t best = SIZE_MAX;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     if (s->outlet[i].well != (int32_t)w + 1 || s->outlet[i].leaves) continue;
     const double more = best == SIZE_MAX ? 1 : s->kernel_sum[i] - s->kernel_sum[best];
     if (more > 0 || (more == 0 && s->id[i] < s->id[best])) best = i;
   }
-  return best;
+  double own = best == SIZE_MAX ? -INFINITY : s->kernel_sum[best];
+  const double closest = ranks_max(own);
+  if (closest == -INFINITY) return INFINITY;
+  if (own < closest) best = SIZE_MAX;
+  own = best == SIZE_MAX ? -INFINITY : -(double)s->id[best];
+  if (own < ranks_max(own)) best = SIZE_MAX;
+  *here = best;
+  return ranks_max(best == SIZE_MAX ? 0 : s->mass[best]);
 }
 
 void isph_wells_take(struct isph *s, double dt) {
@@ -195,10 +205,11 @@ void isph_wells_take(struct isph *s, double dt) {
     well->flow = sum_of(s, w, true);
     well->pending += s->density * well->flow * dt;
     for (;;) {
-      const size_t i = next_to_leave(s, w);
-      if (i == SIZE_MAX || !(well->pending >= s->mass[i])) break;
-      s->outlet[i].leaves = true;
-      well->pending -= s->mass[i], well->taken += s->mass[i];
+      size_t here = SIZE_MAX;
+      const double mass = next_to_leave(s, w, &here);
+      if (!(well->pending >= mass)) break;
+      if (here != SIZE_MAX) s->outlet[here].leaves = true;
+      well->pending -= mass, well->taken += mass;
     }
   }
 }

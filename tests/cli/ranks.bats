@@ -287,6 +287,22 @@ END
   same_on_ranks rain
 }
 
+@test "isph: wells and a drain across the cut between ranks, the same bits on 1, 2, 3 ranks" {
+  cat > wells.cfg << 'END'
+scene = { method = "isph"; end_time = "0.1 s"; };
+domain = { size = ["0.6 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.6 m", "0.18 m"]; },
+  { type = "porous"; box = ["0", "0", "0.6 m", "0.2 m"]; porosity = 0.4; grain_size = "1 cm"; saturated = false; },
+  { type = "well"; name = "a"; box = ["0.25 m", "2 cm", "0.35 m", "0.1 m"]; rate = "0.01 m^2/s"; },
+  { type = "drain"; name = "b"; box = ["0.1 m", "2 cm", "0.22 m", "8 cm"]; head = "5 cm"; },
+  { type = "well"; name = "c"; box = ["0.4 m", "2 cm", "0.5 m", "0.1 m"]; rate = "0.005 m^2/s"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  same_on_ranks wells
+  /usr/bin/python3 -c 'import h5py; h = h5py.File("wells.hdf")["history"]; taken = [h["taken_" + w][-1] for w in "abc"]; assert min(taken) > 0, taken'
+}
+
 @test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
   rm -f part* lone-part*
   sphsolve $(isph dam-break 0.04s whole) > /dev/null

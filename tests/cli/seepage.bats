@@ -256,6 +256,11 @@ END
   taken "0.1 s" "$soil, $WATER, $(well 0.12)"
   taken "0.1 s" "$WATER, $soil, $(well 0.12)"
   refused "there is none: keep it within a porous region" "0.1 s" "$soil, $WATER, $(well 0.04)"
+  # A drain gives nothing: in a box that is full a well has nothing to take, nor has the drain.
+  full='{ type = "porous"; box = ["0", "0", "0.2 m", "0.3 m"]; porosity = 0.4; grain_size = "5 mm"; }'
+  drain='{ type = "drain"; box = ["0.1 m", "0.1 m", "0.2 m", "0.2 m"]; head = "5 cm"; }'
+  refused "nothing gives what this well takes; let an inflow region of given head" "0.1 s" "$full, $(well 0.05), $drain"
+  refused "nothing gives what this drain takes; let an inflow region, or a free surface" "0.1 s" "$full, $drain"
 }
 
 @test "heads drive water without gravity too" {
