@@ -31,6 +31,8 @@ static enum status write_labels(struct h5_file *file, const struct pipeline *pip
   TRY(write_number(file, group, "smoothing",
                    LABEL_SMOOTHING * cbrt(voxel[0] * voxel[1] * voxel[2])));
   TRY(write_number(file, group, "k_change_by_smoothing", labels_effect_on_k(&pipeline->labels)));
+  const double unsure = labels_void_ratio_error(&pipeline->labels);
+  if (unsure > 0.0) TRY(write_number(file, group, "void_ratio_uncertainty", unsure));
   TRY(write_number(file, group, "pore_peak", 0.0));
   TRY(write_number(file, group, "grain_peak", LABEL_GREY));
   if (pipeline->micro.threshold_error > 0.0) {

@@ -152,6 +152,9 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
                       json_pack("{s:o,s:o,s:o,s:f,s:f}", "pore", pore, "grain", grain, "soil", soil,
                                 "smoothing_voxels", LABEL_SMOOTHING, "k_change_by_smoothing",
                                 labels_effect_on_k(labels)));
+  const double unsure = labels_void_ratio_error(labels);
+  json_put_number(json_object_get(root, "segmented"), "void_ratio_uncertainty",
+                  unsure > 0.0 ? unsure : NAN);
   for (size_t i = 0; i < sizeof OF_GREYS / sizeof *OF_GREYS; i++)
     json_object_set_new(root, OF_GREYS[i], json_null());
   if (pipeline->request->micro.given)
@@ -390,6 +393,10 @@ static void print_labels(const struct labels *labels) {
       "%%, by "
       "Kozeny and Carman, beside walls halfway between voxels\n",
       LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
+  const double unsure = labels_void_ratio_error(labels);
+  if (unsure > 0.0)
+    printf("                  a body of this void ratio +- %.2g has as many voxels (95 %%)\n",
+           unsure);
 }
 
 /* Four digits behind the point of a grey level, four in all of greys that are small. */

@@ -33,6 +33,8 @@ enum status segment_take(struct pipeline *pipeline) {
   } else if (request->labels.given || (plain && pipeline->distances))
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));
+  /* Beside a measured void ratio it is known how far the labels are off. */
+  if (isfinite(request->void_ratio)) pipeline->labels.volume_error = 0.0;
   if (pipeline->labels.on && !pipeline->distances)
     TRY_FAIL(STATUS_INPUT,
              "%s: is segmented: there is no threshold to sweep; build takes it as it is",

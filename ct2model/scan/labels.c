@@ -8,6 +8,7 @@
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scan/enclosed.h"
+#include "ct2model/scan/label_volume.h"
 #include "ct2model/scan/label_walls.h"
 
 enum status labels_parse(const char *text, struct label_rules *rules) {
@@ -64,6 +65,10 @@ void labels_end(struct labels *labels) {
 double labels_effect_on_k(const struct labels *labels) {
   const double n = labels->model_porosity, sharp = labels->sharp_porosity;
   return pow(n / sharp, 3) * pow((1.0 - sharp) / (1.0 - n), 2) - 1.0;
+}
+
+double labels_void_ratio_error(const struct labels *labels) {
+  return 2.0 * labels->volume_error / pow(1.0 - labels->voids, 2.0);
 }
 
 static size_t find(const struct labels *labels, double value) {
@@ -276,6 +281,7 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   if (!fits) goto cleanup;
   sort(labels);
   TRY(labels_smooth(region, grain, reflect, labels));
+  TRY(label_volume_error(grain, region->size, reflect, &labels->volume_error));
 cleanup:
   if (!labels->on || status != STATUS_OK) region->scale = dark ? -1.0 : 1.0;
   memory_free(&grain);

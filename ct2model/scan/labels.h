@@ -42,6 +42,7 @@ struct labels {
   double porosity;       /* share of voxels that are not grain */
   double model_porosity; /* the same of the mirrored model, where the last layers count once */
   double sharp_porosity; /* that the surface halfway between unsmoothed labels would give */
+  double volume_error;   /* standard error of the grains' share (label_volume.h); 0: not asked */
   double threshold;      /* the grey at which the smoothed surface encloses the pores' volume */
   uint8_t *smooth;       /* [z][y][x] of the region */
 };
@@ -62,5 +63,8 @@ enum status labels_smooth(struct region *region, const uint8_t *grain, const boo
 /* Change of k by the smoothing, relative: that of the pores' volume within the walls, by Kozeny and
  * Carman, k ~ n^3 / (1 - n)^2. */
 double labels_effect_on_k(const struct labels *labels);
+
+/* 95 % half width of the void ratio by the labels' own voxels. */
+double labels_void_ratio_error(const struct labels *labels);
 
 #endif

@@ -52,7 +52,9 @@ static struct scan_quality read_scan(struct h5_file *file) {
   /* Labels have no blur to be measured; what smooths their steps blurs them. */
   const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
   if (smoothing > 0.0) {
+    const double counted = h5_attribute_or_nan(file, "/calibration", "void_ratio_uncertainty");
     return (struct scan_quality){.known = true,
+                                 .counted = fmax(0.0, counted),
                                  .resolution = RESOLUTION_DEVIATIONS * smoothing,
                                  .between = drawn_between(file),
                                  .labels = true};

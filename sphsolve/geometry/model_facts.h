@@ -17,7 +17,8 @@ struct scan_quality {
   double smooth_walls;     /* 0: they have relief, to 1: none */
   double between; /* m^2: variance by what is drawn between slices far apart, of one axis */
   double shape;   /* relative error of k where pores are too narrow to show their shape */
-  bool labels;    /* segmented before: `resolution` and `between` alone are known */
+  bool labels;    /* segmented before: `resolution`, `between` and `counted` alone are known */
+  double counted; /* 95 % half width of the void ratio by labels, where none was measured */
   bool assumed;   /* the scan told none of them: a blur of 1.2 voxels */
   bool removed;   /* the model's surface is that of the scan without its blur */
   bool averaged;  /* which was taken out of means of several voxels */

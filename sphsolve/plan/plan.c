@@ -115,8 +115,10 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
     pore_shape_find(scene, lattice, &plan->shape);
     const struct scan_quality *scan = &lattice->model.scan;
     const double width = plan->shape.width * context->spacing;
-    if (isfinite(width) && scan->known)
-      plan->expected_scan = scan_error(scan, scan_change_expected(scan, width), width);
+    const double n = (double)lattice->fluid_count / lattice->bulk_count;
+    if (isfinite(width) && scan->known) /* d ln k / d e by Kozeny and Carman */
+      plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
+                                  scan->counted * (1.0 - n) * (3.0 / n - 1.0));
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {

@@ -1,0 +1,16 @@
+/* How well the voxels of a segmented image tell the volume of the body that they are of. */
+#ifndef TOSUI_CT2MODEL_SCAN_LABEL_VOLUME_H
+#define TOSUI_CT2MODEL_SCAN_LABEL_VOLUME_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/error.h"
+
+/* Standard error of the grains' share of grain[z][y][x] (1 grain, 0 all else). `reflect`: axes that
+ * end; the others are periodic. */
+enum status label_volume_error(const uint8_t *grain, const size_t size[3], const bool reflect[3],
+                               double *error);
+
+#endif
