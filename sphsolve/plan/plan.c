@@ -137,8 +137,9 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   }
   TRY(method->cost(plan, threads));
   plan->bytes_total =
-      PROGRAM_BYTES + fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
-                           MODEL_BYTES * (double)lattice->model.count);
+      PROGRAM_BYTES +
+      (1.0 + HELD_BESIDE) * fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
+                                 MODEL_BYTES * (double)lattice->model.count);
   plan->seconds += PROGRAM_SECONDS;
   if (plan->steps > STEPS_MOST)
     TRY(scene_error(

@@ -81,6 +81,20 @@ assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method'
 }
 
+@test "what the machine counts, libraries and files with it, is what explain said at most" {
+  [[ -z "$SANITIZE" ]] || skip "a sanitizer's shadows are not ours"
+  "$SPH" explain scene.cfg --json --set scene.method=stokes > plan.json
+  /usr/bin/python3 - "$SPH" <<'END'
+import json, os, subprocess, sys
+child = subprocess.Popen([sys.argv[1], "run", "scene.cfg", "--set", "scene.method=stokes", "--threads", "1", "--quiet", "-o", "counted"])
+_, code, usage = os.wait4(child.pid, 0)
+child.returncode = code
+said, peak = json.load(open("plan.json"))["memory_bytes"], 1024 * usage.ru_maxrss
+print(f"{peak / 1e6:.1f} of {said / 1e6:.1f} MB")
+assert code == 0 and 0.9 * said < peak <= said
+END
+}
+
 # (A calm flow: where nearly all particles run as fast as the fastest, lists grow beyond what is counted.)
 @test "a state to go back to takes no memory: near its limit a step keeps one on disk" {
   local calm='force.body_acceleration=["0","0","-5 m/s^2"]' moving='effects.shifting="on"'
