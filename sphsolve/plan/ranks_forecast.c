@@ -33,9 +33,11 @@ void ranks_forecast(const struct plan *plan, int ranks, int threads, struct rank
   }
   for (int t = 0; t < RANKS_TERMS; t++) f->total += f->seconds[t];
   f->efficiency = plan->seconds / (ranks * f->total);
-  const double whole = fmin(c.whole + PROGRAM_BYTES, plan->bytes_total);
-  f->memory_bytes = fmax(whole + (plan->bytes_total - whole) / r + c.held, c.start + PROGRAM_BYTES);
+  const double all = (plan->bytes_total - PROGRAM_BYTES) / (1.0 + HELD_BESIDE);
+  const double whole = fmin(c.whole, all);
+  f->memory_bytes = fmax(whole + (all - whole) / r + c.held, c.start);
   /* Shared out among the ranks of a machine, not of all. */
   if (c.shares_sites && r > 1)
     f->memory_bytes += SITE_BYTES * sites * (1 / fmin(r, ceil(MACHINE_CORES / threads)) - 1 / r);
+  f->memory_bytes = PROGRAM_BYTES + (1.0 + HELD_BESIDE) * f->memory_bytes;
 }
