@@ -109,7 +109,7 @@ void seepage_plot(const struct seepage *s, struct product *product) {
   plot_text(stream, title);
   fprintf(stream,
           " noenhanced\nset size ratio -1\nset xrange [0:%.6g]\nset yrange [0:%.6g]\n"
-          "set xlabel 'x (m)'\nset ylabel 'z (m)'\nset key outside below horizontal\n"
+          "set xlabel 'x (m)'\nset ylabel 'z (m)'\nset key outside below horizontal samplen 2 width -2\n"
           "set style fill solid noborder\n"
           "plot $water with boxxyerror linecolor rgb '#d6eaf8' title 'water', "
           "$soil with boxxyerror linecolor rgb '#efe3c8' title 'soil', "

@@ -3,37 +3,44 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "common/log.h"
 
 #define COLUMNS 56
+#define BESIDE 30 /* what stands before and behind the bar */
 
 /* The column of a value on a scale from 0 to `most`; what lies beyond an end is at it. */
-static int column(double value, double most) {
-  return (int)fmin(fmax(floor(COLUMNS * value / most), 0.0), COLUMNS - 1);
+static int column(double value, double most, int columns) {
+  return (int)fmin(fmax(floor(columns * value / most), 0.0), columns - 1);
 }
 
-void level_bar_draw(const struct uncertainty *u, double to_speed, char *text, size_t size) {
+void level_bar_draw(const struct uncertainty *u, double to_speed, int columns, char *text,
+                    size_t size) {
   const struct error_level *first = &u->levels[0], *last = &u->levels[u->level_count - 1];
   const double most = 1.05 * first->permeability;
   const double low = isfinite(last->low) ? last->low : 0.0;
   const double high = isfinite(last->high) ? last->high : 0.0;
-  const int from = column(last->estimate * (1.0 - low), most);
-  const int to = column(last->estimate * (1.0 + high), most);
+  const int from = column(last->estimate * (1.0 - low), most, columns);
+  const int to = column(last->estimate * (1.0 + high), most, columns);
   double seconds = 0.0;
   char bar[COLUMNS + 1];
   for (int i = 0; i < u->level_count; i++) seconds += u->levels[i].seconds;
-  memset(bar, ' ', COLUMNS);
-  bar[COLUMNS] = '\0';
+  memset(bar, ' ', (size_t)columns);
+  bar[columns] = '\0';
   for (int i = from; i <= to; i++) bar[i] = '-';
-  bar[column(last->estimate, most)] = 'o';
+  bar[column(last->estimate, most, columns)] = 'o';
   snprintf(text, size, "%8.2f s |%s| %.4g cm/s", seconds, bar, 100.0 * to_speed * last->estimate);
 }
 
 void level_bar_show(const struct uncertainty *u, double to_speed) {
   char text[COLUMNS + 64];
   if (u->level_count < 2 || !isatty(STDERR_FILENO)) return;
-  level_bar_draw(u, to_speed, text, sizeof text);
+  struct winsize terminal = {0};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) != 0 || terminal.ws_col == 0)
+    terminal.ws_col = COLUMNS + BESIDE;
+  const int room = (int)terminal.ws_col - BESIDE;
+  level_bar_draw(u, to_speed, room < 8 ? 8 : room < COLUMNS ? room : COLUMNS, text, sizeof text);
   log_info("%s", text);
 }

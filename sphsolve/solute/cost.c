@@ -37,15 +37,19 @@
 #define ACROSS_PECLET 0.04
 
 /* Of one Peclet number on the flow's cells and on those twice as large. */
-static double walk_seconds(const struct solute_flow *flow, double cell_peclet, double peclet,
-                           double wanted) {
+struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
+                                  double wanted) {
   double widest = 0;
   for (int a = 0; a < 3; a++)
     if ((flow->dimensions == 3 || a != 1) &&
         !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
       widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
-  struct walk_pace pace =
-      walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
+  return walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
+}
+
+static double walk_seconds(const struct solute_flow *flow, double cell_peclet, double peclet,
+                           double wanted) {
+  const struct walk_pace pace = solute_walk_pace(flow, cell_peclet, peclet, wanted);
   const double way = cell_peclet > 0 ? pace.dt : 0;
   return 1.25 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP * (1 + SECONDS_WAY * way);
 }

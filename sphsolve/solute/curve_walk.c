@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "common/log.h"
+#include "sphsolve/solute/cost.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 
@@ -10,9 +11,11 @@
 #define MOST_STEPS 65536.0
 #define FIRST_LOOK 64u /* intervals before the first verdict */
 
+/* `expected`: steps. */
 static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
-                             double peclet, struct progress *progress, double done, double weight,
-                             struct solute_state *state, struct walk_record *record) {
+                             double peclet, double expected, struct progress *progress, double done,
+                             double weight, struct solute_state *state,
+                             struct walk_record *record) {
   enum status status = STATUS_OK;
   struct walk walk = {0};
   struct walk_verdict verdict;
@@ -26,7 +29,8 @@ static enum status walk_once(const struct walk_cells *cells, const struct walk_s
   for (;;) {
     if (solute_state_due(state)) TRY(solute_state_save(state, NULL, &walk));
     TRY(walk_advance(&walk));
-    progress_update(progress, done + weight * (double)walk.steps / settings->most_steps, note);
+    const double steps = (double)walk.steps;
+    progress_update(progress, done + weight * steps / fmax(expected, 1.1 * steps), note);
     if (walk.moments.intervals < next) continue;
     if (walk_done(&walk, &verdict)) break;
     if (verdict.lag >= 0)
@@ -101,7 +105,10 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
       settings.direction[a] = flow->mean_velocity[a] / flow->speed;
     if (!(flow->speed > 0)) settings.peclet = 0;
     struct walk_record *record = &state->record[lattice][i];
-    TRY(walk_once(&cells, &settings, r->peclet[i], progress, *done, weight, state, record));
+    const double expected =
+        solute_walk_pace(flow, settings.peclet, r->peclet[i], r->wanted).steps;
+    TRY(walk_once(&cells, &settings, r->peclet[i], expected, progress, *done, weight, state,
+                  record));
     struct solute_walked *w = &state->walked[lattice][i];
     take(record, w);
     ++*count;
