@@ -165,46 +165,52 @@ static void find_ranges(struct seepage *s) {
   s->flow = fmax(0, most - least);
 }
 
-/* Row (axis 1) or column (0) n of cells: what flows through those of soil by their velocities less
- * what does by psi at their corners; 0 where free water is among them. `surface`: the flux of half
- * a cell where the water ends in soil, as the surface may lie there or here. */
-static double missed(const struct seepage *s, int axis, size_t n, double *surface) {
+/* What psi misses of the flow through sections of soil. */
+struct missed {
+  double squares, count;
+  double surface; /* the most that flows through half a cell where the water ends in soil */
+};
+
+/* Row (axis 1) or column (0) n of cells, from wall to wall: what flows through those of soil by
+ * their velocities less what does by psi at their corners. What goes down before a wall and up
+ * behind it would cancel in the whole row, and both are one section. None where free water is among them; and the flux of
+ * half a cell at the water's surface, as that may lie there or here. */
+static void add_missed(const struct seepage *s, int axis, size_t n, struct missed *missed) {
   const struct head_field *f = &s->field;
   const size_t along = axis == 0 ? f->nz : f->nx, corners = f->nx + 1;
   const double length = axis == 0 ? f->dz : f->dx;
-  double sum = 0;
-  *surface = 0;
-  for (size_t m = 0; m < along; m++) {
+  double sum = 0, squares = 0, stretches = 0;
+  bool water = false;
+  for (size_t m = 0; m <= along; m++) {
     const size_t i = axis == 0 ? n : m, k = axis == 0 ? m : n, c = k * f->nx + i;
-    if (f->wall[c] != REGION_NONE || isnan(f->head[c])) continue;
-    if (f->soil[c] == REGION_NONE) return 0;
+    if (m == along || f->wall[c] != REGION_NONE) {
+      if (!water && sum != 0) squares += sum * sum, stretches++;
+      sum = 0, water = false;
+      continue;
+    }
+    if (isnan(f->head[c])) continue;
+    water = water || f->soil[c] == REGION_NONE;
     const double *p = s->psi + k * corners + i;
     const double step = axis == 0 ? 0.5 * (p[corners] + p[corners + 1] - p[0] - p[1])
                                   : 0.5 * (p[0] + p[corners] - p[1] - p[corners + 1]);
-    if (isnan(step)) continue;
+    if (water || isnan(step)) continue;
     sum += length * f->velocity[axis][c] - step;
     if (axis == 0 && k + 1 < f->nz && isnan(f->head[c + f->nx]) &&
         f->wall[c + f->nx] == REGION_NONE)
-      *surface = 0.5 * fabs(length * f->velocity[axis][c]);
+      missed->surface = fmax(missed->surface, 0.5 * fabs(length * f->velocity[axis][c]));
   }
-  return sum;
+  if (stretches > 0) missed->squares += squares / stretches, missed->count++;
 }
 
 static double net_error(const struct seepage *s) {
   const struct head_field *f = &s->field;
-  double squares = 0, most = 0, surface;
-  size_t count = 0;
+  struct missed missed = {0};
   for (int axis = 0; axis < 2; axis++)
-    for (size_t n = 0; n < (axis == 0 ? f->nx : f->nz); n++) {
-      const double misses = missed(s, axis, n, &surface);
-      if (misses == 0) continue;
-      squares += misses * misses, count++;
-      most = fmax(most, surface);
-    }
-  return count > 0
-             ? hypot(2 * sqrt(squares / (double)count / fmax(1, (double)count / SECTIONS_ALIKE)),
-                     most)
-             : NAN;
+    for (size_t n = 0; n < (axis == 0 ? f->nx : f->nz); n++) add_missed(s, axis, n, &missed);
+  return missed.count > 0 ? hypot(2 * sqrt(missed.squares / missed.count /
+                                           fmax(1, missed.count / SECTIONS_ALIKE)),
+                                  missed.surface)
+                          : NAN;
 }
 
 /* Where soil fills, streamlines end at its front; where the flow is steady the water's surface is

@@ -121,7 +121,7 @@ static enum status read_head(const char *path, unsigned char *head, size_t size,
 
 enum status image_open(const char *path, const struct raw_layout *raw, struct image *image) {
   enum status status = STATUS_OK;
-  unsigned char head[512];
+  unsigned char head[520]; /* an HDF5 file's signature may stand behind 512 */
   size_t got = 0;
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);

@@ -36,9 +36,12 @@ const char *image_hdf5_dataset(const char *path) {
   return NULL;
 }
 
+/* MATLAB (-v7.3) puts a text of 512 bytes before it. */
 static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
+  static const char SIGNATURE[] = "\x89HDF\r\n\x1a\n";
   (void)path;
-  return n >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
+  return (n >= 8 && memcmp(head, SIGNATURE, 8) == 0) ||
+         (n >= 520 && memcmp(head + 512, SIGNATURE, 8) == 0);
 }
 
 /* What is in a group, for the message. */
@@ -107,7 +110,9 @@ static enum status hdf5_open(const char *path, struct image *image) {
   name = dataset->name;
   if (!h5_exists(dataset->file, name)) {
     list_group(dataset->file, "/", list);
-    TRY_FAIL(STATUS_INPUT, "%s: has no dataset %s; it has%s", of_file, name, list);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: has no dataset %s; it has%s (a link into another file, or to nothing, is none)",
+             of_file, name, list[0] != '\0' ? list : " none");
   }
   list_group(dataset->file, name, list);
   if (list[0] != '\0')

@@ -147,8 +147,9 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
     return STATUS_OK;
   }
   if (!pixel_type_of(layout->bits, format, type))
-    return FAIL(STATUS_INPUT, "%s: %u bits a sample are not read; save as 8, 16 or 32 bit", path,
-                layout->bits);
+    return FAIL(STATUS_INPUT, "%s: %s of %u bits a sample are not read; save as 8, 16 or 32 bit%s",
+                path, format == 'f' ? "floats" : "pixels", layout->bits,
+                format == 'f' ? ", floats as 32" : "");
   return STATUS_OK;
 }
 

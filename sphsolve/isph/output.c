@@ -49,6 +49,21 @@ double isph_reynolds(const struct isph *s, const double velocity[3]) {
                          s->kinematic_viscosity);
 }
 
+/* Whether a wall stands where a particle would cross a plane: the water beside a thin wall comes
+ * within the kernel's reach of a plane in it, and cannot pass. */
+static bool is_walled_off(const struct isph *s, size_t i, int axis, double position) {
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *box = &s->wall_boxes[b];
+    bool inside = true;
+    for (int a = 0; a < 3; a++) {
+      const double at = a == axis ? position : s->position[i][a];
+      inside = inside && (!isph_uses_axis(s, a) || (at > box->low[a] && at < box->high[a]));
+    }
+    if (inside) return true;
+  }
+  return false;
+}
+
 /* The part of the kernel that reaches beyond a side of the domain is made up for. */
 double isph_plane_flux(const struct isph *s, int axis, double position) {
   double flux;
@@ -63,6 +78,7 @@ double isph_plane_flux(const struct isph *s, int axis, double position) {
       else
         within = kernel_integral((s->high[axis] - position) / h) -
                  kernel_integral((s->low[axis] - position) / h);
+      if (fabs(r) < s->support[i] && is_walled_off(s, i, axis, position)) continue;
       sum += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
              fmax(within, 0.5);
     }

@@ -77,6 +77,21 @@ static bool beside_water(const struct effect_context *context) {
   return soil > 0 && soil < 0.999 * site * (double)context->lattice->fluid_count;
 }
 
+/* Particles of its own along the way through soil that water passes along an axis. Soil from side
+ * to side of the domain has no ends there: water comes in and goes out through its other faces. */
+static double way_through(const struct effect_context *context, const struct region *region,
+                          int axis) {
+  const double *size = context->scene->domain_size;
+  const int dimensions = context->lattice->dimensions;
+  double way = region->extent[axis + 3] - region->extent[axis];
+  if (way > 0.999 * size[axis])
+    for (int a = 0; a < 3; a++) {
+      const double length = region->extent[a + 3] - region->extent[a];
+      if ((dimensions == 3 || a != 1) && length < 0.999 * size[a]) way = fmin(way, length);
+    }
+  return way / (context->spacing * pow(region->porosity, -1.0 / dimensions));
+}
+
 /* The error that a user has in mind who gives none. */
 #define USUAL_ERROR 0.03
 
@@ -114,9 +129,7 @@ static void expect_isph(struct plan *plan) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
-    const double particle =
-        plan->context.spacing * pow(region->porosity, -1.0 / plan->context.lattice->dimensions);
-    thinnest = fmin(thinnest, (region->extent[axis + 3] - region->extent[axis]) / particle);
+    thinnest = fmin(thinnest, way_through(&plan->context, region, axis));
   }
   const double layer = thinnest_layer(&plan->context);
   const bool between = heads == 2 && isfinite(thinnest);

@@ -200,10 +200,15 @@ with h5py.File("v.h5", "w") as file:
     file["group/v"] = v
     file.create_dataset("packed", data=v, chunks=(7, 9, 11), compression="gzip")
     file["double"] = v.astype("f8")
+    file["toward"] = h5py.ExternalLink("elsewhere.h5", "/v")
+with h5py.File("v.mat", "w", userblock_size=512) as file:
+    file["v"] = v
+with open("v.mat", "r+b") as file:
+    file.write(b"MATLAB 7.3 MAT-file")
 END
   threshold() { ct2model build "$@" --void-ratio 0.8 --voxel-size 5um --json -o n.hdf --quiet | grep '"threshold_original"'; }
   raw=$(threshold v.raw --raw 28x24x20:u16le)
-  for image in v.npy big.npy v.h5:/group/v v.h5:group/v v.h5:/packed "v.h5:/packed --threads 4"; do
+  for image in v.npy big.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
     [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
   done
   for image in float.npy v.h5:/double; do
@@ -211,7 +216,7 @@ END
   done
   ct2model build truth.npy --segmented 1 --voxel-size 5um -o truth.hdf --quiet
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/group /group/v" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
