@@ -99,13 +99,15 @@ static void write_budget(const json_t *result, FILE *out) {
             "counted: each 0.01 of it is %.2g&nbsp;%% of <var>k</var>.</p>\n",
             slope);
   const double closed = json_number_or_nan(budget, "dlnk_sides_closed");
+  char change[32] = "less than 0.01";
+  if (fabs(closed) > 1e-4) snprintf(change, sizeof change, "%+.2g", 100.0 * expm1(closed));
   if (isfinite(closed))
     fprintf(
         out,
         "<p class=\"note\">Sides: the sample wraps round in x and y; mirrored there, k changes by "
         "the share above. In a tube with the sample&rsquo;s sides, whose walls rub as no soil "
-        "does, k would change by %+.2g %%.</p>\n",
-        100.0 * expm1(closed));
+        "does, k would change by %s %%.</p>\n",
+        change);
 }
 
 static void write_orientation(const json_t *result, FILE *out) {
