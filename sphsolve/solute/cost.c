@@ -29,24 +29,11 @@
 #define ERROR_PECLET 5.0
 
 /* Processor seconds of a step of a walker in sand, half of whose cells are near a wall, and what a
- * way of one cell with the water adds to it; and D_T / D, for the time in which walkers spread
- * across the box: measured on the sample sand. */
+ * way of one cell with the water adds to it: measured on the sample sand. */
 #define SECONDS_STEP 1e-7
 #define SECONDS_WAY 1.3
-#define ACROSS_STILL 0.6
-#define ACROSS_PECLET 0.04
 
 /* Of one Peclet number on the flow's cells and on those twice as large. */
-struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
-                                  double wanted) {
-  double widest = 0;
-  for (int a = 0; a < 3; a++)
-    if ((flow->dimensions == 3 || a != 1) &&
-        !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
-      widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
-  return walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
-}
-
 static double walk_seconds(const struct solute_flow *flow, double cell_peclet, double peclet,
                            double wanted) {
   const struct walk_pace pace = solute_walk_pace(flow, cell_peclet, peclet, wanted);

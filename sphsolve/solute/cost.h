@@ -6,15 +6,9 @@
 
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
-#include "sphsolve/solute/flow.h"
-#include "sphsolve/solute/walk.h"
 
 /* Reads the flow's walls and prints time, memory and error. */
 enum status solute_explain(const struct scene *scene, int threads, bool json);
-
-/* Of a walk to come through a flow, with cells of a Peclet number of their own. */
-struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
-                                  double wanted);
 
 /* Puts the line of flow.file before an input error of the flow; returns the status. */
 enum status solute_say_where(const struct scene *scene, enum status status);

@@ -5,6 +5,7 @@
 #include "sphsolve/solute/flow.h"
 #include "sphsolve/solute/result.h"
 #include "sphsolve/solute/state.h"
+#include "sphsolve/solute/walk.h"
 
 /* Cells along each axis (that has more than one) from which the flow is taken on cells twice as
  * large too. */
@@ -26,6 +27,10 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
  * Walked on the flow's cells, and on half as many along each axis, towards the limit of both. */
 enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_state *state,
                                  struct solute_result *result);
+
+/* Of a walk to come through a flow, with cells of a Peclet number of their own. */
+struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
+                                  double wanted);
 
 /* The limit of two walks by the square of the spacing, on cells `ratio` times as long: moves `fine`
  * by what the two differ by, times change^2 / (change^2 + its variance), and adds that to its

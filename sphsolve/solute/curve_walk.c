@@ -3,13 +3,25 @@
 #include <stdio.h>
 
 #include "common/log.h"
-#include "sphsolve/solute/cost.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 
 #define SEED 20230723u
 #define MOST_STEPS 65536.0
+/* D_T / D, for the time in which walkers spread across the box: measured on the sample sand. */
+#define ACROSS_STILL 0.6
+#define ACROSS_PECLET 0.04
 #define FIRST_LOOK 64u /* intervals before the first verdict */
+
+struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
+                                  double wanted) {
+  double widest = 0;
+  for (int a = 0; a < 3; a++)
+    if ((flow->dimensions == 3 || a != 1) &&
+        !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
+      widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
+  return walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
+}
 
 /* `expected`: steps. */
 static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
