@@ -165,3 +165,4 @@ P
   held fibres "$(awk 'BEGIN { print 24^2 / 51.527 }')" 0.1
   /usr/bin/python3 -c 'import json; e = json.load(open("fibres.json"))["error"]; print(e); assert 0.03 < e["threshold"] < 0.5'
 }
+  /usr/bin/python3 -c "import json; s = json.load(open('sand-model.json'))['scanner']; assert s['fine_relief'] == 0, s"
