@@ -17,6 +17,7 @@
 #include "ct2model/model_size.h"
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
+#include "ct2model/scanner/narrow_scanner.h"
 #include "ct2model/scanner/smooth_walls.h"
 #include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
@@ -79,6 +80,9 @@ static enum status survey_region(struct pipeline *pipeline) {
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
   if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is of a part */
   TRY(scanner_measure(&pipeline->region, survey, &pipeline->scanner));
+  if (pipeline->scanner.assumed || pipeline->scanner.narrow)
+    TRY(narrow_scanner_find(&pipeline->region, &pipeline->scanner));
+  if (!isfinite(survey->porosity)) pipeline->scanner.assumed = false;
 cleanup:
   return status;
 }

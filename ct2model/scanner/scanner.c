@@ -23,6 +23,7 @@ static const double PAIRS = 5000.0;
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
  * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
 static const double SOFT = 0.1;
+enum { SLICES = 8 }; /* fewer are no volume to tell pores from grains in */
 /* The response of all windows, its fit, and how far the windows' own fits scatter about it. */
 static bool fit_windows(const struct windows *all, double reach, struct scanner *scanner,
                         struct edge_fit *fit) {
@@ -172,8 +173,8 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   const bool other = survey_levels_by_mean(survey, &pore, &grain);
   const double contrast = grain - pore;
   if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
-  if (lesser.deep < NOWHERE * lesser.count)
-    scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
+  scanner->narrow = lesser.deep < NOWHERE * lesser.count;
+  if (scanner->narrow) scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
   if (!other || lesser.deep > DEEP * lesser.count) return true;
   scanner->pore = pore;
   scanner->grain = grain;
@@ -182,17 +183,19 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
 }
 
 /* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
- * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. Nothing where
- * hardly any grey is between the two: no blur has made that image. */
+ * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round; the peaks
+ * where the mean agrees with them. Nothing where hardly any grey is between the two: no blur has
+ * made that image. */
 static void assume_scanner(const struct windows *all, const struct survey *survey,
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
+  if (all->region->size[2] < SLICES) return;
   const struct phase_greys greater = greys_within(all, -sign, DEPTH_SEEN);
   const bool deep = greater.deep > ENOUGH && greater.deviation > 0.0;
   const double noise = deep ? greater.deviation : survey->phases.noise;
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
-  if (!survey_levels_by_mean(survey, &pore, &grain)) return;
+  (void)survey_levels_by_mean(survey, &pore, &grain);
   const double less = fmin(survey->porosity, 1.0 - survey->porosity);
   if (survey_between(survey, pore, grain) < SOFT * less) return;
   const struct edge_fit fit = {.deviation = edge_fit_deviation(MODEL_BLUR_ASSUMED)};

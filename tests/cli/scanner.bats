@@ -141,39 +141,59 @@ assert run["keep"]["error"]["scan"] > 1.5 * run["remove"]["error"]["scan"]
 P
 }
 
-@test "a scan that tells no blur: one of 1.2 voxels is assumed, said, and the bar holds an exact k" {
-  # A duct of 12 x 4 voxels, turned by .3, blurred over a voxel, with noise of 6 in 100: Boussinesq 1868.
+@test "no surface stands alone: the blur that explains the scan best is found; where none does 1.2 voxels are assumed, and said" {
+  # A duct of 12 x 4 voxels, turned by .3, blurred over a voxel, with noise of 6 in 100: Boussinesq 1868. And a tube of radius
+  # 2.5 voxels, blurred over 2, with noise of 20 in 100.
   python3 - "$WORK" << 'P'
 import math, random, sys
 random.seed(4)
-n, sub, w, h, turn = 24, 5, 12, 4, 0.3
-share = [[0.0] * n for _ in range(n)]
-for j in range(n * sub):
-    for i in range(n * sub):
-        y, x = (j + 0.5) / sub - n / 2 + 0.15, (i + 0.5) / sub - n / 2
-        u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
-        share[j // sub][i // sub] += (abs(u) < w / 2 and abs(v) < h / 2) / sub**2
-taps = [math.exp(-0.5 * t * t) for t in range(-4, 5)]
-def blurred(rows): return [[sum(a * row[(i + t) % n] for t, a in zip(range(-4, 5), taps)) / sum(taps) for i in range(n)] for row in rows]
-grey = list(zip(*blurred(list(zip(*blurred(share))))))
-open(f"{sys.argv[1]}/duct.raw", "wb").write(bytes(min(max(round(160 - 100 * grey[j][i] + random.gauss(0, 6)), 0), 255)
-                                                  for _ in range(n) for j in range(n) for i in range(n)))
-pores = sum(map(sum, share)) / n**2
+def write(name, n, inside, blur, noise, k):
+    sub = 5
+    share = [[0.0] * n for _ in range(n)]
+    for j in range(n * sub):
+        for i in range(n * sub):
+            share[j // sub][i // sub] += inside((i + 0.5) / sub - n / 2, (j + 0.5) / sub - n / 2 + 0.15) / sub**2
+    taps = [math.exp(-0.5 * (t / blur) ** 2) for t in range(-6, 7)]
+    def blurred(rows): return [[sum(a * row[(i + t) % n] for t, a in zip(range(-6, 7), taps)) / sum(taps) for i in range(n)] for row in rows]
+    grey = list(zip(*blurred(list(zip(*blurred(share))))))
+    open(f"{sys.argv[1]}/{name}.raw", "wb").write(bytes(min(max(round(160 - 100 * grey[j][i] + random.gauss(0, noise)), 0), 255)
+                                                        for _ in range(24) for j in range(n) for i in range(n)))
+    pores = sum(map(sum, share)) / n**2
+    open(f"{sys.argv[1]}/{name}.txt", "w").write(f"{pores / (1 - pores)} {k / n**2 * 5e-6**2}")
+w, h, turn = 12, 4, 0.3
 series = sum(192 * h / (math.pi**5 * w) * math.tanh(i * math.pi * w / (2 * h)) / i**5 for i in range(1, 60, 2))
-open(f"{sys.argv[1]}/duct.txt", "w").write(f"{pores / (1 - pores)} {w * h**3 / 12 * (1 - series) / n**2 * 5e-6**2}")
+write("duct", 24, lambda x, y: abs(x * math.cos(turn) + y * math.sin(turn)) < w / 2 and abs(y * math.cos(turn) - x * math.sin(turn)) < h / 2,
+      1, 6, w * h**3 / 12 * (1 - series))
+write("tube", 14, lambda x, y: math.hypot(x, y) < 2.5, 2, 20, math.pi * 2.5**4 / 8)
 P
-  "$CT" build "$WORK/duct.raw" --raw 24x24x24:u8 --voxel-size 5um --mirror none --void-ratio "$(cut -d' ' -f1 "$WORK/duct.txt")" \
-    --json -o "$WORK/duct.hdf" --quiet > "$WORK/duct.json"
-  sed "s#dense.hdf#$WORK/duct.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/duct.cfg"
-  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --error 5% --json --quiet > "$WORK/duct-run.json"
-  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --error 5% 2> /dev/null | grep -q "told no blur.* 6 um is assumed"
+  e=$(cut -d' ' -f1 "$WORK/duct.txt")
+  # Contrast is 16.7 times the noise. Without a void ratio Otsu's encloses a fifth more than is true, and the bar is wide.
+  for way in "--void-ratio $e" "--threshold otsu"; do
+    "$CT" build "$WORK/duct.raw" --raw 24x24x24:u8 --voxel-size 5um --mirror none $way --json -o "$WORK/duct.hdf" --quiet --force > "$WORK/duct.json"
+    sed "s#dense.hdf#$WORK/duct.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/duct.cfg"
+    "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --error 5% --json --quiet --force > "$WORK/duct-run.json"
+    python3 - "$WORK" << 'P'
+import json, sys
+built, run = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("duct", "duct-run"))
+exact = float(open(f"{sys.argv[1]}/duct.txt").read().split()[1])
+found = run["intrinsic_permeability"]
+print(built["scanner"], found / exact, run["error"])
+assert abs(built["scanner"]["blur_m"] / 5e-6 - 1) < 0.1 and abs(built["scanner"]["contrast_to_noise"] / 16.7 - 1) < 0.1
+assert run["error"]["blur_assumed"] is None
+assert run["k_low"] / run["k"] * found < exact < run["k_high"] / run["k"] * found
+P
+  done
+  "$CT" build "$WORK/tube.raw" --raw 14x14x24:u8 --voxel-size 5um --mirror none --void-ratio "$(cut -d' ' -f1 "$WORK/tube.txt")" \
+    --json -o "$WORK/duct.hdf" --quiet --force > "$WORK/duct.json"
+  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --force --error 5% --json --quiet > "$WORK/duct-run.json"
+  "$BUILD/bin/sphsolve" run "$WORK/duct.cfg" -o "$WORK/duct-run" --force --error 5% 2> /dev/null | grep -q "told no blur.* 6 um is assumed"
   "$BUILD/bin/analyze" darcy "$WORK/duct-run.hdf" | grep -q "scan (blur assumed)"
   "$BUILD/bin/analyze" report "$WORK/duct-run.hdf" -o "$WORK/duct.html" --quiet
   grep -q "blur could not be measured.* a blur of 6&nbsp;&micro;m" "$WORK/duct.html"
   python3 - "$WORK" << 'P'
 import json, sys
 built, run = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("duct", "duct-run"))
-exact = float(open(f"{sys.argv[1]}/duct.txt").read().split()[1])
+exact = float(open(f"{sys.argv[1]}/tube.txt").read().split()[1])
 found = run["intrinsic_permeability"]
 print(built["scanner"], found / exact, run["error"])
 assert built["scanner"] is None or built["scanner"]["blur_m"] is None
