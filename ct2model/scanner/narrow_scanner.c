@@ -20,6 +20,8 @@ enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
 static const double LEAST = 0.4, STEP = 1.26; /* voxels; up to 3.2 */
 static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
 static const double FAR = 4.0;                /* voxels: shares further from walls are 0 and 1 */
+/* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
+static const double CONTRAST_MOST = 50.0;
 /* Of bodies of known blur two thirds are found within a tenth, the rest within .1 to .45
  * (docs/notes/2026-11-26-scans.md); 1 sigma. */
 static const double UNCERTAIN = 0.25;
@@ -154,7 +156,7 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     deblur_end(&deblur);
     windows_end(&scan);
   }
-  if (!found) goto cleanup;
+  if (!found || its.contrast_to_noise > CONTRAST_MOST) goto cleanup;
   its.known = true;
   its.assumed = false;
   its.blur_error = UNCERTAIN * its.blur;

@@ -17,7 +17,7 @@ static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
 static const double SMOOTHER = 8.0;
 /* Where relief is much finer than in sand of one size it would take grains away: so many times at
  * the least (docs/notes/2026-11-26-scans.md). */
-static const double FINER = 0.125;
+static const double FINER = 0.25;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 

@@ -183,9 +183,9 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
 }
 
 /* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
- * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round; the peaks
- * where the mean agrees with them. Nothing where hardly any grey is between the two: no blur has
- * made that image. */
+ * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. Where the
+ * mean says no other greys than the peaks they are to begin with only. Nothing where hardly any
+ * grey is between the two: no blur has made that image. */
 static void assume_scanner(const struct windows *all, const struct survey *survey,
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
@@ -195,11 +195,12 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
   const double noise = deep ? greater.deviation : survey->phases.noise;
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
-  (void)survey_levels_by_mean(survey, &pore, &grain);
+  const bool by_mean = survey_levels_by_mean(survey, &pore, &grain);
   const double less = fmin(survey->porosity, 1.0 - survey->porosity);
   if (survey_between(survey, pore, grain) < SOFT * less) return;
   const struct edge_fit fit = {.deviation = edge_fit_deviation(MODEL_BLUR_ASSUMED)};
-  *scanner = (struct scanner){.assumed = true,
+  *scanner = (struct scanner){.assumed = by_mean,
+                              .narrow = true,
                               .blur = MODEL_BLUR_ASSUMED * all->unit,
                               .pore = pore,
                               .grain = grain,

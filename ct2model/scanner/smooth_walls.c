@@ -20,11 +20,11 @@
  * the noise the ratio is 1.18 to 1.9, 1.24 and more in all but two; of 40 bodies with smooth walls
  * it is .76 to 1.18 (docs/notes/2026-11-25-smooth-walls.md). */
 static const double SMOOTH = 1.16, ROUGH = 1.22;
-/* Fine relief: a quarter of the usual cost against that. The ratio is over that of what is left
- * unexplained, as the noise may have been measured 10 to 20 % low: .8 to 1.1 in sands of which the
- * usual cost takes noise, 1.15 to 1.45 where it takes small grains
- * (docs/notes/2026-11-26-scans.md). */
-static const double LESS = 0.25, USUAL = 1.12, FINE = 1.5;
+/* Fine relief: a quarter of the usual cost against that. Noise may have been measured 10 to 20 %
+ * low, and what it does grows faster than it: so the noise made up is the one that leaves as much
+ * unexplained as the scan does. 1 to 1.15 in sands of which the usual cost takes noise, 1.17 to
+ * 1.45 where it takes small grains (docs/notes/2026-11-26-scans.md). */
+static const double LESS = 0.25, USUAL = 1.14, FINE = 1.39;
 static const double NONE = 2.0; /* from here on the scanner is another one than was found */
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
@@ -116,10 +116,13 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   TRY(deblur_start(n, &work, &deblur));
   TRY(compare_costs(&scan, scanner, (const double[]){1.0, work.surface}, &deblur, lower, &ratio));
   scanner->smooth_walls = ramp(-ratio.cube, -ROUGH, -SMOOTH);
-  if (scanner->smooth_walls > 0.0) goto cleanup;
+  /* Noise as long as the blur looks like relief. */
+  if (scanner->smooth_walls > 0.0 || scanner->noise_correlation > scanner->blur) goto cleanup;
   TRY(compare_costs(&scan, scanner, (const double[]){LESS, 1.0}, &deblur, lower, &ratio));
-  const double relief = ratio.cube / ratio.left;
-  scanner->fine_relief = relief < NONE ? ramp(relief, USUAL, FINE) : 0.0;
+  if (!(ratio.cube > USUAL)) goto cleanup;
+  its.contrast_to_noise /= sqrt(ratio.left);
+  TRY(compare_costs(&scan, &its, (const double[]){LESS, 1.0}, &deblur, lower, &ratio));
+  scanner->fine_relief = ratio.cube < NONE ? ramp(ratio.cube, USUAL, FINE) : 0.0;
 cleanup:
   memory_free(&lower);
   deblur_end(&deblur);
