@@ -80,8 +80,7 @@ static enum status survey_region(struct pipeline *pipeline) {
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
   if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is of a part */
   TRY(scanner_measure(&pipeline->region, survey, &pipeline->scanner));
-  if (pipeline->scanner.narrow)
-    TRY(narrow_scanner_find(&pipeline->region, &pipeline->scanner));
+  if (pipeline->scanner.narrow) TRY(narrow_scanner_find(&pipeline->region, &pipeline->scanner));
 cleanup:
   return status;
 }

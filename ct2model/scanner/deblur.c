@@ -30,10 +30,8 @@
  * rounds were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
  * noise, RELIEF chosen on some of them (docs/notes/2026-11-23-scanner.md). */
 static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
-/* Rounds before grains are told apart, and after: the error after n of them goes as 1 / n^2 (Beck
- * and Teboulle 2009, theorem 4.4), and where surface costs little more is to be found. */
-enum { ROUNDS_FIRST = 10, ROUNDS = 30, ROUNDS_MOST = 80 };
-static const double CHEAP = 0.004;
+/* Rounds before grains are told apart, and after. */
+enum { ROUNDS_FIRST = 10, ROUNDS = 30 };
 
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H */
@@ -140,10 +138,6 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
   }
 }
 
-static int rounds_for(double cost) {
-  return (int)fmin(fmax(ROUNDS * sqrt(CHEAP / cost), ROUNDS), ROUNDS_MOST);
-}
-
 /* Rounds from u on; grey has been filtered by H^T. */
 static void iterate(struct deblur *deblur, const struct filters *filters, int rounds) {
   const size_t nx = deblur->size[0], rows = deblur->size[1] * deblur->size[2];
@@ -193,7 +187,7 @@ enum status deblur_run(struct deblur *deblur) {
   memset(deblur->contacts, 0, n);
   iterate(deblur, &filters, ROUNDS_FIRST);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
-  iterate(deblur, &filters, rounds_for(filters.cost));
+  iterate(deblur, &filters, ROUNDS);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;
