@@ -147,7 +147,7 @@ write("duct", 24, lambda x, y: abs(x * math.cos(turn) + y * math.sin(turn)) < w 
 write("tube", 14, lambda x, y: math.hypot(x, y) < 2.5, 2, 20, math.pi * 2.5**4 / 8)
 P
   e=$(cut -d' ' -f1 "$WORK/duct.txt")
-  # Contrast is 16.7 times the noise. Without a void ratio Otsu's encloses a fifth more than is true, and the bar is wide.
+  # Contrast is 16.7 times the noise. Without a void ratio k is 50 % high, as Otsu encloses too much, and the bar is wide.
   for way in "--void-ratio $e" "--threshold otsu"; do
     "$CT" build "$WORK/duct.raw" --raw 24x24x24:u8 --voxel-size 5um --mirror none $way --json -o "$WORK/duct.hdf" --quiet --force > "$WORK/duct.json"
     sed "s#dense.hdf#$WORK/duct.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/duct.cfg"
