@@ -62,6 +62,22 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
   fprintf(stream, " [%zu]", n + 1);
 }
 
+/* Which layers have their image, and what closes the rest: mirrored sides are x and y. */
+static void write_sides(const struct page_model *model, FILE *stream) {
+  bool sides = strcmp(model->sides, "mirrored") == 0;
+  char axes[3];
+  size_t count = 0;
+  for (char axis = 'x'; axis <= 'z'; axis++)
+    if (model->mirror_axis[0] == axis || (sides && axis != 'z')) axes[count++] = axis;
+  for (size_t i = 0; i < count; i++)
+    fprintf(stream, "%s%c",
+            i == 0           ? "; it is mirrored along "
+            : i + 1 == count ? " and "
+                             : ", ",
+            axes[i]);
+  if (strcmp(model->sides, "closed") == 0) fputs("; its sides are walls", stream);
+}
+
 /* Where the geometry comes from: no more than the model file says. */
 static void write_geometry(const struct page_model *model, struct cited *cited, FILE *stream) {
   if (!model->named) return;
@@ -108,8 +124,7 @@ static void write_geometry(const struct page_model *model, struct cited *cited, 
     else
       fputs("; no measured void ratio was given", stream);
   }
-  if (strchr("xyz", model->mirror_axis[0]) != NULL && model->mirror_axis[0] != '\0')
-    fprintf(stream, ", and mirrored along %c", model->mirror_axis[0]);
+  write_sides(model, stream);
 }
 
 static void write_solver(const struct run *run, struct cited *cited, FILE *stream) {

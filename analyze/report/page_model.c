@@ -77,6 +77,7 @@ void page_model_read(const struct run *run, struct page_model *model) {
   model->grain_fraction = h5_exists(file, "/model/grain_fraction");
   model->soil = h5_exists(file, "/model/micro_porosity");
   read_text(file, "/model", "mirror_axis", model->mirror_axis, sizeof model->mirror_axis);
+  read_text(file, "/model", "sides", model->sides, sizeof model->sides);
   read_text(file, "/provenance", "program", program, sizeof program);
   read_text(file, "/provenance", "command_line", line, sizeof line);
   model->scanned = strcmp(program, "ct2model") == 0;

@@ -27,6 +27,7 @@ struct page_model {
   double voxel_scanned;              /* m */
   double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */
   char mirror_axis[8];               /* "x", "y", "z", "none", "": unknown */
+  char sides[16];                    /* "periodic", "closed", "mirrored", "": unknown */
   char path[8200];
 };
 

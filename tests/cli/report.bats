@@ -26,7 +26,8 @@ with h5py.File("plain.hdf", "w") as f:
 END
   /usr/bin/python3 -c 'import h5py, numpy; numpy.save("labels.npy", h5py.File("matched.hdf")["model/solid"][()] * 255)'
   ct2model build labels.npy --segmented 0 --voxel-size 70um --mirror none -q -o labels.hdf > /dev/null
-  for model in matched given given-measured otsu plain labels; do
+  for sides in mirrored closed; do ct2model build labels.npy --segmented 0 --voxel-size 70um --sides $sides -q -o $sides.hdf > /dev/null; done
+  for model in matched given given-measured otsu plain labels mirrored closed; do
     sphsolve run scene.cfg --set model.file=$model.hdf -o run-$model -q > /dev/null
     analyze report run-$model.hdf -o $model.html -q > /dev/null
   done
@@ -38,9 +39,11 @@ page = json.loads(re.search(r"id=\"data\">(.*?)</script>", open(sys.argv[1]).rea
 assert eval(sys.argv[2]), page["verdict"]' "$@"; }
 
 @test "every sentence about specimen and method is what the provenance says" {
-  for model in matched given given-measured otsu plain labels; do sentences $model.html run-$model.hdf; done
+  for model in matched given given-measured otsu plain labels mirrored closed; do sentences $model.html run-$model.hdf; done
   grep -q "was set so that the model has the void ratio measured" matched.html
   grep -q "that was segmented before" labels.html
+  grep -q "; it is mirrored along x, y and z\." mirrored.html
+  grep -q "; it is mirrored along z; its sides are walls\." closed.html
   for model in given given-measured otsu plain labels; do ! grep -qE "was set so that|gives the measured void ratio" $model.html; done
   # A model that has gone, other methods and walls, several runs.
   mkdir -p alone && cp run-matched.hdf run-matched-0000.hdf alone

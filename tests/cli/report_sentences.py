@@ -47,16 +47,18 @@ def near(a, b):
     return abs(float(a) - float(b)) <= 1e-3 * abs(float(b))
 
 
-mirrored = r"(?:, and mirrored along ([xyz]))?"
+mirrored = r"(?:; it is mirrored along ([xyz](?:(?:, [xyz])? and [xyz])?))?(; its sides are walls)?"
 unmatched = r"(?:; ([\d.]+) was measured on the specimen|; no measured void ratio was given)" + mirrored
 
 
-def is_mirror(axis):
-    return (axis or "none") == (model.get("mirror_axis", "none") if model else "none")
+def is_mirror(axes, walls):
+    sides = model.get("sides", "periodic")
+    true = {model["mirror_axis"]} - {"none"} | (set("xy") if sides == "mirrored" else set())
+    return set(re.findall(r"\b[xyz]\b", axes or "")) == true and bool(walls) == (sides == "closed")
 
 
-def is_unmatched(e, told, axis):
-    return near(e, model["void_ratio"]) and is_mirror(axis) and (near(told, measured) if told else not measured > 0)
+def is_unmatched(e, told, axes, walls):
+    return near(e, model["void_ratio"]) and is_mirror(axes, walls) and (near(told, measured) if told else not measured > 0)
 
 
 GEOMETRY = [
@@ -65,14 +67,14 @@ GEOMETRY = [
     (r", from a voxel model", lambda: model is not None and not scanned),
     (r", made by ct2model from an image whose grey threshold \(([\d.]+)\) was set so that the model has the void ratio measured on "
      r"the specimen, ([\d.]+)(?: \(it has ([\d.]+)\))?" + mirrored,
-     lambda t, e, has, axis: matched and near(t, model["threshold"]) and near(e, measured) and is_mirror(axis)
+     lambda t, e, has, axes, walls: matched and near(t, model["threshold"]) and near(e, measured) and is_mirror(axes, walls)
      and (near(has, model["void_ratio"]) if has else abs(model["void_ratio"] / measured - 1) <= 0.01)),
     (r", made by ct2model from an image at the grey threshold of Otsu.s method \[\d+\], ([\d.]+), which gives a void ratio of ([\d.]+)"
-     + unmatched, lambda t, e, told, axis: given[1] == "otsu" and near(t, model["threshold"]) and is_unmatched(e, told, axis)),
+     + unmatched, lambda t, e, told, axes, walls: given[1] == "otsu" and near(t, model["threshold"]) and is_unmatched(e, told, axes, walls)),
     (r", made by ct2model from an image at a given grey threshold of ([\d.]+), which gives a void ratio of ([\d.]+)" + unmatched,
-     lambda t, e, told, axis: near(t, given[1]) and is_unmatched(e, told, axis)),
+     lambda t, e, told, axes, walls: near(t, given[1]) and is_unmatched(e, told, axes, walls)),
     (r", made by ct2model from an image that was segmented before; the model has a void ratio of ([\d.]+)" + unmatched,
-     lambda e, told, axis: model["segmented"] and is_unmatched(e, told, axis)),
+     lambda e, told, axes, walls: model["segmented"] and is_unmatched(e, told, axes, walls)),
 ]
 WALLS = {"the model's signed distances to the grain surface": lambda: model["wall_distance"],
          "found from the grain fraction of the voxels": lambda: not model["wall_distance"] and model["grain_fraction"],
