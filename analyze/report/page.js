@@ -331,7 +331,7 @@
     for (const count of flow.lines) {
       const point = i => {
         const k = 4 * (start + Math.min(Math.max(i, 0), count - 1));
-        return new THREE.Vector3(words[k] / 1000, words[k + 1] / 1000, words[k + 2] / 1000);
+        return new THREE.Vector3(words[k] / 500, words[k + 1] / 500, words[k + 2] / 500);
       };
       up.set(0.3, 0.5, 0.8);
       for (let i = 0; i < count; i++) {

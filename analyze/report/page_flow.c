@@ -8,7 +8,7 @@
 #include "common/statistics.h"
 
 #define LINES 220               /* streamlines sought */
-#define LINE_POINTS 160         /* most points of one */
+#define LINE_POINTS 240         /* most points of one */
 static const double step = 0.5; /* of a streamline, cells */
 
 static size_t index_of(const struct flow *flow, size_t x, size_t y, size_t z) {
@@ -185,15 +185,33 @@ cleanup:
   return status;
 }
 
+/* Cells as near to cubes as whole numbers of them allow: pictures are drawn in cells, and show the
+ * body in its proportions by that. */
+static void choose_cells(const struct run *run, struct flow *flow) {
+  double edge = 0.0;
+  size_t cells;
+  for (int d = 0; d < 3; d++)
+    if (run->size[d] > 1)
+      edge = fmax(edge, run->spacing[d] * fmax(1.0, (double)run->size[d] / FLOW_SIDE));
+  do {
+    cells = 1;
+    for (int d = 0; d < 3; d++) {
+      const double extent = run->spacing[d] * (double)run->size[d];
+      const size_t n = run->size[d] > 1 ? (size_t)lrint(extent / edge) : 1;
+      flow->size[d] = n < 1 ? 1 : n > run->size[d] ? run->size[d] : n;
+      flow->cell[d] = extent / (double)flow->size[d];
+      cells *= flow->size[d];
+    }
+    edge *= 1.02;
+  } while (cells > FLOW_CELLS);
+}
+
 enum status flow_build(const struct run *run, const struct particles *particles,
                        struct flow *flow) {
   enum status status = STATUS_OK;
   double *speeds = NULL;
   memset(flow, 0, sizeof *flow);
-  for (int d = 0; d < 3; d++) {
-    flow->size[d] = run->size[d] < FLOW_SIDE ? run->size[d] : FLOW_SIDE;
-    flow->cell[d] = run->spacing[d] * (double)run->size[d] / (double)flow->size[d];
-  }
+  choose_cells(run, flow);
   TRY(fill_solid(run, flow));
   TRY(fill_velocity(run, particles, flow));
   TRY(memory_allocate(&speeds, particles->count, sizeof *speeds, "speeds"));

@@ -9,7 +9,8 @@
 
 #include "analyze/run_file.h"
 
-#define FLOW_SIDE 64 /* most cells along an axis of the coarsened fields */
+#define FLOW_SIDE 128             /* most cells along an axis of the coarsened fields */
+#define FLOW_CELLS (64 * 64 * 64) /* and in all */
 
 struct flow {
   size_t size[3];    /* cells of the coarse grid, x y z */

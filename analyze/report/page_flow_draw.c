@@ -22,11 +22,11 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
   }
   memory_free(&bytes);
   fputs("\",\"points\":\"", stream);
-  /* u16: places in 1/1000 cell (64 cells fit), speed over 65535. */
+  /* u16: places in 1/500 cell (FLOW_SIDE cells fit), speed over 65535. */
   uint16_t *words = NULL;
   if (memory_allocate(&words, 4 * flow->point_count, 2, "streamlines") == STATUS_OK) {
     for (size_t i = 0; i < 4 * flow->point_count; i++)
-      words[i] = (uint16_t)lrintf(flow->points[i] * (i % 4 == 3 ? 65535.0f : 1000.0f));
+      words[i] = (uint16_t)lrintf(flow->points[i] * (i % 4 == 3 ? 65535.0f : 500.0f));
     html_base64(stream, words, 8 * flow->point_count);
   }
   memory_free(&words);

@@ -141,6 +141,27 @@ assert abs(page["verdict"][0]["formulas"]["hazen"] / (9.80665e6 * 6e-4 * (1 + 10
 END
 }
 
+@test "a long body is drawn in its proportions" {
+  /usr/bin/python3 - << 'END'
+import numpy as np
+z, y, x = np.indices((150, 12, 12))
+np.save("long.npy", np.where((x - 5.5) ** 2 + (y - 5.5) ** 2 < 16, 0, 255).astype(np.uint8))
+END
+  ct2model build long.npy --segmented 0 --voxel-size 10um --mirror none -q -o long.hdf > /dev/null
+  sphsolve run scene.cfg --set model.file=long.hdf -o run-long -q > /dev/null
+  analyze report run-long.hdf -o long.html -q > /dev/null
+  /usr/bin/python3 - << 'END'
+import base64, json, re
+import numpy as np
+flow = json.loads(re.search(r'id="flow-data">(.*?)</script>', open("long.html").read(), re.S)[1])
+size, cell = np.array(flow["size"]), np.array(flow["cell"])
+assert cell.max() < 1.1 * cell.min(), (size, cell)
+assert np.allclose(size * cell, (1.2e-4, 1.2e-4, 1.5e-3), rtol=1e-5)
+points = np.frombuffer(base64.b64decode(flow["points"]), "<u2").reshape(-1, 4)[:, :3] / 500
+assert (points <= size).all() and np.ptp(points, axis=0)[2] > 0.8 * size[2], (points.max(axis=0), size)
+END
+}
+
 @test "a line through one point and a record of one row wait behind a fold; effects that are off, too" {
   /usr/bin/python3 - << 'END'
 import re
