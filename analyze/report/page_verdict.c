@@ -124,6 +124,26 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   json_array_insert_new(results, 0, first);
 }
 
+/* Results of one name, as of runs that differ in their fluid alone, are told apart by their run. */
+static void tell_apart(json_t *results) {
+  json_t *names = json_array(), *result;
+  size_t i;
+  json_array_foreach(results, i, result) {
+    json_array_append_new(names, json_text(string(result, "name")));
+  }
+  json_array_foreach(results, i, result) {
+    const char *name = json_string_value(json_array_get(names, i)), *path = string(result, "path");
+    const char *slash = strrchr(path, '/');
+    size_t same = 0;
+    for (size_t j = 0; j < json_array_size(names); j++)
+      same += strcmp(json_string_value(json_array_get(names, j)), name) == 0;
+    char apart[600];
+    snprintf(apart, sizeof apart, "%.300s, %.250s", name, slash == NULL ? path : slash + 1);
+    if (same > 1) json_object_set_new(result, "name", json_text(apart));
+  }
+  json_decref(names);
+}
+
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge) {
   json_t *results = json_array();
@@ -156,6 +176,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
           json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");
   }
   if (json_array_size(results) > 1) put_best_first(results, runs, n);
+  tell_apart(results);
   return results;
 }
 

@@ -141,6 +141,13 @@ assert abs(page["verdict"][0]["formulas"]["hazen"] / (9.80665e6 * 6e-4 * (1 + 10
 END
 }
 
+@test "results of one name, of runs that differ in their fluid, are told apart by their run" {
+  sphsolve run scene.cfg --set "fluids[0].viscosity=2e-3 Pa s" -o run-thick -q > /dev/null
+  analyze report run-matched.hdf run-thick.hdf -o fluids.html -q > /dev/null
+  data fluids.html 'sorted(r["name"].rsplit(", ", 1)[1] for r in page["verdict"]) == ["run-matched.hdf", "run-thick.hdf"]'
+  data matched.html 'page["verdict"][0]["name"].startswith("matched (") and ".hdf" not in page["verdict"][0]["name"]'
+}
+
 @test "a long body is drawn in its proportions" {
   /usr/bin/python3 - << 'END'
 import numpy as np
