@@ -1,8 +1,10 @@
 #include "analyze/run_file.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "analyze/run_model.h"
 #include "common/memory.h"
@@ -399,6 +401,9 @@ enum status run_last_snapshot(const struct run *run, struct particles *particles
   const char *name = run->snapshot_names[run->snapshot_count - 1];
   if (snprintf(path, sizeof path, "%s%s", run->folder, name) >= (int)sizeof path)
     TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
+  if (access(path, R_OK) != 0)
+    TRY_FAIL(STATUS_INPUT, "%s: %s; the files of a run stay together: copy it there", path,
+             strerror(errno));
   TRY(snapshot_open(path, &snapshot));
   if (snapshot.count == 0) TRY_FAIL(STATUS_INPUT, "%s: the snapshot holds no particles", path);
   TRY(snapshot_read(&snapshot, "velocity", 3, &particles->velocity));

@@ -193,7 +193,7 @@ PY
   cp d1.hdf lost.hdf; cp d1.hdf sub.hdf; mkdir -p far; cp d1.hdf far/
   run analyze pdf far/d1.hdf
   [ "$status" -ne 0 ]
-  [[ "$output" == *"far/d1-0000.hdf"* ]]
+  [[ "$output" == *"far/d1-0000.hdf: No such file or directory; the files of a run stay together: copy it there" ]]
   /usr/bin/python3 "$MAKE_RUN" still.hdf i=0 k=0 driving=0
   run analyze darcy still.hdf
   [ "$status" -eq 3 ]

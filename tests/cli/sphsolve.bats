@@ -93,6 +93,11 @@ END
   slit
   run --separate-stderr "$SPH" explain slit.cfg --set model.file=slit.cfg
   [ "$status" -eq 3 ]
+  for place in fluids.viscosity 'fluids[7].viscosity'; do
+    run --separate-stderr "$SPH" explain slit.cfg --set "$place=2e-3 Pa s"
+    [ "$status" -eq 2 ]
+    [[ "$stderr" == *"from 0, like fluids[0].viscosity" ]]
+  done
   echo 'scene = { name = "m"; }; model = { file = "broken.hdf"; };
     fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } ); force = { gravity = ["0", "0", "-9.8 m/s^2"]; };' > m.cfg
   head -c 4000 /dev/urandom > broken.hdf
