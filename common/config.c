@@ -174,21 +174,14 @@ static enum status apply_override(struct config *config, const char *text) {
     config_setting_set_string(value, equals + 1);
   }
   config_setting_t *group = walk_path(config_root_setting(&config->tree), path, name, sizeof name);
-  if (group == NULL)
+  if (group == NULL || config_setting_is_group(group) != CONFIG_TRUE)
     TRY_FAIL(STATUS_USAGE,
-             "--set %s: there is no such place in %s; an entry of a list is counted from 0, like "
-             "fluids[0].viscosity",
+             "--set %s: there is no such place in %s; an entry of a list is named by its number "
+             "from 0, like fluids[0].viscosity",
              text, config->path);
-  if (config_setting_is_group(group) == CONFIG_TRUE) {
-    config_setting_remove(group, name);
-    if (!copy_setting(group, name, value))
-      TRY_FAIL(STATUS_USAGE, "--set %s: '%s' cannot be set in %s", text, name, config->path);
-  } else {
-    TRY_FAIL(STATUS_USAGE,
-             "--set %s: what holds '%s' is no group in %s; an entry of a list is named by its "
-             "number from 0, like fluids[0].viscosity",
-             text, name, config->path);
-  }
+  config_setting_remove(group, name);
+  if (!copy_setting(group, name, value))
+    TRY_FAIL(STATUS_USAGE, "--set %s: '%s' cannot be set in %s", text, name, config->path);
 cleanup:
   memory_free(&source);
   config_destroy(&parsed);
