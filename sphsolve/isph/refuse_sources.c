@@ -146,8 +146,8 @@ enum status isph_refuse_absorbing(const struct effect_context *context) {
     const struct region *region = &scene->regions[k];
     bool low;
     if (region->type != REGION_ABSORBING) continue;
-    const int up = absorbing_vertical(scene), axis = absorbing_axis(scene, region, &low);
-    if (scene->gravity[up] == 0)
+    const int axis = absorbing_axis(scene, region, &low);
+    if (scene->gravity[scene_axis_along(scene->gravity)] == 0)
       return FAIL(STATUS_INPUT, "%s:%d: an absorbing region takes waves, which need force.gravity",
                   scene->path, region->line);
     if (!context->has_surface)
@@ -166,7 +166,7 @@ enum status isph_refuse_absorbing(const struct effect_context *context) {
       bool meets = other->type == REGION_POROUS || other->type == REGION_INFLOW ||
                    (other->type == REGION_ABSORBING && j < k);
       for (int a = 0; a < 3 && meets; a++)
-        meets = (scene->dimensions == 2 && a == 1) ||
+        meets = !isph_scene_uses_axis(context, a) ||
                 (other->box[a] < region->box[a + 3] && region->box[a] < other->box[a + 3]);
       if (meets)
         return FAIL(STATUS_INPUT,

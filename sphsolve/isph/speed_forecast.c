@@ -26,14 +26,6 @@ static double through(const struct layers *layers, double driving) {
   return driving > 0 ? 2 * driving / (layers->a + root) / layers->porosity : 0;
 }
 
-/* The axis along which most of the force acts. */
-static int axis_of_force(const struct scene *scene) {
-  int axis = 0;
-  for (int a = 1; a < 3; a++)
-    if (fabs(scene->driving[a]) > fabs(scene->driving[axis])) axis = a;
-  return axis;
-}
-
 static double size(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
@@ -230,7 +222,7 @@ enum status isph_speed_predict(const struct effect_context *context,
                                struct isph_speed_forecast *speeds) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
-  const int axis = axis_of_force(scene);
+  const int axis = scene_axis_along(scene->driving);
   double *water = NULL, *room = NULL, surface = NAN, steady = isph_prescribed_speed(scene);
   uint8_t *reached = NULL;
   *speeds = (struct isph_speed_forecast){.lasts = INFINITY};

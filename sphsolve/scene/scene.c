@@ -367,6 +367,13 @@ void scene_free(struct scene *scene) {
   memory_free(&scene->text);
 }
 
+int scene_axis_along(const double vector[3]) {
+  int axis = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabs(vector[a]) > fabs(vector[axis])) axis = a;
+  return axis;
+}
+
 double scene_hydraulic_gradient(const struct scene *scene) {
   if (!isnan(scene->hydraulic_gradient)) return scene->hydraulic_gradient;
   double square = 0;

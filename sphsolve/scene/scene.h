@@ -233,5 +233,7 @@ enum status scene_error(const struct scene *scene, enum scene_place place, const
 
 /* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
 double scene_hydraulic_gradient(const struct scene *scene);
+/* The axis along which most of a vector lies; 0 of none. */
+int scene_axis_along(const double vector[3]);
 
 #endif

@@ -37,9 +37,7 @@ static double region_speed(const struct scene *scene) {
 
 /* Length of the box along the force. */
 static double path_length(const struct scene *scene, const struct lattice *lattice) {
-  int along = 0;
-  for (int a = 1; a < 3; a++)
-    if (fabs(scene->driving[a]) > fabs(scene->driving[along])) along = a;
+  const int along = scene_axis_along(scene->driving);
   return (double)lattice->size[along] * lattice->spacing[along];
 }
 

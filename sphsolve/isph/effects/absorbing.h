@@ -19,24 +19,15 @@
 /* Of 6 to 36 that which sends least of waves of l/2 to 2 l back. */
 #define ABSORBING_RATE 10.0
 
-/* The axis that weight acts along, or mostly. */
-static inline int absorbing_vertical(const struct scene *scene) {
-  const double *g = scene->gravity;
-  int axis = 2;
-  for (int a = 0; a < 3; a++)
-    if (fabs(g[a]) > fabs(g[axis])) axis = a;
-  return axis;
-}
-
 /* The axis of the one side that an absorbing region lies against, -1: of none or of several; *low:
  * the lower side. A region across the whole domain lies against no side of that axis. */
 static inline int absorbing_axis(const struct scene *scene, const struct region *region,
                                  bool *low) {
   const double slack = 1e-6 * scene->spacing;
+  const int up = scene_axis_along(scene->gravity);
   int found = -1;
   for (int a = 0; a < 3; a++) {
-    if (a == absorbing_vertical(scene) || scene->periodic[a] || (scene->dimensions == 2 && a == 1))
-      continue;
+    if (a == up || scene->periodic[a] || (scene->dimensions == 2 && a == 1)) continue;
     const bool at_low = region->box[a] < slack;
     if (at_low == (region->box[a + 3] > scene->domain_size[a] - slack)) continue;
     if (found >= 0) return -1;
@@ -49,7 +40,7 @@ static inline int absorbing_axis(const struct scene *scene, const struct region 
 /* The largest gamma of a region, 1/s. */
 static inline double absorbing_most(const struct scene *scene, const struct region *region,
                                     int axis) {
-  const int up = absorbing_vertical(scene);
+  const int up = scene_axis_along(scene->gravity);
   const double height = region->box[up + 3] - region->box[up];
   return ABSORBING_RATE * sqrt(fabs(scene->gravity[up]) * height) /
          (region->box[axis + 3] - region->box[axis]);
@@ -65,42 +56,44 @@ static inline void absorbing_force(const void *state, double (*acceleration)[3])
       const double *box = region->box, *x = s->position[i];
       bool in = region->type == REGION_ABSORBING, low = false;
       for (int a = 0; a < 3 && in; a++)
-        in = (s->dimensions == 2 && a == 1) || (x[a] >= box[a] && x[a] <= box[a + 3]);
+        in = !isph_uses_axis(s, a) || (x[a] >= box[a] && x[a] <= box[a + 3]);
       if (!in) continue;
       const int axis = absorbing_axis(s->scene, region, &low);
-      const double length = box[axis + 3] - box[axis];
-      const double way = (low ? box[axis + 3] - x[axis] : x[axis] - box[axis]) / length;
+      const double way =
+          (low ? box[axis + 3] - x[axis] : x[axis] - box[axis]) / (box[axis + 3] - box[axis]);
       rate = absorbing_most(s->scene, region, axis) * way * way;
     }
     for (int a = 0; a < 3; a++) acceleration[i][a] = -rate * s->velocity[i][a];
   }
 }
 
-static inline bool absorbing_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  double longest = 0;
-  bool low;
-  for (size_t k = 0; k < context->scene->region_count; k++) {
-    const struct region *region = &context->scene->regions[k];
-    const int axis =
-        region->type == REGION_ABSORBING ? absorbing_axis(context->scene, region, &low) : -1;
-    if (axis >= 0) longest = fmax(longest, region->box[axis + 3] - region->box[axis]);
+/* Of all absorbing regions the largest length, m, and gamma, 1/s; 0: there is none. */
+static inline void absorbing_largest(const struct scene *scene, double *length, double *most) {
+  *length = *most = 0;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    bool low;
+    if (region->type != REGION_ABSORBING) continue;
+    const int axis = absorbing_axis(scene, region, &low);
+    if (axis < 0) continue; /* it is refused */
+    *length = fmax(*length, region->box[axis + 3] - region->box[axis]);
+    *most = fmax(*most, absorbing_most(scene, region, axis));
   }
-  if (longest > 0)
-    snprintf(why, EFFECT_WHY, "absorbing regions, for waves up to %g m long", longest);
+}
+
+static inline bool absorbing_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  double length, most;
+  absorbing_largest(context->scene, &length, &most);
+  if (length > 0)
+    snprintf(why, EFFECT_WHY, "absorbing regions, for waves up to %g m long", length);
   else
     snprintf(why, EFFECT_WHY, "no absorbing region");
-  return longest > 0;
+  return length > 0;
 }
 
 static inline double absorbing_dt(const struct effect_context *context) {
-  double most = 0;
-  bool low;
-  for (size_t k = 0; k < context->scene->region_count; k++) {
-    const struct region *region = &context->scene->regions[k];
-    const int axis =
-        region->type == REGION_ABSORBING ? absorbing_axis(context->scene, region, &low) : -1;
-    if (axis >= 0) most = fmax(most, absorbing_most(context->scene, region, axis));
-  }
+  double length, most;
+  absorbing_largest(context->scene, &length, &most);
   return 0.25 / most;
 }
 
