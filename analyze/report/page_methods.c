@@ -65,10 +65,10 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
 /* Which layers have their image, and what closes the rest: mirrored sides are x and y. */
 static void write_sides(const struct page_model *model, FILE *stream) {
   bool sides = strcmp(model->sides, "mirrored") == 0;
-  char axes[3];
+  char axes[3] = "";
   size_t count = 0;
-  for (char axis = 'x'; axis <= 'z'; axis++)
-    if (model->mirror_axis[0] == axis || (sides && axis != 'z')) axes[count++] = axis;
+  for (int d = 0; d < 3; d++)
+    if (model->mirror_axis[0] == "xyz"[d] || (sides && d < 2)) axes[count++] = "xyz"[d];
   for (size_t i = 0; i < count; i++)
     fprintf(stream, "%s%c",
             i == 0           ? "; it is mirrored along "

@@ -135,9 +135,11 @@ static void add_pore(const struct stokes_operator *op, const struct stokes_offse
 
 static void find_correction(const struct stokes_operator *op, struct site_sums *sums) {
   const int axes = op->stencil->axis_count;
-  double normal[3] = {0}, moment[3][3];
-  memcpy(moment, sums->moment, sizeof moment);
-  for (int a = 0; a < axes; a++) normal[a] = sums->wall.normal[op->stencil->axes[a]];
+  double normal[3] = {0}, moment[3][3] = {{0}};
+  for (int a = 0; a < axes; a++) {
+    normal[a] = sums->wall.normal[op->stencil->axes[a]];
+    for (int c = 0; c < axes; c++) moment[a][c] = sums->moment[a][c];
+  }
   moment_free_normal(axes, normal, moment);
   moment_invert_bounded(axes, moment, sums->inverse);
 }
