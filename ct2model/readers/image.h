@@ -33,6 +33,7 @@ struct image {
   struct image_dataset *dataset; /* of an HDF5 file */
   bool swap;                     /* bytes of contiguous pixels */
   uint64_t *page_offsets;        /* of the directories of a multi-page TIFF */
+  unsigned orientation;          /* of a TIFF: where its first row and column are */
   bool invert;                   /* white is zero */
   bool plain;                    /* every pixel is a value of `type` */
 };

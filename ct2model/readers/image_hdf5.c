@@ -58,6 +58,13 @@ static void list_group(struct h5_file *file, const char *group, char list[200]) 
 
 static enum status name_datasets(struct h5_file *file) {
   char list[200];
+  if (h5_exists(file, "/run"))
+    return FAIL(STATUS_INPUT, "%s: a run, no image: analyze reads it", h5_path(file));
+  if (h5_exists(file, "/model"))
+    return FAIL(STATUS_INPUT,
+                "%s: a model already, no image: sphsolve solves the flow in it, ct2model export "
+                "writes its slices",
+                h5_path(file));
   list_group(file, "/", list);
   return FAIL(STATUS_INPUT, "%s: an HDF5 file; name the dataset, as %s:/dataset (it has%s)",
               h5_path(file), h5_path(file), list);

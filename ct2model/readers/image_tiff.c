@@ -120,7 +120,7 @@ static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
 
 struct tiff_layout {
   uint32_t width, height;
-  uint16_t bits, samples, format, photometric, compression, planar;
+  uint16_t bits, samples, format, photometric, compression, planar, orientation;
 };
 
 static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
@@ -132,6 +132,7 @@ static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout->format);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout->compression);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout->planar);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &layout->orientation);
   if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout->photometric))
     layout->photometric = PHOTOMETRIC_MINISBLACK;
 }
@@ -225,6 +226,11 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
           STATUS_INPUT,
           "%s: page %zu: %u bits, but the first page has %u bits a sample; save pages of one type",
           image->path, image->pages, layout.bits, first->bits);
+    if (layout.orientation != first->orientation)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: page %zu: orientation %u, but the first page has %u; save pages of one "
+               "orientation",
+               image->path, image->pages, layout.orientation, first->orientation);
     if (image->pages == room) {
       room = room == 0 ? 64 : 2 * room;
       TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
@@ -263,6 +269,13 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->size[1] = layout.height;
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   image->plain = true;
+  image->orientation = layout.orientation;
+  /* Boxes are given in the pixels of ImageJ and of arrays, which do not turn them either. */
+  if (layout.orientation != ORIENTATION_TOPLEFT)
+    snprintf(
+        image->note, sizeof image->note,
+        "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
+        layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
     snprintf(image->note, sizeof image->note,
              "stored in colour; build takes it only where it is grey");

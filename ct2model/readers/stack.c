@@ -233,6 +233,10 @@ static enum status check_agreement(const struct image *first, const struct image
   if (image->type != first->type)
     return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; save all as one type",
                 image->path, pixel_name(image->type), pixel_name(first->type));
+  if (image->orientation != first->orientation)
+    return FAIL(STATUS_INPUT,
+                "%s: orientation %u, but the first slice has %u; save all in one orientation",
+                image->path, image->orientation, first->orientation);
   return STATUS_OK;
 }
 

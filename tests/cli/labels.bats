@@ -216,7 +216,7 @@ END
   done
   ct2model build truth.npy --segmented 1 --voxel-size 5um -o truth.hdf --quiet
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done

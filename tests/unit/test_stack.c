@@ -85,6 +85,8 @@ static double expected(const struct layout *layout, size_t x, size_t y, size_t z
   return layout->bits == 64 ? value * 0.25 : value;
 }
 
+static uint16_t orientation[NZ]; /* of the pages that are written; 0: no tag */
+
 static void write_tiff(const char *path, const struct layout *layout) {
   TIFF *tiff = TIFFOpen(path, layout->mode);
   assert_non_null(tiff);
@@ -101,6 +103,7 @@ static void write_tiff(const char *path, const struct layout *layout) {
     TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
     TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 1e-2 / 5.83e-6);
     TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 1e-2 / 5.83e-6);
+    if (orientation[z] > 0) TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation[z]);
     if (layout->photometric == PHOTOMETRIC_PALETTE) {
       uint16_t map[256];
       for (int i = 0; i < 256; i++) map[i] = (uint16_t)(i * 257);
@@ -351,6 +354,32 @@ static void refuse(const char *path, const struct raw_layout *raw, const char *w
   error_clear();
 }
 
+/* Turned pixels are read as stored, and that is said; slices that lie unlike are refused. */
+static void test_orientation(void **state) {
+  (void)state;
+  const struct layout plain = {"", "w", COMPRESSION_NONE, 8, SAMPLEFORMAT_UINT, 1, 1, 0, 5};
+  struct stack stack;
+  float slice[NX * NY];
+  for (int z = 0; z < NZ; z++) orientation[z] = ORIENTATION_RIGHTTOP;
+  write_tiff(in_folder("turned.tif"), &plain);
+  open_one(in_folder("turned.tif"), NULL, &stack);
+  assert_int_equal(stack.size[0], NX);
+  assert_non_null(strstr(stack.files[0].note, "orientation 6 says to turn it"));
+  assert_int_equal(stack_read(&stack, 1, slice), STATUS_OK);
+  for (size_t i = 0; i < NX * NY; i++) assert_true(slice[i] == (float)pattern(i % NX, i / NX, 1));
+  stack_close(&stack);
+  orientation[2] = ORIENTATION_TOPLEFT;
+  write_tiff(in_folder("mixed.tif"), &plain);
+  refuse(in_folder("mixed.tif"), NULL, "page 2: orientation 1, but the first page has 6");
+  for (int z = 0; z < NZ; z++) orientation[z] = ORIENTATION_BOTLEFT;
+  write_tiff(in_folder("flipped.tif"), &plain);
+  const char *paths[] = {in_folder("flipped.tif"), in_folder("turned.tif")};
+  assert_int_equal(stack_open(paths, 2, NULL, &stack), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "orientation 6, but the first slice has 4"));
+  error_clear();
+  memset(orientation, 0, sizeof orientation);
+}
+
 static void test_broken_files(void **state) {
   (void)state;
   const struct layout plain = {"", "w", COMPRESSION_LZW, 16, SAMPLEFORMAT_UINT, 1, 1, 0, 8};
@@ -441,6 +470,7 @@ int main(void) {
       cmocka_unit_test(test_raw_meta_nrrd),    cmocka_unit_test(test_compressed_meta_and_nrrd),
       cmocka_unit_test(test_raw_layout_words), cmocka_unit_test(test_broken_files),
       cmocka_unit_test(test_folders),          cmocka_unit_test(test_natural_order),
+      cmocka_unit_test(test_orientation),
   };
   return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }
