@@ -6,6 +6,8 @@ BUILD ?= build
 # The same folder by its full name is the same build: nothing is made again.
 override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
 PREFIX ?= /usr/local
+# Two names to make, of which `clean` and `uninstall` would remove both.
+$(foreach n,BUILD PREFIX DESTDIR,$(if $(word 2,$($(n))),$(error $(n)="$($(n))": make takes no name with a space in it)))
 MPI ?= 0
 V ?= 0
 Q := $(if $(filter 1,$(V)),,@)

@@ -14,6 +14,8 @@ given = $(foreach n,$(1),$(OUT)/.$(n)$(shell mkdir -p '$(OUT)'; echo '$($(n))' |
 SLICES ?= $(ROOT)/data-samples/small
 VOID_RATIO ?= 0.725+-0.005
 VOXEL_SIZE ?= 8.745um
+# Two names to make, of which `clean` would remove both.
+$(foreach n,OUT SLICES,$(if $(word 2,$($(n))),$(error $(n)="$($(n))": make takes no name with a space in it; give a link to it)))
 
 SCAN = $(wildcard $(SLICES)/*) $(SLICES) $(call given,SLICES VOID_RATIO VOXEL_SIZE)
 

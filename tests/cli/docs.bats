@@ -156,6 +156,19 @@ END
   with seepage "GRAIN_SIZES=1 2"
 }
 
+@test "make: a name with a space in it is refused, not taken for two that clean removes" {
+  cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR"
+  unset MAKEFLAGS MFLAGS
+  mkdir -p "a b" a
+  touch a/kept
+  for words in "examples/specimen:OUT" "examples/specimen:SLICES" "$ROOT:BUILD" "$ROOT:PREFIX"; do
+    name=${words##*:}
+    run make -C "${words%:*}" clean "$name=$PWD/a b"
+    [ "$status" -eq 2 ] && [[ "$output" == *"$name=\"$PWD/a b\": make takes no name with a space"* ]] || { echo "$words: $output"; false; }
+  done
+  [ -e a/kept ] && [ -d "a b" ]
+}
+
 @test "examples: where numbers are written with a comma, scenes still get a point" {
   mkdir "$BATS_TEST_TMPDIR/locales"
   localedef -i de_DE -f UTF-8 "$BATS_TEST_TMPDIR/locales/de_DE.UTF-8" 2> /dev/null || skip "no localedef, or without the locales' sources"
