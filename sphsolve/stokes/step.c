@@ -89,6 +89,7 @@ enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal 
     stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
     best = fmin(best, s->residual_now);
   }
+  if (stokes_solver_mean_error(s) <= goal->slack) return STATUS_OK;
   char soil[STOKES_HINT];
   stokes_solver_soil_hint(s, soil);
   return FAIL(STATUS_NUMERIC,

@@ -9,6 +9,7 @@
  * is 0, when the mean is within `mean` of what it converges to, relative. */
 struct stokes_goal {
   double residual, mean;
+  double slack; /* error of the mean that will do where there is no progress any more */
 };
 /* stokes.tolerance where the scene gives one, else scene.steady_tolerance. */
 struct stokes_goal stokes_goal_of(const struct scene *scene);
@@ -22,8 +23,8 @@ bool stokes_solver_converged(struct stokes_solver *solver, const struct stokes_g
 /* Why soil may keep a solve from converging, and what helps; empty where there is no such soil. */
 #define STOKES_HINT 240
 void stokes_solver_soil_hint(const struct stokes_solver *solver, char text[STOKES_HINT]);
-/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, an interrupt
- * STATUS_INTERRUPTED. */
+/* Rounds until converged; no progress in ten rounds is STATUS_NUMERIC, unless within the slack, an
+ * interrupt STATUS_INTERRUPTED. */
 enum status stokes_solver_run(struct stokes_solver *solver, const struct stokes_goal *goal);
 
 #endif

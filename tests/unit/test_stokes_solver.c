@@ -112,6 +112,27 @@ static void test_open_pores_converge(void **state) {
 
 /* Between planes w apart: k = w^3 / (12 L) for a period L = w + 3. `shift` moves the slit. */
 #define SLIT_WIDTH 4.0
+/* What cannot be solved any better is good enough where slack is given, and an error where not. */
+static void test_no_progress(void **state) {
+  (void)state;
+  const size_t size[3] = {12, 12, 12};
+  const struct scene scene = {.stokes.kernel = KERNEL_CUBIC};
+  const double driving[3] = {0.0, 0.0, -2.0};
+  const struct stokes_goal without = {.mean = -1.0}, with = {.mean = -1.0, .slack = 0.02};
+  struct lattice lattice;
+  struct stokes_solver solver;
+  lattice_fill(&lattice, size, 1.0 / 12.0, small_ball, 0.5 / 12.0);
+  assert_int_equal(
+      stokes_solver_build(&lattice, &scene, 1.8 / 12.0, WALL_SUBVOXEL, 1.0, driving, &solver),
+      STATUS_OK);
+  assert_int_equal(stokes_solver_run(&solver, &without), STATUS_NUMERIC);
+  assert_non_null(strstr(error_message(), "no progress"));
+  error_clear();
+  assert_int_equal(stokes_solver_run(&solver, &with), STATUS_OK);
+  stokes_solver_free(&solver);
+  lattice_empty(&lattice);
+}
+
 static double slit_distance(const double at[3], double shift) {
   const double x = at[0] - shift;
   return x < SLIT_WIDTH ? fmin(x, SLIT_WIDTH - x) : -fmin(x - SLIT_WIDTH, 7.0 - x);
@@ -419,6 +440,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_spheres_within_one_per_cent),
       cmocka_unit_test(test_open_pores_converge),
+      cmocka_unit_test(test_no_progress),
       cmocka_unit_test(test_slit_at_any_shift),
       cmocka_unit_test(test_walls_of_a_slit),
       cmocka_unit_test(test_couette),

@@ -18,7 +18,8 @@
 #define FEW_PORES 8.0
 /* An open cascade has so many lattices at least, if it is not ended before. */
 #define LEVELS_LEAST 3
-const struct stokes_goal cascade_sides_goal = {.mean = 1e-3};
+/* A share of some ten per cent, which tight soil may let no solve find more sharply. */
+const struct stokes_goal cascade_sides_goal = {.mean = 1e-3, .slack = 0.02};
 const double cascade_fixed_ratios[CASCADE_FIXED] = {2.0, 1.5, 1.0};
 
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
