@@ -225,5 +225,8 @@ void run_print(const struct run_result *result, const char *prefix, double wante
     const char *path = result->tensor->columns[a].path;
     if (path[strlen(prefix)] == '-') printf(", %s", path);
   }
-  printf("\nnext       analyze report %s.hdf -o %s.html\n", prefix, prefix);
+  /* To be copied into a shell. */
+  const char *quote = strpbrk(prefix, " \t\"$`&;|()<>*?[!#~\\") != NULL ? "'" : "";
+  printf("\nnext       analyze report %s%s.hdf%s -o %s%s.html%s\n", quote, prefix, quote, quote,
+         prefix, quote);
 }

@@ -451,3 +451,11 @@ run, exact = json.load(open("fine.json")), 9.81 * 0.3**3 / (1e-3 * 0.7**2) * ('$
 assert run["k_low"] < exact < run["k_high"] < 1.06 * exact, (exact, run)'
   done
 }
+
+@test "what comes next is printed so that a shell takes it, a name with spaces too" {
+  mkdir "my runs"
+  sphsolve run "$BATS_TEST_DIRNAME/slit.cfg" -o "my runs/the first" > told.txt
+  bash -c "$(sed -n 's/^next  *//p' told.txt)"
+  [ -s "my runs/the first.html" ]
+  sphsolve run "$BATS_TEST_DIRNAME/slit.cfg" -o plain | grep -q '^next       analyze report plain.hdf -o plain.html$'
+}
