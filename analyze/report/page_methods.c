@@ -276,7 +276,7 @@ enum status page_methods(const struct subject *subject, const struct page_model 
   write_walls(run, model, &cited, stream);
   write_soil(model, stream);
   if (subject->n > 1)
-    fprintf(stream, "%zu runs entered this page; lattice and model are the first&rsquo;s. ",
+    fprintf(stream, "%zu runs entered this page; lattice, model and fluid are the first&rsquo;s. ",
             subject->n);
   write_result(run, facts, &cited, stream);
   TRY(write_solutes(subject, &cited, stream));

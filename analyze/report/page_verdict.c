@@ -124,8 +124,20 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   json_array_insert_new(results, 0, first);
 }
 
-/* Results of one name, as of runs that differ in their fluid alone, are told apart by their run. */
-static void tell_apart(json_t *results) {
+/* ", 0.0013 Pa s, 1000 kg/m^3" of a run among some in other fluids, else "". */
+static void name_fluid(const struct run *runs, size_t n, const char *path, char text[80]) {
+  bool unlike = false;
+  text[0] = '\0';
+  for (size_t i = 1; i < n; i++)
+    unlike = unlike || runs[i].viscosity != runs[0].viscosity || runs[i].density != runs[0].density;
+  for (size_t i = 0; i < n && unlike; i++)
+    if (strcmp(runs[i].path, path) == 0)
+      snprintf(text, 80, ", %.4g Pa s, %.4g kg/m^3", runs[i].viscosity, runs[i].density);
+}
+
+/* Results of one name, as of runs that differ in their fluid alone, are told apart by it and by
+ * their run. */
+static void tell_apart(json_t *results, const struct run *runs, size_t n) {
   json_t *names = json_array(), *result;
   size_t i;
   json_array_foreach(results, i, result) {
@@ -137,8 +149,10 @@ static void tell_apart(json_t *results) {
     size_t same = 0;
     for (size_t j = 0; j < json_array_size(names); j++)
       same += strcmp(json_string_value(json_array_get(names, j)), name) == 0;
-    char apart[600];
-    snprintf(apart, sizeof apart, "%.300s, %.250s", name, slash == NULL ? path : slash + 1);
+    char apart[700], fluid[80];
+    name_fluid(runs, n, path, fluid);
+    snprintf(apart, sizeof apart, "%.300s%s, %.250s", name, fluid,
+             slash == NULL ? path : slash + 1);
     if (same > 1) json_object_set_new(result, "name", json_text(apart));
   }
   json_decref(names);
@@ -176,7 +190,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
           json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");
   }
   if (json_array_size(results) > 1) put_best_first(results, runs, n);
-  tell_apart(results);
+  tell_apart(results, runs, n);
   return results;
 }
 

@@ -141,10 +141,11 @@ assert abs(page["verdict"][0]["formulas"]["hazen"] / (9.80665e6 * 6e-4 * (1 + 10
 END
 }
 
-@test "results of one name, of runs that differ in their fluid, are told apart by their run" {
+@test "results of one name, of runs that differ in their fluid, are told apart by fluid and run" {
   sphsolve run scene.cfg --set "fluids[0].viscosity=2e-3 Pa s" -o run-thick -q > /dev/null
   analyze report run-matched.hdf run-thick.hdf -o fluids.html -q > /dev/null
   data fluids.html 'sorted(r["name"].rsplit(", ", 1)[1] for r in page["verdict"]) == ["run-matched.hdf", "run-thick.hdf"]'
+  data fluids.html 'sorted(r["name"].split(", ")[-3] for r in page["verdict"]) == ["0.001 Pa s", "0.002 Pa s"]'
   data matched.html 'page["verdict"][0]["name"].startswith("matched (") and ".hdf" not in page["verdict"][0]["name"]'
 }
 

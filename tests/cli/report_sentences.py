@@ -100,7 +100,7 @@ SENTENCES = [
     (r"Grains are frozen fluid particles after \[\d+\], which .*", lambda: first["wall"] == "frozen"),
     (r"No slip holds at the wall itself, by image velocities from the distance to it, after \[\d+\](?:; walls are (.*))?",
      lambda walls: first["wall"] == "subvoxel" and (WALLS[walls]() if walls else model is None)),
-    (r"(\d+) runs entered this page; lattice and model are the first's", lambda n: int(n) == len(runs) > 1),
+    (r"(\d+) runs entered this page; lattice, model and fluid are the first's", lambda n: int(n) == len(runs) > 1),
     (r"The Darcy velocity was averaged after the start-up, .*", lambda: any(r["method"] != "stokes" for r in runs)),
     (r"Permeability is the slope of the superficial velocity against the hydraulic gradient(, extrapolated over .*)?; errors are 95 % "
      r"half widths", lambda more: len(gradients) > 1 and (not more or len(spacings) > 1)),
