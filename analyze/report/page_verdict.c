@@ -246,7 +246,7 @@ static const struct {
                 {"scan", "a finer or sharper scan is needed"},
                 {"sides", "a larger sample is needed"},
                 {"void_ratio", "build the model nearer to the measured void ratio"},
-                {"threshold", "measure the void ratio more precisely"},
+                {"threshold", "measure the void ratio"},
                 {"micro", "measure the permeability of the soil below the voxel more precisely"},
                 {"averaging", "run longer"},
                 {"steadiness", "run longer"}};
@@ -286,6 +286,7 @@ static void judge_advice(json_t *result, double scanned) {
     if (part > most) most = part, largest = i;
   }
   rest = sqrt(rest);
+  const bool more = largest == 4 && isfinite(json_number_or_nan(parts, "void_ratio"));
   if (isnan(resolution))
     snprintf(text, sizeof text,
              "The error of resolution is not known: run two more spacings and analyze converge.");
@@ -293,24 +294,24 @@ static void judge_advice(json_t *result, double scanned) {
     text[0] = '\0';
   else if (rest >= LATTICE_MOST * wanted)
     snprintf(text, sizeof text,
-             most > 0.95 * rest ? "For 5 %%: %s%s (%.2g %% by the %s alone)."
-                                : "For 5 %%: %s%s (%.2g %% by the %s, %.2g %% by all that no finer "
-                                  "lattice lessens).",
+             most > 0.95 * rest
+                 ? "For 5 %%: %s%s%s (%.2g %% by the %s alone)."
+                 : "For 5 %%: %s%s%s (%.2g %% by the %s, %.2g %% by all that no finer "
+                   "lattice lessens).",
              resolution <= rest ? ""
              : model            ? "a model with smaller voxels, and "
              : scan             ? "a scan with smaller voxels, and "
                                 : "a finer lattice, and ",
-             remedies[largest].remedy, 100.0 * most,
+             remedies[largest].remedy, more ? " more precisely" : "", 100.0 * most,
              largest == 3 ? "void ratio" : remedies[largest].part, 100.0 * rest);
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
     const double spacing = 1e6 * json_number_or_nan(result, "spacing_m");
-    if (model && spacing / finer < 0.99e6 * scanned)
-      snprintf(
-          text, sizeof text,
-          "For 5 %%: a scan with voxels of about %.2g um; its own are %.4g um, the model's %.4g.",
-          spacing / finer, 1e6 * scanned, spacing);
+    if (!scan && spacing / finer < 0.99e6 * scanned)
+      snprintf(text, sizeof text,
+               "For 5 %%: a scan with voxels of about %.2g um; its own are %.4g um, the %s's %.4g.",
+               spacing / finer, 1e6 * scanned, model ? "model" : "lattice", spacing);
     else if (model || scan)
       snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %.2g um instead of %.3g.",
                needs, spacing / finer, spacing);

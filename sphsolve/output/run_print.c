@@ -148,6 +148,7 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
                                [NEEDS_MODEL] =
                                    "a model with smaller voxels lessens it (ct2model build --size)",
                                [NEEDS_SCAN] = "a scan with smaller voxels lessens it"};
+  const bool measured = isfinite(u->void_ratio);
   const struct {
     double share;
     const char *what, *remedy;
@@ -155,7 +156,8 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
                {u->scan, "the scan", "a finer or sharper scan lessens it"},
                {u->sides, "the sample's sides", "a larger sample lessens it"},
                {u->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
-               {u->threshold, "the measured void ratio", "measure it more precisely"},
+               {u->threshold, measured ? "the measured void ratio" : "the threshold",
+                measured ? "measure it more precisely" : "measure the void ratio"},
                {u->micro, "the permeability of soil below the voxel", "measure it more precisely"},
                {u->averaging, "averaging", "a longer run lessens it"},
                {u->steadiness, "what still changes", "a longer run lessens it"}};
