@@ -114,6 +114,12 @@ END
   done
 }
 
+@test "a threshold that no measured void ratio stands behind: what lessens its error is to measure one" {
+  ct2model build "$ROOT/data-samples/small" --threshold 64 --voxel-size 8.745um -o guessed.hdf --quiet
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=guessed.hdf -o by-guess --error 10% > guessed.txt
+  grep -q "^verdict .*; most of it is the threshold: measure the void ratio$" guessed.txt || { cat guessed.txt; false; }
+}
+
 @test "what lessens the error of resolution: a finer lattice, past the model's voxels a model, past the scan's a scan" {
   needs() { # WORD ...: of a run, on stdout's verdict, in its record and in darcy
     local word=$1
