@@ -8,6 +8,7 @@
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/model/connect.h"
+#include "ct2model/model/sides.h"
 #include "ct2model/scan/crossing.h"
 
 static double void_ratio_of(double porosity) {
@@ -428,6 +429,19 @@ static double connected_soil(const struct voxel_model *model, const struct parts
   return sum;
 }
 
+/* Pores that end at the first or the last layer of the flow meet grain there: k is that of pores
+ * with a sieve across them, and no part of its error says so. */
+static void warn_of_cut_pores(const struct pipeline *pipeline, int flow) {
+  const struct request *request = pipeline->request;
+  if (flow == 2 ? request->mirror : request->sides == SIDES_MIRRORED) return;
+  const double cut = sides_cut_pores(&pipeline->model, flow);
+  if (cut > 0.0)
+    log_warning("%.0f %% of the pores in the first and last layers along the flow meet grain where "
+                "the model repeats itself: k is that of pores cut there, too low, and its error "
+                "does not say so; %s, unless the image is periodic",
+                100.0 * cut, request->mirror ? "give --mirror z" : "leave out --mirror none");
+}
+
 enum status binarise_connect(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -447,6 +461,7 @@ enum status binarise_connect(struct pipeline *pipeline) {
       quality->isolated_voxels += part->voxels;
     }
   }
+  warn_of_cut_pores(pipeline, flow);
   if (!quality->percolates[2])
     log_warning("no pore path leads through the model along z: nothing can flow; %s",
                 model->size[flow] > 1 ? "a finer --size may open the throats" : "it has one layer");

@@ -336,3 +336,26 @@ END
   run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf
   [ "$status" -eq 2 ]
 }
+
+@test "pores that are cut where the model repeats itself along the flow are told; of periodic images and mirrored ones none are" {
+  small="$ROOT/data-samples/small --void-ratio 0.725 --voxel-size 8.745um -o cut.hdf --force"
+  ct2model build $small --mirror none 2> said.txt
+  grep -qE "[1-9][0-9] % of the pores in the first and last layers .*; leave out --mirror none, unless" said.txt
+  ct2model build $small --mirror x 2> said.txt
+  grep -q "; give --mirror z, unless" said.txt
+  for words in "--mirror z" "--mirror x --sides mirrored"; do
+    ct2model build $small $words 2> said.txt
+    run ! grep "meet grain" said.txt
+  done
+  # Balls that wrap round, and the same less a quarter of its layers.
+  python3 -c 'n = 24
+d = lambda a, b: min(abs(a - b), n - abs(a - b)) ** 2
+balls = [(3, 20, 1), (15, 4, 22), (9, 12, 11), (20, 14, 4), (1, 8, 17)]
+open("round.raw", "wb").write(bytes(any(d(x, p) + d(y, q) + d(z, r) < 40 for p, q, r in balls)
+                                    for z in range(n) for y in range(n) for x in range(n)))'
+  head -c $((24 * 24 * 18)) round.raw > part.raw
+  ct2model build round.raw --raw 24x24x24:u8 --voxel-size 5um --segmented 0 --mirror none -o round.hdf 2> said.txt
+  run ! grep "meet grain" said.txt
+  ct2model build part.raw --raw 24x24x18:u8 --voxel-size 5um --segmented 0 --mirror none -o part.hdf 2> said.txt
+  grep -q "meet grain" said.txt
+}
