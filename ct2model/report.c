@@ -248,9 +248,10 @@ static void print_model(const struct pipeline *pipeline) {
   printf("\nvoid ratio        %.4f", model->void_ratio);
   if (pipeline_walls_enclose(pipeline))
     printf(" by voxels; %.4f within the walls", pipeline_void_ratio(pipeline));
-  if (!isnan(pipeline->request->void_ratio))
+  const double off = pipeline_void_ratio(pipeline) - pipeline->request->void_ratio;
+  if (!isnan(off)) /* rounded first: no -0.0000 */
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
-           pipeline_void_ratio(pipeline) - pipeline->request->void_ratio);
+           round(1e4 * off) / 1e4 + 0.0);
   printf("\nporosity          %.4f, on a path along z %.4f: only the latter conducts\n",
          quality->porosity, quality->connected_porosity);
   if (model->micro_porosity != NULL) {
