@@ -457,5 +457,5 @@ assert run["k_low"] < exact < run["k_high"] < 1.06 * exact, (exact, run)'
   sphsolve run "$BATS_TEST_DIRNAME/slit.cfg" -o "my runs/the first" > told.txt
   bash -c "$(sed -n 's/^next  *//p' told.txt)"
   [ -s "my runs/the first.html" ]
-  sphsolve run "$BATS_TEST_DIRNAME/slit.cfg" -o plain | grep -q '^next       analyze report plain.hdf -o plain.html$'
+  sphsolve run "$BATS_TEST_DIRNAME/slit.cfg" -o unquoted | grep -q '^next       analyze report unquoted.hdf -o unquoted.html$'
 }
