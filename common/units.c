@@ -93,7 +93,7 @@ const char *dimension_example(struct dimension dimension) {
       {{1, 0, 0}, "5.83um"},      {{0, 0, 1}, "0.3 s"},        {{1, 0, -1}, "1.5 m/s"},
       {{1, 0, -2}, "9.8 m/s^2"},  {{-3, 1, 0}, "1000 kg/m^3"}, {{-1, 1, -1}, "1e-3 Pa s"},
       {{-1, 1, -2}, "2 kPa"},     {{-2, 1, -2}, "9807 Pa/m"},  {{0, 0, 0}, "0.725"},
-      {{2, 0, -1}, "1e-6 m^2/s"},
+      {{2, 0, -1}, "1e-6 m^2/s"}, {{-1, 0, 0}, "3.35 1/m"},
   };
   for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
     if (dimension_equal(dimension, examples[i].dimension)) return examples[i].example;
@@ -126,6 +126,10 @@ static bool parse_units(const char *text, double *value, struct dimension *dimen
     }
     if (is_middle_dot(text)) {
       text += 2;
+      continue;
+    }
+    if (text[0] == '1' && text[1] == '/') { /* "1/m", as units are written out */
+      text++;
       continue;
     }
     if (*text == '/') {

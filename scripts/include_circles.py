@@ -10,7 +10,7 @@ import sys
 # From the lowest: a room includes those before it, and itself. "" are the files at the top of a program; its main is
 # above all.
 ROOMS = {
-    "sphsolve": ["scene", "geometry", "plan", "output", "parallel", "march", "stokes", "solute", "wcsph", "isph"],
+    "sphsolve": ["scene", "geometry", "plan", "output", "parallel", "march", "stokes", "solute", "wcsph", "isph", "richards"],
     "ct2model": ["readers", "calibrate", "scan", "resample", "surface", "scanner", "model", ""],
     "analyze": ["", "seepage", "report"],
 }

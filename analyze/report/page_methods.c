@@ -141,6 +141,11 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
     cite(stream, "morimoto", cited);
     cite(stream, "akbari", cited);
     fputs(". ", stream);
+  } else if (strcmp(run->method, "richards") == 0) {
+    fputs("The equation of Richards (1931) for water in soil that is not full was solved in its "
+          "mass-conserving form on fixed sites, with the curves of van Genuchten (1980) and Mualem "
+          "(1976). ",
+          stream);
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",

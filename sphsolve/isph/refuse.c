@@ -176,8 +176,24 @@ static enum status check_end(const struct effect_context *context) {
                                    : "nothing drives water through the domain");
 }
 
+/* Water in soil that is not full is method richards', and so is a suction that is held. */
+static enum status check_suction(const struct scene *scene) {
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    const bool curve = region->van_genuchten.given;
+    if (curve || region->boundary == BOUNDARY_PRESSURE)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: %s is of soil that is not full of water, and method isph fills it or "
+                  "leaves it dry; write method = \"richards\"%s, or leave it out",
+                  scene->path, region->line, curve ? "van_genuchten" : "pressure_head",
+                  curve ? "" : " and give the soil its van_genuchten");
+  }
+  return STATUS_OK;
+}
+
 enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
+  TRY(check_suction(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));
   TRY(isph_refuse_wells(context));

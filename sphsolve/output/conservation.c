@@ -289,6 +289,12 @@ void conservation_print(const struct conservation *c) {
   if (!c->known) return;
   int64_t open = conservation_particles_open(c);
   double mass_open = conservation_mass_open(c);
+  if (c->no_particles) {
+    printf("budget     mass: %.6g kg + %.6g in - %.6g out = %.6g, open by %.2g of it\n", c->mass[0],
+           c->entered_mass, c->left_mass, c->mass[1],
+           fabs(mass_open) / fmax(c->mass[0] + c->entered_mass, 1e-300));
+    return;
+  }
   printf("budget     particles: %" PRIu64 " + %" PRIu64 " in - %" PRIu64 " out - %" PRIu64
          " lost = %" PRIu64,
          c->start, c->entered, c->left, c->lost, c->end);

@@ -68,6 +68,7 @@ struct budget {
  * is true there, and the balance is that of a flow that does not change. */
 struct conservation {
   bool known, steady;
+  bool no_particles; /* known: water moves between sites that stay */
   double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
   double force_open; /* steady: what walls and pressure leave of the driving force, relative */
   double power_open; /* steady: what they leave of its work, relative */

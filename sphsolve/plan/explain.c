@@ -94,8 +94,11 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   print_regions(context->scene);
   quantity_format(context->spacing, "m", text, sizeof text);
   quantity_format(context->support, "m", more, sizeof more);
-  printf("spacing    %s, support %s (%.2f spacings), kernel %s\n", text, more,
-         context->support / context->spacing, kernel_names[context->kernel]);
+  if (context->support > 0)
+    printf("spacing    %s, support %s (%.2f spacings), kernel %s\n", text, more,
+           context->support / context->spacing, kernel_names[context->kernel]);
+  else
+    printf("spacing    %s\n", text);
   if (context->sound_speed > 0)
     printf("sound      %.4g m/s: %s\n", context->sound_speed, context->sound_why);
   if (context->reynolds > 0)
@@ -132,7 +135,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
     if (plan->dt_by && strcmp(plan->dt_by, limit)) printf("; decided by %s", plan->dt_by);
     printf(")\n");
   } else if (isnan(plan->dt)) {
-    printf("time step  chosen each step from the effects' limits\n");
+    printf("time step  chosen each step from %s\n",
+           plan->dt_by ? plan->dt_by : "the effects' limits");
   }
   duration_format(plan->seconds, text, sizeof text);
   printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",

@@ -38,7 +38,8 @@ enum solute_way { SOLUTE_CLOSURE, SOLUTE_WALK, SOLUTE_BOTH };
 extern const char *const solute_way_names[];
 #define SOLUTE_PECLET_MAX 64
 #define MICRO_FACTORS_MOST 32
-enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX };
+enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX, BOUNDARY_PRESSURE };
+enum soil_start { START_HEAD, START_PRESSURE, START_WATER };
 
 /* Settings that errors found after reading name with their line. */
 #define SCENE_PLACES(X)                                                                            \
@@ -87,6 +88,14 @@ struct polygon {
 
 struct stl;
 
+/* Soil that need not be full of water (richards/retention.h); porosity is theta_s then. */
+struct van_genuchten {
+  bool given;
+  double alpha, n, theta_r, l; /* 1/m, -, -, - */
+  enum soil_start starts_by;   /* what `start` is: a level, m; a pressure head, m; theta */
+  double start;
+};
+
 struct region {
   enum region_type type;
   double box[6]; /* x0 y0 z0 x1 y1 z1, m; a 2-D scene uses x and z, y spans everything */
@@ -104,6 +113,8 @@ struct region {
   bool anisotropic;        /* permeable along one axis more than along another */
   double anisotropy[6];    /* then its permeability (xx xy xz yy yz zz) over that of the drag, the
                               geometric mean; yy = 1 in 2-D */
+  double permeability;     /* m/s, as the scene gives it (of beds the mean); 0: by the grain size */
+  struct van_genuchten van_genuchten;
   double soil_velocity[3]; /* moving soil, m/s */
   bool saturated;          /* full of water at the start also where no water region covers it */
   bool dry;                /* dry there, even where soil would start full by itself */
@@ -111,7 +122,8 @@ struct region {
   /* wall */
   bool slip;
   double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */
-  /* inflow: fixed head (m above z = 0) or flux (m/s through the side, positive inward) */
+  /* inflow: fixed head (m above z = 0, or, BOUNDARY_PRESSURE, of pressure) or flux (m/s through the
+     side, positive inward) */
   enum region_boundary boundary;
   double head, flux;
   /* A well takes a rate out of soil, m^3/s (m^2/s in 2-D); a drain what holds its head, or without
@@ -233,6 +245,9 @@ enum status scene_error(const struct scene *scene, enum scene_place place, const
 
 /* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
 double scene_hydraulic_gradient(const struct scene *scene);
+/* The axis of the side of the domain that an inflow region lies on, -1: none; *at_low: the lower.
+ */
+int scene_inflow_axis(const struct scene *scene, const struct region *region, bool *at_low);
 /* The axis along which most of a vector lies; 0 of none. */
 int scene_axis_along(const double vector[3]);
 

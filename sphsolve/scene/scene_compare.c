@@ -30,10 +30,15 @@ static void put_region(FILE *stream, const struct region *r) {
                            r->velocity[1],
                            r->velocity[2],
                            r->head,
-                           r->flux};
+                           r->flux,
+                           r->rate};
   for (int i = 0; i < 6; i++) fprintf(stream, " %.12g", r->box[i]);
   for (size_t i = 0; i < sizeof values / sizeof *values; i++) fprintf(stream, " %.12g", values[i]);
   for (int i = 0; i < 6 && r->anisotropic; i++) fprintf(stream, " %.12g", r->anisotropy[i]);
+  const struct van_genuchten *v = &r->van_genuchten;
+  if (v->given)
+    fprintf(stream, " %.12g %.12g %.12g %.12g %.12g %d %.12g", r->permeability, v->alpha, v->n,
+            v->theta_r, v->l, (int)v->starts_by, v->start);
   fprintf(stream, " %d %d %d %s", r->saturated - r->dry, r->slip, (int)r->boundary, r->name);
   for (size_t i = 0; i < r->table.count; i++)
     fprintf(stream, " %.12g: %.12g %.12g %.12g,", r->table.time[i], r->table.value[i][0],

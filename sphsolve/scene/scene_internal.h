@@ -17,9 +17,6 @@ enum status scene_vector(struct config *config, config_node *group, const char *
 /* Spreads the two values of a 2-D vector to x and z. */
 void scene_spread(const struct scene *scene, int count, double vector[3]);
 
-/* The axis of the side of the domain that an inflow region lies on, -1: none; *at_low: the lower.
- */
-int scene_inflow_axis(const struct scene *scene, const struct region *region, bool *at_low);
 /* Of all regions: extents against the spacing, what covers what, throats between walls. */
 enum status scene_check_geometry(struct config *config, config_node *list,
                                  const struct scene *scene);
@@ -30,6 +27,9 @@ bool scene_in_wall(const struct scene *scene, const double point[3]);
  * grain_size and alpha. */
 enum status scene_read_permeability(struct config *config, config_node *group,
                                     const struct scene *scene, struct region *region);
+
+/* scene_retention.c: van_genuchten of a region of soil, and how wet it starts. */
+enum status scene_read_retention(struct config *config, config_node *group, struct region *region);
 
 /* scene_shapes.c: regions that are no boxes. Whether a group gives one; reads it, its extent into
  * `box`; cuts all into boxes, at most `most` regions. */

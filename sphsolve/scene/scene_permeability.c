@@ -18,6 +18,7 @@ static enum status take_permeability(struct config *config, config_node *group,
   const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
   const double scale = nu * (1 - e) * (1 - e) / (e * e * e), a = GRAVITY_STANDARD / k;
   config_node *node = config_child(config, group, "permeability");
+  region->permeability = k;
   if (config_child(config, group, "alpha") != NULL)
     return config_error(config, config_child(config, group, "alpha"),
                         "permeability says already how large the drag is; leave one out");

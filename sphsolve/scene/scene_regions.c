@@ -73,6 +73,7 @@ static enum status read_porous(struct config *config, config_node *group, struct
     TRY(config_error(config, config_child(config, group, "porosity"),
                      "must be above 0 and at most 1"));
   TRY(scene_read_permeability(config, group, scene, region));
+  TRY(scene_read_retention(config, group, region));
   if (!(region->grain_size > 0))
     TRY(config_error(
         config, group,
@@ -164,19 +165,25 @@ cleanup:
 static enum status read_inflow(struct config *config, config_node *group, const struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
-  const bool head_given = config_child(config, group, "head") != NULL;
   const bool flux_given = config_child(config, group, "flux") != NULL;
-  if (head_given == flux_given)
-    TRY(config_error(config, group, "either head (a length) or flux (a velocity) is wanted"));
+  const bool pressure_given = config_child(config, group, "pressure_head") != NULL;
+  const bool head_given = config_child(config, group, "head") != NULL;
+  const char *key = flux_given ? "flux" : pressure_given ? "pressure_head" : "head";
+  const struct dimension of = flux_given ? DIM_VELOCITY : DIM_LENGTH;
+  double *value = flux_given ? &region->flux : &region->head;
+  if (flux_given + pressure_given + head_given != 1)
+    TRY(config_error(config, group,
+                     "either head (a length) or flux (a velocity) is wanted; before soil with "
+                     "van_genuchten also pressure_head (a length)"));
   if (config_child(config, group, "times") != NULL) {
-    TRY(read_table(config, group, head_given ? "head" : "flux",
-                   head_given ? DIM_LENGTH : DIM_VELOCITY, scene, 1, &region->table));
-    *(head_given ? &region->head : &region->flux) = time_table_extreme(&region->table, 0);
+    TRY(read_table(config, group, key, of, scene, 1, &region->table));
+    *value = time_table_extreme(&region->table, 0);
   } else {
-    TRY(config_quantity(config, group, "head", DIM_LENGTH, &region->head, NULL));
-    TRY(config_quantity(config, group, "flux", DIM_VELOCITY, &region->flux, NULL));
+    TRY(config_quantity(config, group, key, of, value, NULL));
   }
-  region->boundary = head_given ? BOUNDARY_HEAD : BOUNDARY_FLUX;
+  region->boundary = flux_given       ? BOUNDARY_FLUX
+                     : pressure_given ? BOUNDARY_PRESSURE
+                                      : BOUNDARY_HEAD;
 cleanup:
   return status;
 }

@@ -17,8 +17,9 @@ static const char *const switch_names[] = {"auto", "on", "off", NULL};
 static const char *const solver_names[] = {"grid", "petsc", NULL};
 static const char *const porosity_names[] = {"clamp", "m15", NULL};
 
-static const char *const field_names[] = {"velocity", "pressure", "density", "id",
-                                          "porosity", "volume",   "surface", NULL};
+static const char *const field_names[] = {"velocity",   "pressure",      "density", "id",
+                                          "porosity",   "volume",        "surface", "head",
+                                          "saturation", "water_content", NULL};
 
 static enum status read_methods(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -135,7 +136,8 @@ static enum status read_output(struct config *config, struct scene *scene) {
     if (!known)
       TRY(config_error(config, item,
                        "there is no field \"%s\"; there are velocity, pressure, "
-                       "density, id, and with isph porosity, volume and surface",
+                       "density, id, with isph porosity, volume and surface, with "
+                       "richards head, saturation and water_content",
                        config_text_value(item)));
     for (size_t k = 0; k < i; k++)
       if (!strcmp(scene->output_fields[k], config_text_value(item)))

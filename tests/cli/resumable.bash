@@ -24,6 +24,23 @@ gauges = ( { name = "foot"; at = ["0.3 m","0"]; } );
 planes = ( { name = "mid"; x = "0.4 m"; } );
 output = { interval = "0.1 s"; };
 END
+  # two soils that are not full, of which one is in beds; rain that comes and goes, a ditch whose level falls
+  cat > wet.cfg << 'END'
+scene = { end_time = "4 h"; };
+domain = { size = ["1 m","1 m"]; spacing = "2 cm"; periodic = [false,false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = (
+  { type = "porous"; box = ["0","0","1 m","0.5 m"]; porosity = 0.4; permeability = ["2e-5 m/s","1e-5 m/s"]; head = "0.3 m";
+    van_genuchten = { alpha = "2 1/m"; n = 1.5; theta_r = 0.05; }; },
+  { type = "porous"; box = ["0","0.5 m","1 m","1 m"]; porosity = 0.35; permeability = "1e-4 m/s"; head = "0.3 m";
+    van_genuchten = { alpha = "5 1/m"; n = 3.0; }; },
+  { type = "rain"; name = "storm"; box = ["0","0.98 m","0.5 m","1 m"]; times = ["0 s","10 min","2 h"]; rate = ["0","2e-5 m/s","0"]; },
+  { type = "inflow"; box = ["0.98 m","0","1 m","1 m"]; times = ["0 s","3 h"]; head = ["0.3 m","0.1 m"]; } );
+force = { gravity = ["0","-9.80665 m/s^2"]; };
+gauges = ( { name = "foot"; at = ["0.3 m","0.2 m"]; } );
+planes = ( { name = "mid"; x = "0.41 m"; } );
+output = { interval = "1 h"; history_interval = "1 min"; };
+END
 }
 
 # METHOD NAME [options]: becomes the program, so that a signal to a subshell's $! meets it, or `under` of it. VOICE may be
@@ -36,6 +53,7 @@ resumable_start() {
       --set output.interval='0.03 s' "$@" ;;
     stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --set lattice.spacing='20 um' "$@" ;;
     isph) set -- all.cfg "$@" ;;
+    richards) set -- wet.cfg "$@" ;;
   esac
   exec "${under[@]}" sphsolve run "$@" --set checkpoint.interval="${CHECKPOINT:-0.1 s}" -o "$name" "${VOICE:---quiet}"
 }

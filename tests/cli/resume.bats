@@ -7,7 +7,7 @@ setup_file() {
   programs_path
   . "$ROOT/tests/cli/resumable.bash"
   resumable_make
-  for method in wcsph stokes isph; do (resumable_start $method whole-$method > /dev/null); done
+  for method in wcsph stokes isph richards; do (resumable_start $method whole-$method > /dev/null); done
 }
 setup() {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
@@ -29,6 +29,7 @@ torn() {
 @test "wcsph: killed by SIGKILL, at random and while it writes, and resumed" { torn wcsph; }
 @test "stokes: killed by SIGKILL, at random and while it writes, and resumed" { torn stokes; }
 @test "isph: killed by SIGKILL, at random and while it writes, and resumed" { torn isph; }
+@test "richards: killed by SIGKILL, at random and while it writes, and resumed" { torn richards; }
 
 @test "a crash loses no row of the history" {
   for method in wcsph isph; do
@@ -162,7 +163,7 @@ END
 }
 
 @test "the same bits for 1, 2 and 3 threads" {
-  for method in wcsph isph; do
+  for method in wcsph isph richards; do
     for threads in 1 2 3; do
       (resumable_start $method threads --threads $threads > /dev/null)
       resumable_same whole-$method threads

@@ -33,6 +33,9 @@ static void test_right(void **state) {
   parses("1 mPa s", DIM_VISCOSITY, 1e-3);
   parses("1e-3 Pa*s", DIM_VISCOSITY, 1e-3);
   parses("1 cP", DIM_VISCOSITY, 1e-3);
+  parses("3.35 1/m", (struct dimension){-1, 0, 0}, 3.35);
+  parses("0.0335 1/cm", (struct dimension){-1, 0, 0}, 3.35);
+  parses("3.35/m", (struct dimension){-1, 0, 0}, 3.35);
   parses("1e-3 kg/m/s", DIM_VISCOSITY, 1e-3);
   parses("-9.8 m/s^2", DIM_ACCELERATION, -9.8);
   parses("9.8 m s^-2", DIM_ACCELERATION, 9.8);

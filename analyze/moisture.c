@@ -1,0 +1,281 @@
+/* Water in soil that is not full, from the snapshots of a run of method richards: a map of the
+ * water content at the end with the water table, profiles at all snapshots, and the balance. */
+#include <math.h>
+#include <string.h>
+
+#include "analyze/analysis.h"
+#include "analyze/plot.h"
+#include "common/memory.h"
+#include "common/snapshot_file.h"
+
+#define WIDTH 760         /* pixels of the picture */
+#define PROFILES_MOST 7   /* drawn, evenly over the snapshots */
+#define COLUMNS_FOR_MAP 3 /* a narrower run is a column, and has no map */
+
+/* The sites of the plane in the middle along y, [nz][nx]; NAN where there is no soil. */
+struct moisture {
+  const struct run *run;
+  size_t nx, nz, row, shots;
+  double *theta, *pressure; /* [shots][nz][nx]; 1, m */
+  size_t column;            /* of the profiles: where most water is at the end */
+};
+
+static double x_of(const struct moisture *m, size_t i) {
+  return m->run->origin[0] + (double)i * m->run->spacing[0];
+}
+static double z_of(const struct moisture *m, size_t k) {
+  return m->run->origin[2] + (double)k * m->run->spacing[2];
+}
+
+static enum status read_shot(struct moisture *m, size_t shot) {
+  enum status status = STATUS_OK;
+  const struct run *run = m->run;
+  struct snapshot snapshot = {0};
+  double *theta = NULL, *head = NULL;
+  char path[8192];
+  if (snprintf(path, sizeof path, "%s%s", run->folder, run->snapshot_names[shot]) >=
+      (int)sizeof path)
+    TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
+  TRY(snapshot_open(path, &snapshot));
+  TRY(snapshot_read(&snapshot, "water_content", 1, &theta));
+  TRY(snapshot_read(&snapshot, "head", 1, &head));
+  for (size_t p = 0; p < snapshot.count; p++) {
+    const double *x = snapshot.points + 3 * p;
+    double at[3];
+    bool inside = true;
+    for (int a = 0; a < 3; a++) {
+      at[a] = round((x[a] - run->origin[a]) / run->spacing[a]);
+      inside = inside && at[a] >= 0 && at[a] < (double)run->size[a];
+    }
+    if (!inside || !isfinite(theta[p]) || !isfinite(head[p]))
+      TRY_FAIL(STATUS_INPUT, "%s: site %zu lies outside the run, or has no number", path, p);
+    if ((size_t)at[1] != m->row) continue;
+    const size_t cell = (shot * m->nz + (size_t)at[2]) * m->nx + (size_t)at[0];
+    m->theta[cell] = theta[p];
+    m->pressure[cell] = head[p] - x[2];
+  }
+cleanup:
+  memory_free(&theta);
+  memory_free(&head);
+  snapshot_close(&snapshot);
+  return status;
+}
+
+static enum status moisture_read(const struct run *run, struct moisture *m) {
+  enum status status = STATUS_OK;
+  double most = -1;
+  *m = (struct moisture){.run = run,
+                         .nx = run->size[0],
+                         .nz = run->size[2],
+                         .row = run->size[1] / 2,
+                         .shots = run->snapshot_count};
+  const size_t cells = m->nx * m->nz;
+  TRY(memory_allocate(&m->theta, m->shots * cells, sizeof(double), "the water contents"));
+  TRY(memory_allocate(&m->pressure, m->shots * cells, sizeof(double), "the pressure heads"));
+  for (size_t c = 0; c < m->shots * cells; c++) m->theta[c] = m->pressure[c] = NAN;
+  for (size_t s = 0; s < m->shots; s++) TRY(read_shot(m, s));
+  for (size_t i = 0; i < m->nx; i++) {
+    double sum = 0;
+    for (size_t k = 0; k < m->nz; k++) {
+      const double theta = m->theta[((m->shots - 1) * m->nz + k) * m->nx + i];
+      if (!isnan(theta)) sum += theta;
+    }
+    if (sum > most * (1 + 1e-9)) most = sum, m->column = i;
+  }
+cleanup:
+  return status;
+}
+
+static void moisture_free(struct moisture *m) {
+  memory_free(&m->theta);
+  memory_free(&m->pressure);
+}
+
+/* The highest place of a column up to which all soil above its foot is under pressure; NAN. */
+static double table_of(const struct moisture *m, size_t shot, size_t i) {
+  double below = NAN;
+  for (size_t k = 0; k < m->nz; k++) {
+    const double h = m->pressure[(shot * m->nz + k) * m->nx + i];
+    if (isnan(h) && isnan(below)) continue;
+    if (isnan(h) || h < 0) {
+      if (isnan(below)) return NAN;
+      return isnan(h) ? z_of(m, k) - 0.5 * m->run->spacing[2]
+                      : z_of(m, k) - m->run->spacing[2] * h / (h - below);
+    }
+    below = h;
+  }
+  return NAN;
+}
+
+/* The last value of a column of the history; NAN without it. */
+static double last_of(const struct run *run, const char *name) {
+  const struct history_column *c = run_column(run, name, 1);
+  return c != NULL && c->rows > 0 ? c->values[c->rows - 1] : NAN;
+}
+
+static void write_cells(const struct moisture *m, FILE *csv) {
+  fputs("time,x,z,pressure_head,water_content\n", csv);
+  for (size_t s = 0; s < m->shots; s++)
+    for (size_t k = 0; k < m->nz; k++)
+      for (size_t i = 0; i < m->nx; i++) {
+        const size_t c = (s * m->nz + k) * m->nx + i;
+        if (isnan(m->theta[c]) || (i != m->column && s + 1 < m->shots)) continue;
+        fprintf(csv, "%.9g,%.6g,%.6g,%.8g,%.8g\n", m->run->snapshot_times[s], x_of(m, i),
+                z_of(m, k), m->pressure[c], m->theta[c]);
+      }
+}
+
+static void write_data(const struct moisture *m, FILE *stream) {
+  const size_t last = m->shots - 1;
+  fputs("$map << EOD\n", stream);
+  for (size_t k = 0; k < m->nz; k++)
+    for (size_t i = 0; i < m->nx; i++) {
+      const double theta = m->theta[(last * m->nz + k) * m->nx + i];
+      fprintf(stream, "%.6g %.6g ", x_of(m, i), z_of(m, k));
+      fprintf(stream, isnan(theta) ? "NaN\n" : "%.6g\n", theta);
+    }
+  fputs("EOD\n$table << EOD\n", stream);
+  for (size_t i = 0; i < m->nx; i++) {
+    const double level = table_of(m, last, i);
+    if (isnan(level))
+      fputc('\n', stream);
+    else
+      fprintf(stream, "%.6g %.6g\n", x_of(m, i), level);
+  }
+  fputs("EOD\n", stream);
+  for (size_t s = 0; s < m->shots; s++) {
+    fprintf(stream, "$profile_%zu << EOD\n", s);
+    for (size_t k = 0; k < m->nz; k++) {
+      const double theta = m->theta[(s * m->nz + k) * m->nx + m->column];
+      if (isnan(theta))
+        fputc('\n', stream);
+      else
+        fprintf(stream, "%.6g %.6g\n", theta, z_of(m, k));
+    }
+    fputs("EOD\n", stream);
+  }
+}
+
+/* Of long runs in hours. */
+static void write_time(const struct moisture *m, size_t shot, char *text, size_t size) {
+  const double time = m->run->snapshot_times[shot];
+  const bool hours = m->run->snapshot_times[m->shots - 1] >= 7200;
+  snprintf(text, size, hours ? "%.4g h" : "%.4g s", hours ? time / 3600 : time);
+}
+
+static void plot_profiles(const struct moisture *m, FILE *stream) {
+  const size_t step = (m->shots + PROFILES_MOST - 1) / PROFILES_MOST;
+  fprintf(
+      stream,
+      "set title 'profiles at x = %.4g m'\nset size noratio\nset autoscale x\nset xlabel 'water "
+      "content'\nset key outside below horizontal samplen 2\nplot ",
+      x_of(m, m->column));
+  for (size_t n = 0, s = 0; s < m->shots; s += step, n++) {
+    char time[40];
+    write_time(m, s, time, sizeof time);
+    fprintf(stream, "%s$profile_%zu with lines linewidth 1.6 ", n > 0 ? ", " : "", s);
+    plot_line_style(stream, n);
+    fprintf(stream, " title '%s'", time);
+  }
+  fputc('\n', stream);
+}
+
+static void plot(const struct moisture *m, struct product *product) {
+  FILE *stream = product->plot.stream;
+  const double *d = m->run->spacing, width = (double)m->nx * d[0], height = (double)m->nz * d[2];
+  const bool map = m->nx >= COLUMNS_FOR_MAP;
+  write_data(m, stream);
+  fprintf(stream, "set yrange [%.6g:%.6g]\nset ylabel 'z (m)'\n", z_of(m, 0) - 0.5 * d[2],
+          z_of(m, 0) - 0.5 * d[2] + height);
+  if (map) {
+    char time[40];
+    write_time(m, m->shots - 1, time, sizeof time);
+    fprintf(stream,
+            "set multiplot layout 1,2 margins 0.1,0.97,0.3,0.9 spacing 0.17,0\n"
+            "set title 'water content at %s'\nset size ratio -1\nset xrange [%.6g:%.6g]\nset "
+            "xlabel 'x (m)'\n"
+            "set palette defined (0 '#f4ead5', 0.5 '#7fb5d5', 1 '#0b3c6f')\n"
+            "set colorbox user origin 0.1,0.1 size 0.35,0.04 horizontal\nset key off\n"
+            "plot $map using 1:2:3 with image, $table with lines linewidth 2 linecolor rgb "
+            "'%s'\n",
+            time, x_of(m, 0) - 0.5 * d[0], x_of(m, 0) - 0.5 * d[0] + width, plot_colours[1]);
+  }
+  plot_profiles(m, stream);
+  if (map) fputs("unset multiplot\n", stream);
+  product->width = map ? WIDTH : 560;
+  product->height = 420;
+}
+
+static void tell(const struct moisture *m, struct product *product) {
+  FILE *summary = product->summary.stream;
+  const struct run *run = m->run;
+  const double water = last_of(run, "water"), open = last_of(run, "water_open"),
+               level = table_of(m, m->shots - 1, m->column);
+  const struct history_column *column = run_column(run, "water", 1);
+  const double first = column != NULL && column->rows > 0 ? column->values[0] : NAN;
+  double dry = INFINITY, wet = -INFINITY;
+  for (size_t c = (m->shots - 1) * m->nz * m->nx; c < m->shots * m->nz * m->nx; c++)
+    dry = fmin(dry, m->theta[c]), wet = fmax(wet, m->theta[c]); /* NAN is no number to either */
+  fprintf(summary, "%s: %.4g s\n", run->name, run->snapshot_times[m->shots - 1]);
+  fprintf(summary, "water      %.6g m^3 at the start, %.6g m^3 at the end, open by %.2g of it\n",
+          first, water, fabs(open) / fmax(water, 1e-300));
+  fprintf(summary, "content    %.4g to %.4g at the end\n", dry, wet);
+  if (isfinite(level))
+    fprintf(summary, "table      %.4g m at x = %.4g m, where most water is\n", level,
+            x_of(m, m->column));
+  json_t *json = product->json, *x = json_array(), *levels = json_array();
+  json_object_set_new(json, "path", json_text(run->path));
+  json_object_set_new(json, "name", json_text(run->name));
+  json_put_number(json, "time_s", run->snapshot_times[m->shots - 1]);
+  json_put_number(json, "water_at_start_m3", first);
+  json_put_number(json, "water_m3", water);
+  json_put_number(json, "water_open_m3", open);
+  json_put_number(json, "water_content_least", dry);
+  json_put_number(json, "water_content_most", wet);
+  for (size_t i = 0; i < m->nx; i++) {
+    const double at = table_of(m, m->shots - 1, i);
+    if (isnan(at)) continue;
+    json_array_append_new(x, json_number(x_of(m, i)));
+    json_array_append_new(levels, json_number(at));
+  }
+  json_object_set_new(json, "water_table", json_pack("{s:o,s:o}", "x_m", x, "level_m", levels));
+}
+
+static enum status analyze(const struct subject *subject, const struct options *options,
+                           struct product *product) {
+  enum status status = STATUS_OK;
+  struct moisture moisture = {0};
+  const struct run *run = &subject->runs[0];
+  (void)options;
+  if (strcmp(run->method, "richards") != 0 || run->snapshot_count == 0)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: moisture is of runs of method richards with snapshots; this one is of %s",
+             run->path, run->method);
+  TRY(moisture_read(run, &moisture));
+  tell(&moisture, product);
+  write_cells(&moisture, product->csv.stream);
+  plot(&moisture, product);
+cleanup:
+  moisture_free(&moisture);
+  return status;
+}
+
+static enum status applies(const struct subject *subject, bool *applies) {
+  *applies =
+      subject->snapshots && subject->n == 1 && strcmp(subject->runs[0].method, "richards") == 0;
+  return STATUS_OK;
+}
+
+const struct analysis moisture_analysis = {
+    .name = "moisture",
+    .command =
+        {"moisture", "RUN [-o DIR]",
+         "water in soil that is not full: map and profiles of the water content, water table",
+         "analyze moisture recharge.hdf -o results", 1, 1},
+    .heading = "Water in the soil",
+    .contents = "Water in the soil",
+    .caption =
+        "Water content: a map at the end with the water table, and profiles where most water "
+        "is, at each snapshot.",
+    .applies = applies,
+    .analyze = analyze};

@@ -1,0 +1,61 @@
+/* Fluxes through the faces of soil to the outside. */
+#include <math.h>
+
+#include "sphsolve/richards/state.h"
+
+static double given_at(const struct region *region, double steady, double time) {
+  return region->table.count > 0 ? time_table_at(&region->table, time, 0) : steady;
+}
+
+double richards_rain_at(const struct richards_edge *edge, double time) {
+  if (edge->kind != EDGE_AIR || edge->region == NULL) return 0;
+  return edge->share * given_at(edge->region, edge->region->rate, time);
+}
+
+/* Inwards, from a pressure head that is held outside. */
+static void from_head(const struct richards *s, const struct richards_edge *edge, double head,
+                      struct flux *flux) {
+  const struct retention *soil = &s->soils[s->soil[edge->site]];
+  struct retention_state outside;
+  retention_at(soil, head, &outside);
+  flux_in_soil(soil->conductivity[edge->axis], 0.5 * s->spacing,
+               edge->low ? s->pull[edge->axis] : -s->pull[edge->axis], &outside,
+               &s->now[edge->site], flux);
+  flux->di = flux->dj;
+}
+
+/* At most `most`. */
+static void limit(struct flux *flux, double most) {
+  if (flux->q > most) *flux = (struct flux){most, 0, 0};
+}
+
+/* Air takes what comes out under pressure and gives nothing but rain, as much of it as soil with
+ * no water standing on it takes. What evaporates is at most what air-dry soil at the face draws. */
+static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
+                    struct flux *flux) {
+  double given;
+  switch (edge->kind) {
+  case EDGE_AIR:
+    from_head(s, edge, 0, flux);
+    limit(flux, richards_rain_at(edge, time));
+    return;
+  case EDGE_HEAD:
+    given = given_at(edge->region, edge->region->head, time);
+    from_head(s, edge, -s->pull[2] * fmax(given - edge->z, 0), flux);
+    if (given < edge->z - 1e-9 * s->spacing) limit(flux, 0);
+    return;
+  case EDGE_PRESSURE:
+    from_head(s, edge, given_at(edge->region, edge->region->head, time), flux);
+    return;
+  case EDGE_FLUX:
+    given = edge->share * given_at(edge->region, edge->region->flux, time);
+    from_head(s, edge, s->soils[s->soil[edge->site]].driest, flux);
+    if (given >= 0 || flux->q < given) *flux = (struct flux){given, 0, 0};
+    return;
+  }
+}
+
+void richards_edge_fluxes(struct richards *s, double time) {
+#pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_ALONE)
+  for (size_t e = 0; e < s->edge_count; e++) flux_at(s, &s->edges[e], time, &s->edge_flux[e]);
+}

@@ -1,0 +1,89 @@
+#include "sphsolve/richards/flux.h"
+
+#include <math.h>
+
+/* w of P and its slope. */
+static void weight_of(double p, double *w, double *slope) {
+  if (fabs(p) < 0.05) {
+    const double square = p * p;
+    *w = 0.5 + p * (1.0 / 12 - square / 720);
+    *slope = 1.0 / 12 - square / 240;
+    return;
+  }
+  const double half = sinh(fmin(fabs(0.5 * p), 300));
+  *w = -1 / expm1(-p) - 1 / p;
+  *slope = 1 / (p * p) - 0.25 / (half * half);
+}
+
+/* From where on, over |h|, a difference of heads has no, and all, digits for a mean of k by it. */
+#define NEAR 1e-4
+#define FAR 1e-2
+
+/* k_m: by the difference of F, or of heads that are nearly one by Euler and Maclaurin's rule. They
+ * pass into each other, as a step of Newton's method sees any jump. */
+static double mean_of(const struct retention_state *i, const struct retention_state *j, double dh,
+                      double df, double apart) {
+  const double s = fmin(fmax((apart - NEAR) / (FAR - NEAR), 0), 1), far = s * s * (3 - 2 * s);
+  const double near = 0.5 * (i->k + j->k) - dh / 12 * (i->slope - j->slope);
+  return far > 0 ? far * df / dh + (1 - far) * near : near;
+}
+
+void flux_in_soil(double conductivity, double distance, double pull,
+                  const struct retention_state *i, const struct retention_state *j,
+                  struct flux *flux) {
+  const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
+  const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
+  const double mean = mean_of(i, j, dh, df, apart), sum = i->k + j->k;
+  const double rate = apart > 0.1 * NEAR ? dk / df : sum > 0 ? (i->slope + j->slope) / sum : 0;
+  double mean_i = 0.5 * i->slope, mean_j = 0.5 * j->slope, rate_i = 0, rate_j = 0;
+  if (apart > FAR) {
+    mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
+    rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
+  }
+  double along, rest, along_slope, rest_slope;
+  weight_of(pull * distance * rate, &along, &along_slope);
+  weight_of(-rate * dh, &rest, &rest_slope);
+  const double turn = pull * dk, w = pull * (along - rest);
+  flux->q = conductivity * (mean * (dh / distance + pull) + w * dk);
+  flux->di = conductivity *
+             (i->k / distance + pull * mean_i + w * i->slope +
+              turn * (along_slope * pull * distance * rate_i + rest_slope * (rate + dh * rate_i)));
+  flux->dj = conductivity *
+             (-j->k / distance + pull * mean_j - w * j->slope +
+              turn * (along_slope * pull * distance * rate_j + rest_slope * (dh * rate_j - rate)));
+}
+
+#define ROUNDS 100
+
+void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
+                        double distance, double pull, const struct retention_state *i,
+                        const struct retention_state *j, struct flux *flux) {
+  const double half = 0.5 * distance;
+  struct retention_state at_i, at_j;
+  struct flux one, two;
+  /* More goes in than out below `low`, and less above `high`. */
+  double low = fmin(i->h, j->h) - distance * fabs(pull),
+         high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
+  for (int round = 0; round < ROUNDS; round++) {
+    retention_at(soil_i, h, &at_i);
+    retention_at(soil_j, h, &at_j);
+    flux_in_soil(soil_i->conductivity[axis], half, pull, i, &at_i, &one);
+    flux_in_soil(soil_j->conductivity[axis], half, pull, &at_j, j, &two);
+    const double open = one.q - two.q, fall = one.dj - two.di;
+    if (open > 0)
+      low = h;
+    else
+      high = h;
+    double next = fall < 0 ? h - open / fall : NAN;
+    if (!(next > low && next < high)) {
+      /* Between -1e4 m and 0 the middle of the logarithms is the one to try. */
+      next = low < -1e-6 && high < -1e-12 ? -sqrt(low * high) : 0.5 * (low + high);
+    }
+    if (fabs(next - h) <= 1e-14 * fmax(fabs(h), 1e-6) || open == 0) break;
+    h = next;
+  }
+  const double fall = one.dj - two.di;
+  flux->q = one.q;
+  flux->di = fall < 0 ? -one.di * two.di / fall : 0;
+  flux->dj = fall < 0 ? two.dj * one.dj / fall : 0;
+}

@@ -1,0 +1,130 @@
+/* Method richards: water in soil that need not be full of it (docs/physics/richards.md). */
+#include "sphsolve/richards/method.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/output/recorder.h"
+#include "sphsolve/output/step_log.h"
+#include "sphsolve/richards/output.h"
+
+/* The next instant that a step has to end at: tables turn there, snapshots are due, the run ends.
+ */
+static double next_instant(const struct richards *s, const struct recorder *recorder) {
+  const struct scene *scene = s->scene;
+  double next = fmin(scene->end_time, recorder_next_snapshot(recorder));
+  for (size_t r = 0; r < scene->region_count; r++)
+    for (size_t k = 0; k < scene->regions[r].table.count; k++) {
+      const double time = scene->regions[r].table.time[k];
+      if (time > s->time * (1 + 1e-12)) next = fmin(next, time);
+    }
+  return next > s->time ? next : scene->end_time;
+}
+
+/* Whether all that is still to come is below the tolerance: tables have ended, and if the present
+ * rate went on as long again no water content would change by more. */
+static bool is_steady(const struct richards *s) {
+  const struct scene *scene = s->scene;
+  if (!(scene->steady_tolerance > 0) || s->step == 0) return false;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct time_table *table = &scene->regions[r].table;
+    if (table->count > 0 && s->time < table->time[table->count - 1]) return false;
+  }
+  return s->rate * s->time < scene->steady_tolerance;
+}
+
+/* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */
+static double row_after(double time, double interval) {
+  return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
+}
+
+static enum status march(struct richards *s, struct recorder *recorder, struct run_result *result) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  double interval = recorder_row_interval(recorder), dt = 0;
+  bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
+  if (isnan(interval)) interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
+  double next_row = resumed ? row_after(s->time, interval) : 0;
+  result->status = "end_time";
+  for (;;) {
+    bool last = s->time >= scene->end_time * (1 - 1e-12);
+    if (!last && is_steady(s)) last = true, result->status = "steady";
+    const bool stopped = recorder_interrupted(recorder);
+    if (stopped) result->status = "interrupted";
+    if (!resumed && (s->time >= next_row * (1 - 1e-12) || last)) {
+      TRY(richards_write_row(s, recorder, dt));
+      next_row = row_after(s->time, interval);
+    }
+    if (!resumed && (s->time >= recorder_next_snapshot(recorder) * (1 - 1e-12) || last))
+      TRY(richards_write_snapshot(s, recorder));
+    if ((stopped || recorder_checkpoint_due(recorder)) && s->step > 0)
+      TRY(richards_write_checkpoint(s, recorder));
+    resumed = false;
+    if (stopped)
+      TRY_FAIL(STATUS_INTERRUPTED, "interrupted at t = %.4g s; go on with --resume", s->time);
+    if (last) break;
+    TRY(richards_advance(s, next_instant(s, recorder), &dt));
+    step_log_limit(recorder_step_log(recorder), "water content");
+    char note[96];
+    snprintf(note, sizeof note, "t %.4g s, dt %.3g s", s->time, dt);
+    recorder_progress(recorder, s->time / scene->end_time, note);
+  }
+cleanup:
+  if (status == STATUS_NUMERIC) result->status = "failed";
+  return status;
+}
+
+static enum status run(const struct scene *scene, const struct plan *plan, struct lattice *lattice,
+                       struct recorder *recorder, struct run_result *result) {
+  enum status status = STATUS_OK;
+  struct richards state = {0}, *s = &state;
+  struct h5_file *file = NULL;
+  (void)plan;
+  TRY(richards_create(scene, lattice, s));
+  TRY(richards_add_columns(s, recorder));
+  TRY(recorder_resume(recorder, &file));
+  if (file != NULL) TRY(richards_read_checkpoint(s, file));
+  TRY(march(s, recorder, result));
+cleanup:
+  if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
+    const double density = scene->fluid.density;
+    result->reynolds = NAN;
+    result->steps = s->step;
+    result->conservation = (struct conservation){.known = true,
+                                                 .no_particles = true,
+                                                 .entered_mass = density * s->in,
+                                                 .left_mass = density * s->out};
+    recorder_set_fact(recorder, "newton_iterations", (double)s->iterations_total);
+    recorder_set_fact(recorder, "linear_iterations", (double)s->linear_total);
+    recorder_set_fact(recorder, "steps_refused", (double)s->refused);
+  }
+  h5_close(file);
+  richards_free(s);
+  return status;
+}
+
+static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+  for (size_t r = 0; r < context->scene->region_count; r++)
+    if (context->scene->regions[r].van_genuchten.given) {
+      snprintf(why, EFFECT_WHY, "soil has van_genuchten: it need not be full of water");
+      return true;
+    }
+  return false;
+}
+
+static const char *wall_name(const struct scene *scene) {
+  (void)scene;
+  return "closed";
+}
+
+static const char *const fields[] = {"head", "saturation", "water_content", NULL};
+
+const struct method method_richards = {.name = "richards",
+                                       .effects = richards_effects,
+                                       .marches = true,
+                                       .fields = fields,
+                                       .takes = takes,
+                                       .scales = richards_scales,
+                                       .cost = richards_cost,
+                                       .wall_name = wall_name,
+                                       .run = run};

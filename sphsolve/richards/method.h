@@ -1,0 +1,14 @@
+/* What the descriptor of method richards is made of. */
+#ifndef TOSUI_SPHSOLVE_RICHARDS_METHOD_H
+#define TOSUI_SPHSOLVE_RICHARDS_METHOD_H
+
+#include "sphsolve/plan/method.h"
+#include "sphsolve/plan/plan.h"
+
+extern const struct effect *const richards_effects[]; /* effects/registry.def */
+enum status richards_scales(struct plan *plan);
+enum status richards_cost(struct plan *plan, int threads);
+/* refuse.c: an error for scenes that the method cannot do. */
+enum status richards_refuse(const struct effect_context *context);
+
+#endif

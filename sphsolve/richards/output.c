@@ -1,0 +1,338 @@
+#include "sphsolve/richards/output.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/units.h"
+
+/* Sites around a point, two along each axis that is used, with weights that add up to 1 where all
+ * are soil. */
+static int around(const struct richards *s, const double point[3], uint32_t site[8],
+                  double weight[8]) {
+  const struct lattice *l = s->lattice;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  int n = 0;
+  double sum = 0;
+  for (int corner = 0; corner < 8; corner++) {
+    double w = 1;
+    size_t at = 0;
+    for (int a = 0; a < 3; a++) {
+      const double x = (point[a] - l->origin[a]) / l->spacing[a], low = floor(x);
+      const double side = low + (corner >> a & 1);
+      w *= l->size[a] == 1 ? (corner >> a & 1) == 0 : 1 - fabs(x - side);
+      const double last = (double)l->size[a] - 1;
+      if (s->scene->periodic[a] && l->size[a] > 1)
+        at += stride[a] * (size_t)(side < 0 ? last : side > last ? 0 : side);
+      else
+        at += stride[a] * (size_t)fmin(fmax(side, 0), last);
+    }
+    if (!(w > 0) || s->number[at] == SITE_NONE) continue;
+    site[n] = s->number[at], weight[n++] = w;
+    sum += w;
+  }
+  for (int k = 0; k < n; k++) weight[k] /= sum;
+  return n;
+}
+
+/* By the total head, which is even where water rests. */
+double richards_head_at(const struct richards *s, const double point[3]) {
+  uint32_t site[8];
+  double weight[8], total = 0;
+  const int n = around(s, point, site, weight);
+  for (int k = 0; k < n; k++) {
+    double x[3];
+    richards_place(s, site[k], x);
+    total += weight[k] * (s->h[site[k]] - s->pull[2] * x[2]);
+  }
+  return n > 0 ? total + s->pull[2] * point[2] : NAN;
+}
+
+double richards_level_at(const struct richards *s, const double point[3]) {
+  const struct lattice *l = s->lattice;
+  double at[3] = {point[0], point[1], l->origin[2]}, below = NAN;
+  const double pull = -s->pull[2];
+  for (size_t k = 0; k < l->size[2]; k++, at[2] += l->spacing[2]) {
+    const double h = richards_head_at(s, at);
+    if (isnan(h)) {
+      if (!isnan(below)) break; /* the top of the soil */
+      continue;
+    }
+    if (h < 0) {
+      if (!isnan(below)) return at[2] - l->spacing[2] * h / (h - below);
+      return pull > 0 && h > -0.5 * pull * l->spacing[2] ? at[2] + h / pull : NAN;
+    }
+    below = h;
+  }
+  return pull > 0 && !isnan(below) ? at[2] - l->spacing[2] + below / pull : NAN;
+}
+
+/* Darcy velocities of the sites, the mean of the fluxes through both faces along each axis. */
+static void velocities(const struct richards *s, double (*velocity)[3]) {
+  memset(velocity, 0, s->count * sizeof *velocity);
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    velocity[face->i][face->axis] += 0.5 * s->face_flux[f].q;
+    velocity[face->j][face->axis] += 0.5 * s->face_flux[f].q;
+  }
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    velocity[edge->site][edge->axis] += (edge->low ? 0.5 : -0.5) * s->edge_flux[e].q;
+  }
+}
+
+/* m^3/s along the axis through a plane, linear between the layers of faces beside it. */
+static double plane_flux(const struct richards *s, const struct flux_plane *plane) {
+  double sum = 0;
+  const struct lattice *l = s->lattice;
+  const int axis = plane->axis;
+  const double at = plane->position / s->spacing;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]}, n = l->size[axis];
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    if (face->axis != axis) continue;
+    const double layer = (double)(s->site[face->i] / stride[axis] % n) + 1;
+    sum += fmax(0, 1 - fabs(at - layer)) * s->face_flux[f].q;
+    if (s->scene->periodic[axis] && layer == (double)n) /* the same face, at the low end */
+      sum += fmax(0, 1 - fabs(at)) * s->face_flux[f].q;
+  }
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    if (edge->axis != axis) continue;
+    const double layer = (double)(s->site[edge->site] / stride[axis] % n) + (edge->low ? 0 : 1);
+    sum += fmax(0, 1 - fabs(at - layer)) * (edge->low ? 1 : -1) * s->edge_flux[e].q;
+  }
+  return sum * s->spacing * s->spacing;
+}
+
+/* Regions that have columns: the first box of an inflow or a rain. */
+static bool is_source(const struct richards *s, size_t r) {
+  const struct region *region = &s->scene->regions[r];
+  return region->first == r && (region->type == REGION_INFLOW || region->type == REGION_RAIN);
+}
+
+enum status richards_add_columns(const struct richards *s, struct recorder *recorder) {
+  static const struct {
+    const char *name, *unit;
+  } gauge[] = {{"pressure", "Pa"}, {"head", "m"}, {"water_content", "1"}, {"level", "m"}};
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  char name[64];
+  TRY(recorder_add_column(recorder, "water", "m^3", 1));
+  TRY(recorder_add_column(recorder, "water_open", "m^3", 1));
+  TRY(recorder_add_column(recorder, "seeped_to_air", "m^3", 1));
+  TRY(recorder_add_column(recorder, "pressure_head_least", "m", 1));
+  TRY(recorder_add_column(recorder, "pressure_head_most", "m", 1));
+  TRY(recorder_add_column(recorder, "iterations", "1", 1));
+  for (size_t r = 0; r < scene->region_count; r++) {
+    if (!is_source(s, r)) continue;
+    const struct region *region = &scene->regions[r];
+    if (region->type == REGION_INFLOW) {
+      snprintf(name, sizeof name, "inflow_%zu", region->number + 1);
+      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+      snprintf(name, sizeof name, "entered_%zu", region->number + 1);
+      TRY(recorder_add_column(recorder, name, "m^3", 1));
+    } else {
+      snprintf(name, sizeof name, "infiltration_%s", region->name);
+      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+      snprintf(name, sizeof name, "fallen_%s", region->name);
+      TRY(recorder_add_column(recorder, name, "kg", 1));
+      snprintf(name, sizeof name, "ran_off_%s", region->name);
+      TRY(recorder_add_column(recorder, name, "kg", 1));
+    }
+  }
+  for (size_t k = 0; k < scene->gauge_count; k++)
+    for (size_t i = 0; i < sizeof gauge / sizeof *gauge; i++) {
+      snprintf(name, sizeof name, "%s_%s", gauge[i].name, scene->gauges[k].name);
+      TRY(recorder_add_column(recorder, name, gauge[i].unit, 1));
+    }
+  for (size_t k = 0; k < scene->plane_count; k++) {
+    snprintf(name, sizeof name, "flux_%s", scene->planes[k].name);
+    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+  }
+cleanup:
+  return status;
+}
+
+/* m^3/s inwards through the faces of a region. */
+static double flow_of(const struct richards *s, size_t r) {
+  double sum = 0;
+  for (size_t e = 0; e < s->edge_count; e++)
+    if (s->edges[e].region != NULL && s->edges[e].region->first == r) sum += s->edge_flux[e].q;
+  return sum * s->spacing * s->spacing;
+}
+
+/* Of the soil that fills most around a point. */
+static double water_content_at(const struct richards *s, const double point[3], double head) {
+  uint32_t site[8];
+  double weight[8];
+  struct retention_state state;
+  const int n = around(s, point, site, weight);
+  int most = 0;
+  if (n == 0) return NAN;
+  for (int k = 1; k < n; k++)
+    if (weight[k] > weight[most]) most = k;
+  retention_at(&s->soils[s->soil[site[most]]], head, &state);
+  return state.theta;
+}
+
+enum status richards_write_row(struct richards *s, struct recorder *recorder, double dt) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  const double density = scene->fluid.density, weight = density * GRAVITY_STANDARD;
+  struct history_row row = {.time = s->time,
+                            .step = s->step,
+                            .dt = dt,
+                            .reynolds = NAN,
+                            .density_max = density,
+                            .density_mean = density};
+  double *extra = NULL, (*velocity)[3] = NULL, least = INFINITY, most = -INFINITY;
+  size_t c = 0;
+  TRY(memory_allocate(&extra,
+                      6 + 3 * scene->region_count + 4 * scene->gauge_count + scene->plane_count,
+                      sizeof *extra, "a row of the history"));
+  TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a row of the history"));
+  richards_evaluate(s, s->time);
+  velocities(s, velocity);
+  const double water = richards_water(s);
+  row.mass = density * water;
+  for (size_t i = 0; i < s->count; i++) {
+    for (int a = 0; a < 3; a++) row.darcy_velocity[a] += velocity[i][a] / s->lattice->bulk_count;
+    least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
+  }
+  extra[c++] = water;
+  extra[c++] = water - s->start - richards_came(s);
+  extra[c++] = s->seeped;
+  extra[c++] = least;
+  extra[c++] = most;
+  extra[c++] = s->iterations;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    if (!is_source(s, r)) continue;
+    extra[c++] = flow_of(s, r);
+    if (scene->regions[r].type == REGION_INFLOW) {
+      extra[c++] = s->entered[r];
+    } else {
+      extra[c++] = density * s->rained[r];
+      extra[c++] = density * s->ran_off[r];
+    }
+  }
+  for (size_t k = 0; k < scene->gauge_count; k++) {
+    const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
+    extra[c++] = weight * h;
+    extra[c++] = h - s->pull[2] * at[2];
+    extra[c++] = water_content_at(s, at, h);
+    extra[c++] = richards_level_at(s, at);
+  }
+  for (size_t k = 0; k < scene->plane_count; k++) extra[c++] = plane_flux(s, &scene->planes[k]);
+  status = recorder_row(recorder, &row, extra);
+cleanup:
+  memory_free(&extra);
+  memory_free(&velocity);
+  return status;
+}
+
+enum status richards_write_snapshot(struct richards *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  const double weight = s->scene->fluid.density * GRAVITY_STANDARD;
+  double(*place)[3] = NULL, (*velocity)[3] = NULL, *values[4] = {NULL};
+  TRY(memory_allocate(&place, s->count, sizeof *place, "a snapshot"));
+  TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a snapshot"));
+  for (int k = 0; k < 4; k++)
+    TRY(memory_allocate(&values[k], s->count, sizeof(double), "a snapshot"));
+  richards_evaluate(s, s->time);
+  velocities(s, velocity);
+  for (size_t i = 0; i < s->count; i++) {
+    richards_place(s, i, place[i]);
+    values[0][i] = weight * s->h[i];
+    values[1][i] = s->h[i] - s->pull[2] * place[i][2];
+    values[2][i] = s->now[i].theta;
+    values[3][i] = s->now[i].theta / s->soils[s->soil[i]].theta_s;
+  }
+  const struct snapshot_field at = {.type = H5_F64, .components = 3, .data = place},
+                              fields[] = {
+                                  {"velocity", "m/s", "Darcy velocity", H5_F64, 3, velocity, NULL,
+                                   NULL},
+                                  {"pressure", "Pa", "pressure, below 0 where soil draws water",
+                                   H5_F64, 1, values[0], NULL, NULL},
+                                  {"head", "m", "total head", H5_F64, 1, values[1], NULL, NULL},
+                                  {"water_content", "1", "water over bulk volume", H5_F64, 1,
+                                   values[2], NULL, NULL},
+                                  {"saturation", "1", "water content over that of full soil",
+                                   H5_F64, 1, values[3], NULL, NULL}};
+  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, sizeof fields / sizeof *fields,
+                        fields));
+cleanup:
+  for (int k = 0; k < 4; k++) memory_free(&values[k]);
+  memory_free(&velocity);
+  memory_free(&place);
+  return status;
+}
+
+/* What a run goes on from, in one order for writing and reading. */
+#define NUMBERS 6
+static double *number_at(struct richards *s, int k) {
+  double *const numbers[NUMBERS] = {&s->time, &s->next_dt, &s->start, &s->seeped, &s->in, &s->out};
+  return numbers[k];
+}
+
+#define ARRAYS 5
+static double *array_at(struct richards *s, int k, const char **name, size_t *count) {
+  static const char *const names[ARRAYS] = {"/state/pressure_head", "/state/water",
+                                            "/state/entered", "/state/rained", "/state/ran_off"};
+  double *const arrays[ARRAYS] = {s->h, s->water, s->entered, s->rained, s->ran_off};
+  *name = names[k];
+  *count = k < 2 ? s->count : s->scene->region_count;
+  return arrays[k];
+}
+
+enum status richards_write_checkpoint(const struct richards *s, struct recorder *recorder) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  struct richards *of = (struct richards *)s; /* only read */
+  double numbers[NUMBERS];
+  const int64_t counts[5] = {s->step, s->iterations, s->iterations_total, s->linear_total,
+                             s->refused};
+  TRY(recorder_checkpoint_begin(recorder, &file));
+  for (int k = 0; k < ARRAYS; k++) {
+    const char *name;
+    size_t count;
+    const double *array = array_at(of, k, &name, &count);
+    TRY(h5_write(file, name, H5_F64, 1, &count, array, true));
+  }
+  for (int k = 0; k < NUMBERS; k++) numbers[k] = *number_at(of, k);
+  TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
+  TRY(h5_write_attribute(file, "/state", "rate", H5_F64, 1, &s->rate));
+  TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
+  file = NULL;
+cleanup:
+  h5_close(file);
+  return status;
+}
+
+enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  double numbers[NUMBERS], *data = NULL;
+  int64_t counts[5];
+  for (int k = 0; k < ARRAYS; k++) {
+    const char *name;
+    size_t count, there;
+    double *array = array_at(s, k, &name, &count);
+    TRY(h5_read(file, name, H5_F64, 1, &there, &data));
+    if (there != count)
+      TRY_FAIL(STATUS_INPUT, "%s: %s is of another scene; remove the file to start anew",
+               h5_path(file), name);
+    memcpy(array, data, count * sizeof *array);
+    memory_free(&data);
+  }
+  TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
+  for (int k = 0; k < NUMBERS; k++) *number_at(s, k) = numbers[k];
+  TRY(h5_read_attribute(file, "/state", "rate", H5_F64, 1, &s->rate));
+  TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  s->step = counts[0], s->iterations = (int)counts[1], s->iterations_total = counts[2];
+  s->linear_total = counts[3], s->refused = counts[4];
+cleanup:
+  memory_free(&data);
+  return status;
+}

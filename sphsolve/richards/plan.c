@@ -1,0 +1,43 @@
+/* What method richards will take: memory, steps, time. */
+#include <math.h>
+#include <stdio.h>
+
+#include "sphsolve/richards/method.h"
+#include "sphsolve/richards/state.h"
+
+enum status richards_scales(struct plan *plan) {
+  (void)plan; /* neighbours are the six next to a site: no kernel */
+  return STATUS_OK;
+}
+
+/* Seconds of one core a site and step, by dimensions: a step is some six rounds of Newton's method,
+ * and in more dimensions each takes iterations of the linear solver. */
+static const double SECONDS_PER_STEP[] = {4e-6, 1e-5, 2e-5};
+/* A front takes so many steps to pass a site; the first steps, from nothing on, are some more. */
+#define STEPS_PER_SITE 6.0
+#define STEPS_AT_FIRST 40.0
+
+enum status richards_cost(struct plan *plan, int threads) {
+  const struct lattice *lattice = plan->context.lattice;
+  const double n = (double)lattice->fluid_count;
+  enum status status = richards_refuse(&plan->context);
+  if (status != STATUS_OK) return status;
+  double longest = 0, faces = 0, used = 0;
+  for (int a = 0; a < 3; a++) {
+    longest = fmax(longest, (double)lattice->size[a]);
+    faces += lattice->size[a] > 1;
+    used += lattice->size[a] > 1;
+  }
+  plan->dt = NAN;
+  plan->dt_by = "the error of the water content";
+  plan->bytes_fluid = 10 * sizeof(double) + 2 * sizeof(struct retention_state) + 6 +
+                      faces * (double)(sizeof(struct richards_face) + sizeof(struct flux)) +
+                      (1 + 2 * faces) * 20 + 9 * sizeof(double);
+  plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
+  plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
+  plan->seconds = plan->steps * n * SECONDS_PER_STEP[used > 1 ? (int)used - 1 : 0];
+  (void)threads; /* the linear solver is most of it, and runs on one */
+  snprintf(plan->expected.why, sizeof plan->expected.why,
+           "no k is asked for; halve the spacing to see what is left in a front");
+  return STATUS_OK;
+}

@@ -1,0 +1,87 @@
+/* Scenes that method richards cannot do: each ends before the run with one line that says why, and
+ * what would work. */
+#include <math.h>
+
+#include "common/ranks.h"
+#include "sphsolve/richards/method.h"
+
+static enum status check_soil(const struct scene *scene, const struct region *region) {
+  const double *v = region->soil_velocity;
+  if (!region->van_genuchten.given)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: this soil has no van_genuchten, and others have: all of a scene has it, or "
+                "none; give its curve, or take the others' away for soil that is full or dry "
+                "(method isph)",
+                scene->path, region->line);
+  if (v[0] != 0 || v[1] != 0 || v[2] != 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: velocity: soil that is not full of water stays where it is; leave it out",
+                scene->path, region->line);
+  if (region->anisotropic && region->anisotropy[2] != 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: bedding: beds in soil that is not full of water lie along x and z; give "
+                "the permeability along these, without bedding",
+                scene->path, region->line);
+  if (region->dry)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: saturated: how wet this soil starts is said by head, pressure_head or "
+                "water_content; leave it out",
+                scene->path, region->line);
+  if (region->van_genuchten.starts_by == START_HEAD && scene->driving[2] == 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: head: without gravity no level says how wet soil is; give pressure_head or "
+                "water_content",
+                scene->path, region->line);
+  return STATUS_OK;
+}
+
+static enum status check_region(const struct scene *scene, const struct region *region) {
+  switch (region->type) {
+  case REGION_POROUS:
+    return check_soil(scene, region);
+  case REGION_WATER:
+    return FAIL(STATUS_INPUT,
+                "%s:%d: free water beside soil with van_genuchten is not in it: give its level as "
+                "the head of an inflow region on a side, or leave van_genuchten out (method isph)",
+                scene->path, region->line);
+  case REGION_WELL:
+  case REGION_DRAIN:
+  case REGION_ABSORBING:
+    return FAIL(STATUS_INPUT,
+                "%s:%d: method richards has no %s; an inflow region on a side has a head or a flux",
+                scene->path, region->line, region_type_names[region->type]);
+  case REGION_INFLOW:
+    if (region->boundary == BOUNDARY_HEAD && scene->driving[2] == 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: head: without gravity a level has no pressure; give pressure_head",
+                  scene->path, region->line);
+    return STATUS_OK;
+  case REGION_RAIN:
+    if (!(scene->driving[2] < 0))
+      return FAIL(STATUS_INPUT, "%s:%d: rain needs a gravity along -z", scene->path, region->line);
+    return STATUS_OK;
+  case REGION_WALL:
+    if (*region->name)
+      return FAIL(STATUS_INPUT, "%s:%d: name: method richards has no forces on walls; leave it out",
+                  scene->path, region->line);
+    return STATUS_OK;
+  case REGION_EMPTY:
+    return STATUS_OK;
+  }
+  return STATUS_OK;
+}
+
+enum status richards_refuse(const struct effect_context *context) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = context->scene;
+  if (ranks_count() > 1)
+    TRY(scene_error(scene, AT_METHOD, "method richards runs in one process; leave out mpirun"));
+  if (scene->driving[0] != 0 || scene->driving[1] != 0 || scene->driving[2] > 0)
+    TRY(scene_error(scene, AT_FORCE,
+                    "in method richards gravity is along -z, or absent: heads are heights"));
+  if (!isfinite(scene->end_time) && scene->steady_tolerance == 0)
+    TRY(scene_error(scene, AT_METHOD, "scene.end_time is missing, like end_time = \"1 h\""));
+  for (size_t r = 0; r < scene->region_count; r++) TRY(check_region(scene, &scene->regions[r]));
+cleanup:
+  return status;
+}

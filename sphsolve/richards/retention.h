@@ -1,0 +1,59 @@
+/* What soil holds and lets through at a pressure head h (van Genuchten 1980, with Mualem's model of
+ * 1976 for the conductivity):
+ *   S = (1 + (alpha |h|)^n)^-m, m = 1 - 1/n                          effective saturation, h < 0
+ *   k = S^l (1 - (1 - S^(1/m))^m)^2                                  K over that of full soil
+ *   F = integral of k from -infinity to h                            Kirchhoff's transform, m
+ * With h >= 0 S = k = 1, and F rises as h does. Water content is theta_r + (theta_s - theta_r) S.
+ */
+#ifndef TOSUI_SPHSOLVE_RICHARDS_RETENTION_H
+#define TOSUI_SPHSOLVE_RICHARDS_RETENTION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/error.h"
+#include "sphsolve/scene/scene.h"
+
+/* alpha |h| up to which k falls in a straight line: with n < 2 its slope is infinite at h = 0 else,
+ * where no Newton's method ends. Heads are the same to so much of 1/alpha. */
+#define RETENTION_STRAIGHT 1e-3
+
+struct retention {
+  double alpha, n, m, l;   /* 1/m, -, -, - */
+  double theta_r, theta_s; /* water content of dry and of full soil */
+  double conductivity[3];  /* m/s along x, y, z, of full soil */
+  double driest;           /* m, the lowest h that is told apart */
+  /* ln F, ln (F(0) - F) and their slopes at equal steps of ln(alpha |h|). */
+  size_t count;
+  double first, step, full; /* full: F(0) */
+  double fall;              /* 1 - k at the first step, to which k falls in a straight line */
+  double (*table)[4];
+};
+
+/* What is needed of a place: h and the values there. */
+struct retention_state {
+  double h, theta, capacity; /* d theta / d h, 1/m */
+  double k, slope;           /* k and dk/dh */
+  double potential, missing; /* F; F(0) - F, below 0 under pressure */
+};
+
+/* Of a region of soil with van_genuchten. Free with retention_free. */
+enum status retention_make(const struct region *region, struct retention *soil);
+void retention_free(struct retention *soil);
+/* F of i less that of j: of wet soil by what is missing, so that no digits are lost. */
+static inline double retention_fall(const struct retention_state *i,
+                                    const struct retention_state *j) {
+  const bool dry = i->potential < i->missing && j->potential < j->missing;
+  return dry ? i->potential - j->potential : j->missing - i->missing;
+}
+/* Whether two soils are one. */
+bool retention_is_same(const struct retention *a, const struct retention *b);
+
+void retention_at(const struct retention *soil, double h, struct retention_state *state);
+/* The head at which the effective saturation is S, 0 < S < 1. */
+double retention_head(const struct retention *soil, double saturation);
+static inline double retention_saturation(const struct retention *soil, double theta) {
+  return (theta - soil->theta_r) / (soil->theta_s - soil->theta_r);
+}
+
+#endif

@@ -1,0 +1,118 @@
+#include "sphsolve/richards/rows.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+
+#define MOST_ITERATIONS 2000
+
+enum status rows_allocate(size_t count, size_t entries, struct rows *r) {
+  enum status status = STATUS_OK;
+  *r = (struct rows){.count = count};
+  TRY(memory_allocate(&r->start, count + 1, sizeof *r->start, "the matrix"));
+  TRY(memory_allocate(&r->diagonal, count, sizeof *r->diagonal, "the matrix"));
+  TRY(memory_allocate(&r->column, entries, sizeof *r->column, "the matrix"));
+  TRY(memory_allocate(&r->value, entries, sizeof *r->value, "the matrix"));
+  TRY(memory_allocate(&r->factor, entries, sizeof *r->factor, "the matrix"));
+  for (int v = 0; v < 7; v++)
+    TRY(memory_allocate(&r->vector[v], count, sizeof(double), "the linear solver"));
+cleanup:
+  return status;
+}
+
+void rows_free(struct rows *r) {
+  memory_free(&r->start);
+  memory_free(&r->diagonal);
+  memory_free(&r->column);
+  memory_free(&r->value);
+  memory_free(&r->factor);
+  for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
+}
+
+static bool factorise(struct rows *r) {
+  memcpy(r->factor, r->value, r->start[r->count] * sizeof *r->factor);
+  for (size_t i = 0; i < r->count; i++) {
+    const size_t end = r->start[i + 1];
+    for (size_t k = r->start[i]; k < r->diagonal[i]; k++) {
+      const size_t row = r->column[k];
+      const double l = r->factor[k] /= r->factor[r->diagonal[row]];
+      size_t at = k + 1;
+      for (size_t u = r->diagonal[row] + 1; u < r->start[row + 1]; u++) {
+        while (at < end && r->column[at] < r->column[u]) at++;
+        if (at == end) break;
+        if (r->column[at] == r->column[u]) r->factor[at] -= l * r->factor[u];
+      }
+    }
+    if (!(fabs(r->factor[r->diagonal[i]]) > 0)) return false;
+  }
+  return true;
+}
+
+/* y of L U y = x. */
+static void precondition(const struct rows *r, const double *x, double *y) {
+  for (size_t i = 0; i < r->count; i++) {
+    double sum = x[i];
+    for (size_t k = r->start[i]; k < r->diagonal[i]; k++) sum -= r->factor[k] * y[r->column[k]];
+    y[i] = sum;
+  }
+  for (size_t i = r->count; i-- > 0;) {
+    double sum = y[i];
+    for (size_t k = r->diagonal[i] + 1; k < r->start[i + 1]; k++)
+      sum -= r->factor[k] * y[r->column[k]];
+    y[i] = sum / r->factor[r->diagonal[i]];
+  }
+}
+
+static void apply(const struct rows *r, const double *x, double *y) {
+#pragma omp parallel for schedule(static) if (r->count > 10000)
+  for (size_t i = 0; i < r->count; i++) {
+    double sum = 0;
+    for (size_t k = r->start[i]; k < r->start[i + 1]; k++) sum += r->value[k] * x[r->column[k]];
+    y[i] = sum;
+  }
+}
+
+static double dot(size_t n, const double *x, const double *y) {
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) sum += x[i] * y[i];
+  return sum;
+}
+
+/* Preconditioned from the right, so that all products are of residuals, which are water contents;
+ * heads of dry soil may be 1e40 times larger than those of wet soil. */
+bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, int64_t *iterations) {
+  const size_t n = r->count;
+  double *rest = r->vector[0], *shadow = r->vector[1], *p = r->vector[2], *v = r->vector[3],
+         *t = r->vector[4], *y = r->vector[5], *z = r->vector[6];
+  const double wanted = tolerance * sqrt(dot(n, b, b));
+  double rho = 1, alpha = 1, omega = 1;
+  if (!factorise(r)) return false;
+  memset(x, 0, n * sizeof *x);
+  memset(p, 0, n * sizeof *p);
+  memset(v, 0, n * sizeof *v);
+  memcpy(rest, b, n * sizeof *rest);
+  memcpy(shadow, b, n * sizeof *shadow);
+  for (int round = 0; round < MOST_ITERATIONS; round++) {
+    if (sqrt(dot(n, rest, rest)) <= wanted) return true;
+    const double next = dot(n, shadow, rest), beta = next / rho * alpha / omega;
+    rho = next;
+    for (size_t i = 0; i < n; i++) p[i] = rest[i] + beta * (p[i] - omega * v[i]);
+    precondition(r, p, y);
+    apply(r, y, v);
+    alpha = rho / dot(n, shadow, v);
+    for (size_t i = 0; i < n; i++) rest[i] -= alpha * v[i];
+    precondition(r, rest, z);
+    apply(r, z, t);
+    const double square = dot(n, t, t);
+    omega = square > 0 ? dot(n, t, rest) / square : 0;
+    for (size_t i = 0; i < n; i++) {
+      x[i] += alpha * y[i] + omega * z[i];
+      rest[i] -= omega * t[i];
+    }
+    ++*iterations;
+    if (!isfinite(alpha) || !isfinite(omega)) return false;
+    if (omega == 0) return sqrt(dot(n, rest, rest)) <= wanted;
+  }
+  return false;
+}

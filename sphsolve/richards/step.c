@@ -1,0 +1,254 @@
+/* One step in time: two stages of equal matrices, SDIRK2 (Alexander 1977), of order 2, which leave
+ * nothing of what is stiff; each found by Newton's method. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sphsolve/richards/state.h"
+
+#define GAMMA 0.2928932188134524 /* 1 - 1/sqrt(2) */
+#define NEWTON_MOST 20
+#define NEWTON_MANY 10      /* beyond these the next step is no longer */
+#define OPEN_MOST 1e-11     /* of a water content */
+#define OPEN_ROUNDING 4e-15 /* of the sum of all terms */
+#define LINEAR 1e-7
+#define GROWTH_MOST 2.0
+#define SHRINK_MOST 0.25
+#define LEAST_STEP 1e-13 /* of the first step's or the time's scale */
+
+/* Newton's method changes the water content of soil that is dry, or whose balance is one of
+ * storage, and the head of other soil (after Forsyth, Wu, Pruess 1995): one step takes neither far
+ * into where the other is at home. */
+#define BY_WATER_BELOW 0.95
+#define WETTED_MOST 0.99
+#define DRIED_MOST 0.9
+#define DRIED_SHARE 0.1
+#define NOTHING 1e-15
+/* From this round on a step that makes the balance worse is halved, so many times at most. */
+#define HALVED_FROM 5
+#define HALVINGS 5
+
+void richards_evaluate(struct richards *s, double time) {
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+  for (size_t i = 0; i < s->count; i++) retention_at(&s->soils[s->soil[i]], s->h[i], &s->now[i]);
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    const struct retention *soil = &s->soils[s->soil[face->i]];
+    const struct retention_state *i = &s->now[face->i], *j = &s->now[face->j];
+    if (face->soils_differ)
+      flux_between_soils(soil, &s->soils[s->soil[face->j]], face->axis, s->spacing,
+                         s->pull[face->axis], i, j, &s->face_flux[f]);
+    else
+      flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
+                   &s->face_flux[f]);
+  }
+  richards_edge_fluxes(s, time);
+}
+
+/* d theta/dt by the fluxes; `size` of the terms that add up to it. */
+static void gather(const struct richards *s, double *rate, double *size) {
+  const double scale = 1 / s->spacing;
+  memset(rate, 0, s->count * sizeof *rate);
+  memset(size, 0, s->count * sizeof *size);
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    const struct flux *flux = &s->face_flux[f];
+    rate[face->i] -= scale * flux->q;
+    rate[face->j] += scale * flux->q;
+    size[face->i] += scale * fabs(flux->di) * (fabs(s->h[face->i]) + s->spacing);
+    size[face->j] += scale * fabs(flux->dj) * (fabs(s->h[face->j]) + s->spacing);
+  }
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const size_t i = s->edges[e].site;
+    rate[i] += scale * s->edge_flux[e].q;
+    size[i] +=
+        scale * (fabs(s->edge_flux[e].di) * (fabs(s->h[i]) + s->spacing) + fabs(s->edge_flux[e].q));
+  }
+}
+
+static void assemble(struct richards *s, double dt) {
+  struct rows *rows = &s->rows;
+  const double scale = dt / s->spacing;
+  memset(rows->value, 0, rows->start[s->count] * sizeof *rows->value);
+  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    const struct flux *flux = &s->face_flux[f];
+    rows->value[rows->diagonal[face->i]] += scale * flux->di;
+    rows->value[face->ij] += scale * flux->dj;
+    rows->value[rows->diagonal[face->j]] -= scale * flux->dj;
+    rows->value[face->ji] -= scale * flux->di;
+  }
+  for (size_t e = 0; e < s->edge_count; e++)
+    rows->value[rows->diagonal[s->edges[e].site]] -= scale * s->edge_flux[e].di;
+}
+
+/* The head after a change that the matrix gives; `storage`: the part of its diagonal that capacity
+ * has; `near`: the height over which gravity's share of a flux counts as much as suction's, m. */
+static double changed(const struct retention *soil, const struct retention_state *state,
+                      double storage, double near, double change) {
+  const double saturation = retention_saturation(soil, state->theta);
+  const bool dry = saturation < BY_WATER_BELOW;
+  if (state->h < 0 && (dry || storage > 0.5)) {
+    const double more = state->capacity * change / (soil->theta_s - soil->theta_r);
+    if (fabs(more) < NOTHING) return state->h; /* of the driest soil rounding would change h */
+    const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
+    if (dry || wanted < 1) return retention_head(soil, dry ? fmin(wanted, WETTED_MOST) : wanted);
+  }
+  double h = state->h + change;
+  if (soil->alpha * state->h < -RETENTION_STRAIGHT && state->slope * near > 1) {
+    /* With n < 2 k falls as (alpha |h|)^(n-1): that is what changes in proportion. */
+    const double power = fmin(soil->n - 1, 1), ratio = 1 + power * change / state->h;
+    if (ratio > 0) h = state->h * pow(ratio, 1 / power);
+  }
+  return fmax(h, retention_head(soil, DRIED_MOST));
+}
+
+/* The balance that is open at `time`, over what may stay open: the largest, and the sum of the
+ * squares of all. NAN of either is none. */
+static double open_of(struct richards *s, double dt, double time, double *rate, double *squares) {
+  double most = 0;
+  richards_evaluate(s, time);
+  gather(s, rate, s->size);
+  *squares = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    s->open[i] = s->wanted[i] + dt * rate[i] - s->now[i].theta;
+    const double share = fabs(s->open[i]) / (OPEN_MOST + OPEN_ROUNDING * dt * s->size[i]);
+    if (!(share <= most)) most = share;
+    *squares += s->open[i] * s->open[i];
+  }
+  return most;
+}
+
+/* Newton's method for theta(h) - wanted - dt div = 0 at `time`. False where it does not end. */
+static bool solve(struct richards *s, double dt, double time, double *rate) {
+  const double near = -s->pull[2] * s->spacing;
+  double squares, last;
+  double most = open_of(s, dt, time, rate, &squares);
+  for (int round = 0; !(most <= 1); round++) {
+    if (round == NEWTON_MOST || !isfinite(squares)) return false;
+    assemble(s, dt);
+    if (!rows_solve(&s->rows, s->open, LINEAR, s->change, &s->linear_total)) return false;
+    memcpy(s->from, s->now, s->count * sizeof *s->from);
+    last = squares;
+    for (int halving = 0;; halving++) {
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+      for (size_t i = 0; i < s->count; i++)
+        s->h[i] = changed(&s->soils[s->soil[i]], &s->from[i],
+                          s->from[i].capacity / s->rows.value[s->rows.diagonal[i]], near,
+                          ldexp(s->change[i], -halving));
+      most = open_of(s, dt, time, rate, &squares);
+      if (round < HALVED_FROM || halving == HALVINGS || squares < last || most <= 1) break;
+    }
+    s->iterations++;
+  }
+  return true;
+}
+
+/* The largest error of a step, over its tolerance: the difference to the implicit Euler method,
+ * which is of order 1. */
+static double error_of(const struct richards *s, double dt) {
+  double most = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const struct retention *soil = &s->soils[s->soil[i]];
+    most = fmax(most, fabs(s->second[i] - s->first[i]) / (soil->theta_s - soil->theta_r));
+  }
+  return (1 - GAMMA) * dt * most / s->tolerance;
+}
+
+/* What came through the faces to the outside, by the weights of the stages; of rates that are
+ * linear in time these are exact. */
+static void keep_account(struct richards *s, double from, double dt) {
+  const double area = s->spacing * s->spacing;
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    const double came = area * dt * ((1 - GAMMA) * s->edge_first[e] + GAMMA * s->edge_flux[e].q);
+    const size_t r = edge->region != NULL ? edge->region->first : 0;
+    *(came > 0 ? &s->in : &s->out) += fabs(came);
+    if (edge->region == NULL) {
+      s->seeped -= came;
+    } else if (edge->kind != EDGE_AIR) {
+      s->entered[r] += came;
+    } else {
+      const double fell = area * dt *
+                          ((1 - GAMMA) * richards_rain_at(edge, from + GAMMA * dt) +
+                           GAMMA * richards_rain_at(edge, from + dt));
+      s->rained[r] += fell;
+      s->ran_off[r] += fell - came;
+    }
+  }
+}
+
+static bool try_step(struct richards *s, double dt) {
+  memcpy(s->wanted, s->water, s->count * sizeof *s->wanted);
+  s->iterations = 0;
+  if (!solve(s, GAMMA * dt, s->time + GAMMA * dt, s->first)) return false;
+  for (size_t e = 0; e < s->edge_count; e++) s->edge_first[e] = s->edge_flux[e].q;
+  for (size_t i = 0; i < s->count; i++) s->wanted[i] += (1 - GAMMA) * dt * s->first[i];
+  return solve(s, GAMMA * dt, s->time + dt, s->second);
+}
+
+static enum status give_up(const struct richards *s, double dt) {
+  size_t worst = 0;
+  double x[3];
+  for (size_t i = 0; i < s->count; i++)
+    if (fabs(s->open[i]) > fabs(s->open[worst])) worst = i;
+  richards_place(s, worst, x);
+  return FAIL(STATUS_NUMERIC,
+              "at t = %.6g s no step as long as %.2g s can be solved; it fails first at (%.4g, "
+              "%.4g, %.4g) m, pressure head %.4g m: soil that is full all round takes no more "
+              "water, so let some out or bring less, by a head or rain in place of a flux",
+              s->time, dt, x[0], x[1], x[2], s->before[worst]);
+}
+
+enum status richards_advance(struct richards *s, double until, double *taken) {
+  const double left = until - s->time;
+  double dt = fmin(s->next_dt, left);
+  if (dt < left && dt > 0.5 * left) dt = 0.5 * left;
+  memcpy(s->before, s->h, s->count * sizeof *s->before);
+  for (;;) {
+    const bool found = try_step(s, dt);
+    const double error = found ? error_of(s, dt) : INFINITY;
+    s->iterations_total += s->iterations;
+    if (error <= 1) {
+      double growth = error > 0 ? 0.9 / sqrt(error) : GROWTH_MOST;
+      if (s->iterations > NEWTON_MANY) growth = fmin(growth, 1);
+      /* A step that an instant cut short says nothing against longer ones. */
+      const double next = dt * fmin(growth, GROWTH_MOST);
+      s->next_dt = dt < s->next_dt && growth >= 1 ? fmax(next, s->next_dt) : next;
+      break;
+    }
+    s->refused++;
+    memcpy(s->h, s->before, s->count * sizeof *s->h);
+    dt *= isfinite(error) ? fmax(0.9 / sqrt(error), SHRINK_MOST) : SHRINK_MOST;
+    s->next_dt = dt;
+    if (!(dt > LEAST_STEP * fmax(s->time, s->spacing))) return give_up(s, dt);
+  }
+  keep_account(s, s->time, dt);
+  s->rate = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    const struct retention *soil = &s->soils[s->soil[i]];
+    /* What Newton's method left of the balance goes on into the next step, but for what full soil
+     * has no room for: a short step could not press it out. */
+    s->water[i] = fmin(s->wanted[i] + GAMMA * dt * s->second[i], soil->theta_s);
+    s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
+  }
+  s->time = dt >= left * (1 - 1e-9) ? until : s->time + dt;
+  s->step++;
+  *taken = dt;
+  return STATUS_OK;
+}
+
+double richards_water(const struct richards *s) {
+  double sum = 0;
+  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta;
+  return sum * s->spacing * s->spacing * s->spacing;
+}
+
+double richards_came(const struct richards *s) {
+  double sum = -s->seeped;
+  for (size_t r = 0; r < s->scene->region_count; r++)
+    sum += s->entered[r] + s->rained[r] - s->ran_off[r];
+  return sum;
+}

@@ -1,0 +1,88 @@
+/* Soil that need not be full of water: van Genuchten's parameters, and how wet it starts. */
+#include <math.h>
+
+#include "common/units.h"
+#include "sphsolve/scene/scene_internal.h"
+
+/* Beyond these n the curves are those of no soil, and steeper or flatter than their table. */
+#define N_LEAST 1.05
+#define N_MOST 15.0
+
+static enum status read_curve(struct config *config, config_node *group, struct region *region) {
+  enum status status = STATUS_OK;
+  struct van_genuchten *soil = &region->van_genuchten;
+  bool alpha_given, n_given;
+  soil->l = 0.5;
+  TRY(config_quantity(config, group, "alpha", (struct dimension){-1, 0, 0}, &soil->alpha,
+                      &alpha_given));
+  TRY(config_number(config, group, "n", &soil->n, &n_given));
+  TRY(config_number(config, group, "theta_r", &soil->theta_r, NULL));
+  TRY(config_number(config, group, "l", &soil->l, NULL));
+  if (!alpha_given || !n_given)
+    TRY(config_error(config, group,
+                     "alpha and n are wanted, like { alpha = \"3.35 1/m\"; n = "
+                     "2.0; theta_r = 0.102; }"));
+  if (!(soil->alpha > 0))
+    TRY(config_error(config, config_child(config, group, "alpha"), "must be greater than 0"));
+  if (!(soil->n >= N_LEAST && soil->n <= N_MOST))
+    TRY(config_error(config, config_child(config, group, "n"), "%g to %g is possible", N_LEAST,
+                     N_MOST));
+  if (!(soil->theta_r >= 0 && soil->theta_r < region->porosity))
+    TRY(config_error(config, config_child(config, group, "theta_r"),
+                     "from 0 to below the porosity, %g, is possible: the porosity is the water "
+                     "content of full soil, theta_s",
+                     region->porosity));
+  if (!(soil->l > -2 && soil->l <= 10)) /* below, k would grow as soil dries */
+    TRY(config_error(config, config_child(config, group, "l"), "above -2 to 10 is possible"));
+cleanup:
+  return status;
+}
+
+enum status scene_read_retention(struct config *config, config_node *group, struct region *region) {
+  static const struct {
+    const char *key;
+    enum soil_start by;
+  } starts[] = {
+      {"head", START_HEAD}, {"pressure_head", START_PRESSURE}, {"water_content", START_WATER}};
+  enum status status = STATUS_OK;
+  config_node *curve = config_child(config, group, "van_genuchten");
+  struct van_genuchten *soil = &region->van_genuchten;
+  int given = 0;
+  for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+    config_node *node = config_child(config, group, starts[i].key);
+    if (node == NULL) continue;
+    if (curve == NULL)
+      TRY(config_error(config, node,
+                       "is of soil with van_genuchten = { alpha = ...; n = ...; }, "
+                       "which this is not"));
+    given++;
+    soil->starts_by = starts[i].by;
+    if (starts[i].by == START_WATER)
+      TRY(config_number(config, group, starts[i].key, &soil->start, NULL));
+    else
+      TRY(config_quantity(config, group, starts[i].key, DIM_LENGTH, &soil->start, NULL));
+  }
+  if (curve == NULL) return STATUS_OK;
+  if (!config_is_group(curve))
+    TRY(config_error(config, curve,
+                     "a group is wanted, like { alpha = \"3.35 1/m\"; n = 2.0; "
+                     "theta_r = 0.102; }"));
+  soil->given = true;
+  TRY(read_curve(config, curve, region));
+  if (!(region->permeability > 0))
+    TRY(config_error(config, group,
+                     "permeability is missing: that of the soil when it is full, "
+                     "K_s, like permeability = \"9e-5 m/s\""));
+  if (given != 1)
+    TRY(config_error(config, group,
+                     "how wet the soil starts is wanted, once: head = \"0.65 m\" "
+                     "(water at rest under that level), pressure_head = \"-10 m\" "
+                     "or water_content = 0.1"));
+  if (soil->starts_by == START_WATER &&
+      !(soil->start > soil->theta_r && soil->start <= region->porosity))
+    TRY(config_error(config, config_child(config, group, "water_content"),
+                     "above theta_r, %g, to the porosity, %g, is possible", soil->theta_r,
+                     region->porosity));
+cleanup:
+  return status;
+}

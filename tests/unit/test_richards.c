@@ -1,0 +1,265 @@
+/* Method richards: the curves of soil, the flux between two places, the matrix, and scenes in which
+ * rain, levels, evaporation and air do what they should. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/unit/richards_scene.h"
+
+static const struct region sand = {
+    .porosity = .4,
+    .permeability = 1e-4,
+    .van_genuchten = {.given = true, .alpha = 5, .n = 3, .theta_r = .05, .l = .5}};
+
+/* Against the formulas as they are printed, and integrals by the midpoint rule. */
+static void curves(void **state) {
+  (void)state;
+  static const double n[] = {1.1, 1.5, 2, 4, 10}, heads[] = {-1e3, -10, -1, -.3, -.1, -.01};
+  for (size_t k = 0; k < sizeof n / sizeof *n; k++) {
+    struct region region = sand;
+    struct retention soil;
+    struct retention_state at, last = {0};
+    double sum = 0, from = -1e-3 / 5;
+    region.van_genuchten.n = n[k];
+    assert_int_equal(retention_make(&region, &soil), STATUS_OK);
+    for (size_t i = sizeof heads / sizeof *heads; i-- > 0;) {
+      const double m = 1 - 1 / n[k], s = pow(1 + pow(5 * -heads[i], n[k]), -m);
+      const double g = 1 - pow(1 - pow(s, 1 / m), m);
+      retention_at(&soil, heads[i], &at);
+      assert_true(fabs(at.theta - (.05 + .35 * s)) < 1e-14);
+      /* as printed the formula has no digits where soil is dry */
+      if (heads[i] >= -1) assert_true(fabs(at.k / (sqrt(s) * g * g) - 1) < 1e-7);
+      assert_true(s == 1 || fabs(retention_head(&soil, s) / heads[i] - 1) <
+                                1e-10 + 1e-15 / (1 - s)); /* the digits that s has */
+      /* the slopes */
+      struct retention_state low, high;
+      const double d = 1e-5 * heads[i];
+      retention_at(&soil, heads[i] + d, &low);
+      retention_at(&soil, heads[i] - d, &high);
+      assert_true(fabs((high.theta - low.theta) / (-2 * d) - at.capacity) <
+                  1e-5 * at.capacity + 1e-15 / fabs(d));
+      assert_true(fabs((high.k - low.k) / (-2 * d) - at.slope) < 1e-5 * at.slope + 1e-15 / fabs(d));
+      assert_true(fabs(retention_fall(&high, &low) / (-2 * d) / at.k - 1) < 1e-5);
+      /* the integral from the head before, in steps of ln |h| */
+      if (i + 1 < sizeof heads / sizeof *heads) {
+        const double step = log(heads[i] / from) / 20000;
+        for (int q = 0; q < 20000; q++) {
+          const double h = from * exp((q + .5) * step);
+          struct retention_state mid;
+          retention_at(&soil, h, &mid);
+          sum += mid.k * -h * step;
+        }
+        assert_true(fabs(retention_fall(&last, &at) / sum - 1) < 1e-5);
+      }
+      last = at, from = heads[i], sum = 0;
+    }
+    retention_at(&soil, .3, &at);
+    assert_true(at.theta == .4 && at.k == 1 && at.capacity == 0 && at.missing == -.3);
+    /* F falls to nothing at the dry end, and k to 1 at the wet one, without a jump. */
+    retention_at(&soil, soil.driest, &at);
+    assert_true(at.potential < 1e-3 * soil.full && at.potential > 0);
+    retention_at(&soil, -1e-14, &at);
+    assert_true(at.k > 1 - 1e-9 && at.k <= 1);
+    retention_free(&soil);
+  }
+}
+
+/* Water at rest does not move, full soil has Darcy's flux, suction alone int K dh; derivatives are
+ * those of differences; and two halves of one soil are one. */
+static void fluxes(void **state) {
+  (void)state;
+  struct retention soil;
+  struct flux flux, other;
+  assert_int_equal(retention_make(&sand, &soil), STATUS_OK);
+  static const double pairs[][2] = {{-.1, -.3}, {-.3, -.1}, {-1e4, -.01},  {-.01, -100},
+                                    {.2, -.2},  {.4, .1},   {-.2, -.2001}, {-2, -.0001}};
+  for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++)
+    for (int p = -1; p <= 1; p++) {
+      struct retention_state i, j, more;
+      retention_at(&soil, pairs[k][0], &i);
+      retention_at(&soil, pairs[k][1], &j);
+      flux_in_soil(2, .05, p, &i, &j, &flux);
+      if (p == 0)
+        assert_true(fabs(flux.q - 2 * retention_fall(&i, &j) / .05) < 1e-6 * fabs(flux.q));
+      if (i.h > 0 && j.h > 0) assert_true(fabs(flux.q - 2 * ((i.h - j.h) / .05 + p)) < 1e-12);
+      const double d = 1e-6 * fabs(i.h);
+      retention_at(&soil, i.h + d, &more);
+      flux_in_soil(2, .05, p, &more, &j, &other);
+      assert_true(fabs((other.q - flux.q) / d - flux.di) <
+                  1e-3 * (fabs(flux.di) + 40 * i.k + 1e-9));
+      const double e = 1e-6 * fabs(j.h);
+      retention_at(&soil, j.h + e, &more);
+      flux_in_soil(2, .05, p, &i, &more, &other);
+      assert_true(fabs((other.q - flux.q) / e - flux.dj) <
+                  1e-3 * (fabs(flux.dj) + 40 * j.k + 1e-9));
+      flux_between_soils(&soil, &soil, 2, .05, p, &i, &j, &other);
+      flux_in_soil(soil.conductivity[2], .05, p, &i, &j, &flux);
+      assert_true(p != 0 || fabs(other.q / flux.q - 1) < 1e-6);
+    }
+  for (int k = 0; k < 40; k++) {
+    struct retention_state i, j;
+    const double h = -1e-4 * pow(1.5, k);
+    retention_at(&soil, h, &i);
+    retention_at(&soil, h + .05, &j); /* i lies .05 m above j */
+    flux_in_soil(1, .05, 1, &i, &j, &flux);
+    assert_true(fabs(flux.q) < 1e-12 * i.k + 1e-30);
+  }
+  retention_free(&soil);
+}
+
+/* ILU(0) of three diagonals is exact; BiCGStab solves what it is not exact for. */
+static void rows(void **state) {
+  (void)state;
+  enum { N = 12, ALL = N * N };
+  struct rows r;
+  double b[ALL], x[ALL];
+  int64_t iterations = 0;
+  assert_int_equal(rows_allocate(ALL, 5 * ALL, &r), STATUS_OK);
+  size_t k = 0;
+  for (uint32_t i = 0; i < ALL; i++) {
+    static const int step[5] = {-N, -1, 0, 1, N};
+    r.start[i] = k;
+    b[i] = sin(i);
+    for (int s = 0; s < 5; s++) {
+      const int j = (int)i + step[s];
+      if (j < 0 || j >= ALL || (abs(step[s]) == 1 && (int)(i / N) != j / N)) continue;
+      if (s == 2) r.diagonal[i] = k;
+      r.column[k] = (uint32_t)j;
+      r.value[k++] = s == 2 ? 4.1 : s < 2 ? -1.3 : -.7;
+    }
+  }
+  r.start[ALL] = k;
+  assert_true(rows_solve(&r, b, 1e-12, x, &iterations));
+  assert_true(iterations > 1 && iterations < 40);
+  for (uint32_t i = 0; i < ALL; i++) {
+    double sum = 0;
+    for (k = r.start[i]; k < r.start[i + 1]; k++) sum += r.value[k] * x[r.column[k]];
+    assert_true(fabs(sum - b[i]) < 1e-10);
+  }
+  rows_free(&r);
+}
+
+#define SAND                                                                                       \
+  "porosity = 0.4; permeability = \"1e-4 m/s\"; van_genuchten = { alpha = \"5 1/m\"; n = 3.0; "    \
+  "theta_r = 0.05; }; "
+
+static void start_box(struct run *run, const char *soil, const char *more) {
+  start(run,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"0.4 m\", \"1 m\"]; spacing = \"5 cm\"; periodic = [false, false]; "
+        "};\n"
+        "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"1 m\"]; %s } %s "
+        ");\n" GRAVITY,
+        soil, more);
+}
+
+/* Soil takes rain at its rate until it can take no more; the rest runs off, and all is accounted
+ * for. The rain covers three faces and a half. */
+static void rain(void **state) {
+  (void)state;
+  struct run run;
+  start_box(&run, SAND "pressure_head = \"-1 m\";",
+            ", { type = \"rain\"; name = \"storm\"; box = [\"0\", \"0.99 m\", \"0.175 m\", \"1 "
+            "m\"]; times = [\"0 s\", \"100 s\", \"600 s\"]; rate = [\"0 m/s\", \"2e-5 m/s\", "
+            "\"2e-5 m/s\"]; }");
+  const double width = .175 * run.s.spacing;
+  advance(&run, 100);
+  advance(&run, 600);
+  assert_true(fabs(run.s.rained[1] / (width * 2e-5 * 550) - 1) < 1e-12);
+  assert_true(fabs(run.s.ran_off[1]) < 1e-12 * run.s.rained[1]);
+  assert_true(fabs(richards_water(&run.s) - run.s.start - run.s.rained[1]) < 1e-12 * run.s.start);
+  finish(&run);
+  start_box(&run, SAND "head = \"0.95 m\";",
+            ", { type = \"rain\"; name = \"storm\"; box = [\"0\", \"0.99 m\", \"0.4 m\", \"1 "
+            "m\"]; rate = \"2e-4 m/s\"; }");
+  advance(&run, 3600); /* fills the closed box, then runs off */
+  assert_true(fabs(run.s.rained[1] / (.4 * run.s.spacing * .72) - 1) < 1e-12);
+  assert_true(run.s.ran_off[1] > .9 * run.s.rained[1]);
+  assert_true(water_open(&run.s) < 1e-10);
+  for (size_t i = 0; i < run.s.count; i++) {
+    double x[3];
+    richards_place(&run.s, i, x);
+    assert_true(fabs(run.s.h[i] - (1 - x[2])) < 1e-6);
+  }
+  finish(&run);
+}
+
+/* Soil behind a ditch drains to its level: through the face below it, and out to the air above it
+ * while there is pressure. */
+static void ditch(void **state) {
+  (void)state;
+  struct run run;
+  start_box(&run, SAND "head = \"0.9 m\";",
+            ", { type = \"inflow\"; box = [\"0.39 m\", \"0\", \"0.4 m\", \"1 m\"]; head = \"0.3 "
+            "m\"; }");
+  const double at[3] = {.02, 0, .5};
+  assert_true(fabs(richards_level_at(&run.s, at) - .9) < 1e-9);
+  bool above = false;
+  advance(&run, 20);
+  for (size_t e = 0; e < run.s.edge_count; e++)
+    above = above || (run.s.edges[e].z > .4 && run.s.edge_flux[e].q < 0);
+  assert_true(above);
+  advance(&run, 1e7);
+  assert_true(fabs(richards_level_at(&run.s, at) - .3) < 1e-6);
+  assert_true(water_open(&run.s) < 1e-10);
+  finish(&run);
+}
+
+/* What evaporates is what is asked for while the soil can give it, and less then, for ever. */
+static void evaporation(void **state) {
+  (void)state;
+  struct run run;
+  start_box(&run, SAND "head = \"0.5 m\";",
+            ", { type = \"inflow\"; box = [\"0\", \"0.99 m\", \"0.4 m\", \"1 m\"]; flux = \"-1e-7 "
+            "m/s\"; }");
+  advance(&run, 1000);
+  assert_true(fabs(run.s.out / (.4 * run.s.spacing * 1e-7 * 1000) - 1) < 1e-9);
+  advance(&run, 1e9);
+  assert_true(run.s.out < .4 * run.s.spacing * 1e-7 * 1e8);
+  for (size_t i = 0; i < run.s.count; i++) assert_true(isfinite(run.s.h[i]));
+  assert_true(water_open(&run.s) < 1e-10);
+  finish(&run);
+}
+
+/* Without gravity water spreads as the root of time (Boltzmann): the sorptivity stays. */
+static void sorption(void **state) {
+  (void)state;
+  struct run run;
+  double in[2];
+  start(&run,
+        "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"2 m\", \"0.02 m\"]; spacing = "
+        "\"0.02 m\"; periodic = [false, true]; };\nregions = ( { type = \"porous\"; box = [\"0\", "
+        "\"0\", \"2 m\", \"0.02 m\"]; " SAND "water_content = 0.1; }, { type = \"inflow\"; box = "
+        "[\"0\", \"0\", \"0.01 m\", \"0.02 m\"]; pressure_head = \"-0.05 m\"; } );\n");
+  for (int k = 0; k < 2; k++) {
+    advance(&run, k ? 2000 : 500);
+    in[k] = run.s.in;
+  }
+  printf("in %g, twice as much in four times the time: %g\n", in[0], in[1] / in[0]);
+  assert_true(fabs(in[1] / in[0] - 2) < .01);
+  finish(&run);
+}
+
+/* Soil that is full all round takes no given flux: an error with the place, and no endless run. */
+static void too_much(void **state) {
+  (void)state;
+  struct run run;
+  start_box(&run, SAND "head = \"0.5 m\";",
+            ", { type = \"inflow\"; box = [\"0\", \"0.99 m\", \"0.4 m\", \"1 m\"]; flux = \"1e-4 "
+            "m/s\"; }");
+  assert_int_equal(try_advance(&run, 1e5), STATUS_NUMERIC);
+  assert_non_null(strstr(error_message(), "takes no more water"));
+  error_clear();
+  finish(&run);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(curves),   cmocka_unit_test(fluxes),
+                                     cmocka_unit_test(rows),     cmocka_unit_test(rain),
+                                     cmocka_unit_test(ditch),    cmocka_unit_test(evaporation),
+                                     cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
