@@ -8,6 +8,9 @@
 #include "sphsolve/output/step_log.h"
 #include "sphsolve/richards/output.h"
 
+/* Of what full soil's flux by gravity would change: rounding. */
+#define AT_REST 1e-10
+
 /* The next instant that a step has to end at: tables turn there, snapshots are due, the run ends.
  */
 static double next_instant(const struct richards *s, const struct recorder *recorder) {
@@ -21,8 +24,9 @@ static double next_instant(const struct richards *s, const struct recorder *reco
   return next > s->time ? next : scene->end_time;
 }
 
-/* Whether all that is still to come is below the tolerance: tables have ended, and if the present
- * rate went on as long again no water content would change by more. */
+/* Whether all that is still to come is below the tolerance: tables have ended, water moves slower by
+ * as much than it has, and if it went on so as long again no water content would change by more. Or
+ * it has not moved at all. */
 static bool is_steady(const struct richards *s) {
   const struct scene *scene = s->scene;
   if (!(scene->steady_tolerance > 0) || s->step == 0) return false;
@@ -30,7 +34,9 @@ static bool is_steady(const struct richards *s) {
     const struct time_table *table = &scene->regions[r].table;
     if (table->count > 0 && s->time < table->time[table->count - 1]) return false;
   }
-  return s->rate * s->time < scene->steady_tolerance;
+  if (s->rate_most < AT_REST * s->fastest) return true;
+  return s->rate * s->time < scene->steady_tolerance &&
+         s->rate < scene->steady_tolerance * s->rate_most;
 }
 
 /* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */

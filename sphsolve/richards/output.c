@@ -270,9 +270,10 @@ cleanup:
 }
 
 /* What a run goes on from, in one order for writing and reading. */
-#define NUMBERS 6
+#define NUMBERS 8
 static double *number_at(struct richards *s, int k) {
-  double *const numbers[NUMBERS] = {&s->time, &s->next_dt, &s->start, &s->seeped, &s->in, &s->out};
+  double *const numbers[NUMBERS] = {&s->time, &s->next_dt, &s->start, &s->seeped,
+                                    &s->in,   &s->out,     &s->rate,  &s->rate_most};
   return numbers[k];
 }
 
@@ -302,7 +303,6 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
   }
   for (int k = 0; k < NUMBERS; k++) numbers[k] = *number_at(of, k);
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
-  TRY(h5_write_attribute(file, "/state", "rate", H5_F64, 1, &s->rate));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
   file = NULL;
@@ -328,7 +328,6 @@ enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
   }
   TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
   for (int k = 0; k < NUMBERS; k++) *number_at(s, k) = numbers[k];
-  TRY(h5_read_attribute(file, "/state", "rate", H5_F64, 1, &s->rate));
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
   s->step = counts[0], s->iterations = (int)counts[1], s->iterations_total = counts[2];
   s->linear_total = counts[3], s->refused = counts[4];

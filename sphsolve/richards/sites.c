@@ -207,7 +207,6 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
                             struct richards *s) {
   enum status status = STATUS_OK;
   uint16_t *of_region = NULL;
-  double fastest = 0;
   *s = (struct richards){
       .scene = scene, .lattice = lattice, .spacing = lattice->spacing[0], .tolerance = TOLERANCE};
   for (int a = 0; a < 3; a++) s->pull[a] = scene->driving[a] / GRAVITY_STANDARD;
@@ -248,9 +247,9 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   s->start = richards_water(s);
   for (size_t k = 0; k < s->soil_count; k++)
     for (int a = 0; a < 3; a++)
-      fastest =
-          fmax(fastest, s->soils[k].conductivity[a] / (s->soils[k].theta_s - s->soils[k].theta_r));
-  s->next_dt = FIRST_STEP * s->spacing / fastest;
+      s->fastest = fmax(s->fastest, s->soils[k].conductivity[a] / s->spacing /
+                                        (s->soils[k].theta_s - s->soils[k].theta_r));
+  s->next_dt = FIRST_STEP / s->fastest;
 cleanup:
   memory_free(&of_region);
   return status;

@@ -59,7 +59,9 @@ struct richards {
   double *h, *water; /* [count] m; what each site holds by all that has come and gone, m^3/m^3 */
   double time, next_dt;
   int64_t step;
-  double rate; /* 1/s, largest change of a water content in the last step */
+  /* 1/s: largest change of a water content, over that between dry and full, in the last step, in
+   * any, and what full soil's flux by gravity could do to a site. */
+  double rate, rate_most, fastest;
 
   struct retention_state *now;  /* [count] at h */
   struct retention_state *from; /* [count] where a round of Newton's method begins */

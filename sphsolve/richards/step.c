@@ -234,6 +234,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     s->water[i] = fmin(s->wanted[i] + GAMMA * dt * s->second[i], soil->theta_s);
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
+  s->rate_most = fmax(s->rate_most, s->rate);
   s->time = dt >= left * (1 - 1e-9) ? until : s->time + dt;
   s->step++;
   *taken = dt;

@@ -544,3 +544,33 @@ assert abs(h["volume_in_region_3_porous"][0] / (0.4 * np.pi * 0.04**2 * 0.01) - 
 assert sum(name.startswith("volume_in_region") for name in h) == 3
 END
 }
+
+@test "soil that is not full: no end, no k, columns, picture, report; one process" {
+  sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="20 cm"' --set 'scene={ name = "recharge"; }' --set 'output={}' -o vadose --json > vadose.json
+  python3 -c 'import json; r = json.load(open("vadose.json")); assert r["status"] == "steady" and r["k"] is None, r'
+  analyze moisture vadose.hdf -o vadose
+  # what rains on the sand goes into the ditch, and the water table stands where Dupuit has it within what comes out above the ditch
+  /usr/bin/python3 - << 'END'
+import json
+import h5py
+import numpy
+h = h5py.File("vadose.hdf")["history"]
+rain = 0.148 / 3600 * 0.5 * 0.2
+assert abs(h["infiltration_sprinkler"][-1] / rain - 1) < 1e-9, h["infiltration_sprinkler"][-1]
+assert abs(h["inflow_2"][-1] / -rain - 1) < 1e-2, h["inflow_2"][-1]
+assert abs(h["water_open"][-1]) < 1e-10 * h["water"][-1]
+level = (0.65 ** 2 + 2 * 0.148 / 0.35 * 0.5 * (3 - 0.25)) ** 0.5
+told = json.load(open("vadose/moisture.json"))["water_table"]["level_m"][0]
+assert abs(told / level - 1) < 0.1, (told, level)
+END
+  analyze report vadose.hdf -o vadose.html
+  grep -q "Water in the soil" vadose.html
+  run sphsolve explain "$ROOT/data-samples/scenes/recharge.cfg" --set 'scene.method="isph"'
+  [ "$status" -eq 3 ]
+  [[ "$output" == *'write method = "richards"'* ]]
+  run analyze moisture "$ROOT/nowhere.hdf" -o vadose
+  [ "$status" -ne 0 ]
+  command -v mpirun > /dev/null && command -v sphsolve-mpi > /dev/null || return 0
+  run -3 env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2 sphsolve-mpi explain "$ROOT/data-samples/scenes/recharge.cfg"
+  [[ "$output" == *"method richards runs in one process; leave out mpirun"* ]]
+}
