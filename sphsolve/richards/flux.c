@@ -18,6 +18,8 @@ static void weight_of(double p, double *w, double *slope) {
 /* From where on, over |h|, a difference of heads has no, and all, digits for a mean of k by it. */
 #define NEAR 1e-4
 #define FAR 1e-2
+/* Differences of k below so much of it are rounding, as between heads next to 0. */
+#define NOISE 1e-13
 
 /* k_m: by the difference of F, or of heads that are nearly one by Euler and Maclaurin's rule. They
  * pass into each other, as a step of Newton's method sees any jump. */
@@ -34,9 +36,12 @@ void flux_in_soil(double conductivity, double distance, double pull,
   const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
   const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
   const double mean = mean_of(i, j, dh, df, apart), sum = i->k + j->k;
-  const double rate = apart > 0.1 * NEAR ? dk / df : sum > 0 ? (i->slope + j->slope) / sum : 0;
+  const bool told = fabs(dk) > NOISE * sum;
+  const double rate = told && apart > 0.1 * NEAR ? dk / df
+                      : sum > 0                  ? (i->slope + j->slope) / sum
+                                                 : 0;
   double mean_i = 0.5 * i->slope, mean_j = 0.5 * j->slope, rate_i = 0, rate_j = 0;
-  if (apart > FAR) {
+  if (told && apart > FAR) {
     mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
     rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
   }

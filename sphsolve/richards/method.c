@@ -24,9 +24,9 @@ static double next_instant(const struct richards *s, const struct recorder *reco
   return next > s->time ? next : scene->end_time;
 }
 
-/* Whether all that is still to come is below the tolerance: tables have ended, water moves slower by
- * as much than it has, and if it went on so as long again no water content would change by more. Or
- * it has not moved at all. */
+/* Whether all that is still to come is below the tolerance: tables have ended, water moves slower
+ * by as much than it has, and if it went on so as long again no water content would change by more.
+ * Or it has not moved at all. */
 static bool is_steady(const struct richards *s) {
   const struct scene *scene = s->scene;
   if (!(scene->steady_tolerance > 0) || s->step == 0) return false;

@@ -292,8 +292,8 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
   struct h5_file *file = NULL;
   struct richards *of = (struct richards *)s; /* only read */
   double numbers[NUMBERS];
-  const int64_t counts[5] = {s->step, s->iterations, s->iterations_total, s->linear_total,
-                             s->refused};
+  const int64_t counts[6] = {s->step,         s->iterations, s->iterations_total,
+                             s->linear_total, s->refused,    s->crawled};
   TRY(recorder_checkpoint_begin(recorder, &file));
   for (int k = 0; k < ARRAYS; k++) {
     const char *name;
@@ -303,7 +303,7 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
   }
   for (int k = 0; k < NUMBERS; k++) numbers[k] = *number_at(of, k);
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
-  TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 6, counts));
   status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
   file = NULL;
 cleanup:
@@ -314,7 +314,7 @@ cleanup:
 enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   double numbers[NUMBERS], *data = NULL;
-  int64_t counts[5];
+  int64_t counts[6];
   for (int k = 0; k < ARRAYS; k++) {
     const char *name;
     size_t count, there;
@@ -328,9 +328,9 @@ enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
   }
   TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, NUMBERS, numbers));
   for (int k = 0; k < NUMBERS; k++) *number_at(s, k) = numbers[k];
-  TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
+  TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 6, counts));
   s->step = counts[0], s->iterations = (int)counts[1], s->iterations_total = counts[2];
-  s->linear_total = counts[3], s->refused = counts[4];
+  s->linear_total = counts[3], s->refused = counts[4], s->crawled = counts[5];
 cleanup:
   memory_free(&data);
   return status;

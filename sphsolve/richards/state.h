@@ -74,8 +74,8 @@ struct richards {
   struct rows rows;        /* the matrix of Newton's method */
   double *change;          /* [count] */
   int iterations;          /* of Newton's method, of the last step */
-  int64_t iterations_total, linear_total, refused;
-  double tolerance; /* of a step, in water content */
+  int64_t iterations_total, linear_total, refused, crawled; /* crawled: short steps on end */
+  double tolerance;                                         /* of a step, in water content */
 
   /* m^3 since the start; a 2-D scene is one spacing thick. */
   double start;             /* of water in the soil */

@@ -14,6 +14,9 @@
 #define LINEAR 1e-7
 #define GROWTH_MOST 2.0
 #define SHRINK_MOST 0.25
+/* So many steps on end that are as short against the time since the start lead nowhere. */
+#define CRAWL_STEPS 500
+#define CRAWL 1e-8
 #define LEAST_STEP 1e-13 /* of the first step's or the time's scale */
 
 /* Newton's method changes the water content of soil that is dry, or whose balance is one of
@@ -84,18 +87,25 @@ static void assemble(struct richards *s, double dt) {
     rows->value[rows->diagonal[s->edges[e].site]] -= scale * s->edge_flux[e].di;
 }
 
-/* The head after a change that the matrix gives; `storage`: the part of its diagonal that capacity
- * has; `near`: the height over which gravity's share of a flux counts as much as suction's, m. */
+/* The head after a change that the matrix gives; `diagonal`: of the matrix; `near`: the height over
+ * which gravity's share of a flux counts as much as suction's, m. */
 static double changed(const struct retention *soil, const struct retention_state *state,
-                      double storage, double near, double change) {
+                      double diagonal, double near, double change) {
   const double saturation = retention_saturation(soil, state->theta);
+  const double range = soil->theta_s - soil->theta_r, fluxes = diagonal - state->capacity;
   const bool dry = saturation < BY_WATER_BELOW;
-  if (state->h < 0 && (dry || storage > 0.5)) {
-    const double more = state->capacity * change / (soil->theta_s - soil->theta_r);
+  if (state->h < 0 && (dry || state->capacity > fluxes)) {
+    const double more = state->capacity * change / range;
     if (fabs(more) < NOTHING) return state->h; /* of the driest soil rounding would change h */
     const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
     if (dry || wanted < 1) return retention_head(soil, dry ? fmin(wanted, WETTED_MOST) : wanted);
+    /* It fills up, and what is left over flows on under pressure. */
+    const double left = diagonal * change - (soil->theta_s - state->theta);
+    return fluxes > 0 ? fmax(left, 0) / fluxes : 0;
   }
+  if (state->h >= 0 && state->h + change < 0) /* below 0 storage gives water, too */
+    return fmax(state->h + change,
+                retention_head(soil, fmax(1 + fluxes * (state->h + change) / range, DRIED_MOST)));
   double h = state->h + change;
   if (soil->alpha * state->h < -RETENTION_STRAIGHT && state->slope * near > 1) {
     /* With n < 2 k falls as (alpha |h|)^(n-1): that is what changes in proportion. */
@@ -135,9 +145,8 @@ static bool solve(struct richards *s, double dt, double time, double *rate) {
     for (int halving = 0;; halving++) {
 #pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
       for (size_t i = 0; i < s->count; i++)
-        s->h[i] = changed(&s->soils[s->soil[i]], &s->from[i],
-                          s->from[i].capacity / s->rows.value[s->rows.diagonal[i]], near,
-                          ldexp(s->change[i], -halving));
+        s->h[i] = changed(&s->soils[s->soil[i]], &s->from[i], s->rows.value[s->rows.diagonal[i]],
+                          near, ldexp(s->change[i], -halving));
       most = open_of(s, dt, time, rate, &squares);
       if (round < HALVED_FROM || halving == HALVINGS || squares < last || most <= 1) break;
     }
@@ -198,7 +207,8 @@ static enum status give_up(const struct richards *s, double dt) {
   return FAIL(STATUS_NUMERIC,
               "at t = %.6g s no step as long as %.2g s can be solved; it fails first at (%.4g, "
               "%.4g, %.4g) m, pressure head %.4g m: soil that is full all round takes no more "
-              "water, so let some out or bring less, by a head or rain in place of a flux",
+              "water, so let some out or bring less, by a head or rain in place of a flux; else "
+              "another domain.spacing may help",
               s->time, dt, x[0], x[1], x[2], s->before[worst]);
 }
 
@@ -225,6 +235,8 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     s->next_dt = dt;
     if (!(dt > LEAST_STEP * fmax(s->time, s->spacing))) return give_up(s, dt);
   }
+  s->crawled = dt < CRAWL * s->time && dt < left ? s->crawled + 1 : 0;
+  if (s->crawled > CRAWL_STEPS) return give_up(s, 2 * dt);
   keep_account(s, s->time, dt);
   s->rate = 0;
   for (size_t i = 0; i < s->count; i++) {
