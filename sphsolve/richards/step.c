@@ -14,7 +14,8 @@
 #define LINEAR 1e-7
 #define GROWTH_MOST 2.0
 #define SHRINK_MOST 0.25
-/* So many steps on end that are as short against the time since the start lead nowhere. */
+/* So many steps on end that are as short, against the time since the start or that in which full
+ * soil fills a site, lead nowhere. */
 #define CRAWL_STEPS 500
 #define CRAWL 1e-8
 #define LEAST_STEP 1e-13 /* of the first step's or the time's scale */
@@ -235,7 +236,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     s->next_dt = dt;
     if (!(dt > LEAST_STEP * fmax(s->time, s->spacing))) return give_up(s, dt);
   }
-  s->crawled = dt < CRAWL * s->time && dt < left ? s->crawled + 1 : 0;
+  s->crawled = dt < CRAWL * fmax(s->time, 1 / s->fastest) && dt < left ? s->crawled + 1 : 0;
   if (s->crawled > CRAWL_STEPS) return give_up(s, 2 * dt);
   keep_account(s, s->time, dt);
   s->rate = 0;
