@@ -49,7 +49,7 @@ static double fit_levels(const float *its, const float *grey, size_t n, struct l
 static void find_noise(const float *its, struct window *piece, const double stretch[3],
                        struct look *look) {
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
-  struct noise_sums sums = {0};
+  struct noise_sums sums = {.end = NAN};
   for (size_t i = 0; i < n; i++)
     piece->smooth[i] = piece->grey[i] - (float)(look->pore + look->contrast * (double)its[i]);
   noise_add(piece->smooth, piece->distance, piece->size, -FAR - 1.0, 1.0, 0.0, INFINITY, &sums);

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 
 enum { APART = 6 }; /* slices */
+#define PI 3.14159265358979323846
+static const double CUT_MOST = 0.5; /* of the voxels: a drawn image has one grey, and no noise */
 
 static bool is_inside(float grey, float distance, double depth, double sign, double level,
                       double most) {
@@ -35,6 +37,7 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
       const size_t at[3] = {i % nx, i / nx % ny, z};
       sums->square += here * here * n / (n - 1.0);
       sums->count += 1.0;
+      sums->at_end += (double)grey[i] == sums->end;
       for (int a = 0; a < 3; a++) {
         if (at[a] == 0) continue;
         const size_t other = i - step[a];
@@ -54,6 +57,22 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
 double noise_deviation(const struct noise_sums *sums) {
   if (sums->apart_pairs > 1000.0) return sqrt(0.5 * sums->apart / sums->apart_pairs);
   return sums->count > 0.0 ? sqrt(sums->square / sums->count) : NAN;
+}
+
+/* Standard deviation of max(Z, -a), Z normal of deviation 1, of which a share of all is -a (Tobin
+ * 1958, Econometrica 26: 24). Dark pores under a contrast of 4 times the noise lose a tenth and
+ * more of their noise when a scan is saved from black on; walls, whose grey is in the middle, lose
+ * none. */
+double noise_left(const struct noise_sums *sums) {
+  const double share = sums->at_end / sums->count;
+  double low = 0.0, high = 6.0;
+  if (!(share > 0.0 && share < CUT_MOST)) return 1.0;
+  for (int i = 0; i < 40; i++) {
+    const double middle = 0.5 * (low + high);
+    *(0.5 * erfc(middle / sqrt(2.0)) > share ? &low : &high) = middle;
+  }
+  const double a = low, density = exp(-0.5 * a * a) / sqrt(2.0 * PI), mean = density - a * share;
+  return sqrt(1.0 - share - a * density + a * a * share - mean * mean);
 }
 
 /* Of a Gaussian filter's taps w: sum of w_k w_(k+1) over sum of w_k^2. */

@@ -53,14 +53,23 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
   return true;
 }
 
-static void measure_noise(struct windows *all, double noise_ratio, const struct edge_fit *fit,
-                          struct scanner *scanner) {
+/* Greys further from a phase's own are minerals, in contrasts. */
+static double farthest(double noise_ratio) {
+  return fmax(0.5, 4.5 / noise_ratio);
+}
+
+/* As it is seen in `scanner`, for scans made up that are to look alike; over what it was before the
+ * scan was cut off is returned. */
+static double measure_noise(struct windows *all, double noise_ratio, const struct edge_fit *fit,
+                            struct scanner *scanner) {
   struct noise_sums sums = {0};
-  const double levels[2] = {fit->pore, fit->grain}, most = fmax(0.5, 4.5 / noise_ratio);
+  const double levels[2] = {fit->pore, fit->grain}, most = farthest(noise_ratio);
+  double ends[2];
+  windows_find_ends(all, ends);
   windows_bound_depth(all);
   for (int phase = 0; phase < 2 && sums.count < 2000.0; phase++)
     for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < PAIRS; depth -= 0.5) {
-      sums = (struct noise_sums){0};
+      sums = (struct noise_sums){.end = ends[phase]};
       for (size_t i = 0; i < all->count; i++)
         noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
                   fmax(depth * fit->deviation, 1.5), phase ? -1.0 : 1.0, levels[phase], most,
@@ -76,6 +85,7 @@ static void measure_noise(struct windows *all, double noise_ratio, const struct 
   scanner->noise = noise_deviation(&sums) * contrast;
   scanner->noise_correlation = axes > 0.0 ? length / axes : NAN;
   scanner->contrast_to_noise = (fit->grain - fit->pore) * contrast / scanner->noise;
+  return noise_left(&sums);
 }
 
 /* Neighbours, curvature and surfaces that noise has moved bend the response. How much is seen on a
@@ -129,13 +139,16 @@ static double resolution_of(const struct edge_fit *fit) {
 }
 
 /* Voxels of a phase, by the sign of their distances, and those of them deeper in it than `depth`:
- * how many, mean and standard deviation of their greys, of the region. */
+ * how many, and of those that are no minerals, one grain of which would move a mean by a tenth of
+ * the contrast, mean and standard deviation of the greys, of the region. */
 struct phase_greys {
-  double count, deep, mean, deviation;
+  double count, deep, common, mean, deviation;
 };
-static struct phase_greys greys_within(const struct windows *all, double sign, double depth) {
-  const double contrast = all->grain - all->pore;
-  double count = 0.0, deep = 0.0, sum = 0.0, square = 0.0;
+static struct phase_greys greys_within(const struct windows *all, const struct survey *survey,
+                                       double sign, double depth) {
+  const double contrast = all->grain - all->pore, own = sign > 0.0 ? 0.0 : 1.0;
+  const double most = farthest(survey->phases.contrast_to_noise);
+  double count = 0.0, deep = 0.0, n = 0.0, sum = 0.0, square = 0.0;
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
     for (size_t v = 0; v < w->size[0] * w->size[1] * w->size[2]; v++) {
@@ -143,13 +156,15 @@ static struct phase_greys greys_within(const struct windows *all, double sign, d
       count += 1.0;
       if (!(sign * (double)w->distance[v] > depth)) continue;
       deep += 1.0;
+      if (fabs((double)w->grey[v] - own) > most) continue;
+      n += 1.0;
       sum += (double)w->grey[v];
       square += (double)w->grey[v] * (double)w->grey[v];
     }
   }
-  const double mean = sum / fmax(deep, 1.0);
-  return (struct phase_greys){count, deep, all->pore + contrast * mean,
-                              contrast * sqrt(fmax(square / fmax(deep, 1.0) - mean * mean, 0.0))};
+  const double mean = sum / fmax(n, 1.0);
+  return (struct phase_greys){count, deep, n, all->pore + contrast * mean,
+                              contrast * sqrt(fmax(square / fmax(n, 1.0) - mean * mean, 0.0))};
 }
 
 /* Grains' distances are below 0. */
@@ -163,13 +178,13 @@ static double sign_of_lesser(const struct survey *survey) {
 static bool find_levels(const struct windows *all, const struct survey *survey,
                         const struct edge_fit *fit, struct scanner *scanner) {
   const double sign = sign_of_lesser(survey), depth = fmax(3.0 * fit->deviation, DEPTH_SEEN);
-  const struct phase_greys lesser = greys_within(all, sign, DEPTH_SEEN);
-  const struct phase_greys greater = greys_within(all, -sign, fmin(depth, EDGE_REACH));
+  const struct phase_greys lesser = greys_within(all, survey, sign, DEPTH_SEEN);
+  const struct phase_greys greater = greys_within(all, survey, -sign, fmin(depth, EDGE_REACH));
   scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
   scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
   double pore = scanner->pore, grain = scanner->grain;
   const double seen = sign > 0.0 ? survey->phases.grain_peak : survey->phases.pore_peak;
-  *(sign > 0.0 ? &grain : &pore) = greater.deep > ENOUGH ? greater.mean : seen;
+  *(sign > 0.0 ? &grain : &pore) = greater.common > ENOUGH ? greater.mean : seen;
   const bool other = survey_levels_by_mean(survey, &pore, &grain);
   const double contrast = grain - pore;
   if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
@@ -190,8 +205,8 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
   if (all->region->size[2] < SLICES) return;
-  const struct phase_greys greater = greys_within(all, -sign, DEPTH_SEEN);
-  const bool deep = greater.deep > ENOUGH && greater.deviation > 0.0;
+  const struct phase_greys greater = greys_within(all, survey, -sign, DEPTH_SEEN);
+  const bool deep = greater.common > ENOUGH && greater.deviation > 0.0;
   const double noise = deep ? greater.deviation : survey->phases.noise;
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
@@ -243,9 +258,11 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     reach = wanted;
   }
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
-  measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
+  const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   TRY(correct_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
+  scanner->noise /= left;
+  scanner->contrast_to_noise *= left;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
   scanner->known = true;
   scanner->unit = all.unit;

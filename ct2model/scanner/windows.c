@@ -1,6 +1,7 @@
 #include "ct2model/scanner/windows.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "ct2model/scanner/gaussian.h"
 
 enum { SIDE = 96, DEPTH = 40 };
+static const double CUT = 1e-3; /* of the voxels; fewer at the last grey are a few minerals */
 
 static size_t window_voxels(const struct window *window) {
   return window->size[0] * window->size[1] * window->size[2];
@@ -155,6 +157,36 @@ static void bound_depth(const struct window *w, const double stretch[3]) {
 
 void windows_bound_depth(struct windows *all) {
   for (size_t i = 0; i < all->count; i++) bound_depth(&all->window[i], all->stretch);
+}
+
+/* The darkest grey and the next, and how many voxels have them. */
+struct last_grey {
+  double grey, next, count, next_count;
+};
+static void last_grey_add(struct last_grey *last, double grey) {
+  if (grey < last->grey) {
+    last->next = last->grey, last->next_count = last->count;
+    last->grey = grey, last->count = 0.0;
+  } else if (grey > last->grey && grey < last->next) {
+    last->next = grey, last->next_count = 0.0;
+  }
+  last->count += grey == last->grey;
+  last->next_count += grey == last->next;
+}
+
+void windows_find_ends(const struct windows *all, double ends[2]) {
+  for (int side = 0; side < 2; side++) {
+    const double sign = side == 0 ? 1.0 : -1.0;
+    struct last_grey last = {INFINITY, INFINITY, 0.0, 0.0};
+    double n = 0.0;
+    for (size_t i = 0; i < all->count; i++) {
+      const struct window *w = &all->window[i];
+      for (size_t v = 0; v < window_voxels(w); v++) last_grey_add(&last, sign * (double)w->grey[v]);
+      n += (double)window_voxels(w);
+    }
+    const bool cut = last.count > CUT * n && last.count > last.next_count;
+    ends[side] = sign * (cut ? last.grey : -INFINITY);
+  }
 }
 
 /* Nearly normal, of variance 1: four uniform numbers (Steele, Lea and Flood 2014, SplitMix64). */

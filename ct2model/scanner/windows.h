@@ -32,6 +32,9 @@ enum status windows_read_middle(const struct region *region, const struct grey_p
 /* The greys smoothed as their noise asks for, and the distances to where they are 1/2, as
  * edge_response_add wants them for that `reach` and all below. */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double reach);
+/* The darkest and the brightest grey, where the scan is cut off there: noise beyond is seen as that
+ * grey, and more voxels have it than the one next to it. Elsewhere infinite. */
+void windows_find_ends(const struct windows *windows, double ends[2]);
 /* No voxel is known to lie deeper than the window's side is far. */
 void windows_bound_depth(struct windows *windows);
 /* Up to three of the windows with the grains of `scan`, as its distances show them (a voxel's share
