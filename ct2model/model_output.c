@@ -98,6 +98,7 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
   TRY(write_number(file, "/scanner", "removed", removed ? 1.0 : 0.0));
   if (removed) TRY(write_number(file, "/scanner", "averaged", (double)averaged));
   if (removed) TRY(write_number(file, "/scanner", "smooth_walls", scanner->smooth_walls));
+  if (removed) TRY(write_number(file, "/scanner", "fine_relief", scanner->fine_relief));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:

@@ -342,7 +342,7 @@ static enum status restore(struct pipeline *pipeline) {
   const size_t *size = pipeline->size;
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
-  TRY(smooth_walls_find(&pipeline->region, &pipeline->scanner, &pipeline->scanner.smooth_walls));
+  TRY(smooth_walls_find(&pipeline->region, &pipeline->scanner));
   TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;

@@ -169,7 +169,8 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
                                          .contrast_to_noise = NAN,
                                          .noise_correlation = NAN,
                                          .resolution = NAN,
-                                         .smooth_walls = NAN};
+                                         .smooth_walls = NAN,
+                                         .fine_relief = NAN};
   if (!scanner->known || unsized) scanner = &UNKNOWN;
   json_put_number(object, "blur_m", scanner->blur);
   json_put_number(object, "blur_uncertainty_m", scanner->blur_error);
@@ -178,6 +179,7 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   json_put_number(object, "noise_correlation_m", scanner->noise_correlation);
   json_put_number(object, "resolution_m", scanner->resolution);
   json_put_number(object, "smooth_walls", scanner->smooth_walls);
+  json_put_number(object, "fine_relief", scanner->fine_relief);
   return object;
 }
 

@@ -192,3 +192,15 @@ enum status deblur_run(struct deblur *deblur) {
 cleanup:
   return status;
 }
+
+double deblur_misfit(struct deblur *deblur, const float *grey) {
+  const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
+  struct filters filters = {.step = 0.0};
+  double square = 0.0;
+  choose_filters(&deblur->scanner, &filters);
+  multiply(deblur->grain, deblur->u, n, deblur->a);
+  gaussian_filter(deblur->a, deblur->size, filters.once, deblur->y, deblur->a);
+  laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->b);
+  for (size_t i = 0; i < n; i++) square += pow((double)deblur->b[i] - (double)grey[i], 2.0);
+  return square;
+}

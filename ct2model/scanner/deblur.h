@@ -37,5 +37,7 @@ enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur);
 void deblur_end(struct deblur *deblur);
 enum status deblur_run(struct deblur *deblur);
+/* What the result leaves unexplained of `grey`, the scan: the sum of squares over voxels. */
+double deblur_misfit(struct deblur *deblur, const float *grey);
 
 #endif

@@ -194,6 +194,7 @@ P
   generate_sand --quiet --output sand --size 96x96x64 --seed 41 --noise-ratio 10
   ct2model build sand --void-ratio 0.725 --size 24x24x16 --json --quiet -o sand.hdf > sand-model.json
   smooth sand 0
+  /usr/bin/python3 -c "import json; s = json.load(open('sand-model.json'))['scanner']; assert s['fine_relief'] == 0, s"
   # Without a measured void ratio the threshold has an error of its own: the scan's edges enclose another one.
   flat fibres 48x24x48 --threshold otsu
   held fibres "$(awk 'BEGIN { print 24^2 / 51.527 }')" 0.1
