@@ -260,7 +260,6 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     }
 
     s->kernel_sum[i] = kernel_sum;
-    if (s->walls != NULL) s->walls[i] = kernel_sum - water;
     if (s->on.surface)
       s->surface[i] =
           surface_weight(s, hi, kernel_sum, kernel_sum - water, gradient_sum, moment, wall_moment);

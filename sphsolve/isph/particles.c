@@ -113,7 +113,6 @@ enum status isph_reserve(struct isph *s, size_t n) {
   if (s->on.surface) {
     TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
     TRY(memory_resize(&s->body, n, sizeof *s->body, what));
-    if (!s->on.soil) TRY(memory_resize(&s->walls, n, sizeof *s->walls, what));
   }
   if (isph_is_unforced(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
   if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
@@ -273,7 +272,6 @@ void isph_free(struct isph *s) {
                     &s->surface,
                     &s->body,
                     &s->enclosed,
-                    &s->walls,
                     &s->near,
                     &s->gradient,
                     &s->mobility,

@@ -170,7 +170,6 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
   plan->bytes_fluid = 518 + 1.3 * neighbours * 12;
   if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
-  if (context->has_surface && !context->has_porous) plan->bytes_fluid += 8; /* walls beside */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
     plan->bytes_fluid += 4 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;

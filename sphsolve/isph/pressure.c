@@ -187,10 +187,6 @@ static bool pressure_is_exact(struct isph *s, const double *error) {
   return largest(s, error) <= s->scene->isph.tolerance * solve->pressure;
 }
 
-/* What the second projection takes under a surface is a tenth of the first's velocities, and leaves
- * a tenth of that: 1e-4 of all is exact enough, for half of its iterations. */
-#define AGAIN_TOLERANCE 100
-
 enum status isph_solve_pressure(struct isph *s) {
   size_t n = s->count;
   double *x = s->pressure, *b = s->source;
@@ -198,13 +194,12 @@ enum status isph_solve_pressure(struct isph *s) {
   double tolerance = s->scene->isph.tolerance;
   struct isph_solve *solve = &s->solve;
   enum status status;
-  if (solve->again && s->on.surface) tolerance *= AGAIN_TOLERANCE;
   if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
   if (s->total == 0) return STATUS_OK;
   if (RANKS && s->scene->isph.solver == SOLVER_PETSC) return isph_petsc_solve(s);
   if (s->closed) remove_mean(s, b);
   double norm = sqrt(isph_dot(s, b, b));
-  if (!solve->again) solve->residual = 0;
+  solve->residual = 0;
   if (!(norm > 0)) {
     if (norm != 0)
       return FAIL(STATUS_NUMERIC,
@@ -243,7 +238,7 @@ enum status isph_solve_pressure(struct isph *s) {
   solve->energy = energy;
   solve->iterations += iteration;
   solve->iterations_total += iteration;
-  if (!solve->again || !s->on.surface) solve->residual = error;
+  solve->residual = error;
   if (!(error <= 1e3 * tolerance)) return isph_solve_failed(s, error, iteration);
   if (s->closed) remove_mean(s, x);
   return STATUS_OK;

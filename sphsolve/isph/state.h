@@ -169,7 +169,6 @@ struct isph {
   double *surface;                    /* 0 bulk .. 1 surface; NULL without */
   double (*body)[2];      /* number of the body of water it belongs to, and the most that one of it
                              is on the surface; NULL without a surface */
-  double *walls;          /* share of walls in the kernel sum; NULL unless a surface and no soil */
   double *near;           /* its largest in the neighbourhood; NULL unless water is free */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
   double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */

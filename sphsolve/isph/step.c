@@ -300,14 +300,10 @@ static void remove_tension(struct isph *s) {
   }
 }
 
-/* A second projection of the divergence that the first, an approximate one, has left. Where the
- * drag jumps that is so much in a step of full length that the flux through a layer four particles
- * thick is 7 % too large (1 % with a sixth of the step, or with this); and under a surface it is
- * what takes most of a wave's energy, and crowds water where it strikes soil. */
-static bool projects_twice(const struct isph *s) {
-  return s->on.surface ? isph_is_driven(s) : s->on.soil;
-}
-
+/* A second projection, where there is no surface, of the divergence that the first, an approximate
+ * one, has left. Where the drag jumps that is so much in a step of full length that the flux
+ * through a layer four particles thick is 7 % too large (1 % with a sixth of the step, or with
+ * this). */
 static enum status project_again(struct isph *s, double relaxation_time) {
   enum status status = STATUS_OK;
   double *first = s->scratch;
@@ -321,12 +317,6 @@ static enum status project_again(struct isph *s, double relaxation_time) {
   if (s->on.wells) isph_wells_solved(s);
   before = clock_seconds() - before;
   s->seconds_solve += before, s->seconds_correct -= before;
-  if (s->on.surface) { /* what holds for the pressure holds for the sum of both */
-    for (size_t i = s->local.begin; i < s->local.end; i++) s->pressure[i] += first[i];
-    isph_enclosed_level(s);
-    remove_tension(s);
-    for (size_t i = s->local.begin; i < s->local.end; i++) s->pressure[i] -= first[i];
-  }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
   for (size_t i = 0; i < s->count; i++) s->pressure[i] += first[i];
@@ -395,7 +385,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.surface) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
-  if (projects_twice(s)) TRY(project_again(s, relaxation_time));
+  if (s->on.soil && !s->on.surface) TRY(project_again(s, relaxation_time));
   TRY(ranks_agree(check_finite(s)));
   if (s->on.wells) isph_wells_take(s, dt);
   if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});

@@ -10,16 +10,7 @@
  * strain that keeps the volume. In seepage without a surface tau is at least the time in which a
  * particle moves by its own size, since the errors of phi arise from that motion: with a shorter
  * one water that creeps through soil of porosity .1 gets velocity fluctuations as large as its
- * velocity.
- *
- * The particles of a wall stay where they are, while images of the water, which keep its volume,
- * would strain with it. So beside a wall phi falls by a third of the strain along it, as the water
- * rises there in a wave; to give that back, against the wave's own pressure, takes half of a small
- * wave's energy a period (20 rows). So without soil errors under a surface count by how much of a
- * wall's half of their neighbourhood is water: in the row before a wall not at all. With soil they
- * count: a pond seeps away a tenth too slowly without.
- *
- * `relaxation_factor`: isph/energy.c; 1 without that. */
+ * velocity. `relaxation_factor`: isph/energy.c; 1 without that. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -68,7 +59,6 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
     relaxation_time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
   double left = s->drag_factor != NULL ? s->drag_factor[i] : 1, asked = deficit * left;
   if (s->surface != NULL) asked += crowded * (1 - left);
-  if (s->walls != NULL) asked *= fmax(0, 1 - 2 * s->walls[i]);
   if (deficit < 0) asked *= s->relaxation_factor;
   return eps * asked / relaxation_time;
 }

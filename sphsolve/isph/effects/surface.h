@@ -91,8 +91,7 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
 }
 
 /* What the surface adds to the diagonal and to the right-hand side of row i; `pairs` is the sum of
- * the a_ij of its neighbours. The second projection finds what adds to the pressure, with neither
- * force nor a pressure outside. */
+ * the a_ij of its neighbours. */
 static inline void surface_row(const struct isph *s, size_t i, double pairs, double *coefficient,
                                double *load) {
   double w = s->surface[i];
@@ -104,7 +103,6 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
   *coefficient = w * fmax(moment / (0.5 * size), missing);
-  if (s->solve.again) return;
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
 }
@@ -113,13 +111,11 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
  * it is carried. */
 static inline double surface_close(const struct isph *s, size_t i, double reduced[3],
                                    double own[3]) {
-  static const double none[3] = {0};
-  const bool again = s->solve.again;
-  const double *m = s->gradient_sum[i], *f = again ? none : s->force;
+  const double *m = s->gradient_sum[i], *f = s->force;
   double w = s->surface[i];
   double size = isph_size_of(s, s->volume[i]);
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-  double outside = s->surface_pressure != NULL && !again ? s->surface_pressure[i] : 0;
+  double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
   double pressure = s->pressure[i] - outside;
   double d = 0.5 * size / fmax(length, 1e-30);
   double level = pressure + s->density * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
@@ -127,7 +123,7 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
     reduced[a] -= 2 * w * level * m[a];
     own[a] -= 2 * w * pressure * m[a];
   }
-  return again ? 1 : surface_carried(s, i, size);
+  return surface_carried(s, i, size);
 }
 
 static inline bool isph_surface_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
