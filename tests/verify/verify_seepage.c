@@ -302,7 +302,7 @@ static void half_porous(void) {
         "domain = { size = [\"%g m\", \"1 m\"]; spacing = \"%g m\"; periodic = [true, false]; };\n"
         "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%g m\", \"1 m\"]; },\n"
         "{ type = \"porous\"; box = [\"0\", \"0\", \"%g m\", \"0.5 m\"]; porosity = 0.4; "
-        "grain_size = \"1 m\"; alpha = 17.77777777; beta = 0.0; } );\n"
+        "grain_size = \"10 cm\"; alpha = 0.1777777777; beta = 0.0; } );\n"
         "force = { body_acceleration = [\"1 m/s^2\", \"0\"]; };\n",
         4 * h, h, 4 * h, 4 * h);
     run.s.kinematic_viscosity = 1;
