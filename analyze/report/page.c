@@ -137,8 +137,8 @@ static enum status write_body(struct page *page) {
     TRY(tensor_read(&page->subject.runs[i], &tensor, &has_tensor));
   write_head(page);
   write_contents(page, budget);
-  verdict_write(json_object_get(page->data, "verdict"), json_object_get(page->data, "seepage"),
-                has_tensor ? &tensor : NULL, run_has_permeability(&page->subject.runs[0]), out);
+  verdict_write(page->data, has_tensor ? &tensor : NULL,
+                run_has_permeability(&page->subject.runs[0]), out);
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   TRY(page_soil(page));

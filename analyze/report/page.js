@@ -132,10 +132,13 @@
       const time = iterations ? 'Iteration' : end < 0.1 ? 'Time (ms)' : 'Time (s)';
       const against = (name, pick) => runs.map(r => ({name: r.name, points: pick(r) || []}));
       const series = (r, values, f) => values && abscissa(r).map((t, i) => [t * scale, values[i] === null ? null : f(values[i])]);
+      const varies = values => values && values.some(v => v !== values[0]);
       chart(parent, 'Darcy velocity', time, 'Darcy velocity (cm/s)',
             against('', r => series(r, r.darcy_velocity_series_m_per_s, v => 100 * v)));
       chart(parent, 'Maximum density', time, 'Above reference (%)',
-            against('', r => !r.stationary && series(r, r.density_max_series_kg_per_m3, v => 100 * (v / r.density_reference_kg_per_m3 - 1))));
+            against('', r => !r.stationary && varies(r.density_max_series_kg_per_m3) &&
+                             series(r, r.density_max_series_kg_per_m3,
+                                    v => 100 * (v / r.density_reference_kg_per_m3 - 1))));
       chart(parent, 'Density at the end', 'Above reference (%)', 'Probability density (1/%)',
             runs.map(r => ({name: r.name, step: true,
                             points: r.density_histogram ? steps(r.density_histogram, 100, 100, false) : []})), {includeZero: true});

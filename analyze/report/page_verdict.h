@@ -28,10 +28,10 @@ bool verdict_one_body(const struct run *a, const struct run *b);
  * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results;
- * without a result that of `seepage`, the JSON of that analysis, if it is there, or that a flow
- * which is `driven` has not settled. */
-void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
-                   bool driven, FILE *stream);
+/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results.
+ * `data`: JSON of the analyses by their names, `verdict` among them; without a result of that the
+ * card of `seepage` or `moisture`, if it is there, or that a flow which is `driven` has not
+ * settled. */
+void verdict_write(const json_t *data, const struct tensor *tensor, bool driven, FILE *stream);
 
 #endif

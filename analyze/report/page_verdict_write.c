@@ -218,12 +218,42 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   fputs(".</p></article></section>\n", out);
 }
 
-void verdict_write(const json_t *results, const json_t *seepage, const struct tensor *tensor,
-                   bool driven, FILE *out) {
+/* A flow in soil that is not full: how much water, and how high it stands. */
+static void write_moisture(const json_t *moisture, FILE *out) {
+  const json_t *table = json_object_get(moisture, "water_table"), *level;
+  const json_t *x = json_object_get(table, "x_m"), *levels = json_object_get(table, "level_m");
+  double highest = NAN;
+  size_t i, where = 0;
+  json_array_foreach(levels, i,
+                     level) if (json_is_number(level) && !(json_number_value(level) <= highest)) {
+    highest = json_number_value(level);
+    where = i;
+  }
+  fprintf(out,
+          "<p class=\"k\">%.4g&nbsp;m&sup3; of water <span class=\"interval\">in the soil after ",
+          json_number_or_nan(moisture, "water_m3"));
+  char time[64];
+  duration_format(json_number_or_nan(moisture, "time_s"), time, sizeof time);
+  fprintf(out, "%s</span></p>\n<p class=\"verdict\">%.4g&nbsp;m&sup3; at the start", time,
+          json_number_or_nan(moisture, "water_at_start_m3"));
+  if (isfinite(highest))
+    fprintf(out, "; the water table is highest at <var>x</var> = %.4g&nbsp;m: %.4g&nbsp;m",
+            json_number_value(json_array_get(x, where)), highest);
+  fputs(".</p></article></section>\n", out);
+}
+
+void verdict_write(const json_t *data, const struct tensor *tensor, bool driven, FILE *out) {
+  const json_t *results = json_object_get(data, "verdict"),
+               *seepage = json_object_get(data, "seepage"),
+               *moisture = json_object_get(data, "moisture");
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
   if (result == NULL && seepage != NULL) {
     write_seepage(seepage, out);
+    return;
+  }
+  if (result == NULL && moisture != NULL) {
+    write_moisture(moisture, out);
     return;
   }
   if (result == NULL) {

@@ -565,6 +565,7 @@ assert abs(told / level - 1) < 0.1, (told, level)
 END
   analyze report vadose.hdf -o vadose.html
   grep -q "Water in the soil" vadose.html
+  grep -q "m&sup3; of water .*in the soil after" vadose.html
   run sphsolve explain "$ROOT/data-samples/scenes/recharge.cfg" --set 'scene.method="isph"'
   [ "$status" -eq 3 ]
   [[ "$output" == *'write method = "richards"'* ]]
