@@ -104,7 +104,7 @@ static const struct region *rain_at(const struct richards *s, size_t at, const d
 static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
-  double x[3], share = 0;
+  double x[3] = {0}, share = 0;
   if (next != l->count && l->kind[next] == SITE_WALL) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
     if (low || next == at) return; /* each once */
