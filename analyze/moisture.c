@@ -214,9 +214,11 @@ static void tell(const struct moisture *m, struct product *product) {
   const struct history_column *column = run_column(run, "water", 1);
   const double first = column != NULL && column->rows > 0 ? column->values[0] : NAN;
   double dry = INFINITY, wet = -INFINITY;
+  char time[40];
   for (size_t c = (m->shots - 1) * m->nz * m->nx; c < m->shots * m->nz * m->nx; c++)
     dry = fmin(dry, m->theta[c]), wet = fmax(wet, m->theta[c]); /* NAN is no number to either */
-  fprintf(summary, "%s: %.4g s\n", run->name, run->snapshot_times[m->shots - 1]);
+  write_time(m, m->shots - 1, time, sizeof time);
+  fprintf(summary, "%s: after %s\n", run->name, time);
   fprintf(summary, "water      %.6g m^3 at the start, %.6g m^3 at the end, open by %.2g of it\n",
           first, water, fabs(open) / fmax(water, 1e-300));
   fprintf(summary, "content    %.4g to %.4g at the end\n", dry, wet);

@@ -7,8 +7,6 @@
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/surfels.h"
 
-#define PI 3.14159265358979323846
-
 double edge_bin_distance(size_t bin) {
   return ((double)bin + 0.5) / EDGE_FINE - EDGE_REACH;
 }
@@ -25,7 +23,7 @@ static double fit_linear(const struct edge_response *response, double reach, dou
   for (size_t i = 0; i < EDGE_BINS; i++) {
     if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
     const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
-    double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * PI),
+    double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * M_PI),
                      response->sum[i] / n};
     if (given) row[1] += fringe * row[2];
     for (int a = 0; a < sought; a++)
@@ -45,7 +43,7 @@ static double fit_linear(const struct edge_response *response, double reach, dou
     if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
     const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
     left += n * pow(out[0] + out[1] * 0.5 * erfc(t / sqrt(2.0)) -
-                        out[2] * t * exp(-0.5 * t * t) / sqrt(2.0 * PI) - response->sum[i] / n,
+                        out[2] * t * exp(-0.5 * t * t) / sqrt(2.0 * M_PI) - response->sum[i] / n,
                     2.0);
   }
   return left;
@@ -107,7 +105,7 @@ double edge_fit_deviation(double blur) {
 }
 
 double edge_fit_transfer(const struct edge_fit *fit, double frequency) {
-  const double x = pow(2.0 * PI * frequency * fit->deviation, 2.0);
+  const double x = pow(2.0 * M_PI * frequency * fit->deviation, 2.0);
   return exp(-0.5 * x) * (1.0 + fit->fringe * x);
 }
 

@@ -3,8 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { APART = 6 }; /* slices */
-#define PI 3.14159265358979323846
+enum { APART = 6 };                 /* slices */
 static const double CUT_MOST = 0.5; /* of the voxels: a drawn image has one grey, and no noise */
 
 static bool is_inside(float grey, float distance, double depth, double sign, double level,
@@ -71,7 +70,7 @@ double noise_left(const struct noise_sums *sums) {
     const double middle = 0.5 * (low + high);
     *(0.5 * erfc(middle / sqrt(2.0)) > share ? &low : &high) = middle;
   }
-  const double a = low, density = exp(-0.5 * a * a) / sqrt(2.0 * PI), mean = density - a * share;
+  const double a = low, density = exp(-0.5 * a * a) / sqrt(2.0 * M_PI), mean = density - a * share;
   return sqrt(1.0 - share - a * density + a * a * share - mean * mean);
 }
 

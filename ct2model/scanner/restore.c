@@ -7,7 +7,6 @@
 #include "common/memory.h"
 #include "ct2model/scanner/deblur.h"
 
-#define PI 3.14159265358979323846
 enum { LEVELS = 255 };
 /* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
  * voxels are averaged as far as the blur allows. */
@@ -16,7 +15,7 @@ static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
  * costs so many times as much there (docs/notes/2026-11-25-smooth-walls.md). */
 static const double SMOOTHER = 8.0;
 /* Where relief is much finer than in sand of one size it would take grains away: so many times at
- * the least (docs/notes/2026-11-26-scans.md). */
+ * the least (docs/notes/2026-11-26-scanner-bias.md). */
 static const double FINER = 0.25;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
@@ -81,7 +80,7 @@ static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, s
  * of white noise filtered by a Gaussian of that length, (2 sqrt(pi) length)^3, a voxel at least. */
 static double noise_volume(double length, const double voxel[3]) {
   double noise = 1.0;
-  for (int d = 0; d < 3; d++) noise *= fmax(voxel[d], 2.0 * sqrt(PI) * length);
+  for (int d = 0; d < 3; d++) noise *= fmax(voxel[d], 2.0 * sqrt(M_PI) * length);
   return noise;
 }
 
