@@ -390,22 +390,23 @@ enum status config_string(struct config *config, config_node *group, const char 
 
 enum status config_choice(struct config *config, config_node *group, const char *name,
                           const char *const *choices, int *value, bool *given) {
-  const char *text = NULL;
-  bool found;
-  enum status status = config_string(config, group, name, &text, &found);
-  if (given != NULL) *given = found;
-  if (status != STATUS_OK || text == NULL) return status;
+  config_node *node = config_child(config, group, name);
+  if (given != NULL) *given = node != NULL;
+  if (node == NULL) return STATUS_OK;
+  const char *text = config_is_text(node) ? config_setting_get_string(node) : NULL;
   char list[256] = "";
   for (int i = 0; choices[i]; i++) {
-    if (!strcmp(choices[i], text)) {
+    if (text != NULL && !strcmp(choices[i], text)) {
       *value = i;
       return STATUS_OK;
     }
     size_t used = strlen(list);
     snprintf(list + used, sizeof list - used, "%s\"%s\"", i ? ", " : "", choices[i]);
   }
+  if (text == NULL)
+    return config_error(config, node, "a text in quotes is wanted, one of %s", list);
   const char *near = nearest_name(text, choices);
-  return config_error(config, config_child(config, group, name), "\"%s\"%s%s%s is none of %s", text,
+  return config_error(config, node, "\"%s\"%s%s%s is none of %s", text,
                       near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "", list);
 }
 
