@@ -15,6 +15,19 @@ static void weight_of(double p, double *w, double *slope) {
   *slope = 1 / (p * p) - 0.25 / (half * half);
 }
 
+/* B of P >= 0 and its slope. B(-P) is B(P) + P. */
+static void fall_of(double p, double *b, double *slope) {
+  if (p < 0.05) {
+    const double square = p * p;
+    *b = 1 - 0.5 * p + square * (1.0 / 12 - square / 720);
+    *slope = -0.5 + p * (1.0 / 6 - square / 180);
+    return;
+  }
+  const double more = expm1(fmin(p, 600));
+  *b = p / more;
+  *slope = (1 - *b - p) / more;
+}
+
 /* From where on, over |h|, a difference of heads has no, and all, digits for a mean of k by it. */
 #define NEAR 1e-4
 #define FAR 1e-2
@@ -37,7 +50,7 @@ void flux_in_soil(double conductivity, double distance, double pull,
   const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
   const double mean = mean_of(i, j, dh, df, apart), sum = i->k + j->k;
   const bool told = fabs(dk) > NOISE * sum;
-  const double rate = told && apart > 0.1 * NEAR ? dk / df
+  const double rate = told && apart > 0.1 * NEAR ? dk / (mean * dh)
                       : sum > 0                  ? (i->slope + j->slope) / sum
                                                  : 0;
   double mean_i = 0.5 * i->slope, mean_j = 0.5 * j->slope, rate_i = 0, rate_j = 0;
@@ -45,17 +58,19 @@ void flux_in_soil(double conductivity, double distance, double pull,
     mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
     rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
   }
+  /* Of B(r dh) with dh < 0 the part -r dh goes to w: no derivative is then a difference of large
+   * numbers, as by heads of -1e4 m it would have no digit. k_i - k_j is k_m r dh: at rest nothing
+   * is left, to the last bit. */
   double along, rest, along_slope, rest_slope;
   weight_of(pull * distance * rate, &along, &along_slope);
-  weight_of(-rate * dh, &rest, &rest_slope);
-  const double turn = pull * dk, w = pull * (along - rest);
-  flux->q = conductivity * (mean * (dh / distance + pull) + w * dk);
-  flux->di = conductivity *
-             (i->k / distance + pull * mean_i + w * i->slope +
-              turn * (along_slope * pull * distance * rate_i + rest_slope * (rate + dh * rate_i)));
-  flux->dj = conductivity *
-             (-j->k / distance + pull * mean_j - w * j->slope +
-              turn * (along_slope * pull * distance * rate_j + rest_slope * (dh * rate_j - rate)));
+  fall_of(fabs(rate * dh), &rest, &rest_slope);
+  if (dh < 0) along -= 1, rest_slope = -rest_slope;
+  const double w = pull * along, turn = pull * pull * distance * dk * along_slope;
+  flux->q = conductivity * mean * (dh / distance + pull * (rest + rate * dh * along));
+  flux->di = conductivity * (i->k / distance + w * i->slope + turn * rate_i +
+                             pull * (mean_i * rest + mean * rest_slope * (rate + dh * rate_i)));
+  flux->dj = conductivity * (-j->k / distance - w * j->slope + turn * rate_j +
+                             pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
 }
 
 #define ROUNDS 100

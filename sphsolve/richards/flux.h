@@ -3,8 +3,8 @@
  * Between two places it is that of soil whose k is an exponential of h with the rate
  * r = (k_i - k_j)/(F_i - F_j) (Gardner 1958); over a distance d along which gravity pulls by the
  * share p,
- *   q = K (k_m ((h_i - h_j)/d + p) + p (k_i - k_j) (w(p d r) - w(-r (h_i - h_j)))),
- *   k_m = (F_i - F_j)/(h_i - h_j),   w(P) = 1/(1 - e^-P) - 1/P.
+ *   q = K (k_m ((h_i - h_j)/d + p B(r (h_i - h_j))) + p (k_i - k_j) w(p d r)),
+ *   k_m = (F_i - F_j)/(h_i - h_j),   w(P) = 1/(1 - e^-P) - 1/P,   B(P) = P/(e^P - 1).
  * Suction alone moves exactly int K dh (Kirchhoff), full soil exactly Darcy's flux, and water at
  * rest none, whatever the soil; of such soil steady flow is exact (the fitting of Scharfetter and
  * Gummel 1969; Szymkiewicz 2009 compares means of K). Where gravity outweighs suction over d, k is

@@ -28,6 +28,10 @@
 #define DRIED_MOST 0.9
 #define DRIED_SHARE 0.1
 #define NOTHING 1e-15
+#define LEAST_FALL 0.1
+/* Full soil into which all fluxes are given has no head of its own, and its matrix no inverse. With
+ * so much of the diagonal as storage its head rises until faces under rain take no more. */
+#define LEAST_STORAGE 1e-9
 /* From this round on a step that makes the balance worse is halved, so many times at most. */
 #define HALVED_FROM 5
 #define HALVINGS 5
@@ -71,6 +75,15 @@ static void gather(const struct richards *s, double *rate, double *size) {
   }
 }
 
+/* How a flux falls with the head that it goes to, for the matrix. At the edge of full soil, and
+ * most where n < 2, the flux of two places may rise with it a little, and with the sign of a
+ * diagonal Newton's method would lose its way; it then gets a share of what suction alone has. */
+static double falling(const struct richards *s, double fall, size_t site, int axis) {
+  return fall > 0 ? fall
+                  : LEAST_FALL * s->soils[s->soil[site]].conductivity[axis] * s->now[site].k /
+                        s->spacing;
+}
+
 static void assemble(struct richards *s, double dt) {
   struct rows *rows = &s->rows;
   const double scale = dt / s->spacing;
@@ -78,14 +91,16 @@ static void assemble(struct richards *s, double dt) {
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
   for (size_t f = 0; f < s->face_count; f++) {
     const struct richards_face *face = &s->faces[f];
-    const struct flux *flux = &s->face_flux[f];
-    rows->value[rows->diagonal[face->i]] += scale * flux->di;
-    rows->value[face->ij] += scale * flux->dj;
-    rows->value[rows->diagonal[face->j]] -= scale * flux->dj;
-    rows->value[face->ji] -= scale * flux->di;
+    const double by_i = scale * falling(s, s->face_flux[f].di, face->i, face->axis),
+                 by_j = scale * falling(s, -s->face_flux[f].dj, face->j, face->axis);
+    rows->value[rows->diagonal[face->i]] += by_i;
+    rows->value[face->ij] -= by_j;
+    rows->value[rows->diagonal[face->j]] += by_j;
+    rows->value[face->ji] -= by_i;
   }
   for (size_t e = 0; e < s->edge_count; e++)
-    rows->value[rows->diagonal[s->edges[e].site]] -= scale * s->edge_flux[e].di;
+    rows->value[rows->diagonal[s->edges[e].site]] += scale * fmax(-s->edge_flux[e].di, 0);
+  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + LEAST_STORAGE;
 }
 
 /* The head after a change that the matrix gives; `diagonal`: of the matrix; `near`: the height over
@@ -242,9 +257,8 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   s->rate = 0;
   for (size_t i = 0; i < s->count; i++) {
     const struct retention *soil = &s->soils[s->soil[i]];
-    /* What Newton's method left of the balance goes on into the next step, but for what full soil
-     * has no room for: a short step could not press it out. */
-    s->water[i] = fmin(s->wanted[i] + GAMMA * dt * s->second[i], soil->theta_s);
+    /* What Newton's method left of the balance goes on into the next step. */
+    s->water[i] = s->wanted[i] + GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
   s->rate_most = fmax(s->rate_most, s->rate);
