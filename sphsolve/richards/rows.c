@@ -6,6 +6,7 @@
 #include "common/memory.h"
 
 #define MOST_ITERATIONS 2000
+#define KEPT 0.98 /* of what has no place, on the diagonal */
 
 enum status rows_allocate(size_t count, size_t entries, struct rows *r) {
   enum status status = STATUS_OK;
@@ -30,21 +31,30 @@ void rows_free(struct rows *r) {
   for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
 }
 
+/* Where a row has a column, or its end. */
+static size_t entry(const struct rows *r, size_t row, size_t column) {
+  size_t k = r->start[row];
+  while (k < r->start[row + 1] && r->column[k] != column) k++;
+  return k;
+}
+
 static bool factorise(struct rows *r) {
   memcpy(r->factor, r->value, r->start[r->count] * sizeof *r->factor);
-  for (size_t i = 0; i < r->count; i++) {
-    const size_t end = r->start[i + 1];
-    for (size_t k = r->start[i]; k < r->diagonal[i]; k++) {
-      const size_t row = r->column[k];
-      const double l = r->factor[k] /= r->factor[r->diagonal[row]];
-      size_t at = k + 1;
-      for (size_t u = r->diagonal[row] + 1; u < r->start[row + 1]; u++) {
-        while (at < end && r->column[at] < r->column[u]) at++;
-        if (at == end) break;
-        if (r->column[at] == r->column[u]) r->factor[at] -= l * r->factor[u];
+  for (size_t row = 0; row < r->count; row++) {
+    const size_t first = r->diagonal[row] + 1, end = r->start[row + 1];
+    const double pivot = r->factor[first - 1];
+    if (!(fabs(pivot) > 0)) return false;
+    for (size_t k = first; k < end; k++) {
+      const size_t below = r->column[k];
+      const double l = r->factor[entry(r, below, row)] /= pivot;
+      for (size_t u = first; u < end; u++) {
+        const size_t at = entry(r, below, r->column[u]);
+        if (at < r->start[below + 1])
+          r->factor[at] -= l * r->factor[u];
+        else
+          r->factor[r->diagonal[r->column[u]]] -= KEPT * l * r->factor[u];
       }
     }
-    if (!(fabs(r->factor[r->diagonal[i]]) > 0)) return false;
   }
   return true;
 }

@@ -1,7 +1,10 @@
 /* A sparse matrix by rows, and the solution of its equations by BiCGStab (van der Vorst 1992)
- * before an incomplete factorisation without fill-in, ILU(0) (Meijerink, van der Vorst 1977). Of
- * the three diagonals of a column of soil ILU(0) is exact. All in one order: the bits do not depend
- * on the number of threads. */
+ * before an incomplete factorisation without fill-in (Meijerink, van der Vorst 1977). What has no
+ * place in it goes to the diagonal of its column, all but 2 % (modified ILU(0), Gustafsson 1978):
+ * a column's sum is how much water a change of its head takes, and is kept so. Without that,
+ * iterations grow as 1/spacing, with it as its root. Of the three diagonals of a column of soil it
+ * is exact. The pattern is symmetric. All in one order: the bits do not depend on the number of
+ * threads. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_ROWS_H
 #define TOSUI_SPHSOLVE_RICHARDS_ROWS_H
 
@@ -17,7 +20,7 @@ struct rows {
   size_t *diagonal;  /* [count] */
   uint32_t *column;  /* rising in each row */
   double *value;     /* of the matrix */
-  double *factor;    /* of ILU(0): L below the diagonal, which is 1, else U */
+  double *factor;    /* L below the diagonal, which is 1, else U */
   double *vector[7]; /* [count] */
 };
 

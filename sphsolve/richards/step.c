@@ -11,7 +11,11 @@
 #define NEWTON_MANY 10      /* beyond these the next step is no longer */
 #define OPEN_MOST 1e-11     /* of a water content */
 #define OPEN_ROUNDING 4e-15 /* of the sum of all terms */
-#define LINEAR 1e-7
+/* A round solves its equations to what may stay open, over ten: but no better than Newton's
+ * method is as long as it has far to go, and no better than rounding lets it. */
+#define LINEAR_SHARE 0.1
+#define LINEAR_FAR 1e-3
+#define LINEAR_BEST 1e-7
 #define GROWTH_MOST 2.0
 #define SHRINK_MOST 0.25
 /* So many steps on end that are as short, against the time since the start or that in which full
@@ -155,7 +159,8 @@ static bool solve(struct richards *s, double dt, double time, double *rate) {
   for (int round = 0; !(most <= 1); round++) {
     if (round == NEWTON_MOST || !isfinite(squares)) return false;
     assemble(s, dt);
-    if (!rows_solve(&s->rows, s->open, LINEAR, s->change, &s->linear_total)) return false;
+    const double linear = fmin(fmax(LINEAR_SHARE / most, LINEAR_BEST), LINEAR_FAR);
+    if (!rows_solve(&s->rows, s->open, linear, s->change, &s->linear_total)) return false;
     memcpy(s->from, s->now, s->count * sizeof *s->from);
     last = squares;
     for (int halving = 0;; halving++) {
