@@ -112,7 +112,8 @@ cleanup:
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   for (size_t r = 0; r < context->scene->region_count; r++)
     if (context->scene->regions[r].van_genuchten.given) {
-      snprintf(why, EFFECT_WHY, "soil has van_genuchten: it need not be full of water");
+      snprintf(why, EFFECT_WHY, "soil has %s: it need not be full of water",
+               context->scene->regions[r].van_genuchten.k_n > 0 ? "haverkamp" : "van_genuchten");
       return true;
     }
   return false;

@@ -22,6 +22,12 @@ static void at_suction(const struct retention *soil, double t, double *s, double
   const double g = -expm1(ln_rest), power = exp(soil->l * ln_s);
   const double wet = 1 / (1 + exp(t)), dry = 1 / (1 + exp(-t));
   *s = exp(ln_s);
+  if (soil->k_n > 0) {
+    const double u = soil->k_n * (t / soil->n + log(soil->k_alpha / soil->alpha));
+    *k = 1 / (1 + exp(u));
+    *dk = -soil->k_n * *k / (1 + exp(-u));
+    return;
+  }
   *k = power * g * g;
   *dk = soil->n * soil->m * (-soil->l * dry * *k - 2 * power * g * exp(ln_rest) * wet);
 }
@@ -43,7 +49,9 @@ enum status retention_make(const struct region *region, struct retention *soil) 
   const struct van_genuchten *given = &region->van_genuchten;
   *soil = (struct retention){.alpha = given->alpha,
                              .n = given->n,
-                             .m = 1 - 1 / given->n,
+                             .m = given->k_n > 0 ? 1 : 1 - 1 / given->n,
+                             .k_alpha = given->k_alpha,
+                             .k_n = given->k_n,
                              .l = given->l,
                              .theta_r = given->theta_r,
                              .theta_s = region->porosity};
@@ -52,13 +60,13 @@ enum status retention_make(const struct region *region, struct retention *soil) 
     soil->conductivity[a] =
         region->permeability * (region->anisotropic ? region->anisotropy[diagonal[a]] : 1);
   }
-  const double dry = fmin(log(DRIEST_SUCTION), -log(DRIEST_SATURATION) / (soil->n - 1));
+  const double dry = fmin(log(DRIEST_SUCTION), -log(DRIEST_SATURATION) / (soil->n * soil->m));
   soil->driest = -exp(dry) / soil->alpha;
   soil->first = log(RETENTION_STRAIGHT);
-  soil->step = 1 / (STEPS_PER_TURN * soil->n);
+  soil->step = 1 / (STEPS_PER_TURN * fmax(soil->n, soil->k_n));
   soil->count = (size_t)ceil((dry - soil->first) / soil->step) + 1;
   TRY(memory_allocate(&soil->table, soil->count, sizeof *soil->table, "Kirchhoff's transform"));
-  const double p = soil->n * soil->l * soil->m + 2 * soil->n;
+  const double p = soil->k_n > 0 ? soil->k_n : soil->n * soil->l * soil->m + 2 * soil->n;
   double sum = 0, saturation, slope;
   at_suction(soil, soil->n * soil->first, &saturation, &soil->fall, &slope);
   soil->fall = 1 - soil->fall;
@@ -91,8 +99,8 @@ void retention_free(struct retention *soil) {
 }
 
 bool retention_is_same(const struct retention *a, const struct retention *b) {
-  bool same = a->alpha == b->alpha && a->n == b->n && a->l == b->l && a->theta_r == b->theta_r &&
-              a->theta_s == b->theta_s;
+  bool same = a->alpha == b->alpha && a->n == b->n && a->l == b->l && a->k_alpha == b->k_alpha &&
+              a->k_n == b->k_n && a->theta_r == b->theta_r && a->theta_s == b->theta_s;
   for (int i = 0; i < 3; i++) same = same && a->conductivity[i] == b->conductivity[i];
   return same;
 }

@@ -3,6 +3,7 @@
  *   S = (1 + (alpha |h|)^n)^-m, m = 1 - 1/n                          effective saturation, h < 0
  *   k = S^l (1 - (1 - S^(1/m))^m)^2                                  K over that of full soil
  *   F = integral of k from -infinity to h                            Kirchhoff's transform, m
+ * Or by Haverkamp et al. (1977): m = 1, and k = 1/(1 + (k_alpha |h|)^k_n) by itself.
  * With h >= 0 S = k = 1, and F rises as h does. Water content is theta_r + (theta_s - theta_r) S.
  */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_RETENTION_H
@@ -20,6 +21,7 @@
 
 struct retention {
   double alpha, n, m, l;   /* 1/m, -, -, - */
+  double k_alpha, k_n;     /* 1/m, -; 0: k is Mualem's */
   double theta_r, theta_s; /* water content of dry and of full soil */
   double conductivity[3];  /* m/s along x, y, z, of full soil */
   double driest;           /* m, the lowest h that is told apart */

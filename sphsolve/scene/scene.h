@@ -92,6 +92,7 @@ struct stl;
 struct van_genuchten {
   bool given;
   double alpha, n, theta_r, l; /* 1/m, -, -, - */
+  double k_alpha, k_n; /* 1/m, -: of Haverkamp's curves, by which k is its own; else 0 */
   enum soil_start starts_by;   /* what `start` is: a level, m; a pressure head, m; theta */
   double start;
 };

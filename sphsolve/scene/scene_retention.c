@@ -1,4 +1,5 @@
-/* Soil that need not be full of water: van Genuchten's parameters, and how wet it starts. */
+/* Soil that need not be full of water: its curves, van Genuchten's or Haverkamp's, and how wet it
+ * starts. */
 #include <math.h>
 
 #include "common/units.h"
@@ -7,6 +8,46 @@
 /* Beyond these n the curves are those of no soil, and steeper or flatter than their table. */
 #define N_LEAST 1.05
 #define N_MOST 15.0
+
+static enum status check_residual(struct config *config, config_node *group,
+                                  const struct region *region) {
+  const double theta_r = region->van_genuchten.theta_r;
+  if (theta_r >= 0 && theta_r < region->porosity) return STATUS_OK;
+  return config_error(config, config_child(config, group, "theta_r"),
+                      "from 0 to below the porosity, %g, is possible: the porosity is the water "
+                      "content of full soil, theta_s",
+                      region->porosity);
+}
+
+/* Heads at which half of the water, and of K, is left, and the powers by which they fall. */
+static enum status read_haverkamp(struct config *config, config_node *group,
+                                  struct region *region) {
+  enum status status = STATUS_OK;
+  struct van_genuchten *soil = &region->van_genuchten;
+  static const char *const keys[] = {"h_theta", "beta", "h_k", "gamma"};
+  double value[4] = {0};
+  for (int i = 0; i < 4; i++) {
+    bool there;
+    if (i % 2 == 0)
+      TRY(config_quantity(config, group, keys[i], DIM_LENGTH, &value[i], &there));
+    else
+      TRY(config_number(config, group, keys[i], &value[i], &there));
+    if (!there)
+      TRY(config_error(config, group,
+                       "h_theta, beta, h_k and gamma are wanted, like { h_theta = \"37 cm\"; beta "
+                       "= 3.96; h_k = \"19 cm\"; gamma = 4.74; theta_r = 0.075; }"));
+    if (i % 2 == 0 ? !(value[i] > 0) : !(value[i] >= N_LEAST && value[i] <= N_MOST))
+      TRY(config_error(config, config_child(config, group, keys[i]),
+                       i % 2 == 0 ? "must be greater than 0" : "%g to %g is possible", N_LEAST,
+                       N_MOST));
+  }
+  TRY(config_number(config, group, "theta_r", &soil->theta_r, NULL));
+  TRY(check_residual(config, group, region));
+  soil->alpha = 1 / value[0], soil->n = value[1];
+  soil->k_alpha = 1 / value[2], soil->k_n = value[3];
+cleanup:
+  return status;
+}
 
 static enum status read_curve(struct config *config, config_node *group, struct region *region) {
   enum status status = STATUS_OK;
@@ -27,11 +68,7 @@ static enum status read_curve(struct config *config, config_node *group, struct 
   if (!(soil->n >= N_LEAST && soil->n <= N_MOST))
     TRY(config_error(config, config_child(config, group, "n"), "%g to %g is possible", N_LEAST,
                      N_MOST));
-  if (!(soil->theta_r >= 0 && soil->theta_r < region->porosity))
-    TRY(config_error(config, config_child(config, group, "theta_r"),
-                     "from 0 to below the porosity, %g, is possible: the porosity is the water "
-                     "content of full soil, theta_s",
-                     region->porosity));
+  TRY(check_residual(config, group, region));
   if (!(soil->l > -2 && soil->l <= 10)) /* below, k would grow as soil dries */
     TRY(config_error(config, config_child(config, group, "l"), "above -2 to 10 is possible"));
 cleanup:
@@ -45,7 +82,9 @@ enum status scene_read_retention(struct config *config, config_node *group, stru
   } starts[] = {
       {"head", START_HEAD}, {"pressure_head", START_PRESSURE}, {"water_content", START_WATER}};
   enum status status = STATUS_OK;
-  config_node *curve = config_child(config, group, "van_genuchten");
+  config_node *genuchten = config_child(config, group, "van_genuchten"),
+              *haverkamp = config_child(config, group, "haverkamp"),
+              *curve = genuchten != NULL ? genuchten : haverkamp;
   struct van_genuchten *soil = &region->van_genuchten;
   int given = 0;
   for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
@@ -64,11 +103,15 @@ enum status scene_read_retention(struct config *config, config_node *group, stru
   }
   if (curve == NULL) return STATUS_OK;
   if (!config_is_group(curve))
-    TRY(config_error(config, curve,
-                     "a group is wanted, like { alpha = \"3.35 1/m\"; n = 2.0; "
-                     "theta_r = 0.102; }"));
+    TRY(config_error(config, curve, "a group is wanted, like %s",
+                     genuchten != NULL
+                         ? "{ alpha = \"3.35 1/m\"; n = 2.0; theta_r = 0.102; }"
+                         : "{ h_theta = \"37 cm\"; beta = 3.96; h_k = \"19 cm\"; gamma = 4.74; }"));
+  if (genuchten != NULL && haverkamp != NULL)
+    TRY(config_error(config, haverkamp, "soil has one curve, and van_genuchten is given, too"));
   soil->given = true;
-  TRY(read_curve(config, curve, region));
+  TRY(genuchten != NULL ? read_curve(config, curve, region)
+                        : read_haverkamp(config, curve, region));
   if (!(region->permeability > 0))
     TRY(config_error(config, group,
                      "permeability is missing: that of the soil when it is full, "

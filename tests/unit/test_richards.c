@@ -67,6 +67,32 @@ static void curves(void **state) {
   }
 }
 
+/* Haverkamp's: half of the water and of K at the heads given, slopes and integral those of them. */
+static void haverkamp(void **state) {
+  (void)state;
+  struct region region = sand;
+  struct retention soil;
+  struct retention_state at, low, high;
+  region.van_genuchten = (struct van_genuchten){
+      .given = true, .alpha = 1 / .37, .n = 3.96, .k_alpha = 1 / .19, .k_n = 4.74, .theta_r = .05};
+  assert_int_equal(retention_make(&region, &soil), STATUS_OK);
+  retention_at(&soil, -.37, &at);
+  assert_true(fabs(at.theta - .225) < 1e-14 && fabs(retention_head(&soil, .5) + .37) < 1e-12);
+  retention_at(&soil, -.19, &at);
+  assert_true(fabs(at.k - .5) < 1e-14);
+  for (double h = -.01; h > -1e3; h *= 3) {
+    const double d = -1e-5 * h;
+    retention_at(&soil, h, &at);
+    retention_at(&soil, h - d, &low);
+    retention_at(&soil, h + d, &high);
+    assert_true(fabs((high.theta - low.theta) / (2 * d) / at.capacity - 1) <
+                1e-5 + 1e-11 / at.capacity);
+    assert_true(fabs((high.k - low.k) / (2 * d) / at.slope - 1) < 1e-5 + 1e-11 / at.slope);
+    assert_true(fabs(retention_fall(&high, &low) / (2 * d) / at.k - 1) < 1e-5);
+  }
+  retention_free(&soil);
+}
+
 /* Water at rest does not move, full soil has Darcy's flux, suction alone int K dh; derivatives are
  * those of differences; and two halves of one soil are one. */
 static void fluxes(void **state) {
@@ -328,9 +354,10 @@ static void too_much(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),      cmocka_unit_test(fluxes),   cmocka_unit_test(rows),
-      cmocka_unit_test(rain),        cmocka_unit_test(fills),    cmocka_unit_test(ditch),
-      cmocka_unit_test(evaporation), cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(curves),   cmocka_unit_test(haverkamp),
+                                     cmocka_unit_test(fluxes),   cmocka_unit_test(rows),
+                                     cmocka_unit_test(rain),     cmocka_unit_test(fills),
+                                     cmocka_unit_test(ditch),    cmocka_unit_test(evaporation),
+                                     cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

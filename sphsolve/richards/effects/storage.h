@@ -11,7 +11,7 @@
 static inline bool richards_storage_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
   (void)context;
-  snprintf(why, EFFECT_WHY, "the soil has van_genuchten");
+  snprintf(why, EFFECT_WHY, "the soil has a retention curve");
   return true;
 }
 
