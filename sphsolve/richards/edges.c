@@ -24,13 +24,36 @@ static void from_head(const struct richards *s, const struct richards_edge *edge
   flux->di = flux->dj;
 }
 
+double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time) {
+  const double wide = s->lattice->dimensions == 2 ? s->spacing : 1; /* a 2-D rate is for a metre */
+  return edge->share * wide * given_at(edge->region, edge->region->rate, time) /
+         (s->spacing * s->spacing);
+}
+
+void richards_share_wells(struct richards *s) {
+  for (size_t r = 0; r < s->scene->region_count; r++) {
+    const struct region *well = &s->scene->regions[r];
+    size_t all = 0, wet = 0;
+    if (well->type != REGION_WELL || well->first != r) continue;
+    for (size_t e = 0; e < s->edge_count; e++)
+      if (s->edges[e].region == well) all++, wet += s->h[s->edges[e].site] > 0;
+    for (size_t e = 0; e < s->edge_count; e++)
+      if (s->edges[e].region == well)
+        s->edges[e].share = wet == 0                     ? 1.0 / (double)all
+                            : s->h[s->edges[e].site] > 0 ? 1.0 / (double)wet
+                                                         : 0;
+  }
+}
+
 /* At most `most`. */
 static void limit(struct flux *flux, double most) {
   if (flux->q > most) *flux = (struct flux){most, 0, 0};
 }
 
-/* Air takes what comes out under pressure and gives nothing but rain, as much of it as soil with
- * no water standing on it takes. What evaporates is at most what air-dry soil at the face draws. */
+/* A well holds the pressure of the air where it takes less than its rate: nothing is sucked out of
+ * soil that is not full. Air takes what comes out under pressure and gives nothing but rain, as
+ * much of it as soil with no water standing on it takes. What evaporates is at most what air-dry
+ * soil at the face draws. */
 static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
                     struct flux *flux) {
   double given;
@@ -51,6 +74,17 @@ static void flux_at(const struct richards *s, const struct richards_edge *edge, 
     given = edge->share * given_at(edge->region, edge->region->flux, time);
     from_head(s, edge, s->soils[s->soil[edge->site]].driest, flux);
     if (given >= 0 || flux->q < given) *flux = (struct flux){given, 0, 0};
+    return;
+  case EDGE_WELL:
+    given = -richards_well_at(s, edge, time);
+    from_head(s, edge, 0, flux);
+    if (flux->q < given) *flux = (struct flux){given, 0, 0};
+    limit(flux, 0);
+    return;
+  case EDGE_DRAIN:
+    given = given_at(edge->region, edge->region->head, time);
+    from_head(s, edge, -s->pull[2] * fmax(given - edge->z, 0), flux);
+    limit(flux, 0);
     return;
   }
 }

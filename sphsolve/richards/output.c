@@ -78,6 +78,7 @@ static void velocities(const struct richards *s, double (*velocity)[3]) {
   }
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
+    if (!richards_is_face(edge)) continue;
     velocity[edge->site][edge->axis] += (edge->low ? 0.5 : -0.5) * s->edge_flux[e].q;
   }
 }
@@ -99,17 +100,22 @@ static double plane_flux(const struct richards *s, const struct flux_plane *plan
   }
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
-    if (edge->axis != axis) continue;
+    if (edge->axis != axis || !richards_is_face(edge)) continue;
     const double layer = (double)(s->site[edge->site] / stride[axis] % n) + (edge->low ? 0 : 1);
     sum += fmax(0, 1 - fabs(at - layer)) * (edge->low ? 1 : -1) * s->edge_flux[e].q;
   }
   return sum * s->spacing * s->spacing;
 }
 
-/* Regions that have columns: the first box of an inflow or a rain. */
+static bool is_sink(const struct region *region) {
+  return region->type == REGION_WELL || region->type == REGION_DRAIN;
+}
+
+/* Regions that have columns: the first box of an inflow, a rain, a well or a drain. */
 static bool is_source(const struct richards *s, size_t r) {
   const struct region *region = &s->scene->regions[r];
-  return region->first == r && (region->type == REGION_INFLOW || region->type == REGION_RAIN);
+  return region->first == r &&
+         (region->type == REGION_INFLOW || region->type == REGION_RAIN || is_sink(region));
 }
 
 enum status richards_add_columns(const struct richards *s, struct recorder *recorder) {
@@ -133,6 +139,11 @@ enum status richards_add_columns(const struct richards *s, struct recorder *reco
       TRY(recorder_add_column(recorder, name, "m^3/s", 1));
       snprintf(name, sizeof name, "entered_%zu", region->number + 1);
       TRY(recorder_add_column(recorder, name, "m^3", 1));
+    } else if (is_sink(region)) {
+      snprintf(name, sizeof name, "outflow_%s", region->name);
+      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
+      snprintf(name, sizeof name, "taken_%s", region->name);
+      TRY(recorder_add_column(recorder, name, "kg", 1));
     } else {
       snprintf(name, sizeof name, "infiltration_%s", region->name);
       TRY(recorder_add_column(recorder, name, "m^3/s", 1));
@@ -209,8 +220,10 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
   extra[c++] = s->iterations;
   for (size_t r = 0; r < scene->region_count; r++) {
     if (!is_source(s, r)) continue;
-    extra[c++] = flow_of(s, r);
-    if (scene->regions[r].type == REGION_INFLOW) {
+    extra[c++] = is_sink(&scene->regions[r]) ? -flow_of(s, r) : flow_of(s, r);
+    if (is_sink(&scene->regions[r])) {
+      extra[c++] = -density * s->entered[r];
+    } else if (scene->regions[r].type == REGION_INFLOW) {
       extra[c++] = s->entered[r];
     } else {
       extra[c++] = density * s->rained[r];

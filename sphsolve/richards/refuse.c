@@ -46,6 +46,7 @@ static enum status check_region(const struct scene *scene, const struct region *
                 scene->path, region->line);
   case REGION_WELL:
   case REGION_DRAIN:
+    return STATUS_OK; /* check_well */
   case REGION_ABSORBING:
     return FAIL(STATUS_INPUT,
                 "%s:%d: method richards has no %s; an inflow region on a side has a head or a flux",
@@ -71,6 +72,42 @@ static enum status check_region(const struct scene *scene, const struct region *
   return STATUS_OK;
 }
 
+/* A well or a drain stands in soil: it holds the middle of some site, and of soil alone. */
+static enum status check_well(const struct effect_context *context, const struct region *whole) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  size_t held = 0, site = 0;
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0]; i++, site++) {
+        const size_t at[3] = {i, j, k};
+        bool inside = false;
+        for (const struct region *part = whole; part < scene->regions + whole->end; part++) {
+          bool here = true;
+          for (int a = 0; a < 3; a++) {
+            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
+            if (!(l->dimensions == 2 && a == 1))
+              here = here && x >= part->box[a] && x < part->box[a + 3];
+          }
+          inside = inside || here;
+        }
+        held += inside;
+        if (inside && l->kind[site] != SITE_FLUID)
+          return FAIL(STATUS_INPUT,
+                      "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
+                      "it within a porous region",
+                      scene->path, whole->line, region_type_names[whole->type],
+                      l->origin[0] + (double)i * l->spacing[0],
+                      l->origin[1] + (double)j * l->spacing[1],
+                      l->origin[2] + (double)k * l->spacing[2]);
+      }
+  if (held > 0) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s:%d: this %s holds the middle of no site; make it a spacing wide, %g m, or "
+              "domain.spacing smaller",
+              scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
+}
+
 enum status richards_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
@@ -81,7 +118,12 @@ enum status richards_refuse(const struct effect_context *context) {
                     "in method richards gravity is along -z, or absent: heads are heights"));
   if (!isfinite(scene->end_time) && scene->steady_tolerance == 0)
     TRY(scene_error(scene, AT_METHOD, "scene.end_time is missing, like end_time = \"1 h\""));
-  for (size_t r = 0; r < scene->region_count; r++) TRY(check_region(scene, &scene->regions[r]));
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    TRY(check_region(scene, region));
+    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
+      TRY(check_well(context, region));
+  }
 cleanup:
   return status;
 }

@@ -140,8 +140,32 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   s->edge_count++;
 }
 
+/* The well or drain that holds a site, if any. */
+static void add_well(struct richards *s, size_t i, bool count) {
+  double x[3];
+  richards_place(s, i, x);
+  for (size_t r = 0; r < s->scene->region_count; r++) {
+    const struct region *part = &s->scene->regions[r];
+    bool inside = part->type == REGION_WELL || part->type == REGION_DRAIN;
+    for (int a = 0; a < 3; a++)
+      if (!(s->lattice->dimensions == 2 && a == 1))
+        inside = inside && x[a] >= part->box[a] && x[a] < part->box[a + 3];
+    if (!inside) continue;
+    if (!count)
+      s->edges[s->edge_count] =
+          (struct richards_edge){.site = (uint32_t)i,
+                                 .kind = part->type == REGION_WELL ? EDGE_WELL : EDGE_DRAIN,
+                                 .region = &s->scene->regions[part->first],
+                                 .share = 1,
+                                 .z = x[2]};
+    s->edge_count++;
+    return;
+  }
+}
+
 static void add_faces(struct richards *s, bool count) {
   s->face_count = s->edge_count = 0;
+  for (size_t i = 0; i < s->count; i++) add_well(s, i, count);
   for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++)
       for (int side = 0; side < 2; side++)
@@ -242,6 +266,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
     TRY(memory_allocate(sums[k], scene->region_count, sizeof(double), "what came and went"));
   for (size_t i = 0; i < s->count; i++) s->h[i] = head_at_start(s, i);
+  richards_share_wells(s);
   richards_evaluate(s, 0);
   for (size_t i = 0; i < s->count; i++) s->water[i] = s->now[i].theta;
   s->start = richards_water(s);

@@ -30,17 +30,19 @@ enum richards_edge_kind {
   EDGE_AIR,      /* lets water out where it would be under pressure, and rain in */
   EDGE_HEAD,     /* water of a level outside, air above it */
   EDGE_PRESSURE, /* a pressure head that is held */
-  EDGE_FLUX      /* a flux inwards, below 0 as much of it as the soil can give */
+  EDGE_FLUX,     /* a flux inwards, below 0 as much of it as the soil can give */
+  EDGE_WELL,     /* within a well: its share of the rate, as far as pressure brings it */
+  EDGE_DRAIN     /* within a drain: what holds its head, and none inwards */
 };
 
-/* A face of a site to the outside. */
+/* A face of a site to the outside; or, in a well or a drain, one within it, across no axis. */
 struct richards_edge {
   uint32_t site;
   uint8_t axis;
   bool low; /* at the low side of its site */
   enum richards_edge_kind kind;
   const struct region *region; /* inflow that stands there, or rain that falls; NULL: neither */
-  double share;                /* of the face that it covers */
+  double share;                /* of the face that it covers; of a well's rate */
   double z;                    /* m, of its middle */
 };
 
@@ -92,8 +94,17 @@ void richards_free(struct richards *s);
 void richards_place(const struct richards *s, size_t i, double x[3]);
 /* edges.c: fluxes through the faces to the outside at a time, from the states of the sites. */
 void richards_edge_fluxes(struct richards *s, double time);
+/* Shares out the rates of wells, for a step: evenly over their sites under pressure. */
+void richards_share_wells(struct richards *s);
+/* Whether it is a face through which water leaves or enters along its axis. */
+static inline bool richards_is_face(const struct richards_edge *edge) {
+  return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
+}
 /* What rain brings to such a face, m/s; 0 where none falls. */
 double richards_rain_at(const struct richards_edge *edge, double time);
+
+/* What a well takes there at most, m/s. */
+double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
 
 /* step.c: states and all fluxes at a time, for the heads as they are. */
 void richards_evaluate(struct richards *s, double time);

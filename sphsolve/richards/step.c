@@ -238,6 +238,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   double dt = fmin(s->next_dt, left);
   if (dt < left && dt > 0.5 * left) dt = 0.5 * left;
   memcpy(s->before, s->h, s->count * sizeof *s->before);
+  richards_share_wells(s);
   for (;;) {
     const bool found = try_step(s, dt);
     const double error = found ? error_of(s, dt) : INFINITY;

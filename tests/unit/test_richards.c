@@ -305,6 +305,51 @@ static void ditch(void **state) {
   finish(&run);
 }
 
+/* A well between two levels, in full soil: the head in it by Darcy's law from both sides. In a
+ * closed box it has its rate while there is pressure, and the rest of the soil's water after that
+ * falls to its foot; a drain takes no more than stands above its head, and gives nothing back. */
+static void wells(void **state) {
+  (void)state;
+  struct run run;
+  start(&run,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"1.05 m\", \"0.2 m\"]; spacing = \"5 cm\"; periodic = [false, "
+        "false]; };\n"
+        "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"1.05 m\", \"0.2 m\"]; " SAND
+        "head = \"1 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.2 m\"]; head "
+        "= \"1 m\"; }, { type = \"inflow\"; box = [\"1.04 m\", \"0\", \"1.05 m\", \"0.2 m\"]; "
+        "head = \"1 m\"; }, { type = \"well\"; name = \"pump\"; box = [\"0.5 m\", \"0\", \"0.55 "
+        "m\", \"0.2 m\"]; rate = \"1e-5 m^2/s\"; } );\n" GRAVITY);
+  advance(&run, 1000);
+  assert_true(fabs(run.s.entered[3] / (-1e-5 * 1000 * .05) - 1) < 1e-9);
+  const double at[3] = {.525, 0, .1};
+  assert_true(fabs(richards_head_at(&run.s, at) - (.9 - .5e-5 * .525 / (1e-4 * .2))) < 1e-6);
+  finish(&run);
+  start_box(&run, SAND "head = \"0.9 m\";",
+            ", { type = \"well\"; name = \"pump\"; box = [\"0.1 m\", \"0.3 m\", \"0.2 m\", \"0.6 "
+            "m\"]; rate = \"1e-5 m^2/s\"; }");
+  advance(&run, 1000);
+  assert_true(fabs(run.s.entered[1] / (-1e-5 * 1000 * .05) - 1) < 1e-9);
+  advance(&run, 1e7);
+  const double beside[3] = {.35, 0, .2};
+  assert_true(fabs(richards_level_at(&run.s, beside) - .325) < 1e-3); /* the lowest site's middle */
+  assert_true(water_open(&run.s) < 1e-10);
+  finish(&run);
+  for (int low = 0; low < 2; low++) {
+    start_box(
+        &run, SAND "head = \"0.9 m\";",
+        low ? ", { type = \"drain\"; name = \"d\"; box = [\"0.1 m\", \"0.1 m\", \"0.2 m\", \"0.2 "
+              "m\"]; head = \"0.4 m\"; }"
+            : ", { type = \"drain\"; name = \"d\"; box = [\"0.1 m\", \"0.1 m\", \"0.2 m\", \"0.2 "
+              "m\"]; head = \"0.95 m\"; }");
+    advance(&run, 1e7);
+    assert_true(fabs(richards_level_at(&run.s, beside) - (low ? .4 : .9)) < 1e-5);
+    assert_true(low || run.s.entered[1] == 0);
+    assert_true(water_open(&run.s) < 1e-10);
+    finish(&run);
+  }
+}
+
 /* What evaporates is what is asked for while the soil can give it, and less then, for ever. */
 static void evaporation(void **state) {
   (void)state;
@@ -354,10 +399,10 @@ static void too_much(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(curves),   cmocka_unit_test(haverkamp),
-                                     cmocka_unit_test(fluxes),   cmocka_unit_test(rows),
-                                     cmocka_unit_test(rain),     cmocka_unit_test(fills),
-                                     cmocka_unit_test(ditch),    cmocka_unit_test(evaporation),
-                                     cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(curves),   cmocka_unit_test(haverkamp), cmocka_unit_test(fluxes),
+      cmocka_unit_test(rows),     cmocka_unit_test(rain),      cmocka_unit_test(fills),
+      cmocka_unit_test(ditch),    cmocka_unit_test(wells),     cmocka_unit_test(evaporation),
+      cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
