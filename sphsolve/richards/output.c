@@ -220,9 +220,9 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
   extra[c++] = s->iterations;
   for (size_t r = 0; r < scene->region_count; r++) {
     if (!is_source(s, r)) continue;
-    extra[c++] = is_sink(&scene->regions[r]) ? -flow_of(s, r) : flow_of(s, r);
+    extra[c++] = is_sink(&scene->regions[r]) ? 0 - flow_of(s, r) : flow_of(s, r);
     if (is_sink(&scene->regions[r])) {
-      extra[c++] = -density * s->entered[r];
+      extra[c++] = 0 - density * s->entered[r];
     } else if (scene->regions[r].type == REGION_INFLOW) {
       extra[c++] = s->entered[r];
     } else {
