@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "common/log.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/output/step_log.h"
 #include "sphsolve/richards/output.h"
@@ -44,10 +45,31 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
+/* Less than this share of its rate, and a well is told of. */
+#define BROUGHT 0.99
+
+/* Warns, once, of a well to which the soil does not bring its rate. */
+static void look_at_wells(const struct richards *s, bool *told) {
+  for (size_t r = 0; r < s->scene->region_count && !*told; r++) {
+    const struct region *well = &s->scene->regions[r];
+    double asked = 0, given = 0;
+    if (well->type != REGION_WELL || well->first != r) continue;
+    for (size_t e = 0; e < s->edge_count; e++)
+      if (s->edges[e].region == well)
+        asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q;
+    *told = given < BROUGHT * asked;
+    if (*told)
+      log_warning("%s:%d: t = %.4g s: the soil brings %.0f %% of this well's rate: the water table "
+                  "has come down to it; give a lower one, or a drain of a head",
+                  s->scene->path, well->line, s->time, 100 * given / asked);
+  }
+}
+
 static enum status march(struct richards *s, struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double interval = recorder_row_interval(recorder), dt = 0;
+  bool told = false;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   if (isnan(interval)) interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, interval) : 0;
@@ -71,6 +93,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
     if (last) break;
     TRY(richards_advance(s, next_instant(s, recorder), &dt));
     step_log_limit(recorder_step_log(recorder), "water content");
+    look_at_wells(s, &told);
     char note[96];
     snprintf(note, sizeof note, "t %.4g s, dt %.3g s", s->time, dt);
     recorder_progress(recorder, s->time / scene->end_time, note);

@@ -575,3 +575,31 @@ END
   run -3 env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2 sphsolve-mpi explain "$ROOT/data-samples/scenes/recharge.cfg"
   [[ "$output" == *"method richards runs in one process; leave out mpirun"* ]]
 }
+
+@test "soil that is not full: a well whose soil does not bring its rate is told of, in kg, too" {
+  cat > pump.cfg << 'END'
+scene = { name = "pump"; end_time = "1 d"; };
+domain = { size = ["4 m", "2 m"]; spacing = "20 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = (
+  { type = "porous"; box = ["0", "0", "4 m", "2 m"]; porosity = 0.35; permeability = "1e-5 m/s"; head = "1.5 m";
+    haverkamp = { h_theta = "40 cm"; beta = 3.0; h_k = "20 cm"; gamma = 5.0; }; },
+  { type = "drain"; name = "pipe"; box = ["3.6 m", "0.8 m", "4 m", "1.2 m"]; head = "1.2 m"; },
+  { type = "well"; name = "pump"; box = ["0", "0.4 m", "0.2 m", "1 m"];
+    times = ["0 s", "1 h", "1 d"]; rate = ["0 m^2/s", "4e-6 m^2/s", "4e-6 m^2/s"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  run -0 --separate-stderr sphsolve run pump.cfg -o pump
+  [ "$(grep -c "of this well's rate" <<< "$stderr")" -eq 1 ]
+  [[ "$stderr" == *"pump.cfg:8: t = "*"the soil brings"*"give a lower one, or a drain of a head"* ]]
+  sphsolve explain pump.cfg | grep -q "on   richards_wells  *wells or drains"
+  /usr/bin/python3 - << 'END'
+import h5py
+h = h5py.File("pump.hdf")["history"]
+well, pipe = h["taken_pump"][:], h["taken_pipe"][:]
+assert 0 < h["outflow_pump"][-1] < 0.9 * 4e-6 * 0.2 and h["outflow_pipe"][0] > 0
+lost = 1000 * (h["water"][0] - h["water"][-1])
+assert abs((well[-1] + pipe[-1]) / lost - 1) < 1e-9, (well[-1], pipe[-1], lost)
+assert (pipe[1:] >= pipe[:-1]).all() and (well[1:] >= well[:-1]).all()
+END
+}
